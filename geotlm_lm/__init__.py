@@ -1,0 +1,31 @@
+"""Ask a camera-based touch sensor, in plain language, how the touched object moves.
+
+Public names load on first use, so that importing the package costs neither torch nor transformers.
+"""
+
+from importlib import import_module
+from typing import Any
+
+__version__ = "0.1.0"
+
+_HOME_OF = {
+    "Answer": "geotlm_lm.answering",
+    "Answerer": "geotlm_lm.answering",
+    "Clip": "geotlm_lm.core.clip",
+    "FrameSpec": "geotlm_lm.core.frame_spec",
+    "GeoTLMError": "geotlm_lm.core.errors",
+    "Motion": "geotlm_lm.core.labels",
+    "read_clip": "geotlm_lm.recordings.read",
+}
+
+__all__ = ["__version__", *sorted(_HOME_OF)]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'geotlm_lm' has no attribute '{name}'")
+    return getattr(import_module(_HOME_OF[name]), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,86 @@
+"""A tactile clip: frames of a camera-based touch sensor, checked at birth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.errors import UnreadableClip
+
+Frames = NDArray[np.uint8]
+
+
+@dataclass(frozen=True, eq=False)
+class Clip:
+    """Frames in time order, RGB, and what is known about how they were taken.
+
+    Args:
+        frames: uint8, shape (t, rows, columns, 3), t >= 1.
+        fps: Frames per second; None when unknown.
+        background: The idle gel, uint8, shape (rows, columns, 3); None when unknown.
+        name: What errors and answers call the clip: a path or an identifier.
+        frame_numbers: Where the frames stood in the recording they were taken from.
+        notes: What a reader guessed or warns about, one sentence each.
+
+    Raises:
+        UnreadableClip: If the frames or the background are not of this form.
+    """
+
+    frames: Frames
+    fps: float | None = None
+    background: Frames | None = None
+    name: str = "clip"
+    frame_numbers: tuple[int, ...] = ()
+    notes: tuple[str, ...] = field(default=())
+
+    def __post_init__(self) -> None:
+        frames = self.frames
+        if frames.dtype != np.uint8 or frames.ndim != 4 or frames.shape[-1] != 3:
+            raise UnreadableClip(
+                f"{self.name}: found {frames.dtype} frames of shape {frames.shape}, expected uint8 "
+                f"(frames, rows, columns, 3); convert the array first."
+            )
+        if 0 in frames.shape:
+            raise UnreadableClip(
+                f"{self.name}: holds no pixels (shape {frames.shape}); record it again."
+            )
+        if min(frames.shape[1:3]) < MIN_SIDE:
+            raise UnreadableClip(
+                f"{self.name}: frames are {frames.shape[2]}x{frames.shape[1]} pixels, expected at "
+                f"least {MIN_SIDE} per side; export the recording at its full size."
+            )
+        if self.background is not None and self.background.shape != frames.shape[1:]:
+            raise UnreadableClip(
+                f"{self.name}: the background has shape {self.background.shape}, the frames "
+                f"{frames.shape[1:]}; give an idle frame of the same size."
+            )
+        if self.fps is not None and not 0 < self.fps < 1e5:
+            object.__setattr__(self, "fps", None)
+        if not self.frame_numbers:
+            object.__setattr__(self, "frame_numbers", tuple(range(len(frames))))
+        frames.setflags(write=False)
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    def select(self, indices: list[int] | tuple[int, ...]) -> Clip:
+        """Return the clip of the frames at `indices`, keeping where they stood."""
+        return replace(
+            self,
+            frames=self.frames[list(indices)],
+            frame_numbers=tuple(self.frame_numbers[index] for index in indices),
+        )
+
+    def reversed(self) -> Clip:
+        """Return the clip played backwards."""
+        return self.select(range(len(self) - 1, -1, -1))
+
+    def with_note(self, note: str) -> Clip:
+        """Return the clip with one more note."""
+        return replace(self, notes=(*self.notes, note))
+
+
+MIN_SIDE = 8
+"""Smallest side in pixels a clip may have; below it no imprint can be resolved."""

@@ -1,0 +1,43 @@
+"""Errors a user can repair: one sentence, and the exit code the command line gives it."""
+
+
+class GeoTLMError(Exception):
+    """Something the user can repair: what was found, what was expected, what to do."""
+
+    exit_code = 1
+
+
+class UsageError(GeoTLMError):
+    """The call itself is wrong: an empty question, an unknown name, options that exclude others."""
+
+    exit_code = 2
+
+
+class UnreadableClip(GeoTLMError):
+    """A file is missing, is not a recording, or holds no usable frames."""
+
+    exit_code = 3
+
+
+class IncompatibleBundle(GeoTLMError):
+    """A model bundle is missing, incomplete, or of another format."""
+
+    exit_code = 4
+
+
+class Abstained(GeoTLMError):
+    """The model would not answer, and the caller asked to treat that as a failure."""
+
+    exit_code = 5
+
+
+class BelowMinimum(GeoTLMError):
+    """An evaluation fell below the accuracy the caller asked for."""
+
+    exit_code = 6
+
+
+class MissingDependency(GeoTLMError):
+    """An optional package or a device is not there."""
+
+    exit_code = 7

@@ -1,0 +1,79 @@
+"""The frame of reference an answer is told in, and how a motion reads from another frame."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+from geotlm_lm.core.labels import ROTATIONS, Motion, mirror, reverse
+
+Viewpoint = Literal["sensor", "object"]
+Actor = Literal["object", "sensor"]
+ContactSide = Literal["head", "shank", "side"]
+Thread = Literal["right", "left"]
+
+
+@dataclass(frozen=True)
+class FrameSpec:
+    """Facts about the recording that decide what a direction means.
+
+    Args:
+        image_mirrored: The recorded image is flipped left to right against the camera's view.
+        viewpoint: From which side the direction is told: looking out of the sensor, or at it.
+        actor: Whose motion is told: the object's relative to the sensor, or the sensor's.
+        contact_side: Which side of a screw or cap touches the gel; None when unknown.
+        thread: Handedness of a thread; None when unknown.
+    """
+
+    image_mirrored: bool = False
+    viewpoint: Viewpoint = "sensor"
+    actor: Actor = "object"
+    contact_side: ContactSide | None = None
+    thread: Thread | None = None
+
+    def tell(self, motion: Motion) -> Motion:
+        """Return `motion`, named in the camera image for the object, as this frame names it.
+
+        A mirrored recording and the view from the object's side each flip left and right; telling
+        the sensor's motion instead of the object's turns a direction around. Pressing stays
+        pressing whoever moves.
+        """
+        for is_flipped in (self.image_mirrored, self.viewpoint == "object"):
+            motion = mirror(motion) if is_flipped else motion
+        if self.actor == "sensor" and motion not in (Motion.PRESS, Motion.RELEASE):
+            motion = reverse(motion)
+        return motion
+
+    def missing_for_thread(self) -> tuple[str, ...]:
+        """Return the names of the facts still needed to tell tightening from loosening."""
+        return tuple(name for name in ("contact_side", "thread") if getattr(self, name) is None)
+
+    def tightens(self, motion: Motion) -> bool | None:
+        """Tell whether `motion` of the object tightens its thread.
+
+        A right-hand thread seen from its head tightens clockwise; the shank side and a left-hand
+        thread each invert that.
+
+        Args:
+            motion: The object's motion in the camera image.
+
+        Returns:
+            True, False, or None when the motion is no rotation, when a fact is missing, or when the
+            gel touches the side, where a cap's turn shows as a slide.
+        """
+        if motion not in ROTATIONS or self.missing_for_thread() or self.contact_side == "side":
+            return None
+        seen = mirror(motion) if self.image_mirrored else motion
+        inversions = (self.contact_side == "shank") + (self.thread == "left")
+        return (seen == Motion.CLOCKWISE) == (inversions % 2 == 0)
+
+    def sentence(self) -> str:
+        """Return the frame in words, as answers state it."""
+        image = "mirrored camera image" if self.image_mirrored else "camera image"
+        side = "looking out of the sensor" if self.viewpoint == "sensor" else "seen from the object"
+        whose = "object relative to sensor" if self.actor == "object" else "sensor past the object"
+        return f"{image}, {side}, {whose}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields and the sentence as plain JSON values."""
+        return asdict(self) | {"sentence": self.sentence()}

@@ -1,0 +1,33 @@
+"""Sizes of the data flow, each under its own name (several happen to be equal to 14 or 2)."""
+
+IMAGE_SIDE = 224
+"""Pixels per side of the square image a backbone reads (paper, Sec. Method)."""
+
+PATCH_SIDE = 16
+"""Pixels per side of one patch (ViT-B/16)."""
+
+GRID_SIDE = IMAGE_SIDE // PATCH_SIDE
+"""Patches per side."""
+
+FRAME_COUNT = 4
+"""Frames in one clip."""
+
+TUBE_FRAMES = 2
+"""Frames that share one temporal tube."""
+
+TIME_BIN_COUNT = FRAME_COUNT // TUBE_FRAMES
+"""Time-bins after the temporal tube."""
+
+SENSOR_TOKEN_COUNT = 5
+"""Sensor tokens of AnyTouch 2's layout: 1 global, 5 sensor, 392 patch tokens."""
+
+SHEAR_CHANNEL_COUNT = 2
+"""In-plane components of the shear signal, (x, y)."""
+
+REGIONS = ("upper", "lower", "upper_minus_lower", "left", "right", "left_minus_right", "global")
+"""The seven pooling regions in the paper's order (Eq. 6)."""
+
+REGION_COUNT = len(REGIONS)
+
+DESCRIPTOR_DIM = REGION_COUNT * SHEAR_CHANNEL_COUNT
+"""Length of the descriptor r: the seven regions of x, then the seven regions of y (Eq. 8)."""

@@ -1,0 +1,126 @@
+"""Motion labels and the sign convention.
+
+Arrays are [row, column]; x runs right with columns, y runs down with rows, z into the object.
+Positive rotation is clockwise as drawn in the image (x towards y). Every direction names the motion
+of the object relative to the sensor, in the camera image, unless a `FrameSpec` says otherwise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+from typing import Any
+
+
+class Motion(StrEnum):
+    """What the object does during one clip; the values are the words of the JSON answers."""
+
+    CLOCKWISE = "clockwise"
+    COUNTERCLOCKWISE = "counterclockwise"
+    LEFT = "left"
+    RIGHT = "right"
+    UP = "up"
+    DOWN = "down"
+    PRESS = "press"
+    RELEASE = "release"
+    STILL = "still"
+    NONE = "none"
+    """Nothing touches the gel."""
+
+
+class MotionClass(StrEnum):
+    """The kind of a motion, whatever its direction."""
+
+    ROTATION = "rotation"
+    SLIDE = "slide"
+    PRESS = "press"
+    RELEASE = "release"
+    STILL = "still"
+    NONE = "none"
+
+
+ROTATIONS = (Motion.CLOCKWISE, Motion.COUNTERCLOCKWISE)
+SLIDES = (Motion.LEFT, Motion.RIGHT, Motion.UP, Motion.DOWN)
+DIRECTED = ROTATIONS + SLIDES
+"""Motions that claim a direction in the image plane."""
+
+_CLASS_OF = {
+    **dict.fromkeys(ROTATIONS, MotionClass.ROTATION),
+    **dict.fromkeys(SLIDES, MotionClass.SLIDE),
+    Motion.PRESS: MotionClass.PRESS,
+    Motion.RELEASE: MotionClass.RELEASE,
+    Motion.STILL: MotionClass.STILL,
+    Motion.NONE: MotionClass.NONE,
+}
+
+_MIRRORED = {
+    Motion.CLOCKWISE: Motion.COUNTERCLOCKWISE,
+    Motion.COUNTERCLOCKWISE: Motion.CLOCKWISE,
+    Motion.LEFT: Motion.RIGHT,
+    Motion.RIGHT: Motion.LEFT,
+}
+
+_REVERSED = {
+    **_MIRRORED,
+    Motion.UP: Motion.DOWN,
+    Motion.DOWN: Motion.UP,
+    Motion.PRESS: Motion.RELEASE,
+    Motion.RELEASE: Motion.PRESS,
+}
+
+
+def motion_class(motion: Motion) -> MotionClass:
+    """Return the kind of `motion`."""
+    return _CLASS_OF[motion]
+
+
+def mirror(motion: Motion) -> Motion:
+    """Return the motion seen when the image is flipped left to right."""
+    return _MIRRORED.get(motion, motion)
+
+
+def reverse(motion: Motion) -> Motion:
+    """Return the motion seen when the clip is played backwards."""
+    return _REVERSED.get(motion, motion)
+
+
+@dataclass(frozen=True)
+class MotionLabel:
+    """The truth about one clip, from its first to its last frame.
+
+    Args:
+        motion: The dominant motion.
+        rotation_deg: Signed turn of the object, positive clockwise as drawn in the image.
+        slide_x_mm: Travel of the object to the right.
+        slide_y_mm: Travel of the object down the image.
+        depth_change_mm: Change of the indentation depth, positive when pressing in.
+        contact_fraction: Share of the image in contact, one number per frame, in [0, 1].
+        is_readable: Whether the motion changes the image more than the sensor's noise; a smooth
+            ball spinning about its own axis does not.
+    """
+
+    motion: Motion
+    rotation_deg: float = 0.0
+    slide_x_mm: float = 0.0
+    slide_y_mm: float = 0.0
+    depth_change_mm: float = 0.0
+    contact_fraction: tuple[float, ...] = ()
+    is_readable: bool = True
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the label as plain JSON values."""
+        return asdict(self) | {
+            "motion": self.motion.value,
+            "contact_fraction": list(self.contact_fraction),
+        }
+
+    @classmethod
+    def from_dict(cls, values: dict[str, Any]) -> MotionLabel:
+        """Read a label back from `to_dict`."""
+        return cls(
+            **values
+            | {
+                "motion": Motion(values["motion"]),
+                "contact_fraction": tuple(values["contact_fraction"]),
+            }
+        )

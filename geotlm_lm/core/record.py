@@ -1,0 +1,111 @@
+"""A run record: what was measured, by which command, on which machine; JSON in and out."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import subprocess
+import tempfile
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+RECORD_FORMAT = 1
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """Numbers and everything needed to get them again.
+
+    Args:
+        name: What was run, e.g. "evaluate".
+        command: The command line that produced the numbers.
+        seed: The root seed.
+        seconds: Wall time.
+        numbers: The results, plain JSON values.
+        config: Every setting that shaped them.
+    """
+
+    name: str
+    command: str
+    seed: int
+    seconds: float
+    numbers: dict[str, Any]
+    config: dict[str, Any] = field(default_factory=dict)
+    commit: str = field(default_factory=lambda: _commit())
+    machine: dict[str, Any] = field(default_factory=lambda: machine())
+    made_utc: str = field(default_factory=lambda: datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"))
+    format: int = RECORD_FORMAT
+
+    def save(self, path: Path) -> None:
+        """Write the record as JSON, atomically."""
+        write_text_atomically(path, json.dumps(asdict(self), indent=1, sort_keys=True) + "\n")
+
+    @classmethod
+    def load(cls, path: Path) -> RunRecord:
+        """Read a record written by `save`."""
+        return cls(**json.loads(path.read_text()))
+
+
+def machine() -> dict[str, Any]:
+    """Return the processor, its core count, and the versions that decide speed and numbers."""
+    versions = {}
+    for package in ("numpy", "torch", "transformers", "opencv-contrib-python-headless"):
+        versions[package] = _version(package)
+    return {
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "python": platform.python_version(),
+        "versions": versions,
+    }
+
+
+def write_text_atomically(path: Path, text: str) -> None:
+    """Write `text` so that a reader sees the old file or the new one, never half of it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "w") as stream:
+            stream.write(text)
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def _version(package: str) -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "absent"
+
+
+def _processor() -> str:
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    except OSError:
+        pass
+    return platform.processor() or platform.machine()
+
+
+def _commit() -> str:
+    """Return the checkout's commit, '+' appended when files differ from it; '' outside git."""
+    root = Path(__file__).resolve().parents[2]
+    if not (root / ".git").exists():
+        return ""
+    git = ["git", "-C", str(root)]
+    try:
+        head = subprocess.run([*git, "rev-parse", "HEAD"], capture_output=True, text=True)
+        changed = subprocess.run(
+            [*git, "status", "--porcelain", "-uno"], capture_output=True, text=True
+        )
+    except OSError:
+        return ""
+    return head.stdout.strip()[:12] + ("+" if changed.stdout.strip() else "")
