@@ -1,0 +1,137 @@
+"""Four frames and the idle gel -> patch inputs: what changed, and how the change moved.
+
+Sub-patch motion is a product of temporal and spatial gradients, which a small transformer trained
+from scratch on pixels did not find; so the stem hands it dense optical flow beside the pixels. It
+has no learned weight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.geometry import FRAME_COUNT, GRID_SIDE, IMAGE_SIDE, TUBE_FRAMES
+
+Floats = NDArray[np.float32]
+
+CELLS = 4
+"""Cells per patch side at which the residual is kept: 4 x 4 cells of 4 x 4 pixels."""
+
+RESIDUAL_SCALE_GREY = 24.0
+"""Grey levels mapped to 1: about one standard deviation of a real contact's residual (21-43)."""
+
+FLOW_SCALE_PX = 4.0
+"""Pixels of accumulated flow mapped to 1."""
+
+CONTRAST_FLOOR_GREY2 = 4.0
+"""Squared gradient at which contrast outweighs camera noise (sigma 1.2-2 grey)."""
+
+PATCH_INPUT_DIM = 3 * CELLS**2 + 6
+"""RGB residual cells, then flow x, flow y, log contrast, and the gradients' orientation (3)."""
+
+
+def patch_inputs(clip: Clip) -> Floats:
+    """Compute the inputs of one clip's patch tokens.
+
+    Args:
+        clip: Exactly four frames with a known or estimated background, any size.
+
+    Returns:
+        Shape (2, 14, 14, PATCH_INPUT_DIM), early time-bin first. Flow is accumulated from the
+        clip's first frame to the mean of the bin's two frames, x right, y down.
+
+    Raises:
+        ValueError: If the clip is not four frames with a background.
+    """
+    if len(clip) != FRAME_COUNT or clip.background is None:
+        raise ValueError(f"the stem reads {FRAME_COUNT} frames and a background, found {len(clip)}")
+    idle = _square(clip.background)
+    residual = [cv2.subtract(_square(frame), idle) for frame in clip.frames]
+    grey = [_grey(image) for image in residual]
+    structure = [_structure(image) for image in grey]
+    pixels = _bin_means([_cells(image) for image in residual]) / RESIDUAL_SCALE_GREY
+    flow = _bin_means(_accumulated_flow(grey, structure)) / FLOW_SCALE_PX
+    orientation = _bin_means([_orientation(products) for products in structure])
+    return np.concatenate([np.clip(pixels, -4, 4), flow, orientation], axis=-1, dtype=np.float32)
+
+
+def _square(image: NDArray[np.uint8]) -> Floats:
+    if image.shape[:2] != (IMAGE_SIDE, IMAGE_SIDE):
+        shrinks = image.shape[0] > IMAGE_SIDE or image.shape[1] > IMAGE_SIDE
+        how = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+        image = cv2.resize(image, (IMAGE_SIDE, IMAGE_SIDE), interpolation=how)
+    return image.astype(np.float32)
+
+
+def _grey(residual: Floats) -> NDArray[np.uint8]:
+    """Return the residual as an 8-bit image around 128, doubled: flow needs the contrast."""
+    return cv2.transform(residual, _GREY_WEIGHTS).clip(0, 255).astype(np.uint8)
+
+
+_GREY_WEIGHTS = np.float32([[2 * 0.299, 2 * 0.587, 2 * 0.114, 128.0]])
+
+
+def _cells(residual: Floats) -> Floats:
+    """Average (224, 224, 3) to (14, 14, 48): 4 x 4 cells of three colours per patch."""
+    cells = _area_means(residual, GRID_SIDE * CELLS)
+    cells = cells.reshape(GRID_SIDE, CELLS, GRID_SIDE, CELLS, 3)  # gh cell gw cell rgb
+    return cells.transpose(0, 2, 1, 3, 4).reshape(GRID_SIDE, GRID_SIDE, -1)
+
+
+def _area_means(values: Floats, side: int) -> Floats:
+    # Measured 15 times faster than a numpy mean over two axes of the reshaped image.
+    return cv2.resize(values, (side, side), interpolation=cv2.INTER_AREA)
+
+
+def _bin_means(values: Sequence[Floats]) -> Floats:
+    """Average the two frames of each time-bin: four arrays to shape (2, ...)."""
+    stacked = np.stack(values)
+    return stacked.reshape(-1, TUBE_FRAMES, *stacked.shape[1:]).mean(axis=1)
+
+
+def _structure(grey: NDArray[np.uint8]) -> Floats:
+    """Return the products of image gradients (xx, xy, yy), shape (224, 224, 3), grey^2 per px^2."""
+    image = cv2.GaussianBlur(grey, (5, 5), 0)
+    gx = cv2.Sobel(image, cv2.CV_32F, 1, 0, scale=1 / 8)
+    gy = cv2.Sobel(image, cv2.CV_32F, 0, 1, scale=1 / 8)
+    return cv2.merge([gx * gx, gx * gy, gy * gy])
+
+
+def _orientation(structure: Floats) -> Floats:
+    """Return log contrast and the normalised structure of each patch, shape (14, 14, 4)."""
+    mean = _area_means(structure, GRID_SIDE)
+    energy = mean[..., :1] + mean[..., 2:]
+    log_contrast = np.log1p(energy / CONTRAST_FLOOR_GREY2)
+    return np.concatenate([log_contrast, mean / (energy + CONTRAST_FLOOR_GREY2)], axis=-1)
+
+
+def _flow_solver() -> cv2.DISOpticalFlow:
+    """Return dense inverse search down to half resolution, without variational smoothing.
+
+    Measured on textures shifted by 0.2 to 8 px a step: 0 to 4 % too far; the preset as it comes
+    (quarter resolution, smoothed) 11 to 25 % too far below 1 px a step.
+    """
+    solver = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
+    solver.setFinestScale(1)
+    solver.setVariationalRefinementIterations(0)
+    return solver
+
+
+def _accumulated_flow(grey: list[NDArray[np.uint8]], structure: list[Floats]) -> list[Floats]:
+    """Sum each patch's contrast-weighted flow from the first frame on, (14, 14, 2) a frame, px."""
+    solver = _flow_solver()
+    total = [np.zeros((GRID_SIDE, GRID_SIDE, 2), np.float32)]
+    for before, after, products in zip(grey[:-1], grey[1:], structure[1:], strict=True):
+        step = np.zeros_like(total[0])
+        if not np.array_equal(before, after):
+            flow = solver.calc(before, after, None)
+            weight = products[..., 0] + products[..., 2] + 1e-3
+            weighted = cv2.merge([flow[..., 0] * weight, flow[..., 1] * weight, weight])
+            mean = _area_means(weighted, GRID_SIDE)
+            step = mean[..., :2] / mean[..., 2:]
+        total.append(total[-1] + step)
+    return total

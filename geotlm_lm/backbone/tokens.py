@@ -1,0 +1,23 @@
+"""What a backbone returns: one global token and a grid of patch tokens per time-bin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from torch import Tensor
+
+
+@dataclass(frozen=True, eq=False)
+class Tokens:
+    """Tokens of a batch of clips.
+
+    Args:
+        global_token: Summary c of each clip, shape (b, d).
+        patches: Patch tokens F, shape (b, 2, gh, gw, d), early time-bin first (Eq. 1).
+    """
+
+    global_token: Tensor
+    patches: Tensor
+
+    def __len__(self) -> int:
+        return len(self.global_token)

@@ -1,0 +1,66 @@
+"""GeoTLM's perception, read like the paper's figure: clip -> tokens -> geometry -> fused token.
+
+The language side starts where this file ends: it receives the fused token and nothing else.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor
+
+from geotlm_lm.backbone.frozen import FrozenBackbone
+from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.dgr.encoder import DGR, Geometry
+from geotlm_lm.probe.linear import LinearProbe
+from geotlm_lm.probe.standardise import Standardiser
+
+
+@dataclass(frozen=True, eq=False)
+class Perception:
+    """What the model perceives in a batch of clips.
+
+    Args:
+        global_token: Standardised global token c, shape (b, d).
+        geometry: Everything DGR computed.
+        fused_token: z = c + g, shape (b, d) (Eq. 9).
+    """
+
+    global_token: Tensor
+    geometry: Geometry
+    fused_token: Tensor
+
+
+@dataclass(eq=False)
+class GeoTLM:
+    """A frozen backbone, the geometry read from its tokens, and two linear probes.
+
+    Args:
+        backbone: Clips to tokens, frozen.
+        global_standardiser: Statistics of the training split's global tokens.
+        patch_standardiser: Statistics of the training split's patch tokens.
+        dgr: Patch tokens to geometry.
+        probe: The paper's read-out of the fused token.
+        global_probe: The same read-out without DGR: the controlled ablation.
+    """
+
+    backbone: FrozenBackbone
+    global_standardiser: Standardiser
+    patch_standardiser: Standardiser
+    dgr: DGR
+    probe: LinearProbe
+    global_probe: LinearProbe
+
+    def perceive(self, clips: list[Clip]) -> Perception:
+        """Perceive clips of four frames with a background each."""
+        return self.fuse(self.backbone.encode(clips))  # Eq. 1
+
+    @torch.inference_mode()
+    def fuse(self, tokens: Tokens) -> Perception:
+        """Add the geometric feature to the global token (Eqs. 2-9)."""
+        global_token = self.global_standardiser.apply(tokens.global_token)
+        patches = self.patch_standardiser.apply(tokens.patches)
+        geometry = self.dgr(patches)  # Eqs. 2-8
+        return Perception(global_token, geometry, global_token + geometry.feature)  # Eq. 9

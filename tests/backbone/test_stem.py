@@ -1,0 +1,77 @@
+"""Expected values: shifts and turns applied to a synthetic imprint by OpenCV's warp."""
+
+import cv2
+import numpy as np
+import pytest
+
+from geotlm_lm.backbone.stem import CELLS, FLOW_SCALE_PX, PATCH_INPUT_DIM, patch_inputs
+from geotlm_lm.core.clip import Clip
+
+FLOW_X, FLOW_Y, CONTRAST = 3 * CELLS**2, 3 * CELLS**2 + 1, 3 * CELLS**2 + 2
+
+
+def moving_clip(shift_px=(0.0, 0.0), turn_deg=0.0, noise_grey=1.0):
+    """Four frames of a textured imprint that moves evenly from the first frame to the last."""
+    rng = np.random.default_rng(0)
+    texture = cv2.GaussianBlur(rng.normal(size=(224, 224)).astype(np.float32), (0, 0), 3)
+    rows, columns = np.mgrid[:224, :224]
+    window = np.exp(-(((rows - 112) ** 2 + (columns - 112) ** 2) / (2 * 45**2)))
+    imprint = (texture / texture.std() * window * 30).astype(np.float32)
+    frames = []
+    for share in (0, 1 / 3, 2 / 3, 1):
+        # OpenCV counts angles counterclockwise as drawn; ours are clockwise.
+        matrix = cv2.getRotationMatrix2D((112, 112), -turn_deg * share, 1.0)
+        matrix[:, 2] += np.array(shift_px) * share
+        moved = cv2.warpAffine(imprint, matrix, (224, 224))
+        noise = rng.normal(size=(224, 224, 3)) * noise_grey
+        frames.append(np.clip(110 + moved[..., None] + noise, 0, 255).astype(np.uint8))
+    return Clip(np.stack(frames), background=np.full((224, 224, 3), 110, np.uint8))
+
+
+def centre_flow_px(inputs, time_bin):
+    return inputs[time_bin, 4:10, 4:10, FLOW_X : FLOW_Y + 1].mean(axis=(0, 1)) * FLOW_SCALE_PX
+
+
+@pytest.mark.parametrize("shift", [(3.0, 0.0), (-3.0, 0.0), (0.0, 6.0), (1.0, -1.0)])
+def test_flow_is_the_mean_displacement_of_each_time_bin(shift):
+    inputs = patch_inputs(moving_clip(shift))
+    # Frames sit at 0, 1/3 | 2/3, 1 of the way: means 1/6 and 5/6. Measured error below 0.1 px.
+    assert centre_flow_px(inputs, 0) == pytest.approx(np.array(shift) / 6, abs=0.15)
+    assert centre_flow_px(inputs, 1) == pytest.approx(np.array(shift) * 5 / 6, abs=0.25)
+
+
+def test_a_clockwise_turn_moves_the_top_right_and_the_right_side_down():
+    flow = patch_inputs(moving_clip(turn_deg=6.0))[1]
+    assert flow[4, 6:8, FLOW_X].mean() > 0.3
+    assert flow[9, 6:8, FLOW_X].mean() < -0.3
+    assert flow[6:8, 9, FLOW_Y].mean() > 0.3
+    assert flow[6:8, 4, FLOW_Y].mean() < -0.3
+
+
+def test_repeated_frames_carry_no_flow():
+    clip = moving_clip((4.0, 0.0))
+    still = patch_inputs(clip.select([0, 0, 0, 0]))
+    assert np.abs(still[..., FLOW_X : FLOW_Y + 1]).max() == 0
+    pair = patch_inputs(clip.select([0, 0, 3, 3]))
+    assert np.abs(pair[0, ..., FLOW_X : FLOW_Y + 1]).max() == 0
+    assert centre_flow_px(pair, 1)[0] == pytest.approx(4.0, abs=0.3)
+
+
+def test_contrast_is_higher_where_the_imprint_is():
+    contrast = patch_inputs(moving_clip())[..., CONTRAST]
+    assert contrast[:, 6:8, 6:8].min() > contrast[:, 0, 0].max() + 0.5
+
+
+def test_inputs_do_not_depend_on_the_recorded_size_beyond_resampling():
+    clip = moving_clip((3.0, 0.0), noise_grey=0.0)
+    twice = [cv2.resize(frame, (448, 448)) for frame in clip.frames]
+    large = Clip(np.stack(twice), background=np.full((448, 448, 3), 110, np.uint8))
+    small, large = patch_inputs(clip), patch_inputs(large)
+    assert small.shape == large.shape == (2, 14, 14, PATCH_INPUT_DIM)
+    assert centre_flow_px(large, 1) == pytest.approx(centre_flow_px(small, 1), abs=0.2)
+
+
+def test_a_clip_without_background_is_refused():
+    clip = Clip(np.zeros((4, 32, 32, 3), np.uint8))
+    with pytest.raises(ValueError, match="the stem reads 4 frames and a background, found 4"):
+        patch_inputs(clip)

@@ -1,0 +1,65 @@
+"""Expected values: token order by perturbation, and a block written out with plain matrices."""
+
+import torch
+
+from geotlm_lm.backbone.frozen import FrozenBackbone
+from geotlm_lm.backbone.vit import Block, ViT, ViTConfig
+
+CONFIG = ViTConfig(input_dim=7, width=24, depth=2, heads=3, grid_side=5)
+
+
+def vit():
+    return ViT(CONFIG).initialise(torch.Generator().manual_seed(0)).double()
+
+
+def test_a_block_equals_its_formula_written_out():
+    generator = torch.Generator().manual_seed(1)
+    block = Block(CONFIG).double()
+    for parameter in block.parameters():
+        torch.nn.init.normal_(parameter, 0, 0.5, generator=generator)
+    x = torch.randn(2, 6, 24, generator=generator, dtype=torch.float64)
+
+    def norm(values, layer):
+        centred = values - values.mean(-1, keepdim=True)
+        spread = (centred.square().mean(-1, keepdim=True) + CONFIG.norm_eps).sqrt()
+        return centred / spread * layer.weight + layer.bias
+
+    query, key, value = (norm(x, block.norm1) @ block.qkv.weight.T + block.qkv.bias).chunk(3, -1)
+    mixed = torch.empty_like(x)
+    for head in range(3):
+        part = slice(8 * head, 8 * head + 8)
+        weights = (query[..., part] @ key[..., part].mT / 8**0.5).softmax(-1)
+        mixed[..., part] = weights @ value[..., part]
+    expected = x + mixed @ block.proj.weight.T + block.proj.bias
+    hidden = norm(expected, block.norm2) @ block.fc1.weight.T + block.fc1.bias
+    hidden = hidden * 0.5 * (1 + torch.erf(hidden / 2**0.5))
+    expected = expected + hidden @ block.fc2.weight.T + block.fc2.bias
+    torch.testing.assert_close(block(x), expected)
+
+
+def test_each_patch_input_lands_in_its_own_token():
+    model = vit()
+    model.blocks = torch.nn.ModuleList()  # without attention only the own token may change
+    inputs = torch.randn(1, 2, 5, 5, 7, dtype=torch.float64)
+    changed = inputs.clone()
+    changed[0, 1, 2, 4] += 1
+    difference = (model(changed).patches - model(inputs).patches).abs().sum(-1)
+    assert difference.nonzero().tolist() == [[0, 1, 2, 4]]
+
+
+def test_a_batch_equals_its_clips_one_by_one():
+    model, inputs = vit(), torch.randn(3, 2, 5, 5, 7, dtype=torch.float64)
+    together = model(inputs)
+    for index in range(3):
+        alone = model(inputs[index : index + 1])
+        torch.testing.assert_close(together.patches[index], alone.patches[0])
+        torch.testing.assert_close(together.global_token[index], alone.global_token[0])
+
+
+def test_a_frozen_backbone_has_no_parameter_that_learns():
+    backbone = FrozenBackbone(ViT(CONFIG).initialise(torch.Generator().manual_seed(0)))
+    assert not any(parameter.requires_grad for parameter in backbone.vit.parameters())
+    tokens = backbone.encode_inputs(torch.randn(40, 2, 5, 5, 7))
+    assert tokens.patches.shape == (40, 2, 5, 5, 24)
+    assert tokens.global_token.shape == (40, 24)
+    assert not tokens.patches.requires_grad
