@@ -1,0 +1,4 @@
+"""Folds and scores: arrays in, numbers out.
+
+Numpy only; knows nothing of models, clips or words.
+"""

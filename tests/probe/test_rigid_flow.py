@@ -1,0 +1,170 @@
+import cv2
+import numpy as np
+import pytest
+
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, mirror, reverse
+from geotlm_lm.probe.rigid_flow import (
+    RigidFlow,
+    RigidMotion,
+    decide,
+    fit_rigid,
+    radius_of_gyration,
+)
+
+IDLE_LEVEL = 110
+
+
+def textured_imprint(seed, rows=160, columns=200):
+    """Smooth random relief inside a soft disc: an imprint of roughly a third of the image."""
+    rng = np.random.default_rng(seed)
+    relief = cv2.GaussianBlur(rng.standard_normal((rows, columns)).astype(np.float32), (0, 0), 3)
+    y, x = np.mgrid[:rows, :columns]
+    radius = np.hypot(x - columns / 2, y - rows / 2)
+    return relief / relief.std() * 18 / (1 + np.exp((radius - 45) / 3))
+
+
+def moved_clip(imprint, turns_deg, slides_px, noise=1.0):
+    """Frames of an imprint that turns clockwise and slides as told, by warping."""
+    rows, columns = imprint.shape
+    rng = np.random.default_rng(7)
+    frames = []
+    for turn_deg, (slide_x, slide_y) in zip(turns_deg, slides_px, strict=True):
+        # getRotationMatrix2D turns counter-clockwise as drawn for positive angles.
+        matrix = cv2.getRotationMatrix2D((columns / 2, rows / 2), -turn_deg, 1.0)
+        matrix[:, 2] += (slide_x, slide_y)
+        warped = cv2.warpAffine(imprint, matrix, (columns, rows), flags=cv2.INTER_CUBIC)
+        noisy = IDLE_LEVEL + warped + noise * rng.standard_normal(imprint.shape)
+        frames.append(np.repeat(np.clip(noisy, 0, 255)[..., None], 3, axis=2))
+    idle = np.full((rows, columns, 3), IDLE_LEVEL, np.uint8)
+    return Clip(np.stack(frames).astype(np.uint8), background=idle)
+
+
+@pytest.mark.parametrize("step_deg", [-2.0, -1.0, 1.0, 2.0])
+def test_a_known_turn_is_measured_with_its_sign(step_deg):
+    clip = moved_clip(textured_imprint(0), step_deg * np.arange(4), [(0, 0)] * 4)
+    found = RigidFlow().fit(clip)
+    # Idle pixels around the imprint pull the fit down: 78 to 99 % of the turn is found (measured).
+    assert 0.75 < found.rotation_deg / (3 * step_deg) < 1.05
+    assert found.slide_px < 0.5
+
+
+@pytest.mark.parametrize(
+    ("step", "motion"),
+    [
+        ((-2.0, 0.3), Motion.LEFT),
+        ((2.0, 0.3), Motion.RIGHT),
+        ((0.3, -2.0), Motion.UP),
+        ((0.3, 2.0), Motion.DOWN),
+    ],
+)
+def test_a_known_slide_is_measured_and_named(step, motion):
+    clip = moved_clip(textured_imprint(1), [0] * 4, [np.multiply(step, k) for k in range(4)])
+    found = RigidFlow().fit(clip)
+    assert (found.slide_x_px, found.slide_y_px) == pytest.approx(np.multiply(step, 3), abs=0.6)
+    assert RigidFlow().predict(clip, SLIDES) == RigidFlow().predict(clip, DIRECTED) == motion
+
+
+def test_a_turn_wins_over_a_small_slide():
+    slides = [(0.2 * k, 0.0) for k in range(4)]
+    clip = moved_clip(textured_imprint(2), [0, 3, 6, 9], slides)
+    assert RigidFlow().predict(clip, DIRECTED) == Motion.CLOCKWISE
+
+
+def test_playing_a_clip_backwards_reverses_the_answer():
+    clip = moved_clip(textured_imprint(3), [0, 2, 4, 6], [(0, 0)] * 4)
+    motion = RigidFlow().predict(clip, ROTATIONS)
+    assert RigidFlow().predict(clip.reversed(), ROTATIONS) == reverse(motion)
+
+
+def test_mirroring_a_grey_clip_mirrors_the_answer():
+    clip = moved_clip(textured_imprint(4), [0, 2, 4, 6], [(0, 0)] * 4)
+    flipped = Clip(
+        np.ascontiguousarray(clip.frames[:, :, ::-1]),
+        background=np.ascontiguousarray(clip.background[:, ::-1]),
+    )
+    motion = RigidFlow().predict(clip, ROTATIONS)
+    assert RigidFlow().predict(flipped, ROTATIONS) == mirror(motion)
+
+
+def test_large_frames_report_their_own_pixels():
+    small = moved_clip(textured_imprint(5), [0] * 4, [(2.0 * k, 0) for k in range(4)], noise=0)
+    large = Clip(
+        np.stack(
+            [cv2.resize(f, None, fx=4, fy=4, interpolation=cv2.INTER_CUBIC) for f in small.frames]
+        ),
+        background=np.full((640, 800, 3), IDLE_LEVEL, np.uint8),
+    )
+    assert RigidFlow().fit(large).slide_x_px == pytest.approx(24, rel=0.1)
+
+
+def test_the_background_given_by_the_caller_is_used():
+    clip = moved_clip(textured_imprint(6), [0, 1, 2, 3], [(0, 0)] * 4)
+    bare = Clip(clip.frames)
+    with_own = RigidFlow().fit(clip)
+    assert RigidFlow().fit(bare, background=clip.background) == with_own
+    assert RigidFlow().fit(bare) != with_own
+
+
+def test_a_rigid_field_is_recovered_exactly():
+    rows, columns, turn, slide = 40, 50, 0.3, np.array([1.5, -2.0])
+    y, x = np.mgrid[:rows, :columns].astype(np.float32)
+    weight = np.random.default_rng(0).random((rows, columns)).astype(np.float32)
+    arm_x, arm_y = x - np.average(x, weights=weight), y - np.average(y, weights=weight)
+    turned_x = np.cos(turn) * arm_x - np.sin(turn) * arm_y
+    turned_y = np.sin(turn) * arm_x + np.cos(turn) * arm_y
+    field = np.stack([turned_x - arm_x, turned_y - arm_y], axis=-1) + slide.astype(np.float32)
+    assert fit_rigid(field, weight) == pytest.approx((turn, *slide), abs=1e-4)
+
+
+def test_reweighting_ignores_a_patch_that_does_not_turn_along():
+    y, x = np.mgrid[:60, :60].astype(np.float32) - 30
+    field = np.stack([-0.05 * y, 0.05 * x], axis=-1)
+    field[:15, :15] = (6.0, 6.0)
+    weight = np.ones((60, 60), np.float32)
+    plain, robust = (abs(fit_rigid(field, weight, n)[0] - 0.05) for n in (0, 4))
+    assert robust < 0.2 * plain
+
+
+def test_no_contrast_means_no_motion():
+    still = np.full((4, 32, 32, 3), IDLE_LEVEL, np.uint8)
+    found = RigidFlow().fit(Clip(still, background=still[0]))
+    assert (found.rotation_deg, found.slide_px, found.radius_px) == (0.0, 0.0, 0.0)
+
+
+def test_the_radius_of_gyration_of_a_bar_is_its_length_over_the_root_of_twelve():
+    bar = np.zeros((5, 300), np.float32)
+    bar[2, 40:240] = 1
+    assert radius_of_gyration(bar) == pytest.approx(200 / 12**0.5, rel=1e-4)
+
+
+def rigid_motion(turn_deg=0.0, x=0.0, y=0.0, contrast=(2.0, 2.0)):
+    return RigidMotion(turn_deg, x, y, radius_px=60.0, side_px=320, contrast=contrast)
+
+
+ALL = tuple(Motion)
+
+
+@pytest.mark.parametrize(
+    ("motion", "expected"),
+    [
+        (rigid_motion(contrast=(0.3, 0.3)), Motion.NONE),
+        (rigid_motion(), Motion.STILL),
+        (rigid_motion(x=1.0, contrast=(1.0, 2.0)), Motion.PRESS),
+        (rigid_motion(x=1.0, contrast=(2.0, 1.0)), Motion.RELEASE),
+        (rigid_motion(x=-9.0, contrast=(1.0, 2.0)), Motion.LEFT),
+        (rigid_motion(turn_deg=-20.0, x=5.0), Motion.COUNTERCLOCKWISE),
+        (rigid_motion(turn_deg=3.0, x=5.0), Motion.RIGHT),
+    ],
+)
+def test_the_stated_rules_decide_among_all_ten(motion, expected):
+    assert decide(motion, ALL) == expected
+
+
+def test_a_direction_is_named_when_only_directions_are_asked():
+    assert decide(rigid_motion(turn_deg=1e-3), ROTATIONS) == Motion.CLOCKWISE
+
+
+def test_nothing_asked_is_refused():
+    with pytest.raises(ValueError, match="at least one motion"):
+        decide(rigid_motion(), ())
