@@ -1,0 +1,88 @@
+"""The truth about a clip: its label, and the object's motion patch by patch; draws no picture."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE, PATCH_SIDE
+from geotlm_lm.core.labels import DIRECTED, Motion, MotionLabel
+from geotlm_lm.simulation.scene import Scene
+
+READABLE_GREY = 2.0
+"""RMS change of the noise-free image over the contact, in grey levels, below which a motion drowns:
+one frame's noise has a standard deviation of 1.2 to 2.0 grey levels, measured."""
+
+READABLE_CONTACT = 0.005
+"""Share of the view that must be in contact for a motion to be read at all: one patch of 14x14."""
+
+
+def label_for(
+    scene: Scene, contact_fraction: NDArray[np.floating], change_grey: float
+) -> MotionLabel:
+    """Return the label of a clip.
+
+    Args:
+        scene: What was simulated.
+        contact_fraction: Share of the view in contact, one number per frame.
+        change_grey: RMS change of the noise-free image from first to last frame over the contact.
+    """
+    path = scene.path
+    return MotionLabel(
+        motion=scene.motion,
+        rotation_deg=float(np.degrees(path.rotation_rad[-1] - path.rotation_rad[0])),
+        slide_x_mm=path.x_mm[-1] - path.x_mm[0],
+        slide_y_mm=path.y_mm[-1] - path.y_mm[0],
+        depth_change_mm=path.depth_mm[-1] - path.depth_mm[0],
+        contact_fraction=tuple(round(float(share), 5) for share in contact_fraction),
+        is_readable=is_readable(scene.motion, contact_fraction, change_grey),
+    )
+
+
+def is_readable(motion: Motion, contact_fraction: NDArray[np.floating], change_grey: float) -> bool:
+    """Tell whether a camera could see the motion; stillness and absence always can be seen."""
+    if motion in (Motion.STILL, Motion.NONE):
+        return True
+    touched = contact_fraction if motion in DIRECTED else [np.max(contact_fraction)]
+    return bool(np.min(touched) >= READABLE_CONTACT and change_grey >= READABLE_GREY)
+
+
+def image_change(
+    first: NDArray[np.float32], last: NDArray[np.float32], touches: NDArray[np.bool_]
+) -> float:
+    """Return the RMS difference of two planar images over `touches`, 0 where nothing touches."""
+    if not touches.any():
+        return 0.0
+    return float(np.sqrt(np.square(last[:, touches] - first[:, touches]).mean()))
+
+
+def patch_means(images: NDArray[np.generic]) -> NDArray[np.float32]:
+    """Return the mean of every patch: (frames, 224, 224) to (frames, 14, 14)."""
+    blocks = images.reshape(-1, GRID_SIDE, PATCH_SIDE, GRID_SIDE, PATCH_SIDE)
+    return blocks.mean(axis=(2, 4), dtype=np.float32)
+
+
+def patch_displacement(scene: Scene, contact: NDArray[np.floating]) -> NDArray[np.float32]:
+    """Return how far the object's point now under each patch centre has come since frame 0.
+
+    Args:
+        scene: Poses and pixel sizes.
+        contact: Share of every patch in contact, (frames, 14, 14).
+
+    Returns:
+        float32 (frames, 14, 14, 2), pixels of the 224-pixel image, (x right, y down); zero where a
+        patch is not in contact.
+    """
+    path, optics = scene.path, scene.optics
+    centres = (np.arange(GRID_SIDE) + 0.5) * PATCH_SIDE - IMAGE_SIDE / 2
+    x, y = np.meshgrid(centres * optics.mm_per_px_x, centres * optics.mm_per_px_y)
+    moved = np.zeros((len(path), GRID_SIDE, GRID_SIDE, 2), np.float32)
+    for frame in range(len(path)):
+        turn = path.rotation_rad[frame] - path.rotation_rad[0]
+        cos, sin = np.cos(turn), np.sin(turn)
+        from_x, from_y = x - path.x_mm[frame], y - path.y_mm[frame]
+        # The point stood at c0 + R(-turn)(X - c): turn back, then put the object's centre back.
+        moved[frame, ..., 0] = x - (path.x_mm[0] + cos * from_x + sin * from_y)
+        moved[frame, ..., 1] = y - (path.y_mm[0] - sin * from_x + cos * from_y)
+    moved /= np.array([optics.mm_per_px_x, optics.mm_per_px_y], np.float32)
+    return np.where(contact[..., None] > 0, moved, 0).astype(np.float32)

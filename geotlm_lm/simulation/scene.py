@@ -1,0 +1,124 @@
+"""What one simulated clip shows: object, gel, path of the object, camera and light; no randomness.
+
+Lengths are millimetres in the gel frame: origin at the middle of the view, x right, y down, z into
+the object. Rotation is positive clockwise as drawn in the image (x towards y).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from geotlm_lm.core.labels import Motion
+
+
+@dataclass(frozen=True)
+class Gel:
+    """The elastic pad, bonded to its backing.
+
+    Args:
+        thickness_mm: Thickness at the centre; 4.0 for GelSight Mini (FEATS, arXiv 2411.03315).
+        poisson_ratio: Dimensionless, at most 0.5.
+        dome: Height of the pad's crown relative to GelSight Mini's; 0 is a flat pad.
+    """
+
+    thickness_mm: float = 4.0
+    poisson_ratio: float = 0.48
+    dome: float = 1.0
+
+
+@dataclass(frozen=True)
+class Body:
+    """The rigid object that touches the gel.
+
+    Args:
+        name: A name in `indenters.INDENTERS`.
+        variant: Seed of the shape's own random features (cells, weave phase, engraving).
+        size: Scale of the shape; 1 is its nominal size.
+        tilt_x: Slope of the object about the image's y axis, mm per mm.
+        tilt_y: Slope of the object about the image's x axis, mm per mm.
+        texture_um: Standard deviation of the surface texture in micrometres.
+        texture_scale_mm: Correlation length of that texture.
+    """
+
+    name: str
+    variant: int = 0
+    size: float = 1.0
+    tilt_x: float = 0.0
+    tilt_y: float = 0.0
+    texture_um: float = 0.0
+    texture_scale_mm: float = 0.5
+
+
+@dataclass(frozen=True)
+class Path:
+    """Pose of the object in every frame; all four tuples have one entry per frame.
+
+    Args:
+        depth_mm: Approach of the object beyond first touch on the pad's crown; <= 0 is no contact.
+        x_mm: Position of the object's centre to the right of the view's middle.
+        y_mm: Position of the object's centre below the view's middle.
+        rotation_rad: Turn of the object, positive clockwise in the image.
+    """
+
+    depth_mm: tuple[float, ...]
+    x_mm: tuple[float, ...]
+    y_mm: tuple[float, ...]
+    rotation_rad: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        lengths = {len(self.depth_mm), len(self.x_mm), len(self.y_mm), len(self.rotation_rad)}
+        if len(lengths) != 1 or 0 in lengths:
+            raise ValueError(f"a path needs equally many poses of each kind, found {lengths}")
+
+    def __len__(self) -> int:
+        return len(self.depth_mm)
+
+
+@dataclass(frozen=True)
+class Optics:
+    """Camera, coloured lights and noise; three-tuples are R, G, B.
+
+    Args:
+        mm_per_px_x: Width of one pixel of the 224-pixel image; 20.3 mm / 224 for GelSight Mini.
+        mm_per_px_y: Height of one pixel; 15.2 mm / 224.
+        light_turn_rad: Turn of each light's direction from the measured one, clockwise.
+        light_gain: Strength of the shading of each light relative to the measured one.
+        light_slope_x: Relative growth of each light's shading from the middle to the right border.
+        light_slope_y: The same towards the lower border.
+        saturation: Softness beta of steep slopes in A g / sqrt(1 + beta^2 |g|^2).
+        depth_gain: Relative brightening per mm of indentation.
+        shadow: Relative darkening behind steep flanks, per unit slope.
+        psf_mm: Gaussian blur of the camera and membrane.
+        noise_grey: Standard deviation of one frame's noise in grey levels.
+        drift_grey: Standard deviation of the brightness change between frames.
+        light_change: Relative change of the light between idle frame and clip.
+        jpeg_quality: Quality of a lossy recording; None for a lossless one.
+        idle: Seed of the idle frame's field, specks and fixed pattern.
+    """
+
+    mm_per_px_x: float = 20.3 / 224
+    mm_per_px_y: float = 15.2 / 224
+    light_turn_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    light_gain: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    light_slope_x: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    light_slope_y: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    saturation: float = 1.0
+    depth_gain: tuple[float, float, float] = (0.066, 0.037, 0.083)
+    shadow: float = 0.0
+    psf_mm: float = 0.05
+    noise_grey: tuple[float, float, float] = (1.7, 1.24, 2.0)
+    drift_grey: float = 0.5
+    light_change: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    jpeg_quality: int | None = None
+    idle: int = 0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One clip to simulate; `motion` names what the path was drawn for."""
+
+    body: Body
+    path: Path
+    motion: Motion
+    gel: Gel = field(default_factory=Gel)
+    optics: Optics = field(default_factory=Optics)

@@ -1,0 +1,26 @@
+"""Smooth random fields of unit variance; knows no units."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+
+def smooth_field(rng: np.random.Generator, side: int, correlation_px: float) -> NDArray[np.float32]:
+    """Return a random field, mean 0 and standard deviation 1.
+
+    Coarse normal numbers enlarged by cubic interpolation: a tenth of the cost of filtering.
+
+    Args:
+        rng: Source of the numbers.
+        side: Pixels per side of the result.
+        correlation_px: Distance of the coarse numbers, about the correlation length.
+    """
+    coarse = int(np.ceil(side / max(correlation_px, 1.0))) + 3
+    numbers = rng.standard_normal((coarse, coarse), dtype=np.float32)
+    enlarged = round(coarse * correlation_px) if correlation_px > 1 else coarse
+    field = cv2.resize(numbers, (enlarged, enlarged), interpolation=cv2.INTER_CUBIC)
+    row, column = rng.integers(0, max(enlarged - side, 0) + 1, 2)
+    field = field[row : row + side, column : column + side]
+    return (field - field.mean()) / max(float(field.std()), 1e-6)
