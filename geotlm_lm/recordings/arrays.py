@@ -1,0 +1,175 @@
+"""Frames from .npy and .npz files; headers are checked before anything is read or allocated."""
+
+from __future__ import annotations
+
+import math
+import zipfile
+import zlib
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.recordings.limits import DECLARED_BYTES, KEPT_BYTES, stride_for, stride_note
+from geotlm_lm.recordings.pixels import Layout, layout_of, still_to_rgb, to_rgb
+
+_DAMAGED = (ValueError, EOFError, OSError, zipfile.BadZipFile, zlib.error, KeyError, SyntaxError)
+"""What numpy and zipfile raise on files that are cut off or are something else."""
+
+
+def read_array(path: Path, layout: Layout | None = None) -> Clip:
+    """Return the clip in a .npy file.
+
+    Args:
+        path: Of the file.
+        layout: Of its axes; None to guess.
+
+    Raises:
+        UnreadableClip: If it holds no frames this can read.
+    """
+    stored = _map_array(path)
+    return _to_clip(stored, layout, str(path))
+
+
+def read_archive(path: Path, layout: Layout | None = None) -> Clip:
+    """Return the clip in a .npz file with `frames` and, optionally, `fps` and `background`.
+
+    Args:
+        path: Of the file.
+        layout: Of the axes of `frames`; None to guess.
+
+    Raises:
+        UnreadableClip: If it holds no frames this can read.
+    """
+    name = str(path)
+    try:
+        with zipfile.ZipFile(path) as archive:
+            keys = sorted(entry.removesuffix(".npy") for entry in archive.namelist())
+            if "frames" not in keys:
+                raise UnreadableClip(
+                    f"{name}: found the keys {', '.join(keys) or 'none'}, expected 'frames' (and "
+                    f"optionally 'fps', 'background'); save the frames under that key."
+                )
+            frames = _read_member(archive, "frames", name)
+            others = {k: _read_member(archive, k, name) for k in ("fps", "background") if k in keys}
+    except _DAMAGED as error:
+        raise _damaged(name) from error
+    clip = _to_clip(frames, layout, name)
+    fps = others.get("fps")
+    background = others.get("background")
+    return Clip(
+        clip.frames,
+        fps=_scale_fps(_one_number(fps, name), clip) if fps is not None else None,
+        background=still_to_rgb(background, name) if background is not None else None,
+        name=name,
+        frame_numbers=clip.frame_numbers,
+        notes=clip.notes,
+    )
+
+
+def read_still_array(path: Path) -> Frames:
+    """Return the one image in a .npy file, uint8, shape (rows, columns, 3).
+
+    Raises:
+        UnreadableClip: If it holds no single image.
+    """
+    return still_to_rgb(_map_array(path), str(path))
+
+
+def _map_array(path: Path) -> NDArray:
+    try:
+        with path.open("rb") as stream:
+            shape, dtype = _read_header(stream, str(path))
+            needed = stream.tell() + math.prod(shape) * dtype.itemsize
+        if path.stat().st_size < needed:
+            raise UnreadableClip(
+                f"{path}: is cut off, it has {path.stat().st_size} bytes and its header declares "
+                f"{needed}; copy or record it again."
+            )
+        if math.prod(shape) == 0:  # numpy cannot map an empty array
+            return np.empty(shape, dtype)
+        return np.load(path, mmap_mode="r", allow_pickle=False)
+    except _DAMAGED as error:
+        raise _damaged(str(path)) from error
+
+
+def _read_header(stream: IO[bytes], name: str) -> tuple[tuple[int, ...], np.dtype]:
+    """Return the declared shape and type, refusing what must not be read."""
+    version = np.lib.format.read_magic(stream)
+    read = np.lib.format.read_array_header_1_0
+    if version != (1, 0):
+        read = np.lib.format.read_array_header_2_0
+    shape, _, dtype = read(stream)
+    if dtype.hasobject:
+        raise UnreadableClip(
+            f"{name}: holds Python objects, which are never unpickled, expected uint8 frames "
+            f"(T,H,W,3); stack frames of one size and save those."
+        )
+    declared = math.prod(shape) * dtype.itemsize
+    if declared > DECLARED_BYTES:
+        raise UnreadableClip(
+            f"{name}: declares {declared / 2**30:.0f} GiB (shape {shape}), the limit is "
+            f"{DECLARED_BYTES // 2**30} GiB; cut the recording into parts."
+        )
+    return shape, dtype
+
+
+def _read_member(archive: zipfile.ZipFile, key: str, name: str) -> NDArray:
+    with archive.open(f"{key}.npy") as stream:
+        shape, dtype = _read_header(stream, name)
+    declared = math.prod(shape) * dtype.itemsize
+    if declared > ARCHIVE_BYTES:
+        # A compressed array cannot be mapped: all of it would have to be unpacked first.
+        raise UnreadableClip(
+            f"{name}: '{key}' unpacks to {declared / 2**30:.1f} GiB, the limit for .npz is "
+            f"{ARCHIVE_BYTES // 2**30} GiB; save it as .npy instead."
+        )
+    with archive.open(f"{key}.npy") as stream:
+        return np.lib.format.read_array(stream, allow_pickle=False)
+
+
+ARCHIVE_BYTES = 4 * KEPT_BYTES
+"""Bytes one array of an archive may unpack to."""
+
+
+def _to_clip(stored: NDArray, layout: Layout | None, name: str) -> Clip:
+    found, layout_note = layout_of(stored.shape, layout, name)
+    if stored.shape[0] == 0 or stored.size == 0:
+        raise UnreadableClip(
+            f"{name}: holds no pixels (shape {stored.shape}); record or export it again."
+        )
+    pixel_count = math.prod(stored.shape[1:]) // (1 if found == "THW" else _colours(stored, found))
+    stride = stride_for(len(stored), 3 * pixel_count)
+    frames, range_note = to_rgb(stored[::stride], found, name)
+    notes = (layout_note, range_note)
+    if stride > 1:
+        notes = (*notes, stride_note(stride, len(stored)))
+    return Clip(frames, name=name, frame_numbers=tuple(range(0, len(stored), stride)), notes=notes)
+
+
+def _colours(stored: NDArray, layout: Layout) -> int:
+    return stored.shape[-1] if layout == "THWC" else stored.shape[1]
+
+
+def _one_number(value: NDArray, name: str) -> float | None:
+    if value.size != 1 or value.dtype.kind not in "uif":
+        raise UnreadableClip(
+            f"{name}: 'fps' has shape {value.shape} and type {value.dtype}, expected one number; "
+            f"save frames per second or leave it out."
+        )
+    return float(value.reshape(()))
+
+
+def _scale_fps(fps: float | None, clip: Clip) -> float | None:
+    stride = clip.frame_numbers[1] - clip.frame_numbers[0] if len(clip) > 1 else 1
+    return None if fps is None else fps / stride
+
+
+def _damaged(name: str) -> UnreadableClip:
+    return UnreadableClip(
+        f"{name}: is cut off or is no numpy file, expected what numpy.save or numpy.savez writes; "
+        f"copy or record it again."
+    )

@@ -1,0 +1,179 @@
+"""The few frames of a recording that show its motion; knows contact and change, not directions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.geometry import FRAME_COUNT
+from geotlm_lm.recordings.idle import activity_grey, find_idle, split_in_two
+
+CONTACT_SHARE = 0.6
+"""Share of the strongest imprint (its 0.9 quantile) that counts as full contact: above it, real
+presses are past pressing in and before release."""
+
+LIKENESS = 0.7
+"""Correlation neighbouring chosen frames must keep: beyond about ten degrees of turn it falls
+below, and dense optical flow breaks there too. From 0.6 to 0.8 real recordings score alike."""
+
+STEADINESS = 1.15
+"""Largest ratio of imprint strengths among chosen frames: pressing in and releasing change the
+strength, turning and sliding do not."""
+
+STILL_CHANGE = 0.01
+"""Loss of correlation from the first to the last chosen frame below which nothing moves in it."""
+
+CANDIDATE_LIMIT = 512
+"""Frames compared with each other at most; longer recordings are compared at a stride."""
+
+
+def choose_frames(
+    clip: Clip, count: int = FRAME_COUNT, *, span: tuple[int, int] | None = None
+) -> Clip:
+    """Return the `count` frames that show the motion best, in time order.
+
+    A clip of exactly `count` frames stays as it is. A shorter one repeats frames evenly: a, b
+    becomes a, a, b, b and a, b, c becomes a, b, b, c, so that playing it backwards stays exactly
+    that. From a longer one, frames at full contact and steady strength are taken, evenly spaced
+    over the span in which the imprint changes most while neighbours still look alike; where the
+    imprint only grows or fades, over that change. An idle gel found in the recording becomes the
+    background.
+
+    Args:
+        clip: A recording of any length from 2 frames.
+        count: How many frames to return, at least 2.
+        span: First and last frame number to use instead, both included, counted from 0.
+
+    Returns:
+        A clip of `count` frames whose last note says which ones they are.
+
+    Raises:
+        UnreadableClip: If the clip has only one frame.
+        UsageError: If the span is not inside the clip, or runs backwards.
+    """
+    require_motion(clip)
+    if span is None and len(clip) == count:
+        return clip.with_note(f"all {count} frames are used.")
+    if span is not None:
+        _check_span(clip, span)
+    if clip.background is None and len(clip) > count:
+        idle = find_idle(clip)
+        if idle is not None:
+            note = "background: the idle gel was found in the recording itself."
+            clip = replace(clip, background=idle).with_note(note)
+    if span is not None:
+        indices = _evenly(*span, count)
+    elif len(clip) < count:
+        indices = _evenly(0, len(clip) - 1, count)
+    else:
+        indices = _indices_of_motion(clip, count)
+    chosen = clip.select([int(index) for index in indices])
+    numbers = ", ".join(str(number) for number in chosen.frame_numbers)
+    return chosen.with_note(f"frames {numbers} are used.")
+
+
+def require_motion(clip: Clip) -> None:
+    """Refuse a clip in which nothing can move.
+
+    Raises:
+        UnreadableClip: If it has only one frame.
+    """
+    if len(clip) < 2:
+        raise UnreadableClip(
+            f"{clip.name}: only 1 frame was found, motion needs 2 or more; give a recording, or "
+            f"several frames of it."
+        )
+
+
+def imprint_strength(clip: Clip) -> NDArray[np.float32]:
+    """Return how strongly each frame is imprinted, in grey levels (rms), shape (t,)."""
+    return _strength(_imprints(clip))
+
+
+def _check_span(clip: Clip, span: tuple[int, int]) -> None:
+    first, last = span
+    if not 0 <= first < last < len(clip):
+        raise UsageError(
+            f"Frames {first}:{last} were asked for, expected FIRST < LAST within "
+            f"0:{len(clip) - 1}; give frame numbers inside the recording."
+        )
+
+
+def _indices_of_motion(clip: Clip, count: int) -> NDArray[np.int64]:
+    """Return the indices of the most telling window of a clip longer than `count`."""
+    stride = -(-len(clip) // CANDIDATE_LIMIT)
+    imprints = _imprints(clip.select(range(0, len(clip), stride)))
+    strength = _strength(imprints)
+    flat = (imprints / np.maximum(strength, 1e-6)[:, None, None]).reshape(len(imprints), -1)
+    likeness = flat @ flat.T / flat.shape[1]
+    full = max(CONTACT_SHARE * float(np.quantile(strength, 0.9)), split_in_two(strength)[0])
+    is_full = strength > full
+    windows = _windows(len(imprints), count)
+    steps = likeness[windows[:, :-1], windows[:, 1:]]
+    strengths = strength[windows]
+    is_fit = (
+        is_full[windows].all(axis=1)
+        & (steps.min(axis=1) > LIKENESS)
+        & (strengths.max(axis=1) < STEADINESS * strengths.min(axis=1))
+    )
+    change = np.where(is_fit, 1 - likeness[windows[:, 0], windows[:, -1]], -1.0)
+    best = int(np.argmax(change))
+    if change[best] > STILL_CHANGE:
+        return windows[best] * stride
+    return _growth(strength, count) * stride
+
+
+def _windows(frame_count: int, count: int) -> NDArray[np.int64]:
+    """Return all evenly spaced windows of `count` different frames, shape (windows, count)."""
+    first, last = np.triu_indices(frame_count, count - 1)
+    share = np.arange(count) / (count - 1)
+    return np.rint(first[:, None] + (last - first)[:, None] * share).astype(np.int64)
+
+
+def _growth(strength: NDArray[np.float32], count: int) -> NDArray[np.int64]:
+    """Return frames over which the imprint grows or, if it was there from the start, fades."""
+    weakest, strongest = float(strength.min()), float(strength.max())
+    if strongest < STEADINESS * weakest:
+        return _evenly(0, len(strength) - 1, count)
+    is_weak = strength < weakest + 0.1 * (strongest - weakest)
+    is_strong = strength > weakest + 0.9 * (strongest - weakest)
+    peak = int(np.argmax(is_strong))
+    before = np.flatnonzero(is_weak[:peak])
+    if len(before):
+        return _evenly(int(before[-1]), max(peak, int(before[-1]) + 1), count)
+    peak = int(np.flatnonzero(is_strong)[-1])
+    after = np.flatnonzero(is_weak[peak:])
+    return _evenly(peak, peak + int(after[0]) if len(after) else len(strength) - 1, count)
+
+
+def _imprints(clip: Clip) -> NDArray[np.float32]:
+    """Return each frame's grey change against the gel, smoothed and free of slow shading."""
+    grey = activity_grey(clip.frames)
+    if clip.background is not None:
+        gel = activity_grey(clip.background[None])[0]
+    else:
+        gel = cv2.GaussianBlur(np.median(grey, axis=0), (0, 0), SHADING_SIGMA)
+    return np.stack([_band_pass(image - gel) for image in grey])
+
+
+NOISE_SIGMA, IMPRINT_SIGMA, SHADING_SIGMA = 1.0, 8.0, 12.0
+"""Pixels of the activity image (80 columns): finer is noise, coarser than 8 is a change of light,
+and an imprint is finer than 12."""
+
+
+def _band_pass(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    smooth = cv2.GaussianBlur(image, (0, 0), NOISE_SIGMA)
+    return smooth - cv2.GaussianBlur(smooth, (0, 0), IMPRINT_SIGMA)
+
+
+def _strength(imprints: NDArray[np.float32]) -> NDArray[np.float32]:
+    return np.sqrt(np.square(imprints).mean(axis=(1, 2)))
+
+
+def _evenly(first: int, last: int, count: int) -> NDArray[np.int64]:
+    return np.rint(np.linspace(first, last, count)).astype(np.int64)

@@ -1,0 +1,77 @@
+"""Frames from a folder of images in natural order (frame2 before frame10), and single stills."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.recordings.limits import stride_for, stride_note
+
+IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp")
+
+
+def read_folder(folder: Path) -> Clip:
+    """Return the clip of the images in `folder`.
+
+    Raises:
+        UnreadableClip: If there are none, one is damaged, or their sizes differ.
+    """
+    paths = sorted(
+        (path for path in folder.iterdir() if path.suffix.lower() in IMAGE_SUFFIXES),
+        key=_natural_key,
+    )
+    if not paths:
+        raise UnreadableClip(
+            f"{folder}: the folder holds no images, expected {', '.join(IMAGE_SUFFIXES)}; "
+            f"give the folder the frames lie in."
+        )
+    first = read_still_image(paths[0])
+    stride = stride_for(len(paths), first.nbytes)
+    frames = [first]
+    for path in paths[stride::stride]:
+        frame = read_still_image(path)
+        if frame.shape != first.shape:
+            raise UnreadableClip(
+                f"{path}: is {frame.shape[1]}x{frame.shape[0]} pixels, {paths[0].name} is "
+                f"{first.shape[1]}x{first.shape[0]}; keep frames of one recording in the folder."
+            )
+        frames.append(frame)
+    notes = (f"{len(paths)} images were read in natural order of their names.",)
+    if stride > 1:
+        notes = (*notes, stride_note(stride, len(paths)))
+    return Clip(
+        np.stack(frames),
+        name=str(folder),
+        frame_numbers=tuple(range(0, len(paths), stride)),
+        notes=notes,
+    )
+
+
+def read_still_image(path: Path) -> Frames:
+    """Return one image file as uint8 RGB, shape (rows, columns, 3).
+
+    Raises:
+        UnreadableClip: If it is no image.
+    """
+    try:
+        stored = np.frombuffer(path.read_bytes(), np.uint8)
+        image = cv2.imdecode(stored, cv2.IMREAD_COLOR) if stored.size else None
+    except (OSError, cv2.error):
+        image = None
+    if image is None:
+        raise UnreadableClip(
+            f"{path}: is cut off or is no image, expected {', '.join(IMAGE_SUFFIXES)}; "
+            f"copy or record it again."
+        )
+    # The one place where a decoded image's order of colours is turned around.
+    return cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+
+
+def _natural_key(path: Path) -> list[tuple[int, int, str]]:
+    parts = re.split(r"(\d+)", path.name.lower())
+    return [(0, int(part), "") if part.isdigit() else (1, 0, part) for part in parts if part]

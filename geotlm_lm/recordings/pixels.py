@@ -1,0 +1,155 @@
+"""Arrays of any common layout and range to uint8 RGB frames, with notes on what was guessed."""
+
+from __future__ import annotations
+
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.clip import Frames
+from geotlm_lm.core.errors import UnreadableClip, UsageError
+
+Layout = Literal["THWC", "TCHW", "THW"]
+"""T frames, H rows, W columns, C colours."""
+
+COLOURS = (1, 3)
+"""Colour counts a frame may have: grey or RGB."""
+
+
+def check_layout(layout: str | None) -> Layout | None:
+    """Return `layout` in capitals, None for a guess.
+
+    Raises:
+        UsageError: If it names no layout.
+    """
+    if layout is None:
+        return None
+    if layout.upper() not in get_args(Layout):
+        raise UsageError(
+            f"The layout '{layout}' is unknown, expected one of {', '.join(get_args(Layout))}; "
+            f"leave it out to have it guessed."
+        )
+    return layout.upper()  # type: ignore[return-value]
+
+
+def layout_of(shape: tuple[int, ...], layout: Layout | None, name: str) -> tuple[Layout, str]:
+    """Return the layout of an array of `shape` and a note on how it was found.
+
+    Args:
+        shape: Of the stored array.
+        layout: What the user says it is; None to guess.
+        name: Of the file, for errors.
+
+    Raises:
+        UnreadableClip: If the shape fits no layout, or not the one given.
+    """
+    if layout is not None:
+        colours = {"THWC": shape[-1], "TCHW": shape[1] if len(shape) > 1 else 0, "THW": 1}[layout]
+        if len(shape) != len(layout) or colours not in COLOURS:
+            raise UnreadableClip(
+                f"{name}: shape {shape} is not of the layout {layout} with 1 or 3 colours; "
+                f"give the layout the file has, or leave it out."
+            )
+        return layout, f"shape {shape} is read as {layout}, as asked."
+    if len(shape) == 4:
+        return _guess(shape, name)
+    if len(shape) == 3 and shape[-1] in COLOURS:
+        raise UnreadableClip(
+            f"{name}: only 1 frame was found (shape {shape}), motion needs 2 or more; "
+            f"stack frames to (T,H,W,3)."
+        )
+    if len(shape) == 3:
+        raise UnreadableClip(
+            f"{name}: shape {shape} has no colour axis, expected (T,H,W,3); "
+            f"if these are grey frames pass --layout THW."
+        )
+    if len(shape) == 5:
+        raise UnreadableClip(
+            f"{name}: shape {shape} looks like {shape[0]} clips, expected one of (T,H,W,3); "
+            f"save each clip to its own file."
+        )
+    raise UnreadableClip(
+        f"{name}: found shape {shape}, expected (T,H,W,3), (T,3,H,W) or, with --layout THW, "
+        f"(T,H,W); save the frames in one of them."
+    )
+
+
+def _guess(shape: tuple[int, ...], name: str) -> tuple[Layout, str]:
+    last, first = shape[3] in COLOURS, shape[1] in COLOURS
+    if last and first:
+        return "THWC", (
+            f"shape {shape} fits THWC and TCHW, THWC was assumed; pass --layout TCHW if it is not."
+        )
+    if last or first:
+        found: Layout = "THWC" if last else "TCHW"
+        return found, f"shape {shape} was taken for {found}; pass --layout if it is not."
+    raise UnreadableClip(
+        f"{name}: shape {shape} has no axis of 1 or 3 colours, expected (T,H,W,3) or (T,3,H,W); "
+        f"keep the colours red, green, blue only."
+    )
+
+
+def to_rgb(array: NDArray, layout: Layout, name: str) -> tuple[Frames, str]:
+    """Return uint8 RGB frames, shape (t, rows, columns, 3), and a note on the range of the values.
+
+    Args:
+        array: Numbers in [0, 1] (floating point only) or [0, 255].
+        layout: Of the axes of `array`.
+        name: Of the file, for errors.
+
+    Raises:
+        UnreadableClip: If the values are no numbers, not finite, or out of range.
+    """
+    if array.dtype.kind not in "uif":
+        raise UnreadableClip(
+            f"{name}: found values of type {array.dtype}, expected uint8 or floating point; "
+            f"save the frames as numbers."
+        )
+    if array.size == 0:
+        raise UnreadableClip(
+            f"{name}: holds no pixels (shape {array.shape}); record or export it again."
+        )
+    low, high = array.min(), array.max()
+    if not np.isfinite(low) or not np.isfinite(high):
+        raise UnreadableClip(
+            f"{name}: holds NaN or infinite values, expected numbers in 0..1 or 0..255; "
+            f"repair or leave out those frames."
+        )
+    if low < 0 or high > 255:
+        raise UnreadableClip(
+            f"{name}: values run from {low:g} to {high:g}, expected 0..1 or 0..255; "
+            f"scale them first."
+        )
+    is_unit = array.dtype.kind == "f" and high <= 1
+    if layout == "TCHW":
+        array = np.moveaxis(array, 1, -1)
+    elif layout == "THW":
+        array = array[..., None]
+    frames = np.empty((*array.shape[:3], 3), np.uint8)
+    for target, source in zip(frames, array, strict=True):
+        # Frame by frame: a floating-point copy of the whole recording would not fit the bound.
+        target[...] = np.rint(source * 255.0) if is_unit else np.rint(source)
+    span = "0..1" if is_unit else "0..255"
+    return frames, f"{array.dtype} values were taken for {span}, colours for RGB."
+
+
+def still_to_rgb(array: NDArray, name: str) -> Frames:
+    """Return one still image, shape (rows, columns, 3), from (H,W), (H,W,C) or (C,H,W) numbers.
+
+    Raises:
+        UnreadableClip: If it is no single image.
+    """
+    layout: Layout
+    if array.ndim == 2:
+        layout = "THW"
+    elif array.ndim == 3 and array.shape[-1] in COLOURS:
+        layout = "THWC"
+    elif array.ndim == 3 and array.shape[0] in COLOURS:
+        layout = "TCHW"
+    else:
+        raise UnreadableClip(
+            f"{name}: the background has shape {array.shape}, expected one image (H,W,3); "
+            f"save a single idle frame."
+        )
+    return to_rgb(array[None], layout, name)[0][0]

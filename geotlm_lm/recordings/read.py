@@ -1,0 +1,103 @@
+"""Any recording on disk to a clip: the room's front door. Chooses no frames; see `choose`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.recordings.arrays import read_archive, read_array, read_still_array
+from geotlm_lm.recordings.choose import require_motion
+from geotlm_lm.recordings.images import IMAGE_SUFFIXES, read_folder, read_still_image
+from geotlm_lm.recordings.pixels import Layout, check_layout
+from geotlm_lm.recordings.video import VIDEO_SUFFIXES, read_video
+
+ARRAY_SUFFIXES = (".npy", ".npz")
+
+
+def read_clip(
+    path: str | Path,
+    *,
+    layout: str | None = None,
+    fps: float | None = None,
+    background: str | Path | None = None,
+) -> Clip:
+    """Return the recording at `path`, of any length from 2 frames.
+
+    Args:
+        path: A .npy or .npz array, a .mp4, .avi, .mov or .mkv video, or a folder of images.
+        layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); None to guess.
+        fps: Frames per second; None to take what the file says.
+        background: An image or .npy file of the idle gel; None to take what the file holds.
+
+    Raises:
+        UnreadableClip: If a file is missing, damaged, or holds no clip, in one sentence.
+        UsageError: If the layout or the frame rate makes no sense.
+    """
+    path = Path(path)
+    checked = check_layout(layout)
+    if fps is not None and not 0 < fps < 1e5:
+        raise UsageError(f"A frame rate of {fps:g} was given, expected 0 to 100000 per second.")
+    clip = _read(path, checked)
+    require_motion(clip)
+    if fps is not None:
+        clip = replace(clip, fps=fps)
+    if background is not None:
+        clip = replace(clip, background=read_background(background))
+    return clip
+
+
+def read_background(path: str | Path) -> Frames:
+    """Return the idle gel in an image or .npy file, uint8, shape (rows, columns, 3).
+
+    Raises:
+        UnreadableClip: If the file is missing or holds no single image.
+    """
+    path = Path(path)
+    _require_file(path)
+    if path.suffix.lower() == ".npy":
+        return read_still_array(path)
+    if path.suffix.lower() in IMAGE_SUFFIXES:
+        return read_still_image(path)
+    raise UnreadableClip(
+        f"{path}: a background is read from .npy, {', '.join(IMAGE_SUFFIXES)}; save one idle frame "
+        f"as one of these."
+    )
+
+
+def _read(path: Path, layout: Layout | None) -> Clip:
+    if path.is_dir():
+        return read_folder(path)
+    _require_file(path)
+    suffix = path.suffix.lower()
+    if suffix == ".npy":
+        return read_array(path, layout)
+    if suffix == ".npz":
+        return read_archive(path, layout)
+    if suffix in VIDEO_SUFFIXES:
+        return read_video(path)
+    if suffix in IMAGE_SUFFIXES:
+        raise UnreadableClip(
+            f"{path}: only 1 frame was found, motion needs 2 or more; give the folder it lies in."
+        )
+    known = ", ".join(ARRAY_SUFFIXES + VIDEO_SUFFIXES)
+    raise UnreadableClip(
+        f"{path}: files named '{suffix}' are not known, expected {known} or a folder of images; "
+        f"export the recording as one of these."
+    )
+
+
+def _require_file(path: Path) -> None:
+    if not path.exists():
+        raise UnreadableClip(f"{path}: no such file or folder; check the path.")
+    if not path.is_file():
+        raise UnreadableClip(f"{path}: is not a regular file; give a recording.")
+    if path.stat().st_size == 0:
+        raise UnreadableClip(f"{path}: is empty (0 bytes); copy or record it again.")
+    try:
+        path.open("rb").close()
+    except OSError as error:
+        raise UnreadableClip(
+            f"{path}: cannot be opened ({error.strerror}); check its permissions."
+        ) from error
