@@ -58,13 +58,13 @@ def choose_frames(
     """
     require_motion(clip)
     if span is None and len(clip) == count:
-        return clip.with_note(f"all {count} frames are used.")
+        return _told(clip)
     if span is not None:
         _check_span(clip, span)
     if clip.background is None and len(clip) > count:
         idle = find_idle(clip)
         if idle is not None:
-            note = "background: the idle gel was found in the recording itself."
+            note = "Background: the recording's own untouched frames."
             clip = replace(clip, background=idle).with_note(note)
     if span is not None:
         indices = _evenly(*span, count)
@@ -72,9 +72,7 @@ def choose_frames(
         indices = _evenly(0, len(clip) - 1, count)
     else:
         indices = _indices_of_motion(clip, count)
-    chosen = clip.select([int(index) for index in indices])
-    numbers = ", ".join(str(number) for number in chosen.frame_numbers)
-    return chosen.with_note(f"frames {numbers} are used.")
+    return _told(clip.select([int(index) for index in indices]))
 
 
 def require_motion(clip: Clip) -> None:
@@ -93,6 +91,12 @@ def require_motion(clip: Clip) -> None:
 def imprint_strength(clip: Clip) -> NDArray[np.float32]:
     """Return how strongly each frame is imprinted, in grey levels (rms), shape (t,)."""
     return _strength(_imprints(clip))
+
+
+def _told(clip: Clip) -> Clip:
+    numbers = ", ".join(str(number) for number in clip.frame_numbers)
+    note = f"Frames {numbers} are used."
+    return clip if note in clip.notes else clip.with_note(note)
 
 
 def _check_span(clip: Clip, span: tuple[int, int]) -> None:

@@ -51,7 +51,7 @@ def layout_of(shape: tuple[int, ...], layout: Layout | None, name: str) -> tuple
                 f"{name}: shape {shape} is not of the layout {layout} with 1 or 3 colours; "
                 f"give the layout the file has, or leave it out."
             )
-        return layout, f"shape {shape} is read as {layout}, as asked."
+        return layout, f"Shape {shape} is read as {layout}, as asked."
     if len(shape) == 4:
         return _guess(shape, name)
     if len(shape) == 3 and shape[-1] in COLOURS:
@@ -79,11 +79,11 @@ def _guess(shape: tuple[int, ...], name: str) -> tuple[Layout, str]:
     last, first = shape[3] in COLOURS, shape[1] in COLOURS
     if last and first:
         return "THWC", (
-            f"shape {shape} fits THWC and TCHW, THWC was assumed; pass --layout TCHW if it is not."
+            f"Shape {shape} fits THWC and TCHW, THWC was assumed; pass --layout TCHW if it is not."
         )
     if last or first:
         found: Layout = "THWC" if last else "TCHW"
-        return found, f"shape {shape} was taken for {found}; pass --layout if it is not."
+        return found, f"Shape {shape} was taken for {found}; pass --layout if it is not."
     raise UnreadableClip(
         f"{name}: shape {shape} has no axis of 1 or 3 colours, expected (T,H,W,3) or (T,3,H,W); "
         f"keep the colours red, green, blue only."
@@ -131,7 +131,7 @@ def to_rgb(array: NDArray, layout: Layout, name: str) -> tuple[Frames, str]:
         # Frame by frame: a floating-point copy of the whole recording would not fit the bound.
         target[...] = np.rint(source * 255.0) if is_unit else np.rint(source)
     span = "0..1" if is_unit else "0..255"
-    return frames, f"{array.dtype} values were taken for {span}, colours for RGB."
+    return frames, f"Values ({array.dtype}) were taken for {span}, colours for RGB."
 
 
 def still_to_rgb(array: NDArray, name: str) -> Frames:

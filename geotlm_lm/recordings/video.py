@@ -43,11 +43,13 @@ def read_video(path: Path) -> Clip:
         )
     notes: tuple[str, ...] = ()
     if path.suffix.lower() in LOSSY_SUFFIXES:
-        notes = ("mp4 video is lossy and blurs fine imprints; record .npy, .png or FFV1 instead.",)
+        notes = (
+            "This mp4 video is lossy and blurs fine imprints; record .npy, .png or FFV1 instead.",
+        )
     if stride > 1:
         notes = (*notes, stride_note(stride, seen))
     if seen == DECODED_FRAMES:
-        notes = (*notes, f"only the first {DECODED_FRAMES} frames were read; cut the recording.")
+        notes = (*notes, f"Only the first {DECODED_FRAMES} frames were read; cut the recording.")
     return Clip(
         np.stack(frames),
         fps=fps,

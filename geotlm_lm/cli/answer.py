@@ -1,0 +1,62 @@
+"""`geotlm-lm answer`: one question about one clip; the answer alone goes to stdout."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geotlm_lm.cli.options import (
+    AsJson,
+    Background,
+    ClipPath,
+    FrameSpan,
+    FramesPerSecond,
+    LayoutName,
+    load_clip,
+)
+from geotlm_lm.core.errors import Abstained, UsageError
+
+
+def answer(
+    clip: ClipPath,
+    question: Annotated[str, typer.Option("--q", help="The question, in plain English.")],
+    as_json: AsJson = False,
+    frames: FrameSpan = None,
+    layout: LayoutName = None,
+    background: Background = None,
+    fps: FramesPerSecond = None,
+    model: Annotated[
+        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
+    ] = None,
+    fail_on_abstain: Annotated[
+        bool, typer.Option("--fail-on-abstain", help="Exit with code 5 if the model will not say.")
+    ] = False,
+) -> None:
+    """Answer a question about a clip.
+
+    Directions are told as seen in the camera image, for the object relative to the sensor. Notes on
+    what was guessed go to stderr.
+
+    Example: geotlm-lm answer --clip clip.npz --q 'Is it turning clockwise?' --json
+    """
+    if not question.strip():
+        raise UsageError("The question is empty; ask for example --q 'Which way is it turning?'.")
+    recording = load_clip(clip, frames, layout, background, fps)
+
+    # Imported only now: a wrong path must not wait for the model's libraries.
+    from geotlm_lm.answering import Answerer
+
+    answerer = Answerer.load(model)
+    reply = answerer.ask(answerer.encode(recording), question)
+    for note in reply.notes:
+        print(f"note: {note}", file=sys.stderr)
+    print(json.dumps(reply.to_dict()) if as_json else reply.text)
+    if fail_on_abstain and reply.abstained:
+        raise Abstained(
+            f"{clip}: the model would not answer; see `geotlm-lm info --clip {clip}` for contact, "
+            f"or give frames with more motion by --frames."
+        )

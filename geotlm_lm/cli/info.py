@@ -1,0 +1,90 @@
+"""`geotlm-lm info`: what a recording holds and which frames would be used; needs no model."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+from geotlm_lm.cli.options import (
+    AsJson,
+    Background,
+    ClipPath,
+    FrameSpan,
+    FramesPerSecond,
+    LayoutName,
+    load_clip,
+)
+
+if TYPE_CHECKING:
+    from geotlm_lm.core.clip import Clip
+
+FAINT_IMPRINT = 0.75
+"""Grey levels (rms) by which a touch changes the image, against a known background. Measured on real
+recordings: 90 % of untouched frames are below 0.66, 95 % of frames in full contact above 0.80."""
+
+
+ESTIMATED = "estimated from the frames"
+
+
+def info(
+    clip: ClipPath,
+    as_json: AsJson = False,
+    frames: FrameSpan = None,
+    layout: LayoutName = None,
+    background: Background = None,
+    fps: FramesPerSecond = None,
+) -> None:
+    """Describe a recording: size, frame rate, frames that would be used, contact, warnings.
+
+    Example: geotlm-lm info --clip recording.mov
+    """
+    facts = describe(load_clip(clip, frames, layout, background, fps))
+    if as_json:
+        print(json.dumps(facts))
+        return
+    for name, value in facts.items():
+        lines = value if isinstance(value, list) and name == "notes" else [value]
+        for line in lines:
+            print(f"{name.replace('_', ' ')}: {_words(line)}")
+
+
+def describe(recording: Clip) -> dict[str, Any]:
+    """Return what is known about a recording and the frames that would be chosen from it."""
+    from dataclasses import replace
+
+    from geotlm_lm.recordings.choose import choose_frames, imprint_strength
+    from geotlm_lm.recordings.idle import estimate_background
+
+    chosen = choose_frames(recording)
+    origin = "given" if recording.background is not None else "found in the recording"
+    if chosen.background is None:
+        origin = ESTIMATED
+        chosen = replace(chosen, background=estimate_background(chosen.frames))
+    strength = [round(float(value), 2) for value in imprint_strength(chosen)]
+    return {
+        "clip": recording.name,
+        "frames": len(recording),
+        "size_px": [recording.frames.shape[2], recording.frames.shape[1]],
+        "dtype": str(recording.frames.dtype),
+        "value_range": [int(recording.frames.min()), int(recording.frames.max())],
+        "fps": recording.fps,
+        "frames_used": list(chosen.frame_numbers),
+        "background": origin,
+        "imprint_grey_levels": strength,
+        "contact": _contact(origin, max(strength)),
+        "notes": list(chosen.notes),
+    }
+
+
+def _contact(origin: str, strongest: float) -> str:
+    if origin == ESTIMATED:
+        return "unknown without an idle frame"
+    return "likely" if strongest > FAINT_IMPRINT else "none seen"
+
+
+def _words(value: Any) -> str:
+    if value is None:
+        return "unknown"
+    if isinstance(value, list):
+        return " ".join(str(part) for part in value)
+    return str(value)

@@ -1,0 +1,79 @@
+"""The `geotlm-lm` command and what becomes of its errors; each command has its own file."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+import typer
+
+from geotlm_lm import __version__
+from geotlm_lm.cli.answer import answer
+from geotlm_lm.cli.info import info
+from geotlm_lm.cli.simulate import simulate
+from geotlm_lm.cli.train import train
+from geotlm_lm.core.errors import GeoTLMError, UsageError
+
+app = typer.Typer(
+    name="geotlm-lm",
+    help="Ask a camera-based touch sensor, in plain language, how the touched object moves.",
+    epilog="Example: geotlm-lm answer --clip clip.npz --q 'Which way is it turning?'",
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
+
+INTERRUPTED = 130
+"""Exit code of a command stopped by Ctrl-C (128 + SIGINT)."""
+
+ParseError = typer.BadParameter.__base__
+"""What the option parser raises on unknown or missing options; typer names no public alias."""
+
+for command in (answer, info, simulate, train):
+    app.command()(command)
+
+
+def _show_version(is_asked: bool) -> None:
+    if is_asked:
+        print(f"geotlm-lm {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def root(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version."),
+    ] = False,
+) -> None:
+    """Ask a camera-based touch sensor, in plain language, how the touched object moves."""
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run a command and exit: 0 done, 2 wrong call, 130 stopped, else the error's own code.
+
+    An error the user can repair becomes one sentence on stderr; any other exception is a defect
+    and keeps its trace (exit code 1).
+    """
+    command = typer.main.get_command(app)
+    try:
+        code = command.main(args=arguments, prog_name="geotlm-lm", standalone_mode=False)
+    except GeoTLMError as error:
+        _stop(str(error), error.exit_code)
+    except ParseError as error:
+        _stop(_sentence(error.format_message()), UsageError.exit_code)
+    except (KeyboardInterrupt, typer.Abort):
+        _stop("Stopped; what was finished is kept.", INTERRUPTED)
+    sys.exit(code if isinstance(code, int) else 0)
+
+
+def _sentence(message: str) -> str:
+    """Return the parser's message as one line that ends by telling where help is."""
+    one_line = " ".join(message.split()).rstrip(".")
+    return f"{one_line}; see `geotlm-lm --help`."
+
+
+def _stop(sentence: str, code: int) -> None:
+    print(sentence, file=sys.stderr)
+    sys.exit(code)

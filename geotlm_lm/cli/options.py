@@ -1,0 +1,79 @@
+"""Options that several commands share, and how they turn into a clip; imports nothing heavy."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from geotlm_lm.core.errors import UsageError
+
+if TYPE_CHECKING:
+    from geotlm_lm.core.clip import Clip
+
+ClipPath = Annotated[
+    Path,
+    typer.Option(
+        "--clip", help="Recording: .npy, .npz, .mp4, .avi, .mov, .mkv, or a folder of images."
+    ),
+]
+FrameSpan = Annotated[
+    str | None,
+    typer.Option(
+        "--frames",
+        metavar="FIRST:LAST",
+        help="Frame numbers to look between, counted from 0. [default: chosen by the motion]",
+    ),
+]
+LayoutName = Annotated[
+    str | None,
+    typer.Option(
+        "--layout", help="Axes of an array: THWC, TCHW or THW (grey). [default: guessed, stated]"
+    ),
+]
+Background = Annotated[
+    Path | None,
+    typer.Option(
+        "--background",
+        help="Image or .npy of the untouched gel. [default: from the recording, else estimated]",
+    ),
+]
+FramesPerSecond = Annotated[
+    float | None,
+    typer.Option("--fps", help="Frames per second. [default: what the file says]"),
+]
+AsJson = Annotated[
+    bool, typer.Option("--json", help="Print one JSON object as the last line instead of words.")
+]
+Seed = Annotated[int, typer.Option("--seed", help="Root seed; the same seed, the same result.")]
+
+
+def span_of(frames: str | None) -> tuple[int, int] | None:
+    """Return FIRST and LAST of `frames`, None when not given.
+
+    Raises:
+        UsageError: If it is not two numbers.
+    """
+    if frames is None:
+        return None
+    first, _, last = frames.partition(":")
+    if not (first.isdecimal() and last.isdecimal()):
+        raise UsageError(f"--frames '{frames}' was given, expected FIRST:LAST such as 40:60.")
+    return int(first), int(last)
+
+
+def load_clip(
+    path: Path,
+    frames: str | None,
+    layout: str | None,
+    background: Path | None,
+    fps: float | None,
+) -> Clip:
+    """Return the recording at `path`, cut down to four frames if the user said between which."""
+    from geotlm_lm.recordings.choose import choose_frames
+    from geotlm_lm.recordings.read import read_clip
+
+    span = span_of(frames)
+    clip = read_clip(path, layout=layout, fps=fps, background=background)
+    return clip if span is None else choose_frames(clip, span=span)

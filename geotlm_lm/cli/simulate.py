@@ -1,0 +1,114 @@
+"""`geotlm-lm simulate`: a data set, or a single clip, from the simulator."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from geotlm_lm.cli.options import Seed
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.labels import Motion
+
+if TYPE_CHECKING:
+    from geotlm_lm.simulation.simulate import SimulatedClip
+
+MotionName = Literal[tuple(motion.value for motion in Motion)]
+
+
+def simulate(
+    out: Annotated[
+        Path | None, typer.Option(help="Folder of the data set; a started one is continued.")
+    ] = None,
+    count: Annotated[int, typer.Option(min=1, help="Clips in the data set.")] = 100,
+    objects: Annotated[
+        Literal["training", "everyday"],
+        typer.Option(help="Shapes to press: those for training, or 12 everyday ones kept apart."),
+    ] = "training",
+    workers: Annotated[int, typer.Option(min=1, help="Processes that simulate.")] = 1,
+    clip: Annotated[
+        Path | None, typer.Option(help="Write one clip to this .npz instead of a data set.")
+    ] = None,
+    motion: Annotated[
+        MotionName, typer.Option(help="With --clip: what the object does.")
+    ] = Motion.CLOCKWISE.value,
+    object_name: Annotated[
+        str, typer.Option("--object", help="With --clip: the shape that is pressed.")
+    ] = "key",
+    seed: Seed = 0,
+) -> None:
+    """Simulate touches: contact mechanics, optics, noise, and the truth about each clip.
+
+    Example: geotlm-lm simulate --clip clip.npz --motion clockwise --object key
+    """
+    if (out is None) == (clip is None):
+        raise UsageError("Give one of --out (a data set) and --clip (a single clip).")
+    if clip is not None:
+        made = simulate_one(object_name, Motion(motion), seed)
+        write_clip(clip, made)
+        print(clip)
+        return
+
+    from geotlm_lm.simulation.dataset import write_dataset
+    from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
+
+    names = TRAINING_OBJECTS if objects == "training" else EVERYDAY_OBJECTS
+    write_dataset(out, count, seed=seed, objects=names, workers=workers, progress=_show)
+    print(out)
+
+
+def simulate_one(object_name: str, motion: Motion, seed: int) -> SimulatedClip:
+    """Return one simulated clip.
+
+    Raises:
+        UsageError: If there is no such shape.
+    """
+    from geotlm_lm.core.seeding import generator_for
+    from geotlm_lm.simulation.indenters import INDENTERS
+    from geotlm_lm.simulation.randomise import random_scene
+    from geotlm_lm.simulation.simulate import simulate as simulate_scenes
+
+    if object_name not in INDENTERS:
+        raise UsageError(
+            f"There is no shape '{object_name}', expected one of {', '.join(sorted(INDENTERS))}."
+        )
+    rng = generator_for(seed, "single clip", object_name, motion.value)
+    scene = random_scene(rng, object_name=object_name, motion=motion)
+    return simulate_scenes([scene], seed=seed)[0]
+
+
+def write_clip(path: Path, made: SimulatedClip) -> None:
+    """Write frames, background, frame rate and label (JSON) to a .npz file, atomically.
+
+    Raises:
+        UsageError: If the file is not named .npz.
+    """
+    import numpy as np
+
+    if path.suffix != ".npz":
+        raise UsageError(f"--clip {path} was given, expected a name that ends in .npz.")
+    label = json.dumps(made.label.to_dict() | {"object": made.object_name})
+    arrays = {"frames": made.clip.frames, "label": np.array(label)}
+    if made.clip.background is not None:
+        arrays["background"] = made.clip.background
+    if made.clip.fps is not None:
+        arrays["fps"] = np.array(made.clip.fps)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            np.savez_compressed(stream, **arrays)
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def _show(done: int, total: int) -> None:
+    print(f"simulated {done} of {total} clips", file=sys.stderr)

@@ -1,0 +1,29 @@
+"""`geotlm-lm train`: make a model bundle from nothing but the simulator."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geotlm_lm.cli.options import Seed
+
+
+def train(
+    out: Annotated[Path, typer.Option(help="Run folder; an interrupted run in it is continued.")],
+    preset: Annotated[
+        str, typer.Option(help="smoke (minutes, to see it run) or default (the shipped bundle).")
+    ] = "default",
+    seed: Seed = 0,
+    workers: Annotated[int, typer.Option(min=1, help="Processes that simulate.")] = 2,
+) -> None:
+    """Train a model bundle; its folder is printed at the end, progress goes to stderr.
+
+    Example: geotlm-lm train --preset smoke --out runs/smoke
+    """
+    from geotlm_lm.training.train import train as train_bundle
+
+    print(f"training preset {preset} into {out}", file=sys.stderr)
+    print(train_bundle(preset, out, seed, workers))
