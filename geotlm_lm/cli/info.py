@@ -12,15 +12,15 @@ from geotlm_lm.cli.options import (
     FrameSpan,
     FramesPerSecond,
     LayoutName,
-    load_clip,
+    span_of,
 )
 
 if TYPE_CHECKING:
     from geotlm_lm.core.clip import Clip
 
 FAINT_IMPRINT = 0.75
-"""Grey levels (rms) by which a touch changes the image, against a known background. Measured on real
-recordings: 90 % of untouched frames are below 0.66, 95 % of frames in full contact above 0.80."""
+"""Grey levels (rms) by which a touch changes the image, against a known background. Measured on
+real recordings: 90 % of untouched frames are below 0.66, 95 % of frames in full contact above 0.80."""
 
 
 ESTIMATED = "estimated from the frames"
@@ -38,7 +38,11 @@ def info(
 
     Example: geotlm-lm info --clip recording.mov
     """
-    facts = describe(load_clip(clip, frames, layout, background, fps))
+    from geotlm_lm.recordings.read import read_clip
+
+    span = span_of(frames)
+    recording = read_clip(clip, layout=layout, fps=fps, background=background)
+    facts = describe(recording, span)
     if as_json:
         print(json.dumps(facts))
         return
@@ -48,14 +52,14 @@ def info(
             print(f"{name.replace('_', ' ')}: {_words(line)}")
 
 
-def describe(recording: Clip) -> dict[str, Any]:
-    """Return what is known about a recording and the frames that would be chosen from it."""
+def describe(recording: Clip, span: tuple[int, int] | None = None) -> dict[str, Any]:
+    """Return what is known about a recording and the frames chosen from it, or from `span`."""
     from dataclasses import replace
 
     from geotlm_lm.recordings.choose import choose_frames, imprint_strength
     from geotlm_lm.recordings.idle import estimate_background
 
-    chosen = choose_frames(recording)
+    chosen = choose_frames(recording, span=span)
     origin = "given" if recording.background is not None else "found in the recording"
     if chosen.background is None:
         origin = ESTIMATED
