@@ -1,1 +1,1 @@
-"""Contact mechanics to frames: a scene becomes a clip with its truth; nothing here knows a model."""
+"""Contact mechanics to frames: a scene becomes a clip with its truth; knows no model."""

@@ -1,4 +1,4 @@
-"""Normal compliance of a bonded elastic layer in Fourier space; knows nothing of contact or objects.
+"""Normal compliance of a bonded elastic layer in Fourier space; knows nothing of contact.
 
 For a layer of thickness h, shear modulus G and Poisson ratio nu, bonded to a rigid backing, a
 pressure of wavenumber k presses the surface in by S_zz(k) times its amplitude, with x = k h and

@@ -21,7 +21,7 @@ MEASURED_IDLE = np.array(
     ],
     dtype=np.float32,
 )
-"""Grey levels of one GelSight Mini's idle frame on 5x5 evenly spaced points, by channel (R, G, B)."""
+"""Grey levels of one GelSight Mini's idle frame on 5x5 even points, by channel (R, G, B)."""
 
 FIXED_PATTERN_GREY = (0.85, 0.7, 1.0)
 """Standard deviation of the pixel-fine pattern that two sessions share, measured (R, G, B)."""

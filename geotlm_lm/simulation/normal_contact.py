@@ -38,9 +38,9 @@ class SolverStatus:
 
 @dataclass(frozen=True)
 class Contact:
-    """Solution of a batch: pressure (G = 1), indentation in mm, touched cells, per-sample residuals.
+    """Solution of a batch; pressures in units of the shear modulus.
 
-    Shapes: pressure, indentation_mm and touches (n, side, side); penetration_um and iterations (n,).
+    pressure, indentation_mm, touches: (n, side, side); penetration_um, iterations: (n,).
     """
 
     pressure: Tensor

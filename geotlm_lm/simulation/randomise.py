@@ -22,7 +22,7 @@ LEAST_CONTACT = 0.015
 """Share of the view that a claimed motion has in contact, by design, in every frame."""
 
 ELASTIC_SHARE = 0.5
-"""Elastic contact area over geometric overlap; measured 0.57 to 0.77, so 0.5 is on the safe side."""
+"""Elastic contact area over geometric overlap; measured 0.57 to 0.77, so 0.5 is safe."""
 
 CENTRE_MM = 5.0
 """Farthest the contact's middle lies from the view's middle, along each axis."""

@@ -1,4 +1,4 @@
-"""Flat-faced bodies over an outline for training: prisms, rings, crosses, gears, strokes, gratings."""
+"""Flat-faced bodies over an outline for training: prisms, rings, gears, strokes, gratings."""
 
 from __future__ import annotations
 

@@ -91,7 +91,7 @@ def saddle(
     radius = radius_mm + (x**2) / (2 * waist_mm) * rng.uniform(0.7, 1.3)
     square = radius**2 - y**2
     body = radius_mm - np.sqrt(np.maximum(square, 0))
-    return where_solid(body, (square > 0.03 * radius_mm**2) & (np.abs(x) < 9))
+    return where_solid(body, (square > 0.03 * radius_mm**2) & (np.abs(x) < 5))
 
 
 def crossed_rods(
@@ -141,7 +141,7 @@ SOLIDS: dict[str, Indenter] = {
     "roof_sharp": Indenter(partial(roof, slope=0.8, edge_mm=0.25)),
     "ring_round": Indenter(partial(torus, ring_mm=4.0, tube_mm=1.2)),
     "ring_small": Indenter(partial(torus, ring_mm=2.2, tube_mm=0.8)),
-    "roller_waisted": Indenter(partial(saddle, radius_mm=3.0, waist_mm=20)),
+    "roller_waisted": Indenter(partial(saddle, radius_mm=3.0, waist_mm=80)),
     "roller_barrel": Indenter(partial(saddle, radius_mm=4.0, waist_mm=-30)),
     "rods_crossed_2": Indenter(partial(crossed_rods, count=2, radius_mm=1.2)),
     "rods_crossed_3": Indenter(partial(crossed_rods, count=3, radius_mm=1.0)),

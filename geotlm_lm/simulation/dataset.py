@@ -1,0 +1,230 @@
+"""Simulated clips on disk: shards with truth that survive a kill; same seed, same bytes.
+
+A folder holds `shard-00000.npz` and so on, each written whole and then renamed, `dataset.json` with
+what was asked for, and a card. Shard k holds clips [k * SHARD_CLIPS, (k + 1) * SHARD_CLIPS) of the
+seed's series, whoever wrote it and whenever; a resumed run only writes the missing ones.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import multiprocessing
+import os
+import tempfile
+import zipfile
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.core.record import write_text_atomically
+
+SHARD_CLIPS = 64
+"""Clips per shard: about 50 MB of frames, a few seconds of work to lose in a kill."""
+
+DATASET_FORMAT = 1
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class _Shard:
+    path: str
+    first_index: int
+    count: int
+    seed: int
+    objects: tuple[str, ...]
+
+
+def write_dataset(
+    out: Path,
+    count: int,
+    *,
+    seed: int,
+    objects: Sequence[str],
+    workers: int = 1,
+    progress: Progress | None = None,
+) -> Path:
+    """Write `count` clips of `objects` into the folder `out`, or finish writing them.
+
+    Args:
+        out: Folder; created when absent, resumed when it holds part of the same data set.
+        count: Number of clips.
+        seed: Root seed; clip i is the same in every data set of this seed and these objects.
+        objects: Names from `indenters.INDENTERS`.
+        workers: Processes, one thread each; the result does not depend on it.
+        progress: Called with (clips done, clips asked for) after every shard.
+
+    Returns:
+        `out`.
+
+    Raises:
+        UsageError: If the folder holds another data set, or the request is empty.
+    """
+    out, wanted = Path(out), {"format": DATASET_FORMAT, "seed": seed, "objects": list(objects)}
+    _check(out, count, wanted)
+    out.mkdir(parents=True, exist_ok=True)
+    write_text_atomically(out / "dataset.json", json.dumps(wanted | {"count": count}) + "\n")
+    shards = _shards(out, count, seed, tuple(objects))
+    missing = [shard for shard in shards if _clips_in(Path(shard.path)) != shard.count]
+    done = count - sum(shard.count for shard in missing)
+    for written in _write_all(missing, workers):
+        done += written
+        if progress is not None:
+            progress(done, count)
+    for stray in sorted(out.glob("shard-*.npz")):
+        if str(stray) not in {shard.path for shard in shards}:
+            stray.unlink()
+    write_text_atomically(out / "README.md", _card(out, count, wanted))
+    return out
+
+
+def read_shard(path: Path) -> tuple[dict[str, NDArray[Any]], list[MotionLabel]]:
+    """Return the arrays of one shard by name, and the label of each of its clips."""
+    with np.load(path, allow_pickle=False) as stored:
+        arrays = {name: stored[name] for name in stored.files if name != "labels"}
+        labels = json.loads(str(stored["labels"]))
+    return arrays, [MotionLabel.from_dict(values) for values in labels]
+
+
+def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
+    if count < 1 or not wanted["objects"]:
+        raise UsageError(f"found {count} clips of {len(wanted['objects'])} objects; ask for some.")
+    if (out / "dataset.json").exists():
+        found = json.loads((out / "dataset.json").read_text())
+        if {name: found.get(name) for name in wanted} != wanted:
+            raise UsageError(
+                f"{out} holds another data set (seed {found.get('seed')}, expected "
+                f"{wanted['seed']}, or other objects); choose an empty folder."
+            )
+
+
+def _shards(out: Path, count: int, seed: int, objects: tuple[str, ...]) -> list[_Shard]:
+    starts = range(0, count, SHARD_CLIPS)
+    return [
+        _Shard(
+            str(out / f"shard-{number:05d}.npz"),
+            start,
+            min(SHARD_CLIPS, count - start),
+            seed,
+            objects,
+        )
+        for number, start in enumerate(starts)
+    ]
+
+
+def _clips_in(path: Path) -> int:
+    """Return the number of clips in a shard, 0 when absent or damaged."""
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            return len(stored["index"])
+    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+        return 0
+
+
+def _write_all(shards: list[_Shard], workers: int) -> Iterator[int]:
+    if workers <= 1 or len(shards) <= 1:
+        yield from map(_write_shard, shards)
+        return
+    # Spawned, not forked: a forked process inherits torch's threads in an unusable state.
+    context = multiprocessing.get_context("spawn")
+    with context.Pool(min(workers, len(shards)), initializer=_use_one_thread) as pool:
+        yield from pool.imap_unordered(_write_shard, shards)
+
+
+def _use_one_thread() -> None:
+    import cv2
+    import torch
+
+    torch.set_num_threads(1)
+    cv2.setNumThreads(1)
+
+
+def _write_shard(shard: _Shard) -> int:
+    from geotlm_lm.simulation.randomise import random_scenes
+    from geotlm_lm.simulation.simulate import simulate
+
+    scenes = random_scenes(
+        shard.seed, shard.count, objects=shard.objects, first_index=shard.first_index
+    )
+    clips = simulate(scenes, seed=shard.seed, first_index=shard.first_index)
+    arrays = {
+        "index": np.arange(shard.first_index, shard.first_index + shard.count),
+        "frames": np.stack([clip.clip.frames for clip in clips]),
+        "backgrounds": np.stack([clip.clip.background for clip in clips]),
+        "displacement_px": np.stack([clip.displacement_px for clip in clips]),
+        "contact": np.stack([clip.contact for clip in clips]),
+        "depth_mm": np.stack([clip.depth_mm for clip in clips]),
+        "mm_per_px": np.array([clip.mm_per_px for clip in clips], np.float32),
+        "penetration_um": np.array([clip.status.penetration_um for clip in clips], np.float32),
+        "object_names": np.array([clip.object_name for clip in clips]),
+        "labels": np.array(json.dumps([clip.label.to_dict() for clip in clips])),
+    }
+    _save_atomically(Path(shard.path), arrays)
+    return shard.count
+
+
+def _save_atomically(path: Path, arrays: dict[str, NDArray[Any]]) -> None:
+    """Write an uncompressed npz with a fixed date inside, so that equal clips are equal bytes."""
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
+            for name, array in arrays.items():
+                buffer = io.BytesIO()
+                np.lib.format.write_array(buffer, np.asarray(array), allow_pickle=False)
+                entry = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
+                archive.writestr(entry, buffer.getvalue())
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def _card(out: Path, count: int, wanted: dict[str, Any]) -> str:
+    """Return the data set's card in Markdown, counted from what was written."""
+    motions: dict[str, list[bool]] = {}
+    worst_um = 0.0
+    for path in sorted(out.glob("shard-*.npz")):
+        with np.load(path, allow_pickle=False) as stored:
+            worst_um = max(worst_um, float(stored["penetration_um"].max()))
+            for values in json.loads(str(stored["labels"])):
+                motions.setdefault(values["motion"], []).append(values["is_readable"])
+    rows = [
+        f"| {name} | {len(seen)} | {1 - sum(seen) / len(seen):.3f} |"
+        for name, seen in sorted(motions.items())
+    ]
+    return "\n".join(
+        [
+            "---",
+            "license: apache-2.0",
+            "tags: [tactile, gelsight, simulated]",
+            "---",
+            "# Simulated touch clips",
+            "",
+            f"{count} clips of {len(wanted['objects'])} bodies, seed {wanted['seed']}, made by",
+            "`geotlm_lm.simulation`: a rigid body on a bonded elastic layer, seen by a camera under",
+            "three coloured lights. Everything is simulated; nothing was recorded.",
+            "",
+            "| motion | clips | unreadable share |",
+            "|---|---|---|",
+            *rows,
+            "",
+            f"Largest penetration the contact solver left: {worst_um:.1f} micrometres.",
+            "",
+            "Per shard: `frames` uint8 (clips, 4, 224, 224, 3) RGB, `backgrounds` the idle gel,",
+            "`displacement_px` (clips, 4, 14, 14, 2) travel of the object since frame 0 at each",
+            "patch (x right, y down, pixels), `contact` and `depth_mm` (clips, 4, 14, 14),",
+            "`mm_per_px`, `object_names`, `index`, and `labels` as JSON. Positive rotation is",
+            "clockwise in the image. Directions are the object's relative to the sensor.",
+            "",
+            "Bodies: " + ", ".join(wanted["objects"]) + ".",
+            "",
+        ]
+    )
