@@ -1,0 +1,121 @@
+"""Clips with known motions to judge methods on: simulated everyday objects and real recordings.
+
+Knows where clips come from; nothing of the methods that are judged on them.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.seeding import seed_for
+from geotlm_lm.data.labelled_recordings import LabelledRecordings, find_labelled_recordings
+from geotlm_lm.experiments.compare import Case
+
+TASKS: dict[str, tuple[Motion, ...]] = {
+    "rotation": ROTATIONS,
+    "sliding": SLIDES,
+    "all": tuple(Motion),
+}
+"""The simulated tasks: the paper's two, and all ten motions together."""
+
+BATCH = 16
+"""Scenes simulated at a time."""
+
+MOST_TRIES = 6
+"""Scenes simulated per clip asked for, at most: a bound on a search, not an expected number."""
+
+
+@dataclass
+class SimulatedCases:
+    """Readable simulated clips of objects that no training ever uses.
+
+    Args:
+        task: One of `TASKS`.
+        count: How many clips to give.
+        seed: Root of the scenes.
+        unreadable: How many clips were left out because their images do not show the motion;
+            filled while iterating.
+    """
+
+    task: str
+    count: int
+    seed: int
+    unreadable: int = field(default=0)
+
+    @property
+    def among(self) -> tuple[Motion, ...]:
+        """The motions in question."""
+        return TASKS[self.task]
+
+    def __iter__(self) -> Iterator[Case]:
+        from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
+        from geotlm_lm.simulation.randomise import random_scenes
+        from geotlm_lm.simulation.simulate import simulate
+
+        self.unreadable = given = 0
+        seed = seed_for(self.seed, "evaluation", self.task)
+        for first in range(0, MOST_TRIES * self.count, BATCH):
+            scenes = random_scenes(
+                seed, BATCH, objects=EVERYDAY_OBJECTS, first_index=first, motions=self.among
+            )
+            for made in simulate(scenes, seed=seed, first_index=first):
+                if not made.label.is_readable:
+                    self.unreadable += 1
+                    continue
+                yield Case(made.clip, made.label.motion, made.object_name, made.object_name, {})
+                given += 1
+                if given == self.count:
+                    return
+
+
+@dataclass(frozen=True)
+class RealCases:
+    """The windows of labelled recordings: four frames and pairs, forwards and backwards.
+
+    Args:
+        recordings: One folder of labelled recordings.
+    """
+
+    recordings: LabelledRecordings
+
+    @property
+    def among(self) -> tuple[Motion, ...]:
+        """The smallest task that holds every label of the recordings."""
+        motions = {row.motion for row in self.recordings.rows}
+        tasks: Sequence[tuple[Motion, ...]] = (ROTATIONS, SLIDES, DIRECTED, tuple(Motion))
+        return next(task for task in tasks if motions <= set(task))
+
+    def __len__(self) -> int:
+        return 4 * len(self.recordings.rows)
+
+    def __iter__(self) -> Iterator[Case]:
+        for window in self.recordings.windows(frames=("four", "pair"), backwards=True):
+            tags = {
+                "frames": window.frames,
+                "played": "backwards" if window.is_backwards else "forwards",
+                "fps": "unknown" if window.clip.fps is None else f"{window.clip.fps:g}",
+            }
+            row = window.row
+            yield Case(window.clip, window.motion, row.object_id, row.object_family, tags)
+
+
+def real_cases(folder: str | Path) -> dict[str, RealCases]:
+    """Return the labelled recordings of `folder`, or of each folder inside, by folder name.
+
+    Raises:
+        UnreadableClip: If there are none, or none with a usable direction.
+    """
+    found = find_labelled_recordings(folder)
+    usable = {one.folder.resolve().name: RealCases(one) for one in found if one.rows}
+    if not usable:
+        skipped = sum((one.skipped for one in found), Counter())
+        raise UnreadableClip(
+            f"{folder}: no row has a usable direction (left out: {dict(skipped)}); expected one of "
+            f"{', '.join(Motion)}."
+        )
+    return usable

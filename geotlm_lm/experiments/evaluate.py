@@ -1,0 +1,137 @@
+"""The main table: language model, linear probes and classical flow on clips none of them has seen.
+
+Runs everything on one thread, so that the times of the rows compare.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geotlm_lm.core.record import RunRecord
+from geotlm_lm.experiments.cases import TASKS, RealCases, SimulatedCases, real_cases
+from geotlm_lm.experiments.compare import Method, Replies, ask_all, summarise
+from geotlm_lm.experiments.methods import CONTRASTS, GENERATED, all_methods
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering import Answerer
+
+Progress = Callable[[str, int, int], None]
+"""Called with what is being judged, how many clips are done, and how many there are."""
+
+
+def evaluate(
+    answerer: Answerer,
+    *,
+    clips_per_task: int,
+    seed: int,
+    real_folder: Path | None = None,
+    model_name: str = "embedded",
+    command: str = "",
+    progress: Progress = lambda what, done, total: None,
+) -> RunRecord:
+    """Judge a model against its references.
+
+    Args:
+        answerer: The loaded model.
+        clips_per_task: Readable simulated clips per task; 0 leaves the simulated tasks out.
+        seed: Root of scenes, question wordings and resampling.
+        real_folder: Labelled recordings, judged in addition.
+        model_name: What the record calls the model.
+        command: The command line, for the record.
+        progress: Told how far the run is.
+
+    Raises:
+        UnreadableClip: If the recordings cannot be read.
+    """
+    recordings = {} if real_folder is None else real_cases(real_folder)
+    started = time.perf_counter()
+    methods = all_methods(answerer, seed)
+    tables: dict[str, Any] = {}
+    with one_thread():
+        for task in TASKS if clips_per_task else ():
+            cases = SimulatedCases(task, clips_per_task, seed)
+            tables[f"simulated {task}"] = judge_simulated(methods, cases, seed, progress)
+        for name, real in recordings.items():
+            tables |= judge_real(methods, name, real, seed, progress)
+    return RunRecord(
+        name="evaluate",
+        command=command,
+        seed=seed,
+        seconds=time.perf_counter() - started,
+        numbers={"tables": tables, "minimum": minimum_accuracy(tables)},
+        config={
+            "model": model_name,
+            "clips_per_task": clips_per_task,
+            "real": {name: len(cases.recordings.rows) for name, cases in recordings.items()},
+            "threads": 1,
+        },
+    )
+
+
+def judge_simulated(
+    methods: Mapping[str, Method], cases: SimulatedCases, seed: int, progress: Progress
+) -> dict[str, Any]:
+    """Return the table of one simulated task."""
+
+    def tell(done: int) -> None:
+        progress(f"simulated {cases.task}", done, cases.count)
+
+    replies = ask_all(methods, cases, cases.among, tell)
+    return _table(replies, seed) | {"unreadable_left_out": cases.unreadable}
+
+
+def judge_real(
+    methods: Mapping[str, Method], name: str, cases: RealCases, seed: int, progress: Progress
+) -> dict[str, Any]:
+    """Return the tables of one folder: four frames and pairs, and each way of playing apart.
+
+    Frame rates are told apart too where there are several: cameras set to another rate often have
+    another gain and zoom.
+    """
+
+    def tell(done: int) -> None:
+        progress(f"real {name}", done, len(cases))
+
+    replies = ask_all(methods, cases, cases.among, tell)
+    left_out = {"rows_left_out": dict(cases.recordings.skipped)}
+    rates = sorted({tags["fps"] for tags in replies.tags})
+    tables = {}
+    for frames, title in (("four", "four frames"), ("pair", "pairs")):
+        part = replies.where(frames=frames)
+        tables[f"real {name}, {title}"] = _table(part, seed) | left_out
+        for played in ("forwards", "backwards"):
+            key = f"real {name}, {title}, {played}"
+            tables[key] = _table(part.where(played=played), seed)
+        for rate in rates if len(rates) > 1 else ():
+            tables[f"real {name}, {title}, {rate} fps"] = _table(part.where(fps=rate), seed)
+    return tables
+
+
+def minimum_accuracy(tables: Mapping[str, Any]) -> float | None:
+    """Return the lowest accuracy of the language model's own words over all tables."""
+    found = [table["methods"][GENERATED]["accuracy"] for table in tables.values()]
+    return min(found, default=None)
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Keep torch and OpenCV on one thread each while inside."""
+    import cv2
+    import torch
+
+    torch_before, cv2_before = torch.get_num_threads(), cv2.getNumThreads()
+    torch.set_num_threads(1)
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(torch_before)
+        cv2.setNumThreads(cv2_before)
+
+
+def _table(replies: Replies, seed: int) -> dict[str, Any]:
+    return summarise(replies, CONTRASTS, seed=seed)

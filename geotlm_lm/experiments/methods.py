@@ -1,0 +1,127 @@
+"""The rows of the comparison: the language model, the linear probes and the classical flow.
+
+Binds the loaded model's parts to the form `compare` asks for; holds no numbers of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.data.questions import WORDINGS, questions_for
+from geotlm_lm.experiments.compare import Method, Reply, timed
+from geotlm_lm.probe.rigid_flow import RigidFlow
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering import Answerer, Encoded
+
+GENERATED = "language model, words"
+GENERATED_UNSEEN = "language model, words, unseen wordings"
+SCORED = "language model, scored"
+SCORED_FREE = "language model, scored, all motions"
+PROBE = "linear probe on z"
+PROBE_FREE = "linear probe on z, all motions"
+GLOBAL_PROBE = "linear probe on c"
+FLOW = "optical flow + rigid fit"
+
+CONTRASTS = (
+    (GENERATED, PROBE),
+    (GENERATED, PROBE_FREE),
+    (GENERATED, FLOW),
+    (GENERATED_UNSEEN, GENERATED),
+    (PROBE, GLOBAL_PROBE),
+)
+"""Pairs whose difference every table reports."""
+
+ALL_MOTIONS = tuple(Motion)
+
+
+class PerceivedOnce:
+    """The model's view of the latest clip, so that every row reads the same perception.
+
+    Args:
+        answerer: The loaded model.
+    """
+
+    def __init__(self, answerer: Answerer) -> None:
+        self._answerer = answerer
+        self._clip: Clip | None = None
+        self._encoded: Encoded | None = None
+
+    def __call__(self, clip: Clip) -> Encoded:
+        """Return the encoded clip; the same object as last time is not encoded again."""
+        if self._encoded is None or clip is not self._clip:
+            self._clip, self._encoded = clip, self._answerer.encode(clip)
+        return self._encoded
+
+
+def all_methods(answerer: Answerer, seed: int) -> dict[str, Method]:
+    """Return every row by its name, in the order of the table.
+
+    Args:
+        answerer: The loaded model.
+        seed: Root of the draw of question wordings.
+    """
+    perceive = PerceivedOnce(answerer)
+    model = answerer.bundle.model
+    asks_seen, asks_unseen = (direction_questions(seed, one) for one in ("seen", "held_out"))
+
+    def words(
+        questions: Callable[[], str],
+    ) -> Callable[[Encoded, tuple[Motion, ...]], Motion | None]:
+        return lambda encoded, among: answerer.ask(encoded, questions()).direction
+
+    def scored(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
+        return most_probable(answerer.score(encoded, asks_seen()), among)
+
+    def probe(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
+        return model.probe.predict(encoded.perception.fused_token, among)[0]
+
+    def global_probe(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
+        return model.global_probe.predict(encoded.perception.global_token, among)[0]
+
+    def among_all(read: Callable) -> Callable:
+        return lambda encoded, among: read(encoded, ALL_MOTIONS)
+
+    return {
+        GENERATED: _after_perceiving(perceive, words(asks_seen)),
+        GENERATED_UNSEEN: _after_perceiving(perceive, words(asks_unseen)),
+        SCORED: _after_perceiving(perceive, scored),
+        SCORED_FREE: _after_perceiving(perceive, among_all(scored)),
+        PROBE: _after_perceiving(perceive, probe),
+        PROBE_FREE: _after_perceiving(perceive, among_all(probe)),
+        GLOBAL_PROBE: _after_perceiving(perceive, global_probe),
+        FLOW: timed(RigidFlow().predict),
+    }
+
+
+def direction_questions(seed: int, wordings: WORDINGS) -> Callable[[], str]:
+    """Return a source of open questions about direction, another wording at each call.
+
+    The label they are drawn for is always the same, so that no question can give the truth away.
+    """
+    rng = generator_for(seed, "wordings", wordings)
+    label = MotionLabel(Motion.CLOCKWISE)
+    return lambda: questions_for(label, rng, types=("T1",), wordings=wordings)[0].question
+
+
+def most_probable(options: Mapping[str, float], among: tuple[Motion, ...]) -> Motion:
+    """Return the one of `among` with the largest probability; a missing one has none."""
+    return max(among, key=lambda motion: options.get(motion.value, 0.0))
+
+
+def _after_perceiving(
+    perceive: PerceivedOnce, read: Callable[[Encoded, tuple[Motion, ...]], Motion | None]
+) -> Method:
+    """Time only the reading, and add what perceiving the clip took when it was done."""
+    method = timed(lambda encoded, among: read(encoded, among))
+
+    def whole(clip: Clip, among: tuple[Motion, ...]) -> Reply:
+        encoded = perceive(clip)
+        reply = method(encoded, among)
+        return Reply(reply.motion, sum(encoded.timing_ms.values()) + reply.milliseconds)
+
+    return whole

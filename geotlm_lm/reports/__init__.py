@@ -1,0 +1,1 @@
+"""Run records -> tables and README blocks; text in, text out, nothing is measured here."""

@@ -1,0 +1,99 @@
+"""README blocks written from run records, so that no number in the text is typed by hand.
+
+A block stands between `<!-- begin: NAME -->` and `<!-- end: NAME -->`; what is between is replaced.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from geotlm_lm.core.errors import GeoTLMError
+from geotlm_lm.core.record import RunRecord, write_text_atomically
+from geotlm_lm.reports.tables import accuracy_overview, difference_overview, time_overview
+
+BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
+    "accuracy": ("evaluate.json", accuracy_overview),
+    "differences": ("evaluate.json", difference_overview),
+    "times": ("evaluate.json", time_overview),
+}
+"""Block name -> the record it is made from, and how."""
+
+_BEGIN = re.compile(r"^<!-- begin: (\S+) -->$", re.MULTILINE)
+
+
+class UnusableReadme(GeoTLMError):
+    """A README's blocks cannot be written, or do not agree with the records."""
+
+
+def fill_blocks(text: str, records: Path) -> str:
+    """Return `text` with every block rewritten from the records.
+
+    Args:
+        text: The README.
+        records: The folder of recorded runs.
+
+    Raises:
+        UnusableReadme: If a block is unknown or not closed, or its record is missing.
+    """
+    parts = []
+    position = 0
+    for begin in _BEGIN.finditer(text):
+        name = begin[1]
+        closing = f"<!-- end: {name} -->"
+        end = text.find(closing, begin.end())
+        if end < 0:
+            raise UnusableReadme(f"block '{name}' is not closed; add the line {closing} below it.")
+        parts += [text[position : begin.end()], "\n\n", _content(name, records), "\n\n"]
+        position = end
+    return "".join([*parts, text[position:]])
+
+
+def write_readme(readme: Path, records: Path) -> bool:
+    """Rewrite the blocks of a README; return whether anything changed.
+
+    Raises:
+        UnusableReadme: As in `fill_blocks`, or if the file is missing.
+    """
+    before = _read(readme)
+    after = fill_blocks(before, records)
+    if after != before:
+        write_text_atomically(readme, after)
+    return after != before
+
+
+def check_readme(readme: Path, records: Path) -> None:
+    """Compare the blocks of a README with the records.
+
+    Raises:
+        UnusableReadme: If a block says something else than its record.
+    """
+    text = _read(readme)
+    if fill_blocks(text, records) != text:
+        raise UnusableReadme(
+            f"{readme}: its numbers differ from the records in {records}; run "
+            f"`geotlm-lm report readme`."
+        )
+
+
+def _content(name: str, records: Path) -> str:
+    if name not in BLOCKS:
+        raise UnusableReadme(f"block '{name}' is not known; expected one of {', '.join(BLOCKS)}.")
+    file_name, render = BLOCKS[name]
+    path = records / file_name
+    if not path.is_file():
+        raise UnusableReadme(
+            f"{path}: the record of block '{name}' is missing; write it with `geotlm-lm evaluate "
+            f"--out {path}`."
+        )
+    return render(RunRecord.load(path)).strip()
+
+
+def _read(readme: Path) -> str:
+    try:
+        return readme.read_text(encoding="utf-8")
+    except OSError as error:
+        raise UnusableReadme(
+            f"{readme}: cannot be read ({error.strerror}); run from the checkout or give --readme."
+        ) from error

@@ -1,0 +1,146 @@
+"""Evaluation records as Markdown tables; knows the record's layout, not how it was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from geotlm_lm.core.record import RunRecord
+
+COLUMNS = (
+    "method",
+    "accuracy",
+    "95 % interval",
+    "macro by object",
+    "lowest recall",
+    "no answer",
+    "ms, median",
+    "ms, p95",
+)
+
+
+def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a Markdown table padded so that it reads as plain text too.
+
+    The first column is set left, all others right.
+    """
+    cells = [list(header), *(list(row) for row in rows)]
+    widths = [max(len(line[column]) for line in cells) for column in range(len(header))]
+
+    def line(values: Sequence[str]) -> str:
+        first = values[0].ljust(widths[0])
+        others = [value.rjust(width) for value, width in zip(values[1:], widths[1:], strict=True)]
+        return "| " + " | ".join([first, *others]) + " |"
+
+    rule = "| " + " | ".join(["-" * widths[0], *("-" * (w - 1) + ":" for w in widths[1:])]) + " |"
+    return "\n".join([line(cells[0]), rule, *(line(row) for row in cells[1:])])
+
+
+def evaluation_tables(record: RunRecord) -> str:
+    """Return every table of an evaluation, each with its clips and paired differences."""
+    parts = []
+    for name, table in record.numbers["tables"].items():
+        parts += [f"### {name}", "", _facts(table), "", method_table(table), ""]
+        parts += [difference_line(one) for one in table["differences"]] + [""]
+    return "\n".join(parts).rstrip() + "\n"
+
+
+def method_table(table: dict[str, Any]) -> str:
+    """Return one row per method."""
+    rows = []
+    for name, scores in table["methods"].items():
+        low, high = scores["interval"]
+        worst = min(scores["recall"], key=scores["recall"].get)
+        rows.append(
+            [
+                name,
+                f"{scores['accuracy']:.3f}",
+                f"{low:.3f}-{high:.3f}",
+                f"{scores['macro_by_object']:.3f}",
+                f"{scores['recall'][worst]:.3f} ({worst})",
+                str(scores["verdicts"]["unparsable"]),
+                f"{scores['ms_median']:.1f}",
+                f"{scores['ms_p95']:.1f}",
+            ]
+        )
+    return markdown(COLUMNS, rows)
+
+
+def difference_line(difference: dict[str, Any]) -> str:
+    """Return one paired difference as a line of text."""
+    return (
+        f"- {difference['first']} less {difference['second']}: {difference['difference']:+.3f} "
+        f"({difference['low']:+.3f} to {difference['high']:+.3f}), p = {difference['p_value']:.3f} "
+        f"by object, {difference['mcnemar_p']:.3f} by clip"
+    )
+
+
+def accuracy_overview(record: RunRecord) -> str:
+    """Return one row per table and one column per method: accuracies with their intervals."""
+    tables = record.numbers["tables"]
+    methods = list(dict.fromkeys(name for table in tables.values() for name in table["methods"]))
+    rows = [
+        [title, str(table["clips"]), str(table["objects"])]
+        + [_accuracy_cell(table["methods"].get(name)) for name in methods]
+        for title, table in tables.items()
+    ]
+    return markdown(["clips", "n", "objects", *methods], rows) + "\n\n" + provenance(record)
+
+
+def difference_overview(record: RunRecord) -> str:
+    """Return one row per table and paired difference."""
+    rows = [
+        [
+            title,
+            f"{one['first']} less {one['second']}",
+            f"{one['difference']:+.3f}",
+            f"{one['low']:+.3f} to {one['high']:+.3f}",
+            f"{one['p_value']:.3f}",
+        ]
+        for title, table in record.numbers["tables"].items()
+        for one in table["differences"]
+    ]
+    header = ["clips", "methods", "difference", "95 % interval", "p"]
+    return markdown(header, rows) + "\n\n" + provenance(record)
+
+
+def time_overview(record: RunRecord) -> str:
+    """Return one row per method: median and 95th percentile of its time per clip, per table."""
+    tables = record.numbers["tables"]
+    methods = list(dict.fromkeys(name for table in tables.values() for name in table["methods"]))
+    rows = [[name, *(_time_cell(table["methods"].get(name)) for table in tables.values())]
+            for name in methods]  # fmt: skip
+    header = ["ms per clip, median / p95", *tables]
+    return markdown(header, rows) + "\n\n" + provenance(record)
+
+
+def provenance(record: RunRecord) -> str:
+    """Return the line that says how to get the numbers again."""
+    machine = record.machine
+    return (
+        f"`{record.command}` at commit {record.commit or 'unknown'}, seed {record.seed}, "
+        f"{record.seconds / 60:.1f} min on {machine['cores']} cores of {machine['processor']}, "
+        f"{record.made_utc[:10]}."
+    )
+
+
+def _facts(table: dict[str, Any]) -> str:
+    truths = ", ".join(f"{count} {motion}" for motion, count in table["truths"].items())
+    facts = f"{table['clips']} clips of {table['objects']} objects: {truths}"
+    if table.get("unreadable_left_out"):
+        facts += f"; {table['unreadable_left_out']} left out, their images do not show the motion"
+    if table.get("rows_left_out"):
+        left = ", ".join(f"{count} {word}" for word, count in table["rows_left_out"].items())
+        facts += f"; labels left out: {left}"
+    return facts + "."
+
+
+def _accuracy_cell(scores: dict[str, Any] | None) -> str:
+    if scores is None:
+        return "-"
+    low, high = scores["interval"]
+    return f"{scores['accuracy']:.3f} ({low:.3f}-{high:.3f})"
+
+
+def _time_cell(scores: dict[str, Any] | None) -> str:
+    return "-" if scores is None else f"{scores['ms_median']:.1f} / {scores['ms_p95']:.1f}"

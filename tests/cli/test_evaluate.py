@@ -1,0 +1,90 @@
+import json
+import subprocess
+import sys
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from geotlm_lm.cli import evaluate as command
+from geotlm_lm.core.errors import BelowMinimum, UsageError
+from geotlm_lm.core.record import RunRecord
+
+
+@pytest.fixture
+def judged(monkeypatch):
+    """Replaces the model and the run; returns the options the run was given."""
+    from geotlm_lm import answering
+    from geotlm_lm.experiments import evaluate as experiment
+
+    given = {}
+
+    def run(answerer, **options):
+        given.update(options)
+        options["progress"]("simulated rotation", 5, 5)
+        return RunRecord("evaluate", "", options["seed"], 1.0, {"tables": {}, "minimum": 0.8})
+
+    monkeypatch.setattr(answering.Answerer, "load", classmethod(lambda cls, folder=None: folder))
+    monkeypatch.setattr(experiment, "evaluate", run)
+    return given
+
+
+@pytest.fixture
+def invoke():
+    app = typer.Typer()
+    app.command()(command.evaluate)
+    return lambda *arguments: CliRunner().invoke(app, list(arguments))
+
+
+def test_options_reach_the_run(judged, invoke, tmp_path):
+    result = invoke("--clips", "7", "--seed", "3", "--real", str(tmp_path), "--model", "some/tiny")
+    assert result.exit_code == 0
+    assert (judged["clips_per_task"], judged["seed"], judged["real_folder"]) == (7, 3, tmp_path)
+    assert judged["model_name"] == "tiny"
+
+
+def test_progress_goes_to_stderr_only(judged, invoke):
+    result = invoke()
+    assert "simulated rotation: 5 of 5 clips" in result.stderr
+    assert "5 of 5" not in result.stdout
+
+
+def test_the_last_line_is_the_record_when_json_is_asked_for(judged, invoke):
+    record = json.loads(invoke("--json").stdout.splitlines()[-1])
+    assert record["numbers"]["minimum"] == 0.8
+
+
+def test_the_record_is_written_where_asked(judged, invoke, tmp_path):
+    invoke("--out", str(tmp_path / "deep" / "run.json"))
+    assert RunRecord.load(tmp_path / "deep" / "run.json").numbers["minimum"] == 0.8
+
+
+def test_falling_below_the_minimum_is_an_error_of_its_own(judged, invoke):
+    error = invoke("--min-accuracy", "0.9").exception
+    assert isinstance(error, BelowMinimum)
+    assert str(error) == (
+        "the lowest accuracy of the model's words is 0.800, expected at least 0.9; see the tables "
+        "above."
+    )
+
+
+def test_reaching_the_minimum_is_success(judged, invoke):
+    assert invoke("--min-accuracy", "0.8").exit_code == 0
+
+
+def test_nothing_to_judge_is_refused(judged, invoke):
+    assert isinstance(invoke("--clips", "0").exception, UsageError)
+
+
+def test_the_recorded_command_is_what_a_user_types():
+    assert command.command_line(["/some/bin/x", "evaluate", "--real", "my clips"]) == (
+        "geotlm-lm evaluate --real 'my clips'"
+    )
+
+
+def test_importing_the_commands_loads_no_torch():
+    code = (
+        "import sys, geotlm_lm.cli.evaluate, geotlm_lm.cli.report; "
+        "sys.exit(any(name in sys.modules for name in ('torch', 'transformers', 'cv2')))"
+    )
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0

@@ -1,0 +1,52 @@
+"""A stand-in for the loaded model, so that the experiments are tested without weights."""
+
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+import torch
+
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.probe.linear import LinearProbe
+
+ALL = tuple(Motion)
+
+
+def level_motion(clip):
+    """Read the motion off the last pixel, where the tests have written its number."""
+    return ALL[int(clip.frames[-1, -1, -1, 0]) % len(ALL)]
+
+
+@dataclass
+class FakeAnswerer:
+    """Perceives the number in the last pixel; says it, but has no words for `mute`."""
+
+    mute: Motion | None = None
+    encoded_count: int = 0
+    questions: list[str] = field(default_factory=list)
+
+    def __post_init__(self):
+        probe = LinearProbe(len(ALL), ALL)
+        with torch.no_grad():
+            probe.head.weight.copy_(torch.eye(len(ALL)))
+            probe.head.bias.zero_()
+        self.bundle = SimpleNamespace(model=SimpleNamespace(probe=probe, global_probe=probe))
+
+    def encode(self, clip):
+        self.encoded_count += 1
+        seen = level_motion(clip)
+        token = torch.zeros(1, len(ALL))
+        token[0, ALL.index(seen)] = 5.0
+        return SimpleNamespace(
+            clip=clip,
+            seen=seen,
+            perception=SimpleNamespace(fused_token=token, global_token=-token),
+            timing_ms={"choose": 1.0, "encode": 10.0},
+        )
+
+    def ask(self, encoded, question):
+        self.questions.append(question)
+        direction = None if encoded.seen == self.mute else encoded.seen
+        return SimpleNamespace(direction=direction)
+
+    def score(self, encoded, question, kind="direction"):
+        return {m.value: 0.91 if m == encoded.seen else 0.01 for m in ALL}

@@ -1,0 +1,102 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion, MotionLabel
+from geotlm_lm.experiments.cases import SimulatedCases, real_cases
+
+
+@pytest.fixture
+def fake_simulator(monkeypatch):
+    """Every third clip is unreadable; the calls are recorded."""
+    from geotlm_lm.simulation import randomise, simulate
+
+    calls = []
+
+    def random_scenes(seed, count, *, objects, first_index=0, motions=None):
+        return [(first_index + i, motions[(first_index + i) % len(motions)]) for i in range(count)]
+
+    def run(scenes, *, seed, first_index=0):
+        calls.append(first_index)
+        return [
+            SimpleNamespace(
+                clip=Clip(np.zeros((4, 8, 8, 3), np.uint8)),
+                label=MotionLabel(motion, is_readable=number % 3 != 2),
+                object_name=f"object {number % 4}",
+            )
+            for number, motion in scenes
+        ]
+
+    monkeypatch.setattr(randomise, "random_scenes", random_scenes)
+    monkeypatch.setattr(simulate, "simulate", run)
+    return calls
+
+
+def test_unreadable_clips_are_replaced_and_counted(fake_simulator):
+    cases = SimulatedCases("rotation", 20, seed=0)
+    assert len(list(cases)) == 20
+    # Of the numbers 0..28 every third is unreadable: 2, 5, ..., 26.
+    assert cases.unreadable == 9
+
+
+def test_simulation_stops_once_enough_clips_are_there(fake_simulator):
+    list(SimulatedCases("rotation", 20, seed=0))
+    assert fake_simulator == [0, 16]
+
+
+def test_iterating_again_starts_the_count_again(fake_simulator):
+    cases = SimulatedCases("sliding", 5, seed=0)
+    first, second = (len(list(cases)) for _ in range(2))
+    assert (first, second, cases.unreadable) == (5, 5, 2)
+
+
+def test_a_simulated_object_is_its_own_family(fake_simulator):
+    case = next(iter(SimulatedCases("all", 3, seed=0)))
+    assert case.object_id == case.family == "object 0"
+
+
+def labelled_folder(folder, *directions):
+    (folder / "clips").mkdir(parents=True)
+    frames = (
+        np.zeros((12, 16, 16, 3), np.uint8) + np.arange(12, dtype=np.uint8)[:, None, None, None]
+    )
+    np.save(folder / "clips" / "a.npy", frames)
+    rows = [f"a.npy,0,9,{direction}" for direction in directions]
+    (folder / "windows.csv").write_text(
+        "\n".join(["clip,first_frame,last_frame,direction", *rows]) + "\n"
+    )
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("directions", "among"),
+    [
+        (("clockwise",), ROTATIONS),
+        (("clockwise", "left"), DIRECTED),
+        (("clockwise", "press"), tuple(Motion)),
+    ],
+)
+def test_the_task_is_the_smallest_that_holds_every_label(tmp_path, directions, among):
+    (cases,) = real_cases(labelled_folder(tmp_path / "mine", *directions)).values()
+    assert cases.among == among
+
+
+def test_each_window_is_given_as_four_and_pair_both_ways(tmp_path):
+    (cases,) = real_cases(labelled_folder(tmp_path / "mine", "left")).values()
+    found = [(case.tags["frames"], case.tags["played"], case.motion) for case in cases]
+    assert found == [
+        ("four", "forwards", Motion.LEFT),
+        ("four", "backwards", Motion.RIGHT),
+        ("pair", "forwards", Motion.LEFT),
+        ("pair", "backwards", Motion.RIGHT),
+    ]
+    assert len(cases) == 4
+
+
+def test_a_folder_without_usable_labels_says_what_it_found(tmp_path):
+    folder = labelled_folder(tmp_path / "mine", "up-left", "up-left")
+    with pytest.raises(UnreadableClip, match=r"no row has a usable direction .*'up-left': 2"):
+        real_cases(folder)

@@ -1,0 +1,103 @@
+import json
+from dataclasses import asdict
+
+import cv2
+import numpy as np
+import pytest
+import torch
+
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.experiments import methods
+from geotlm_lm.experiments.evaluate import evaluate, minimum_accuracy, one_thread
+from tests.experiments.fakes import ALL, FakeAnswerer
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Two recordings whose last pixel names the motion that is shown, at every frame."""
+    rng = np.random.default_rng(0)
+    (tmp_path / "clips").mkdir()
+    rows = ["clip,first_frame,last_frame,direction"]
+    for direction in ("clockwise", "counterclockwise"):
+        frames = rng.integers(100, 120, (12, 32, 32, 3)).astype(np.uint8)
+        frames[:, -1, -1] = ALL.index(Motion(direction))
+        np.save(tmp_path / "clips" / f"{direction}.npy", frames)
+        rows.append(f"{direction}.npy,2,9,{direction}")
+    rows.append("clockwise.npy,2,9,up-left")
+    (tmp_path / "windows.csv").write_text("\n".join(rows) + "\n")
+    return tmp_path
+
+
+def run(folder, **options):
+    return evaluate(FakeAnswerer(), clips_per_task=0, seed=1, real_folder=folder, **options)
+
+
+def test_real_recordings_are_judged_both_ways_and_both_cuts(folder):
+    tables = run(folder).numbers["tables"]
+    name = folder.name
+    assert list(tables) == [
+        f"real {name}, four frames",
+        f"real {name}, four frames, forwards",
+        f"real {name}, four frames, backwards",
+        f"real {name}, pairs",
+        f"real {name}, pairs, forwards",
+        f"real {name}, pairs, backwards",
+    ]
+    # The fake reads the forward label off every frame, so it is right forwards and wrong backwards.
+    words = [table["methods"][methods.GENERATED]["accuracy"] for table in tables.values()]
+    assert words == [0.5, 1.0, 0.0, 0.5, 1.0, 0.0]
+
+
+def test_labels_left_out_are_in_the_record(folder):
+    tables = run(folder).numbers["tables"]
+    assert tables[f"real {folder.name}, pairs"]["rows_left_out"] == {"up-left": 1}
+
+
+def test_the_record_survives_json(folder):
+    record = run(folder, model_name="fake", command="geotlm-lm evaluate")
+    again = json.loads(json.dumps(asdict(record)))
+    assert again["numbers"] == record.numbers
+    assert (again["config"]["model"], again["seed"]) == ("fake", 1)
+
+
+def test_every_contrast_is_reported(folder):
+    table = run(folder).numbers["tables"][f"real {folder.name}, four frames"]
+    assert [(one["first"], one["second"]) for one in table["differences"]] == list(
+        methods.CONTRASTS
+    )
+
+
+def test_the_minimum_is_the_worst_table_of_the_models_own_words(folder):
+    assert run(folder).numbers["minimum"] == 0.0
+    assert minimum_accuracy({}) is None
+
+
+def test_progress_names_the_folder_and_reaches_its_end(folder):
+    seen = []
+    run(folder, progress=lambda *told: seen.append(told))
+    assert seen[-1] == (f"real {folder.name}", 8, 8)
+
+
+def test_the_simulated_tasks_report_what_was_left_out(monkeypatch):
+    from geotlm_lm.experiments import cases
+
+    def three(self):
+        self.unreadable = 2
+        for motion in self.among[:3]:
+            from tests.experiments.test_methods import clip_of
+
+            yield cases.Case(clip_of(motion), motion, motion.value, motion.value, {})
+
+    monkeypatch.setattr(cases.SimulatedCases, "__iter__", three)
+    record = evaluate(FakeAnswerer(), clips_per_task=3, seed=0)
+    tables = record.numbers["tables"]
+    assert list(tables) == ["simulated rotation", "simulated sliding", "simulated all"]
+    assert tables["simulated all"]["unreadable_left_out"] == 2
+    assert record.numbers["minimum"] == 1.0
+
+
+def test_thread_counts_come_back():
+    before = (torch.get_num_threads(), cv2.getNumThreads())
+    with one_thread():
+        assert torch.get_num_threads() == 1
+    assert (torch.get_num_threads(), cv2.getNumThreads()) == before

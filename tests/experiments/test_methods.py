@@ -1,0 +1,90 @@
+import numpy as np
+import pytest
+
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+from geotlm_lm.experiments import methods
+from geotlm_lm.experiments.methods import all_methods, direction_questions, most_probable
+from tests.experiments.fakes import ALL, FakeAnswerer
+
+
+def clip_of(motion):
+    rng = np.random.default_rng(0)
+    frames = rng.integers(100, 120, (4, 32, 32, 3)).astype(np.uint8)
+    frames[-1, -1, -1] = ALL.index(motion) + 10 * len(ALL)
+    return Clip(frames, background=np.full((32, 32, 3), 110, np.uint8))
+
+
+def said(answerer, motion, among):
+    clip = clip_of(motion)
+    rows = all_methods(answerer, seed=0)
+    return {name: method(clip, among).motion for name, method in rows.items()}
+
+
+def test_rows_restricted_to_the_task_never_leave_it():
+    found = said(FakeAnswerer(), Motion.UP, ROTATIONS)
+    restricted = (methods.SCORED, methods.PROBE, methods.GLOBAL_PROBE, methods.FLOW)
+    assert {found[name] for name in restricted} <= set(ROTATIONS)
+
+
+def test_free_rows_may_name_any_motion():
+    found = said(FakeAnswerer(), Motion.UP, ROTATIONS)
+    free = (methods.GENERATED, methods.GENERATED_UNSEEN, methods.SCORED_FREE, methods.PROBE_FREE)
+    assert {found[name] for name in free} == {Motion.UP}
+
+
+def test_words_without_a_direction_are_no_answer():
+    found = said(FakeAnswerer(mute=Motion.LEFT), Motion.LEFT, SLIDES)
+    assert found[methods.GENERATED] is None
+    assert found[methods.PROBE] == Motion.LEFT
+
+
+def test_the_global_probe_reads_the_global_token():
+    """The fake's global token is the negative of z, so this probe must avoid the truth."""
+    found = said(FakeAnswerer(), Motion.CLOCKWISE, ROTATIONS)
+    assert found[methods.GLOBAL_PROBE] == Motion.COUNTERCLOCKWISE
+
+
+def test_a_clip_is_encoded_once_for_all_rows_and_again_for_the_next():
+    answerer = FakeAnswerer()
+    rows = all_methods(answerer, seed=0)
+    for clip in (clip_of(Motion.UP), clip_of(Motion.UP)):
+        for method in rows.values():
+            method(clip, SLIDES)
+    assert answerer.encoded_count == 2
+
+
+def test_every_row_that_reads_the_model_is_charged_for_perceiving():
+    rows = all_methods(FakeAnswerer(), seed=0)
+    del rows[methods.FLOW]
+    times = [method(clip_of(Motion.UP), SLIDES).milliseconds for method in rows.values()]
+    # The fake states 11 ms for choosing and encoding, and itself takes next to none.
+    assert min(times) > 11.0
+
+
+def test_seen_and_unseen_wordings_are_asked_apart():
+    answerer = FakeAnswerer()
+    rows = all_methods(answerer, seed=0)
+    for _ in range(20):
+        rows[methods.GENERATED](clip_of(Motion.UP), SLIDES)
+        rows[methods.GENERATED_UNSEEN](clip_of(Motion.UP), SLIDES)
+    seen, unseen = set(answerer.questions[::2]), set(answerer.questions[1::2])
+    assert len(seen) > 5
+    assert len(unseen) > 2
+    assert not seen & unseen
+
+
+def test_the_same_seed_asks_the_same_questions():
+    first, again = (direction_questions(3, "seen") for _ in range(2))
+    assert [first() for _ in range(10)] == [again() for _ in range(10)]
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ({"left": 0.2, "clockwise": 0.7, "up": 0.1}, Motion.LEFT),
+        ({"clockwise": 1.0, "down": 0.01}, Motion.DOWN),
+    ],
+)
+def test_the_most_probable_motion_is_sought_among_those_asked(options, expected):
+    assert most_probable(options, SLIDES) == expected

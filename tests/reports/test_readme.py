@@ -1,0 +1,84 @@
+import pytest
+
+from geotlm_lm.core.record import RunRecord
+from geotlm_lm.reports import readme
+from geotlm_lm.reports.readme import UnusableReadme, check_readme, fill_blocks, write_readme
+
+TEXT = """# Title
+
+<!-- begin: accuracy -->
+old numbers
+<!-- end: accuracy -->
+
+After.
+"""
+
+
+@pytest.fixture
+def records(tmp_path, monkeypatch):
+    monkeypatch.setitem(
+        readme.BLOCKS, "accuracy", ("evaluate.json", lambda record: f"| {record.seed} |")
+    )
+    folder = tmp_path / "recorded"
+    RunRecord("evaluate", "geotlm-lm evaluate", 7, 1.0, {}).save(folder / "evaluate.json")
+    return folder
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "README.md"
+    path.write_text(TEXT)
+    return path
+
+
+def test_only_what_stands_between_the_marks_is_replaced(records):
+    assert fill_blocks(TEXT, records) == TEXT.replace("old numbers\n", "\n| 7 |\n\n")
+
+
+def test_filling_twice_changes_nothing_more(records):
+    once = fill_blocks(TEXT, records)
+    assert fill_blocks(once, records) == once
+
+
+def test_text_without_blocks_stays_as_it_is(records):
+    assert fill_blocks("# No numbers\n", records) == "# No numbers\n"
+
+
+def test_every_block_is_filled(records):
+    assert fill_blocks(TEXT + TEXT, records).count("| 7 |") == 2
+
+
+def test_a_changed_record_fails_the_check_until_it_is_written(file, records):
+    assert write_readme(file, records)
+    check_readme(file, records)
+    RunRecord("evaluate", "geotlm-lm evaluate", 8, 1.0, {}).save(records / "evaluate.json")
+    with pytest.raises(UnusableReadme, match="its numbers differ from the records"):
+        check_readme(file, records)
+    assert write_readme(file, records)
+    assert not write_readme(file, records)
+
+
+def test_checking_never_writes(file, records):
+    with pytest.raises(UnusableReadme, match="differ"):
+        check_readme(file, records)
+    assert file.read_text() == TEXT
+
+
+def test_a_missing_record_names_the_command_that_writes_it(tmp_path):
+    with pytest.raises(UnusableReadme, match=r"evaluate.json: the record of block 'accuracy' is"):
+        fill_blocks(TEXT, tmp_path)
+
+
+def test_an_unknown_block_is_refused(records):
+    with pytest.raises(UnusableReadme, match="block 'speed' is not known; expected one of"):
+        fill_blocks("<!-- begin: speed -->\n<!-- end: speed -->\n", records)
+
+
+def test_an_open_block_is_refused(records):
+    with pytest.raises(UnusableReadme, match="block 'accuracy' is not closed"):
+        fill_blocks("<!-- begin: accuracy -->\n", records)
+
+
+def test_a_missing_readme_is_refused(tmp_path, records):
+    with pytest.raises(UnusableReadme, match="cannot be read"):
+        check_readme(tmp_path / "gone.md", records)
