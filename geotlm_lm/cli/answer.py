@@ -16,7 +16,7 @@ from geotlm_lm.cli.options import (
     FrameSpan,
     FramesPerSecond,
     LayoutName,
-    load_clip,
+    span_of,
 )
 from geotlm_lm.core.errors import Abstained, UsageError
 
@@ -45,7 +45,13 @@ def answer(
     """
     if not question.strip():
         raise UsageError("The question is empty; ask for example --q 'Which way is it turning?'.")
-    recording = load_clip(clip, frames, layout, background, fps)
+    from geotlm_lm.recordings.choose import choose_frames
+    from geotlm_lm.recordings.read import read_clip
+
+    span = span_of(frames)
+    recording = read_clip(clip, layout=layout, fps=fps, background=background)
+    if span is not None:
+        recording = choose_frames(recording, span=span)
 
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer

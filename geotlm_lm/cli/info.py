@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 FAINT_IMPRINT = 0.75
 """Grey levels (rms) by which a touch changes the image, against a known background. Measured on
-real recordings: 90 % of untouched frames are below 0.66, 95 % of frames in full contact above 0.80."""
+real recordings: 90 % of untouched frames are below 0.66, 95 % of those in contact above 0.8."""
 
 
 ESTIMATED = "estimated from the frames"

@@ -1,16 +1,13 @@
-"""Options that several commands share, and how they turn into a clip; imports nothing heavy."""
+"""Options that several commands share; imports nothing heavy."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from geotlm_lm.core.errors import UsageError
-
-if TYPE_CHECKING:
-    from geotlm_lm.core.clip import Clip
 
 ClipPath = Annotated[
     Path,
@@ -61,19 +58,3 @@ def span_of(frames: str | None) -> tuple[int, int] | None:
     if not (first.isdecimal() and last.isdecimal()):
         raise UsageError(f"--frames '{frames}' was given, expected FIRST:LAST such as 40:60.")
     return int(first), int(last)
-
-
-def load_clip(
-    path: Path,
-    frames: str | None,
-    layout: str | None,
-    background: Path | None,
-    fps: float | None,
-) -> Clip:
-    """Return the recording at `path`, cut down to four frames if the user said between which."""
-    from geotlm_lm.recordings.choose import choose_frames
-    from geotlm_lm.recordings.read import read_clip
-
-    span = span_of(frames)
-    clip = read_clip(path, layout=layout, fps=fps, background=background)
-    return clip if span is None else choose_frames(clip, span=span)

@@ -1,0 +1,139 @@
+"""Frames are chosen where the imprint moves at full, steady contact, and the clip says which."""
+
+import csv
+import importlib
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.recordings.choose import choose_frames
+from geotlm_lm.recordings.read import read_clip
+
+REAL = Path(__file__).resolve().parents[3] / "shared" / "real"
+needs_real = pytest.mark.skipif(not REAL.exists(), reason="needs the real recordings")
+
+ROWS, COLUMNS = 120, 160
+PATTERN = cv2.GaussianBlur(np.random.default_rng(1).normal(0, 1, (240, 240)), (0, 0), 5)
+PATTERN *= 30 / PATTERN.std()
+
+
+def frame(angle_deg=0.0, depth=1.0, seed=0):
+    """Return a rough disc, turned by `angle_deg` and pressed to `depth`, over a plain gel."""
+    turn = cv2.getRotationMatrix2D((120, 120), -angle_deg, 1)
+    rough = cv2.warpAffine(PATTERN, turn, (240, 240))[60:180, 40:200]
+    y, x = np.mgrid[:ROWS, :COLUMNS]
+    disc = np.hypot(x - 80, y - 60) < 45
+    grey = 120 + depth * disc * rough + np.random.default_rng(seed).normal(0, 1, (ROWS, COLUMNS))
+    return np.repeat(np.clip(np.rint(grey), 0, 255).astype(np.uint8)[..., None], 3, axis=-1)
+
+
+def recording(angles, depths):
+    return Clip(
+        np.stack([frame(a, d, i) for i, (a, d) in enumerate(zip(angles, depths, strict=True))])
+    )
+
+
+@pytest.fixture(scope="module")
+def press_hold_twist_release():
+    """Idle 0-9, pressing to 14, still to 29, twisting by 36 degrees to 47, still to 59, release."""
+    depths = [0] * 10 + list(np.linspace(0.2, 1, 5)) + [1] * 45 + list(np.linspace(0.8, 0, 6))
+    angles = [0] * 30 + list(np.linspace(2, 36, 18)) + [36] * 18
+    return recording(angles, depths)
+
+
+def test_frames_are_taken_from_the_twist_and_not_from_press_or_release(press_hold_twist_release):
+    numbers = choose_frames(press_hold_twist_release).frame_numbers
+    assert 28 <= numbers[0] < numbers[-1] <= 49
+
+
+def test_neighbouring_frames_are_at_most_twelve_degrees_apart(press_hold_twist_release):
+    steps = np.diff(choose_frames(press_hold_twist_release).frame_numbers)
+    assert 3 < 2 * steps.max() <= 12  # two degrees per frame
+
+
+def test_playing_a_recording_backwards_chooses_the_same_frames(press_hold_twist_release):
+    forwards = choose_frames(press_hold_twist_release).frame_numbers
+    backwards = choose_frames(press_hold_twist_release.reversed()).frame_numbers
+    assert np.abs(np.array(forwards) - backwards[::-1]).max() <= 1
+
+
+def test_the_chosen_frames_are_named_and_the_idle_gel_is_kept(press_hold_twist_release):
+    chosen = choose_frames(press_hold_twist_release)
+    numbers = ", ".join(str(number) for number in chosen.frame_numbers)
+    assert chosen.notes == (
+        "Background: the recording's own untouched frames.",
+        f"Frames {numbers} are used.",
+    )
+    assert np.abs(chosen.background.astype(int) - 120).max() <= 3
+
+
+def test_a_press_without_motion_shows_the_pressing_in():
+    depths = [0] * 10 + list(np.linspace(0.1, 1, 8)) + [1] * 12
+    numbers = choose_frames(recording([0] * 30, depths)).frame_numbers
+    assert numbers[0] <= 11
+    assert 15 <= numbers[-1] <= 18
+
+
+def test_a_release_without_motion_shows_the_lifting():
+    depths = [1] * 12 + list(np.linspace(1, 0.1, 8)) + [0] * 10
+    numbers = choose_frames(recording([0] * 30, depths)).frame_numbers
+    assert 10 <= numbers[0] <= 14
+    assert numbers[-1] >= 17
+
+
+def test_a_clip_of_four_frames_is_kept_whole():
+    clip = recording([0, 3, 6, 9], [1] * 4)
+    assert choose_frames(clip).frame_numbers == (0, 1, 2, 3)
+
+
+@pytest.mark.parametrize(("length", "numbers"), [(2, (0, 0, 1, 1)), (3, (0, 1, 1, 2))])
+def test_a_short_clip_repeats_frames_in_time_order(length, numbers):
+    clip = recording([0, 3, 6][:length], [1] * length)
+    assert choose_frames(clip).frame_numbers == numbers
+
+
+def test_a_span_is_taken_evenly_with_both_ends(press_hold_twist_release):
+    chosen = choose_frames(press_hold_twist_release, span=(30, 45))
+    assert chosen.frame_numbers == (30, 35, 40, 45)
+
+
+@pytest.mark.parametrize("span", [(45, 30), (30, 30), (0, 66), (-3, 5)])
+def test_a_span_outside_the_recording_is_a_wrong_call(press_hold_twist_release, span):
+    with pytest.raises(UsageError) as caught:
+        choose_frames(press_hold_twist_release, span=span)
+    assert str(caught.value) == (
+        f"Frames {span[0]}:{span[1]} were asked for, expected FIRST < LAST within 0:65; "
+        f"give frame numbers inside the recording."
+    )
+
+
+def test_one_frame_shows_no_motion():
+    with pytest.raises(UnreadableClip, match="motion needs 2 or more"):
+        choose_frames(recording([0], [1]))
+
+
+def test_a_long_recording_is_compared_at_a_stride(press_hold_twist_release, monkeypatch):
+    module = importlib.import_module("geotlm_lm.recordings.choose")
+    monkeypatch.setattr(module, "CANDIDATE_LIMIT", 40)
+    numbers = choose_frames(press_hold_twist_release).frame_numbers
+    assert all(number % 2 == 0 for number in numbers)
+    assert 28 <= numbers[0] < numbers[-1] <= 50
+
+
+@needs_real
+@pytest.mark.real
+def test_frames_chosen_from_real_recordings_lie_in_contact():
+    with (REAL / "physiclear" / "clips.csv").open() as stream:
+        rows = [row for row in csv.DictReader(stream) if row["tier"] == "A"][4::12]
+    inside = []
+    for row in rows:
+        numbers = choose_frames(read_clip(REAL / "physiclear" / row["clip"])).frame_numbers
+        inside.append(
+            int(row["contact_start"]) - 2 <= numbers[0]
+            and numbers[-1] <= int(row["contact_end"]) + 2
+        )
+    assert np.mean(inside) > 0.85

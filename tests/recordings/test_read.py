@@ -1,0 +1,135 @@
+"""What is written in any supported form comes back as the same frames, colours in RGB order."""
+
+import cv2
+import numpy as np
+import pytest
+
+from geotlm_lm.recordings import limits
+from geotlm_lm.recordings.read import read_clip
+
+
+def colourful(count=5, rows=24, columns=32):
+    rng = np.random.default_rng(3)
+    frames = rng.integers(0, 256, (count, rows, columns, 3)).astype(np.uint8)
+    frames[..., 0] |= 128  # red is always bright: a swapped order of colours cannot pass
+    frames[..., 2] &= 63
+    return frames
+
+
+FRAMES = colourful()
+STORED = {
+    "uint8": FRAMES,
+    "channels first": np.moveaxis(FRAMES, -1, 1),
+    "unit float": FRAMES / np.float32(255),
+    "double": FRAMES / 255,
+    "half": FRAMES.astype(np.float16),
+    "float up to 255": FRAMES.astype(np.float32),
+    "int64": FRAMES.astype(np.int64),
+    "big endian": FRAMES.astype(">u2"),
+    "fortran order": np.asfortranarray(FRAMES),
+}
+
+
+@pytest.mark.parametrize("stored", STORED)
+def test_an_array_comes_back_whatever_its_layout_and_range(tmp_path, stored):
+    np.save(tmp_path / "clip.npy", STORED[stored])
+    assert np.array_equal(read_clip(tmp_path / "clip.npy").frames, FRAMES)
+
+
+def test_an_archive_brings_its_frame_rate_and_background(tmp_path):
+    np.savez(tmp_path / "clip.npz", frames=FRAMES, fps=25.0, background=FRAMES[0])
+    clip = read_clip(tmp_path / "clip.npz")
+    assert np.array_equal(clip.frames, FRAMES)
+    assert clip.fps == 25
+    assert np.array_equal(clip.background, FRAMES[0])
+
+
+def test_grey_frames_are_read_when_the_layout_says_so(tmp_path):
+    np.save(tmp_path / "clip.npy", FRAMES[..., 0])
+    clip = read_clip(tmp_path / "clip.npy", layout="thw")
+    assert np.array_equal(clip.frames, np.repeat(FRAMES[..., :1], 3, axis=-1))
+
+
+def test_what_was_guessed_is_stated(tmp_path):
+    np.save(tmp_path / "clip.npy", FRAMES / 255)
+    assert read_clip(tmp_path / "clip.npy").notes == (
+        "Shape (5, 24, 32, 3) was taken for THWC; pass --layout if it is not.",
+        "Values (float64) were taken for 0..1, colours for RGB.",
+    )
+
+
+def test_a_shape_that_fits_two_layouts_says_which_was_assumed(tmp_path):
+    np.save(tmp_path / "clip.npy", np.zeros((4, 1, 16, 3), np.uint8))
+    with pytest.raises(Exception, match="16x1 pixels"):  # THWC was taken: rows of one pixel
+        read_clip(tmp_path / "clip.npy")
+
+
+def test_a_lossless_video_comes_back_in_rgb(tmp_path):
+    path = tmp_path / "clip.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 10, (32, 24))
+    for frame in FRAMES:
+        writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
+    writer.release()
+    clip = read_clip(path)
+    assert len(clip) == len(FRAMES)
+    assert clip.fps == 10
+    # FFV1 keeps colours at half resolution here; single pixels move, means do not.
+    means = clip.frames.mean(axis=(1, 2)) - FRAMES.mean(axis=(1, 2))
+    assert np.abs(means).max() < 2
+
+
+def test_a_folder_is_read_in_natural_order(tmp_path):
+    for index, frame in zip((1, 2, 9, 10, 11), FRAMES, strict=True):
+        cv2.imwrite(str(tmp_path / f"frame{index}.png"), frame[..., ::-1])
+    assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
+
+
+def test_a_background_image_is_read_in_rgb(tmp_path):
+    np.save(tmp_path / "clip.npy", FRAMES)
+    cv2.imwrite(str(tmp_path / "idle.png"), FRAMES[0][..., ::-1])
+    clip = read_clip(tmp_path / "clip.npy", background=tmp_path / "idle.png")
+    assert np.array_equal(clip.background, FRAMES[0])
+
+
+def test_a_given_frame_rate_wins_over_the_file(tmp_path):
+    np.savez(tmp_path / "clip.npz", frames=FRAMES, fps=25.0)
+    assert read_clip(tmp_path / "clip.npz", fps=10).fps == 10
+
+
+@pytest.fixture
+def room_for_six(monkeypatch):
+    frame_bytes = FRAMES[0].nbytes
+    monkeypatch.setattr(limits, "KEPT_BYTES", 6 * frame_bytes)
+
+
+def test_a_long_array_is_read_at_a_stride_and_says_so(tmp_path, room_for_six):
+    frames = colourful(count=20)
+    np.savez(tmp_path / "clip.npz", frames=frames, fps=40.0)
+    clip = read_clip(tmp_path / "clip.npz")
+    assert clip.frame_numbers == (0, 4, 8, 12, 16)
+    assert np.array_equal(clip.frames, frames[::4])
+    assert clip.fps == 10
+    assert clip.notes[-1] == (
+        "Every 4th of 20 frames was read to bound memory; cut the recording to see all of them."
+    )
+
+
+def test_a_long_video_is_read_at_a_stride_and_says_so(tmp_path, room_for_six):
+    path = tmp_path / "clip.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 10, (32, 24))
+    for value in range(20):
+        writer.write(np.full((24, 32, 3), 10 * value, np.uint8))
+    writer.release()
+    clip = read_clip(path)
+    assert clip.frame_numbers == (0, 4, 8, 12, 16)
+    assert clip.fps == 2.5
+    assert np.abs(clip.frames.mean(axis=(1, 2, 3)) - [0, 40, 80, 120, 160]).max() < 2
+
+
+def test_a_long_folder_is_read_at_a_stride(tmp_path, room_for_six):
+    frames = colourful(count=8)
+    for index, frame in enumerate(frames):
+        cv2.imwrite(str(tmp_path / f"{index}.png"), frame[..., ::-1])
+    clip = read_clip(tmp_path)
+    assert clip.frame_numbers == (0, 2, 4, 6)
+    assert np.array_equal(clip.frames, frames[::2])
