@@ -53,7 +53,8 @@ def image_change(
     """Return the RMS difference of two planar images over `touches`, 0 where nothing touches."""
     if not touches.any():
         return 0.0
-    return float(np.sqrt(np.square(last[:, touches] - first[:, touches]).mean()))
+    square = np.square(last - first).sum(axis=0)
+    return float(np.sqrt(square[touches].mean() / len(first)))
 
 
 def patch_means(images: NDArray[np.generic]) -> NDArray[np.float32]:

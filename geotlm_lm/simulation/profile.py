@@ -116,14 +116,18 @@ def pool_to_cells(fine: HeightMap, per_cell: int) -> HeightMap:
     Plain min-pooling would lower every slope by half a cell's rise and overstate the contact, so
     the minimum replaces the centre only where no neighbouring centre reaches as low.
     """
-    for axis in (0, 1):
-        fine = np.moveaxis(fine, axis, 0)
-        blocks = fine.reshape(-1, per_cell, fine.shape[1])
-        centre, lowest = blocks[:, per_cell // 2], blocks.min(axis=1)
-        padded = np.pad(centre, ((1, 1), (0, 0)), mode="edge")
-        around = np.minimum(np.minimum(padded[:-2], padded[2:]), centre)
-        fine = np.moveaxis(np.where(lowest < around, lowest, centre), 0, axis)
-    return np.ascontiguousarray(fine)
+    return _pool_rows(_pool_rows(fine, per_cell).T, per_cell).T.copy()
+
+
+def _pool_rows(fine: HeightMap, per_cell: int) -> HeightMap:
+    centre = np.ascontiguousarray(fine[per_cell // 2 :: per_cell])
+    lowest = centre.copy()
+    for offset in range(per_cell):
+        np.minimum(lowest, fine[offset::per_cell], out=lowest)
+    around = centre.copy()
+    np.minimum(around[1:], centre[:-1], out=around[1:])
+    np.minimum(around[:-1], centre[1:], out=around[:-1])
+    return np.where(lowest < around, lowest, centre)
 
 
 @lru_cache(maxsize=32)

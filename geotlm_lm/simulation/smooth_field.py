@@ -23,4 +23,6 @@ def smooth_field(rng: np.random.Generator, side: int, correlation_px: float) -> 
     field = cv2.resize(numbers, (enlarged, enlarged), interpolation=cv2.INTER_CUBIC)
     row, column = rng.integers(0, max(enlarged - side, 0) + 1, 2)
     field = field[row : row + side, column : column + side]
-    return (field - field.mean()) / max(float(field.std()), 1e-6)
+    # Every fourth sample gives the moments of a field this smooth, at a tenth of the cost.
+    some = field[::4, ::4] if side > 64 else field
+    return (field - some.mean()) / max(float(some.std()), 1e-6)
