@@ -1,0 +1,63 @@
+"""A clip is checked at birth and keeps where its frames stood."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UnreadableClip
+
+FRAMES = np.arange(5 * 8 * 9 * 3, dtype=np.int64).astype(np.uint8).reshape(5, 8, 9, 3)
+
+
+@pytest.mark.parametrize(
+    ("frames", "sentence"),
+    [
+        (
+            FRAMES.astype(np.float32),
+            "clip: found float32 frames of shape (5, 8, 9, 3), expected uint8 "
+            "(frames, rows, columns, 3); convert the array first.",
+        ),
+        (
+            FRAMES[0],
+            "clip: found uint8 frames of shape (8, 9, 3), expected uint8 "
+            "(frames, rows, columns, 3); convert the array first.",
+        ),
+        (FRAMES[:0], "clip: holds no pixels (shape (0, 8, 9, 3)); record it again."),
+        (
+            FRAMES[:, :7],
+            "clip: frames are 9x7 pixels, expected at least 8 per side; "
+            "export the recording at its full size.",
+        ),
+    ],
+)
+def test_frames_of_another_form_are_refused(frames, sentence):
+    with pytest.raises(UnreadableClip) as caught:
+        Clip(frames)
+    assert str(caught.value) == sentence
+
+
+def test_a_background_of_another_size_is_refused():
+    with pytest.raises(UnreadableClip, match="the background has shape"):
+        Clip(FRAMES, background=FRAMES[0, 1:])
+
+
+@pytest.mark.parametrize("fps", [0, -1.0, float("nan"), float("inf")])
+def test_a_senseless_frame_rate_counts_as_unknown(fps):
+    assert Clip(FRAMES, fps=fps).fps is None
+
+
+def test_selected_frames_keep_where_they_stood():
+    twice = Clip(FRAMES).select([1, 2, 4]).select([0, 2])
+    assert twice.frame_numbers == (1, 4)
+    assert np.array_equal(twice.frames, FRAMES[[1, 4]])
+
+
+def test_reversing_twice_gives_the_clip_back():
+    clip = Clip(FRAMES, fps=5)
+    assert np.array_equal(clip.reversed().frames, FRAMES[::-1])
+    assert clip.reversed().reversed().frame_numbers == clip.frame_numbers
+
+
+def test_frames_cannot_be_written_to():
+    with pytest.raises(ValueError, match="read-only"):
+        Clip(FRAMES.copy()).frames[0, 0, 0, 0] = 1

@@ -1,0 +1,79 @@
+"""How a motion reads from another frame of reference, and when a thread tightens."""
+
+import itertools
+import json
+
+import pytest
+
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
+
+CW, CCW = Motion.CLOCKWISE, Motion.COUNTERCLOCKWISE
+LEFT, RIGHT, UP, DOWN = Motion.LEFT, Motion.RIGHT, Motion.UP, Motion.DOWN
+SEEN = (CW, LEFT, UP, Motion.PRESS, Motion.STILL)
+TOLD = {
+    # (image_mirrored, viewpoint, actor): what CW, LEFT, UP, PRESS, STILL are told as
+    (False, "sensor", "object"): (CW, LEFT, UP, Motion.PRESS, Motion.STILL),
+    (True, "sensor", "object"): (CCW, RIGHT, UP, Motion.PRESS, Motion.STILL),
+    (False, "object", "object"): (CCW, RIGHT, UP, Motion.PRESS, Motion.STILL),
+    (True, "object", "object"): (CW, LEFT, UP, Motion.PRESS, Motion.STILL),
+    (False, "sensor", "sensor"): (CCW, RIGHT, DOWN, Motion.PRESS, Motion.STILL),
+    (True, "sensor", "sensor"): (CW, LEFT, DOWN, Motion.PRESS, Motion.STILL),
+    (False, "object", "sensor"): (CW, LEFT, DOWN, Motion.PRESS, Motion.STILL),
+    (True, "object", "sensor"): (CCW, RIGHT, DOWN, Motion.PRESS, Motion.STILL),
+}
+FRAMES = list(itertools.product((False, True), ("sensor", "object"), ("object", "sensor")))
+
+
+@pytest.mark.parametrize("frame", TOLD)
+def test_every_frame_tells_the_motion_as_it_is_seen_from_there(frame):
+    spec = FrameSpec(*frame)
+    assert tuple(spec.tell(motion) for motion in SEEN) == TOLD[frame]
+
+
+@pytest.mark.parametrize("frame", FRAMES)
+@pytest.mark.parametrize("motion", Motion)
+def test_telling_twice_gives_the_camera_image_back(frame, motion):
+    spec = FrameSpec(*frame)
+    assert spec.tell(spec.tell(motion)) == motion
+
+
+@pytest.mark.parametrize(
+    ("contact_side", "thread", "motion", "tightens"),
+    [
+        ("head", "right", CW, True),
+        ("head", "right", CCW, False),
+        ("head", "left", CW, False),
+        ("head", "left", CCW, True),
+        ("shank", "right", CW, False),
+        ("shank", "right", CCW, True),
+        ("shank", "left", CW, True),
+        ("shank", "left", CCW, False),
+        ("side", "right", CW, None),
+        ("side", "left", CCW, None),
+        (None, "right", CW, None),
+        ("head", None, CW, None),
+        ("head", "right", LEFT, None),
+        ("head", "right", Motion.STILL, None),
+    ],
+)
+def test_a_thread_tightens_by_side_hand_and_turn(contact_side, thread, motion, tightens):
+    spec = FrameSpec(contact_side=contact_side, thread=thread)
+    assert spec.tightens(motion) is tightens
+
+
+def test_a_mirrored_image_inverts_tightening():
+    mirrored = FrameSpec(image_mirrored=True, contact_side="head", thread="right")
+    assert mirrored.tightens(CW) is False
+
+
+def test_the_missing_facts_are_named():
+    assert FrameSpec().missing_for_thread() == ("contact_side", "thread")
+    assert FrameSpec(thread="left").missing_for_thread() == ("contact_side",)
+
+
+def test_every_frame_has_its_own_sentence_and_survives_json():
+    sentences = {
+        json.loads(json.dumps(FrameSpec(*frame).to_dict()))["sentence"] for frame in FRAMES
+    }
+    assert len(sentences) == len(FRAMES)
