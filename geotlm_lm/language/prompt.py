@@ -1,0 +1,157 @@
+"""Question and answer -> token ids, through the chat template; knows the text, not the weights."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from jinja2.sandbox import ImmutableSandboxedEnvironment
+from tokenizers import Tokenizer
+
+from geotlm_lm.core.errors import IncompatibleBundle, UsageError
+from geotlm_lm.core.record import write_text_atomically
+from geotlm_lm.language.tokenizer import (
+    ASSISTANT,
+    EOS,
+    PAD,
+    SPECIAL_TOKENS,
+    TACTILE,
+    clean_question,
+)
+
+
+@dataclass(frozen=True)
+class PromptEncoder:
+    """Builds the model's text from a question, and an answer from its tokens.
+
+    Args:
+        tokenizer: The trained vocabulary.
+        chat_template: Jinja text that lays out the messages.
+        tactile_tokens: How many prefix embeddings stand for one clip.
+        max_tokens: Longest prompt and answer together.
+    """
+
+    tokenizer: Tokenizer
+    chat_template: str
+    tactile_tokens: int
+    max_tokens: int
+
+    @cached_property
+    def _template(self):
+        return ImmutableSandboxedEnvironment().from_string(self.chat_template)
+
+    @cached_property
+    def tactile_id(self) -> int:
+        """Id of the placeholder a prefix embedding replaces."""
+        return self.tokenizer.token_to_id(TACTILE)
+
+    @cached_property
+    def eos_id(self) -> int:
+        """Id of the token that ends an answer."""
+        return self.tokenizer.token_to_id(EOS)
+
+    @cached_property
+    def pad_id(self) -> int:
+        """Id of the token that fills a batch."""
+        return self.tokenizer.token_to_id(PAD)
+
+    def prompt(self, question: str) -> list[int]:
+        """Return the ids up to where the answer begins.
+
+        Raises:
+            UsageError: If the question is empty or leaves too little room for an answer.
+        """
+        cleaned = clean_question(question)
+        if not cleaned:
+            raise UsageError(
+                "The question is empty; ask something like 'Which way is it turning?'."
+            )
+        text = self._template.render(
+            messages=[{"role": "user", "content": cleaned}], add_generation_prompt=True
+        )
+        ids = self._encode(text)
+        limit = self.max_tokens - MAX_ANSWER_TOKENS
+        if len(ids) > limit:
+            raise UsageError(
+                f"The question takes {len(ids)} tokens with its prefix, expected at most {limit}; "
+                f"shorten it."
+            )
+        return ids
+
+    def answer(self, text: str) -> list[int]:
+        """Return the ids of an answer, its end included."""
+        return [*self.tokenizer.encode(text).ids, self.eos_id]
+
+    def decode(self, ids: list[int]) -> str:
+        """Return the words of an answer up to its end."""
+        if self.eos_id in ids:
+            ids = ids[: ids.index(self.eos_id)]
+        return self.tokenizer.decode(ids, skip_special_tokens=False)
+
+    def _encode(self, text: str) -> list[int]:
+        return self.tokenizer.encode(text.replace(TACTILE, TACTILE * self.tactile_tokens)).ids
+
+    def save(self, folder: Path) -> None:
+        """Write the text files of a model folder, readable by transformers as well."""
+        special = list(SPECIAL_TOKENS)
+        files = {
+            "tokenizer.json": self.tokenizer.to_str(),
+            "chat_template.jinja": self.chat_template,
+            "tokenizer_config.json": _json(
+                tokenizer_class="TokenizersBackend",
+                processor_class="GeoTLMProcessor",
+                backend="tokenizers",
+                clean_up_tokenization_spaces=False,
+                model_max_length=self.max_tokens,
+                padding_side="left",
+                pad_token=PAD,
+                eos_token=EOS,
+                extra_special_tokens=special[2:],
+            ),
+            "processor_config.json": _json(
+                processor_class="GeoTLMProcessor", num_tactile_tokens=self.tactile_tokens
+            ),
+        }
+        for name, text in files.items():
+            write_text_atomically(folder / name, text)
+
+    @classmethod
+    def load(cls, folder: Path, *, max_tokens: int) -> PromptEncoder:
+        """Read what `save`, or transformers, wrote.
+
+        Raises:
+            IncompatibleBundle: If a file is missing or the special tokens are others.
+        """
+        try:
+            tokenizer = Tokenizer.from_str((folder / "tokenizer.json").read_text(encoding="utf-8"))
+            template = (folder / "chat_template.jinja").read_text(encoding="utf-8")
+            settings = json.loads((folder / "processor_config.json").read_text(encoding="utf-8"))
+            tactile_tokens = int(settings["num_tactile_tokens"])
+        except (OSError, ValueError, KeyError) as error:
+            raise IncompatibleBundle(
+                f"{folder}: its tokenizer, chat template or processor file is missing or broken "
+                f"({error}); save or download the model again."
+            ) from error
+        missing = [token for token in SPECIAL_TOKENS if tokenizer.token_to_id(token) is None]
+        if missing:
+            raise IncompatibleBundle(
+                f"{folder}: the tokenizer lacks {missing}; use the tokenizer saved with the model."
+            )
+        tokenizer.no_padding()
+        tokenizer.no_truncation()
+        return cls(tokenizer, template, tactile_tokens, max_tokens)
+
+    @cached_property
+    def assistant_id(self) -> int:
+        """Id of the token after which the answer begins."""
+        return self.tokenizer.token_to_id(ASSISTANT)
+
+
+MAX_ANSWER_TOKENS = 24
+"""Room kept for an answer; measured, the longest canonical one takes 11 tokens."""
+
+
+def _json(**values: object) -> str:
+    return json.dumps(values, indent=2) + "\n"

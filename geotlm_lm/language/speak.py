@@ -1,0 +1,176 @@
+"""Fused token and question -> words, or the log-probability of each of a closed set of answers.
+
+Knows neither where the fused token comes from nor what an answer means.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from geotlm_lm.language.decoder import Cache, TactileDecoder
+from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS, PromptEncoder
+from geotlm_lm.language.weights import load_decoder, save_decoder
+
+BATCH = 64
+"""Questions generated side by side; more gains nothing on a processor."""
+
+
+class Speaker:
+    """The language model, ready to answer.
+
+    Args:
+        model: The weights.
+        processor: What turns questions into ids and ids into words.
+
+    Raises:
+        ValueError: If the two disagree on the length of the tactile prefix.
+    """
+
+    def __init__(self, model: TactileDecoder, processor: PromptEncoder) -> None:
+        if processor.tactile_tokens != model.size.tactile_tokens:
+            raise ValueError(
+                f"the processor writes {processor.tactile_tokens} tactile placeholders, the model "
+                f"reads {model.size.tactile_tokens}"
+            )
+        self.model = model.eval()
+        self.processor = processor
+
+    @classmethod
+    def load(cls, folder: str | Path) -> Speaker:
+        """Read a model folder, without transformers.
+
+        Raises:
+            IncompatibleBundle: If the folder is incomplete or of another format.
+        """
+        folder = Path(folder)
+        model = load_decoder(folder)
+        return cls(model, PromptEncoder.load(folder, max_tokens=model.size.max_tokens))
+
+    def save(self, folder: str | Path) -> None:
+        """Write a model folder that `load` and transformers' Auto classes read."""
+        folder = Path(folder)
+        eos_id, pad_id = self.processor.eos_id, self.processor.pad_id
+        save_decoder(self.model, folder, eos_id=eos_id, pad_id=pad_id)
+        self.processor.save(folder)
+
+    @torch.inference_mode()
+    def generate(self, fused_token: Tensor, questions: Sequence[str]) -> list[str]:
+        """Return the most likely words, token by token, one answer per row.
+
+        Args:
+            fused_token: (b, fused width), unitless.
+            questions: b questions.
+
+        Raises:
+            ValueError: If the shapes disagree or a token is not finite.
+            UsageError: If a question is empty or too long.
+        """
+        fused_token = self._checked(fused_token, (len(questions), self.model.fused_width))
+        prompts = [self.processor.prompt(question) for question in questions]
+        answers: list[str] = []
+        for start in range(0, len(prompts), BATCH):
+            part = slice(start, start + BATCH)
+            answers += self._generate(fused_token[part], prompts[part])
+        return answers
+
+    @torch.inference_mode()
+    def score(self, fused_token: Tensor, question: str, options: Sequence[str]) -> np.ndarray:
+        """Return the log-probability of each option as the whole answer, its end included.
+
+        The prompt is read once; its keys and values serve every option.
+
+        Args:
+            fused_token: (fused width,), unitless.
+            question: The question.
+            options: Answers to compare.
+
+        Raises:
+            ValueError: If there is no option, the shape is another, or a token is not finite.
+            UsageError: If the question is empty or too long.
+        """
+        if not options:
+            raise ValueError("score needs at least one option")
+        fused_token = self._checked(fused_token, (self.model.fused_width,))
+        prompt = torch.tensor([self.processor.prompt(question)])
+        answers = [self.processor.answer(option) for option in options]
+        hidden, cache = self._read(fused_token[None], prompt)
+        first = self.model.logits(hidden[:, -1:]).log_softmax(-1).expand(len(answers), -1, -1)
+        ids, is_answer = _right_padded(answers, self.processor.pad_id)
+        logits = torch.cat([first, self._continue(ids, cache)], dim=1)
+        chosen = logits[:, :-1].gather(2, ids[..., None])[..., 0]
+        return chosen.where(is_answer, 0.0).sum(dim=1).double().numpy()
+
+    def _read(self, fused_token: Tensor, prompt: Tensor) -> tuple[Tensor, Cache]:
+        """Return hidden states and cache of one unpadded prompt."""
+        embedded = self.model.embed(prompt, self.model.projector(fused_token))
+        return self.model.decoder(embedded, torch.arange(prompt.shape[1])[None])
+
+    def _continue(self, ids: Tensor, cache: Cache) -> Tensor:
+        """Return log-probabilities after each of `ids` (n, s), all rows continuing one prompt."""
+        rows, length = ids.shape
+        past = cache[0][0].shape[2]
+        shared = [
+            (key.expand(rows, -1, -1, -1), value.expand(rows, -1, -1, -1)) for key, value in cache
+        ]
+        causal = torch.ones(length, past + length, dtype=torch.bool).tril(past)
+        positions = torch.arange(past, past + length).expand(rows, -1)
+        hidden, _ = self.model.decoder(
+            self.model.embed(ids, None), positions, causal[None, None], shared
+        )
+        return self.model.logits(hidden).log_softmax(-1)
+
+    def _generate(self, fused_token: Tensor, prompts: list[list[int]]) -> list[str]:
+        ids, is_text = _left_padded(prompts, self.processor.pad_id)
+        rows, length = ids.shape
+        visible = is_text[:, None, :] & torch.ones(length, length, dtype=torch.bool).tril()
+        # A padding position that may look nowhere would give NaN; let it see itself.
+        visible = visible | torch.eye(length, dtype=torch.bool)
+        positions = (is_text.cumsum(1) - 1).clamp(min=0)
+        embedded = self.model.embed(ids, self.model.projector(fused_token))
+        hidden, cache = self.model.decoder(embedded, positions, visible[:, None])
+        place, seen = positions[:, -1:], is_text
+        written: list[Tensor] = []
+        is_done = torch.zeros(rows, dtype=torch.bool)
+        for _ in range(MAX_ANSWER_TOKENS):
+            token = self.model.logits(hidden[:, -1]).argmax(-1)
+            written.append(token)
+            is_done |= token == self.processor.eos_id
+            if bool(is_done.all()):
+                break
+            place = place + 1
+            seen = torch.cat([seen, torch.ones(rows, 1, dtype=torch.bool)], dim=1)
+            hidden, cache = self.model.decoder(
+                self.model.embed(token[:, None], None), place, seen[:, None, None], cache
+            )
+        return [self.processor.decode(row) for row in torch.stack(written, dim=1).tolist()]
+
+    def _checked(self, fused_token: Tensor, shape: tuple[int, ...]) -> Tensor:
+        fused_token = torch.as_tensor(fused_token, dtype=torch.float32)
+        if tuple(fused_token.shape) != shape:
+            raise ValueError(
+                f"fused tokens have shape {tuple(fused_token.shape)}, expected {shape}"
+            )
+        if not bool(torch.isfinite(fused_token).all()):
+            raise ValueError("a fused token holds values that are not finite")
+        return fused_token
+
+
+def _left_padded(rows: list[list[int]], pad_id: int) -> tuple[Tensor, Tensor]:
+    """Return ids (b, s) and True where they are text."""
+    length = max(map(len, rows))
+    ids = torch.tensor([[pad_id] * (length - len(row)) + row for row in rows])
+    counts = torch.tensor([len(row) for row in rows])
+    return ids, torch.arange(length) >= length - counts[:, None]
+
+
+def _right_padded(rows: list[list[int]], pad_id: int) -> tuple[Tensor, Tensor]:
+    """Return ids (b, s) and True where they are text."""
+    length = max(map(len, rows))
+    ids = torch.tensor([row + [pad_id] * (length - len(row)) for row in rows])
+    counts = torch.tensor([len(row) for row in rows])
+    return ids, torch.arange(length) < counts[:, None]

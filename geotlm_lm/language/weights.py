@@ -1,0 +1,106 @@
+"""The decoder's weights and sizes on disk, in the layout transformers reads; knows no text."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save_file
+
+from geotlm_lm.core.errors import IncompatibleBundle
+from geotlm_lm.core.record import write_text_atomically
+from geotlm_lm.language.decoder import RMS_EPSILON, ROPE_THETA, LanguageSize, TactileDecoder
+
+FORMAT = 1
+"""Raised when a folder written before can no longer be read."""
+
+
+def save_decoder(decoder: TactileDecoder, folder: Path, *, eos_id: int, pad_id: int) -> None:
+    """Write config.json, generation_config.json and model.safetensors, each atomically."""
+    folder.mkdir(parents=True, exist_ok=True)
+    temporary = folder / ".model.safetensors.partial"
+    tensors = {name: value.detach().contiguous() for name, value in decoder.state_dict().items()}
+    save_file(tensors, temporary, metadata={"format": "pt"})
+    os.replace(temporary, folder / "model.safetensors")
+    config = config_values(decoder, eos_id=eos_id, pad_id=pad_id)
+    write_text_atomically(folder / "config.json", json.dumps(config, indent=2) + "\n")
+    ending = {"eos_token_id": eos_id, "pad_token_id": pad_id, "do_sample": False}
+    write_text_atomically(folder / "generation_config.json", json.dumps(ending, indent=2) + "\n")
+
+
+def config_values(decoder: TactileDecoder, *, eos_id: int, pad_id: int) -> dict[str, Any]:
+    """Return the sizes as the values of a transformers configuration."""
+    size = decoder.size
+    text = {
+        "model_type": "llama",
+        "vocab_size": decoder.vocabulary,
+        "hidden_size": size.width,
+        "intermediate_size": size.mlp,
+        "num_hidden_layers": size.layers,
+        "num_attention_heads": size.heads,
+        "max_position_embeddings": size.max_tokens,
+        "rms_norm_eps": RMS_EPSILON,
+        "rope_parameters": {"rope_type": "default", "rope_theta": ROPE_THETA},
+        "tie_word_embeddings": True,
+        "bos_token_id": None,
+        "eos_token_id": eos_id,
+        "pad_token_id": pad_id,
+    }
+    return {
+        "model_type": "geotlm_lm",
+        "architectures": ["GeoTLMForConditionalGeneration"],
+        "format": FORMAT,
+        "dtype": "float32",
+        "fused_width": decoder.fused_width,
+        "num_tactile_tokens": size.tactile_tokens,
+        "tactile_token_id": decoder.tactile_id,
+        "tie_word_embeddings": True,
+        "text_config": text,
+    }
+
+
+def load_decoder(folder: Path) -> TactileDecoder:
+    """Read a folder written by `save_decoder` or by transformers' save_pretrained.
+
+    Raises:
+        IncompatibleBundle: If a file is missing, broken, or of another format.
+    """
+    try:
+        config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
+        if config.get("format") != FORMAT:
+            raise IncompatibleBundle(
+                f"{folder}: was written in language-model format {config.get('format')}, this "
+                f"version reads {FORMAT}; install the matching version or download the model again."
+            )
+        decoder = _empty_decoder(config)
+        tensors = load_file(folder / "model.safetensors")
+        # transformers also stores the output weights it ties to the embeddings.
+        tensors.pop("lm_head.weight", None)
+        decoder.load_state_dict(tensors)
+    except (OSError, KeyError, ValueError, TypeError, RuntimeError, SafetensorError) as error:
+        raise IncompatibleBundle(
+            f"{folder}: config.json and model.safetensors are missing, broken or do not belong "
+            f"together ({str(error).splitlines()[0]}); save or download the model again."
+        ) from error
+    return decoder.eval()
+
+
+def _empty_decoder(config: dict[str, Any]) -> TactileDecoder:
+    text = config["text_config"]
+    size = LanguageSize(
+        width=text["hidden_size"],
+        layers=text["num_hidden_layers"],
+        heads=text["num_attention_heads"],
+        mlp=text["intermediate_size"],
+        tactile_tokens=config["num_tactile_tokens"],
+        max_tokens=text["max_position_embeddings"],
+    )
+    return TactileDecoder(
+        size,
+        fused_width=config["fused_width"],
+        vocabulary=text["vocab_size"],
+        tactile_id=config["tactile_token_id"],
+    )

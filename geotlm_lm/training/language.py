@@ -1,0 +1,230 @@
+"""Train the projector and the decoder on fused tokens and labels; the tokens stay as they are.
+
+Questions are drawn afresh from the labels at every step, seen wordings only, and the loss counts
+answer tokens only.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+from torch.nn.functional import cross_entropy
+
+from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.data.questions import askable_types, questions_for, training_corpus
+from geotlm_lm.language.decoder import LanguageSize, TactileDecoder
+from geotlm_lm.language.prompt import PromptEncoder
+from geotlm_lm.language.speak import Speaker
+from geotlm_lm.language.tokenizer import VOCABULARY_SIZE, clean_question, train_tokenizer
+from geotlm_lm.training.language_checkpoint import load_checkpoint, save_checkpoint
+
+Progress = Callable[[int, int, float], None]
+
+CORPUS_ROUNDS = 40
+"""Questions per type and motion the vocabulary is built from; enough to fill it."""
+
+CHECKPOINT_EVERY_S = 30.0
+
+TYPE_WEIGHTS = {"T1": 2.0, "T2": 4.0, "T3": 6.0, "T17": 2.0}
+"""How often a type is asked against 1 for the others: verifying and choosing compare the clip with
+words of the question and are learned last; refusals have the widest vocabulary."""
+
+
+@dataclass(frozen=True)
+class LanguageTraining:
+    """How the language model is trained.
+
+    Args:
+        steps: Optimiser steps.
+        batch: Questions per step, each about a clip drawn anew.
+        learning_rate: Peak of the schedule.
+        warmup: Steps of linear rise before the cosine fall to a tenth.
+        weight_decay: Of the matrices; gains, biases and embeddings are left alone.
+        noise: Deviation of the Gaussian noise added to the fused token, in units of its spread over
+            the training clips. There are far more questions than clips: without noise the decoder
+            can learn a clip by heart from its token instead of the motion in it.
+        seed: Of weights, clips, questions and noise.
+        size: How large the model is.
+    """
+
+    steps: int = 2400
+    batch: int = 64
+    learning_rate: float = 3e-3
+    warmup: int = 100
+    weight_decay: float = 0.05
+    noise: float = 0.2
+    seed: int = 0
+    size: LanguageSize = field(default_factory=LanguageSize)
+
+
+def train_language(
+    fused_tokens: Tensor,
+    labels: Sequence[MotionLabel],
+    *,
+    config: LanguageTraining,
+    folder: Path,
+    progress: Progress | None = None,
+) -> Speaker:
+    """Return a speaker trained to answer questions about `fused_tokens`.
+
+    Continues from the checkpoint in `folder` when there is one of the same configuration, with the
+    same result as without the break. An interrupt saves a checkpoint first.
+
+    Args:
+        fused_tokens: (n, fused width), unitless.
+        labels: n labels.
+        config: How to train.
+        folder: Where the checkpoint lies.
+        progress: Called after each step with (step, steps, loss).
+
+    Raises:
+        ValueError: If tokens and labels differ in number, or a token is not finite.
+        UsageError: If the checkpoint belongs to another configuration.
+    """
+    if fused_tokens.ndim != 2 or len(fused_tokens) != len(labels) or not len(labels):
+        raise ValueError(f"{tuple(fused_tokens.shape)} fused tokens for {len(labels)} labels")
+    if not bool(torch.isfinite(fused_tokens).all()):
+        raise ValueError("a fused token holds values that are not finite")
+    speaker = new_speaker(fused_tokens, config)
+    model = speaker.model.train()
+    optimiser = torch.optim.AdamW(_parameter_groups(model, config.weight_decay), betas=(0.9, 0.98))
+    step = load_checkpoint(folder, config, model, optimiser)
+    saved_at = time.monotonic()
+    try:
+        while step < config.steps:
+            loss = _step(speaker, optimiser, fused_tokens, labels, config, step)
+            step += 1
+            if progress is not None:
+                progress(step, config.steps, loss)
+            if time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
+                save_checkpoint(folder, config, model, optimiser, step)
+                saved_at = time.monotonic()
+    except KeyboardInterrupt:
+        save_checkpoint(folder, config, model, optimiser, step)
+        raise
+    save_checkpoint(folder, config, model, optimiser, step)
+    return Speaker(model, speaker.processor)
+
+
+def new_speaker(fused_tokens: Tensor, config: LanguageTraining) -> Speaker:
+    """Return the speaker before its first step: vocabulary, fresh weights, measured scale."""
+    rng = generator_for(config.seed, "language", "vocabulary")
+    corpus = training_corpus(rng, CORPUS_ROUNDS)
+    answers = set(corpus[1::2])
+    cleaned = [clean_question(question) for question in corpus[::2]]
+    tokenizer = train_tokenizer([*cleaned, *sorted(answers) * 20], VOCABULARY_SIZE)
+    template = (resource_dir("prompts") / "chat_template.jinja").read_text(encoding="utf-8")
+    size = config.size
+    processor = PromptEncoder(tokenizer, template, size.tactile_tokens, size.max_tokens)
+    # torch fills new layers from its global generator; what it draws is replaced below.
+    with torch.random.fork_rng(devices=[]):
+        model = TactileDecoder(
+            size,
+            fused_width=fused_tokens.shape[1],
+            vocabulary=tokenizer.get_vocab_size(),
+            tactile_id=processor.tactile_id,
+        )
+    model.initialise(_torch_generator(config.seed, "weights"))
+    model.projector.standardise_by(fused_tokens)
+    return Speaker(model, processor)
+
+
+def _step(
+    speaker: Speaker,
+    optimiser: torch.optim.Optimizer,
+    fused_tokens: Tensor,
+    labels: Sequence[MotionLabel],
+    config: LanguageTraining,
+    step: int,
+) -> float:
+    rng = generator_for(config.seed, "language", "batch", step)
+    chosen = rng.integers(len(labels), size=config.batch)
+    prompts, answers = [], []
+    for index in chosen:
+        (asked,) = questions_for(labels[index], rng, types=[draw_type(labels[index], rng)])
+        prompts.append(speaker.processor.prompt(asked.question))
+        answers.append(speaker.processor.answer(asked.answer))
+    model = speaker.model
+    token = model.projector.standardise(fused_tokens[torch.from_numpy(chosen)])
+    noise = torch.randn(token.shape, generator=_torch_generator(config.seed, "noise", step))
+    token = token + config.noise * noise
+    count = sum(map(len, answers))
+    optimiser.zero_grad(set_to_none=True)
+    total = 0.0
+    for part in _by_length(prompts, answers):
+        loss = answer_loss(
+            model, token[part], [prompts[i] for i in part], [answers[i] for i in part]
+        )
+        (loss / count).backward()
+        total += loss.item()
+    torch.nn.utils.clip_grad_norm_(model.parameters(), 1.0)
+    for group in optimiser.param_groups:
+        group["lr"] = learning_rate_at(step, config)
+    optimiser.step()
+    return total / count
+
+
+def draw_type(label: MotionLabel, rng: np.random.Generator) -> str:
+    """Return the type of one training question, the hard types more often."""
+    among = askable_types(label)
+    weights = np.array([TYPE_WEIGHTS.get(type_id, 1.0) for type_id in among])
+    return among[int(rng.choice(len(among), p=weights / weights.sum()))]
+
+
+def answer_loss(
+    model: TactileDecoder, token: Tensor, prompts: list[list[int]], answers: list[list[int]]
+) -> Tensor:
+    """Return the summed cross entropy of the answer tokens alone, in nats.
+
+    Rows are padded on the right: under causal order no text position sees a padding one.
+    """
+    rows = [prompt + answer for prompt, answer in zip(prompts, answers, strict=True)]
+    length = max(map(len, rows))
+    ids = torch.tensor([row + [0] * (length - len(row)) for row in rows])
+    starts = torch.tensor([len(prompt) for prompt in prompts])[:, None]
+    ends = torch.tensor([len(row) for row in rows])[:, None]
+    place = torch.arange(length)
+    is_answer = (place >= starts) & (place < ends)
+    prefix = model.projector.from_standardised(token)
+    hidden, _ = model.decoder(model.embed(ids, prefix), place.expand(len(rows), -1))
+    before = hidden[:, :-1][is_answer[:, 1:]]
+    return cross_entropy(model.logits(before), ids[is_answer], reduction="sum")
+
+
+def learning_rate_at(step: int, config: LanguageTraining) -> float:
+    """Return the rate of `step`: linear rise, then a cosine fall to a tenth of the peak."""
+    if step < config.warmup:
+        return config.learning_rate * (step + 1) / config.warmup
+    share = (step - config.warmup) / max(1, config.steps - config.warmup)
+    return config.learning_rate * (0.1 + 0.45 * (1 + math.cos(math.pi * share)))
+
+
+def _by_length(
+    prompts: list[list[int]], answers: list[list[int]], parts: int = 2
+) -> list[list[int]]:
+    """Return row numbers in groups of like length: less padding to multiply by."""
+    lengths = [len(p) + len(a) for p, a in zip(prompts, answers, strict=True)]
+    order = np.argsort(lengths, kind="stable")
+    return [part.tolist() for part in np.array_split(order, parts) if len(part)]
+
+
+def _parameter_groups(model: TactileDecoder, weight_decay: float) -> list[dict]:
+    decayed = [p for n, p in model.named_parameters() if p.ndim == 2 and "embed_tokens" not in n]
+    plain = [p for n, p in model.named_parameters() if p.ndim < 2 or "embed_tokens" in n]
+    return [
+        {"params": decayed, "weight_decay": weight_decay},
+        {"params": plain, "weight_decay": 0.0},
+    ]
+
+
+def _torch_generator(seed: int, *names: str | int) -> torch.Generator:
+    return torch.Generator().manual_seed(seed_for(seed, "language", *names))

@@ -1,0 +1,158 @@
+from collections import Counter
+
+import numpy as np
+import pytest
+from sklearn.feature_extraction.text import TfidfVectorizer
+from sklearn.linear_model import LogisticRegression
+
+from geotlm_lm.core.labels import Motion, MotionClass, MotionLabel
+from geotlm_lm.data.questions import questions_for
+from geotlm_lm.data.rivals import PAIRS, SECOND_PAIR, draw_option_set
+
+ROUNDS = 120
+
+
+@pytest.fixture(scope="module")
+def asked():
+    """Questions of every type about every motion, evenly, in both shares of the wordings."""
+    rng = np.random.default_rng(7)
+    return [
+        question
+        for wordings in ("seen", "held_out")
+        for _ in range(ROUNDS)
+        for motion in Motion
+        for question in questions_for(MotionLabel(motion), rng, wordings=wordings)
+    ]
+
+
+def target(question):
+    """What a leak would betray: the verdict, the letter, or else the whole answer."""
+    return {"T2": question.slots.verdict, "T3": question.slots.letter}.get(
+        question.type_id, question.answer
+    )
+
+
+@pytest.mark.parametrize("type_id", ["T1", "T2", "T3", "T5", "T6", "T16"])
+def test_question_text_alone_predicts_no_answer(asked, type_id):
+    of_type = [question for question in asked if question.type_id == type_id]
+    if type_id == "T3":  # with fewer options fewer letters are possible, and that is no leak
+        of_type = [question for question in of_type if len(question.options) == 3]
+    texts, targets = [q.question for q in of_type], np.array([str(target(q)) for q in of_type])
+    order = np.random.default_rng(1).permutation(len(texts))
+    train, test = order[: len(order) // 2], order[len(order) // 2 :]
+    vectors = TfidfVectorizer(token_pattern=r"[^\s]+")
+    features = vectors.fit_transform(np.array(texts)[train])
+    model = LogisticRegression(max_iter=300).fit(features, targets[train])
+    accuracy = model.score(vectors.transform(np.array(texts)[test]), targets[test])
+    chance = max(Counter(targets[test]).values()) / len(test)
+    # Four standard errors of a share p over the n test questions.
+    assert accuracy < chance + 4 * np.sqrt(chance * (1 - chance) / len(test))
+
+
+def test_a_claim_is_true_half_of_the_time_whatever_it_claims(asked):
+    verify = [question for question in asked if question.type_id == "T2"]
+    by_claim = {}
+    for question in verify:
+        claim = next(o for o in question.options if o.startswith("Yes"))
+        by_claim.setdefault(claim, []).append(question.slots.verdict)
+    assert len(by_claim) == len(Motion)
+    for verdicts in by_claim.values():
+        assert abs(np.mean(verdicts) - 0.5) < 4 * 0.5 / np.sqrt(len(verdicts))
+
+
+def test_most_false_claims_are_the_opposite_motion(asked):
+    opposite = {a: b for pair in PAIRS for a, b in (pair, pair[::-1])}
+    false = [q for q in asked if q.type_id == "T2" and not q.slots.verdict]
+    claims = [next(o for o in q.options if o.startswith("Yes")) for q in false]
+    truths = {q.answer: q.slots.direction for q in asked if q.type_id == "T2"}
+    share = np.mean(
+        [truths[c] == opposite[q.slots.direction] for c, q in zip(claims, false, strict=True)]
+    )
+    assert abs(share - 0.7) < 4 * np.sqrt(0.21 / len(false))
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_the_true_letter_is_uniform(asked, count):
+    letters = [q.slots.letter for q in asked if q.type_id == "T3" and len(q.options) == count]
+    shares = np.array(list(Counter(letters).values())) / len(letters)
+    assert len(shares) == count
+    assert np.abs(shares - 1 / count).max() < 4 * np.sqrt(1 / count / len(letters))
+
+
+def test_second_pairs_are_symmetric_and_complete():
+    np.testing.assert_allclose(SECOND_PAIR, SECOND_PAIR.T)
+    np.testing.assert_allclose(SECOND_PAIR.sum(0), 1)
+    assert not np.diag(SECOND_PAIR).any()
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_a_set_is_as_likely_whichever_member_is_true(count):
+    rng = np.random.default_rng(0)
+    seen = Counter()
+    for truth in Motion:
+        for _ in range(2000):
+            options = draw_option_set(truth, count, rng)
+            assert truth in options
+            assert len(set(options)) == count
+            seen[frozenset(options), truth] += 1
+    sets = {chosen for chosen, _ in seen}
+    for chosen in sets:
+        counts = np.array([seen[chosen, truth] for truth in chosen])
+        # A chi-square of equal rates with count - 1 degrees of freedom; 30 has p < 1e-6.
+        assert ((counts - counts.mean()) ** 2).sum() / counts.mean() < 30
+
+
+def test_five_options_are_refused():
+    with pytest.raises(ValueError, match="2 to 4 options, not 5"):
+        draw_option_set(Motion.LEFT, 5, np.random.default_rng(0))
+
+
+def test_an_unreadable_motion_gets_no_question_about_it():
+    label = MotionLabel(Motion.CLOCKWISE, is_readable=False)
+    rng = np.random.default_rng(0)
+    assert {q.type_id for q in questions_for(label, rng, per_type=9)} == {"T6", "T17"}
+    assert questions_for(label, rng, types=["T1", "T2", "T3"]) == []
+
+
+@pytest.mark.parametrize(
+    ("motion", "kind", "touches", "moves"),
+    [
+        (Motion.CLOCKWISE, MotionClass.ROTATION, True, True),
+        (Motion.UP, MotionClass.SLIDE, True, True),
+        (Motion.RELEASE, MotionClass.RELEASE, True, True),
+        (Motion.STILL, MotionClass.STILL, True, False),
+        (Motion.NONE, MotionClass.NONE, False, False),
+    ],
+)
+def test_class_contact_and_movement_follow_the_label(motion, kind, touches, moves):
+    rng = np.random.default_rng(0)
+    found = {q.type_id: q.slots for q in questions_for(MotionLabel(motion), rng)}
+    assert found["T1"].direction == motion
+    assert found["T5"].motion_class == kind
+    assert found["T6"].verdict == touches
+    assert found["T16"].verdict == moves
+
+
+def test_the_answer_is_one_of_the_options_and_no_option_stands_twice(asked):
+    assert all(question.answer in question.options for question in asked)
+    assert all(len(set(question.options)) == len(question.options) for question in asked)
+
+
+def test_held_out_wordings_never_appear_among_seen_ones(asked):
+    half = len(asked) // 2
+    ids = [{(q.type_id, q.wording_id) for q in part} for part in (asked[:half], asked[half:])]
+    assert not ids[0] & ids[1]
+
+
+def test_questions_are_typed_in_more_than_one_way(asked):
+    texts = [question.question for question in asked]
+    lower = np.mean([text == text.lower() for text in texts])
+    unmarked = np.mean([text[-1] not in "?." for text in texts])
+    assert 0.25 < lower < 0.6
+    assert 0.15 < unmarked < 0.6
+
+
+def test_the_same_generator_asks_the_same_questions():
+    label = MotionLabel(Motion.LEFT)
+    once, twice = (questions_for(label, np.random.default_rng(5)) for _ in range(2))
+    assert once == twice

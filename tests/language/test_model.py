@@ -1,0 +1,102 @@
+import pytest
+import torch
+
+from geotlm_lm.language.speak import Speaker
+
+model_module = pytest.importorskip("geotlm_lm.language.model")
+pytest.importorskip("geotlm_lm.language.processor")
+from transformers import AutoModelForImageTextToText, AutoProcessor  # noqa: E402
+
+QUESTIONS = ["which way?", "Is the <tactile> cap turning clockwise, or is it the 12th thing?"]
+
+
+@pytest.fixture(scope="module")
+def folder(speaker, tmp_path_factory):
+    path = tmp_path_factory.mktemp("lm")
+    speaker.save(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def model(folder):
+    return AutoModelForImageTextToText.from_pretrained(folder).eval()
+
+
+@pytest.fixture(scope="module")
+def processor(folder):
+    return AutoProcessor.from_pretrained(folder)
+
+
+def test_auto_classes_load_ours(model, processor):
+    assert type(model).__name__ == "GeoTLMForConditionalGeneration"
+    assert type(processor).__name__ == "GeoTLMProcessor"
+    assert processor.num_tactile_tokens == 3
+
+
+def test_the_processor_writes_the_same_ids(speaker, processor):
+    inputs = processor(QUESTIONS)
+    rows = [
+        ids[mask.bool()].tolist()
+        for ids, mask in zip(inputs["input_ids"], inputs["attention_mask"], strict=True)
+    ]
+    assert rows == [speaker.processor.prompt(question) for question in QUESTIONS]
+
+
+def test_both_decoders_give_the_same_logits(speaker, model, processor, fused_tokens):
+    inputs = processor(QUESTIONS[1], fused_tokens[:1])
+    with torch.no_grad():
+        theirs = model(**inputs).logits
+        ids = inputs["input_ids"]
+        embedded = speaker.model.embed(ids, speaker.model.projector(fused_tokens[:1]))
+        hidden, _ = speaker.model.decoder(embedded, torch.arange(ids.shape[1])[None])
+        ours = speaker.model.logits(hidden)
+    # Measured difference 2e-6 at logits of order 10: summation order.
+    torch.testing.assert_close(ours, theirs, rtol=1e-4, atol=1e-4)
+
+
+def test_both_generate_the_same_words(speaker, model, processor, fused_tokens):
+    inputs = processor(QUESTIONS, fused_tokens[:2])
+    written = model.generate(**inputs, max_new_tokens=24)[:, inputs["input_ids"].shape[1] :]
+    words = [speaker.processor.decode(row.tolist()) for row in written]
+    assert words == speaker.generate(fused_tokens[:2], QUESTIONS)
+
+
+def test_the_projector_runs_once_in_a_generation(model, processor, fused_tokens):
+    calls = []
+    handle = model.model.projector.register_forward_hook(lambda *_: calls.append(1))
+    model.generate(**processor(QUESTIONS, fused_tokens[:2]), max_new_tokens=5)
+    handle.remove()
+    assert len(calls) == 1
+
+
+def test_saved_and_loaded_logits_are_identical(speaker, model, processor, fused_tokens, tmp_path):
+    model.save_pretrained(tmp_path)
+    processor.save_pretrained(tmp_path)
+    again = AutoModelForImageTextToText.from_pretrained(tmp_path).eval()
+    inputs = processor(QUESTIONS, fused_tokens[:2])
+    with torch.no_grad():
+        assert torch.equal(again(**inputs).logits, model(**inputs).logits)
+    read_back = Speaker.load(tmp_path)
+    assert read_back.generate(fused_tokens[:2], QUESTIONS) == speaker.generate(
+        fused_tokens[:2], QUESTIONS
+    )
+
+
+def test_the_head_is_the_embedding(model):
+    assert model.lm_head.weight is model.get_input_embeddings().weight
+
+
+def test_labels_are_the_tokens_after_the_last_assistant_marker():
+    ids = torch.tensor([[2, 3, 9, 4, 7, 8, 1], [0, 3, 4, 6, 4, 5, 1]])
+    labels = model_module.batch_labels(ids, assistant_id=4, pad_id=0)
+    assert labels.tolist() == [[-100] * 4 + [7, 8, 1], [-100] * 5 + [5, 1]]
+
+
+def test_the_loss_counts_answer_tokens_alone(model, processor, speaker, fused_tokens):
+    inputs = processor(QUESTIONS[0], fused_tokens[:1])
+    answer = torch.tensor([speaker.processor.answer("A slide.")])
+    ids = torch.cat([inputs["input_ids"], answer], 1)
+    labels = model_module.batch_labels(ids, speaker.processor.assistant_id, 0)
+    loss = model(input_ids=ids, fused_token=fused_tokens[:1], labels=labels).loss
+    total = speaker.score(fused_tokens[0], QUESTIONS[0], ["A slide."])[0]
+    assert float(loss.detach()) == pytest.approx(-total / answer.shape[1], rel=1e-4)

@@ -1,0 +1,101 @@
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import torch
+
+from geotlm_lm.core.errors import IncompatibleBundle
+from geotlm_lm.language.speak import Speaker
+
+QUESTIONS = [
+    "which way?",
+    "Is the cap turning clockwise, or is it the 12th thing?",
+    "A) cw B) ccw C) left, which of the three is it?",
+]
+OPTIONS = ["Left, in the camera image.", "It is pressing in.", "A) clockwise"]
+
+
+def test_a_left_padded_batch_answers_like_single_questions(speaker, fused_tokens):
+    together = speaker.generate(fused_tokens[:3], QUESTIONS)
+    alone = [speaker.generate(fused_tokens[i : i + 1], [QUESTIONS[i]])[0] for i in range(3)]
+    assert together == alone
+    assert len(set(together)) == 3
+
+
+def test_generation_takes_the_likeliest_token_each_time(speaker, fused_tokens):
+    model, processor = speaker.model, speaker.processor
+    prompt = processor.prompt(QUESTIONS[0])
+    ids = list(prompt)
+    prefix = model.projector(fused_tokens[:1])
+    for _ in range(24):
+        embedded = model.embed(torch.tensor([ids]), prefix)
+        hidden, _ = model.decoder(embedded, torch.arange(len(ids))[None])
+        ids.append(int(model.logits(hidden[0, -1]).argmax()))
+        if ids[-1] == processor.eos_id:
+            break
+    expected = processor.decode(ids[len(prompt) :])
+    assert speaker.generate(fused_tokens[:1], QUESTIONS[:1]) == [expected]
+
+
+def test_a_score_is_the_log_likelihood_of_the_whole_answer(speaker, fused_tokens):
+    model, processor = speaker.model, speaker.processor
+    prompt = processor.prompt(QUESTIONS[1])
+    expected = []
+    for option in OPTIONS:
+        answer = processor.answer(option)
+        ids = torch.tensor([prompt + answer])
+        embedded = model.embed(ids, model.projector(fused_tokens[:1]))
+        hidden, _ = model.decoder(embedded, torch.arange(ids.shape[1])[None])
+        steps = model.logits(hidden)[0].log_softmax(-1)[len(prompt) - 1 : -1]
+        expected.append(float(steps[range(len(answer)), answer].sum().detach()))
+    scores = speaker.score(fused_tokens[0], QUESTIONS[1], OPTIONS)
+    np.testing.assert_allclose(scores, expected, rtol=1e-4)
+
+
+def test_saved_and_loaded_it_says_and_scores_the_same(speaker, fused_tokens, tmp_path):
+    speaker.save(tmp_path)
+    loaded = Speaker.load(tmp_path)
+    assert loaded.generate(fused_tokens[:3], QUESTIONS) == speaker.generate(
+        fused_tokens[:3], QUESTIONS
+    )
+    one, two = (s.score(fused_tokens[0], QUESTIONS[0], OPTIONS) for s in (speaker, loaded))
+    np.testing.assert_array_equal(one, two)
+
+
+def test_answering_needs_no_transformers(speaker, tmp_path):
+    speaker.save(tmp_path)
+    script = (
+        "import sys, torch; from geotlm_lm.language.speak import Speaker; "
+        f"s = Speaker.load({str(tmp_path)!r}); s.generate(torch.zeros(1, 24), ['which way?']); "
+        "sys.exit('transformers' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", script]).returncode == 0
+
+
+def test_a_token_that_is_not_finite_is_refused(speaker):
+    with pytest.raises(ValueError, match="not finite"):
+        speaker.generate(torch.full((1, 24), float("nan")), ["which way?"])
+
+
+def test_a_token_of_another_width_is_refused(speaker):
+    with pytest.raises(ValueError, match=r"shape \(1, 23\), expected \(1, 24\)"):
+        speaker.generate(torch.zeros(1, 23), ["which way?"])
+
+
+def test_another_format_names_both_numbers(speaker, tmp_path):
+    speaker.save(tmp_path)
+    config = json.loads((tmp_path / "config.json").read_text()) | {"format": 99}
+    (tmp_path / "config.json").write_text(json.dumps(config))
+    with pytest.raises(IncompatibleBundle) as caught:
+        Speaker.load(tmp_path)
+    assert str(caught.value) == (
+        f"{tmp_path}: was written in language-model format 99, this version reads 1; install the "
+        f"matching version or download the model again."
+    )
+
+
+def test_a_missing_folder_says_what_to_do(tmp_path):
+    with pytest.raises(IncompatibleBundle, match="save or download the model again"):
+        Speaker.load(tmp_path / "absent")
