@@ -9,7 +9,9 @@ import typer
 
 from geotlm_lm import __version__
 from geotlm_lm.cli.answer import answer
+from geotlm_lm.cli.evaluate import evaluate
 from geotlm_lm.cli.info import info
+from geotlm_lm.cli.report import app as report
 from geotlm_lm.cli.simulate import simulate
 from geotlm_lm.cli.train import train
 from geotlm_lm.core.errors import GeoTLMError, UsageError
@@ -27,11 +29,15 @@ app = typer.Typer(
 INTERRUPTED = 130
 """Exit code of a command stopped by Ctrl-C (128 + SIGINT)."""
 
+STOPPED = "Stopped; what was finished is kept."
+
 ParseError = typer.BadParameter.__base__
 """What the option parser raises on unknown or missing options; typer names no public alias."""
 
 for command in (answer, info, simulate, train):
     app.command()(command)
+app.command(epilog="Example: geotlm-lm evaluate --clips 40 --out reports/mine.json")(evaluate)
+app.add_typer(report, name="report")
 
 
 def _show_version(is_asked: bool) -> None:
@@ -64,7 +70,9 @@ def main(arguments: list[str] | None = None) -> None:
     except ParseError as error:
         _stop(_sentence(error.format_message()), UsageError.exit_code)
     except (KeyboardInterrupt, typer.Abort):
-        _stop("Stopped; what was finished is kept.", INTERRUPTED)
+        _stop(STOPPED, INTERRUPTED)
+    if code == INTERRUPTED:
+        _stop(STOPPED, INTERRUPTED)
     sys.exit(code if isinstance(code, int) else 0)
 
 

@@ -1,0 +1,27 @@
+"""A stand-in for the model: answers at once, remembers what it was asked."""
+
+from types import SimpleNamespace
+
+
+class FakeAnswerer:
+    abstained = False
+
+    def __init__(self):
+        self.clips, self.questions, self.folders = [], [], []
+
+    def load(self, folder=None):
+        self.folders.append(folder)
+        return self
+
+    def encode(self, clip):
+        self.clips.append(clip)
+        return clip
+
+    def ask(self, encoded, question):
+        self.questions.append(question)
+        return SimpleNamespace(
+            text="Clockwise.",
+            abstained=self.abstained,
+            notes=("Frames 0, 1, 2, 3 are used.",),
+            to_dict=lambda: {"text": "Clockwise.", "direction": "clockwise"},
+        )

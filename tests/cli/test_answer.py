@@ -1,0 +1,111 @@
+"""`answer` prints the answer alone, notes on the side, and refuses bad clips in one sentence."""
+
+import importlib.util
+import json
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+import pytest
+
+from geotlm_lm.cli.main import main
+
+
+def neighbour(relative):
+    """Load a test module that is not on the import path (tests are no packages)."""
+    path = Path(__file__).parent / relative
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+fakes = neighbour("fakes.py")
+failures = neighbour("../recordings/test_failures.py")
+
+
+@pytest.fixture
+def answerer(monkeypatch):
+    fake = fakes.FakeAnswerer()
+    module = ModuleType("geotlm_lm.answering")
+    module.Answerer = SimpleNamespace(load=fake.load)
+    monkeypatch.setitem(sys.modules, "geotlm_lm.answering", module)
+    return fake
+
+
+@pytest.fixture
+def clip_path(tmp_path):
+    path = tmp_path / "clip.npy"
+    frames = np.random.default_rng(0).integers(0, 255, (30, 24, 32, 3)).astype(np.uint8)
+    np.save(path, frames)
+    return path
+
+
+def run(capsys, *arguments):
+    with pytest.raises(SystemExit) as exit_info:
+        main([str(argument) for argument in arguments])
+    printed = capsys.readouterr()
+    return exit_info.value.code, printed.out, printed.err
+
+
+def test_the_sentence_goes_to_stdout_and_notes_to_stderr(capsys, answerer, clip_path):
+    done = run(capsys, "answer", "--clip", clip_path, "--q", "Which way?")
+    assert done == (0, "Clockwise.\n", "note: Frames 0, 1, 2, 3 are used.\n")
+    assert answerer.questions == ["Which way?"]
+    assert len(answerer.clips[0]) == 30
+
+
+def test_json_is_one_object_on_the_last_line(capsys, answerer, clip_path):
+    code, out, _ = run(capsys, "answer", "--clip", clip_path, "--q", "Which way?", "--json")
+    assert code == 0
+    assert json.loads(out.splitlines()[-1]) == {"text": "Clockwise.", "direction": "clockwise"}
+
+
+def test_the_frames_asked_for_are_the_ones_the_model_sees(capsys, answerer, clip_path):
+    run(capsys, "answer", "--clip", clip_path, "--q", "Which way?", "--frames", "10:19")
+    assert answerer.clips[0].frame_numbers == (10, 13, 16, 19)
+
+
+def test_background_rate_and_model_reach_their_seams(capsys, answerer, clip_path, tmp_path):
+    idle = tmp_path / "idle.npy"
+    np.save(idle, np.full((24, 32, 3), 7, np.uint8))
+    options = ["--background", idle, "--fps", 12, "--model", tmp_path]
+    run(capsys, "answer", "--clip", clip_path, "--q", "Which way?", *options)
+    assert answerer.clips[0].fps == 12
+    assert (answerer.clips[0].background == 7).all()
+    assert answerer.folders == [tmp_path]
+
+
+def test_an_abstention_fails_only_when_asked_to(capsys, answerer, clip_path):
+    answerer.abstained = True
+    call = ["answer", "--clip", clip_path, "--q", "Which way?"]
+    assert run(capsys, *call)[0] == 0
+    code, out, err = run(capsys, *call, "--fail-on-abstain")
+    assert (code, out) == (5, "Clockwise.\n")
+    assert err.splitlines()[-1] == (
+        f"{clip_path}: the model would not answer; see `geotlm-lm info --clip {clip_path}` for "
+        f"contact, or give frames with more motion by --frames."
+    )
+
+
+@pytest.mark.parametrize("name", failures.CASES)
+@pytest.mark.parametrize("command", ["answer", "info"])
+def test_a_bad_clip_ends_with_its_sentence_and_code_3(capsys, answerer, tmp_path, command, name):
+    content, sentence = failures.CASES[name]
+    path = tmp_path / name
+    path.write_bytes(content)
+    question = ["--q", "Which way?"] if command == "answer" else []
+    done = run(capsys, command, "--clip", path, *question)
+    assert done == (3, "", f"{path}: {sentence}\n")
+    assert answerer.clips == []
+
+
+def test_a_span_outside_the_recording_ends_with_code_2(capsys, answerer, clip_path):
+    done = run(capsys, "answer", "--clip", clip_path, "--q", "Which way?", "--frames", "20:90")
+    assert done == (
+        2,
+        "",
+        "Frames 20:90 were asked for, expected FIRST < LAST within 0:29; "
+        "give frame numbers inside the recording.\n",
+    )

@@ -1,0 +1,78 @@
+"""`info` tells what a recording holds without any model."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from geotlm_lm.cli.main import main
+
+
+def described(capsys, path, *options):
+    with pytest.raises(SystemExit) as exit_info:
+        main(["info", "--clip", str(path), "--json", *options])
+    assert exit_info.value.code == 0
+    return json.loads(capsys.readouterr().out.splitlines()[-1])
+
+
+@pytest.fixture
+def press(tmp_path):
+    """A bar pressed into a plain gel over 20 frames, the first 8 untouched."""
+    bar = np.zeros((60, 80, 1))
+    bar[20:40, 30:34] = 60
+    depth = np.clip((np.arange(20) - 7) / 4, 0, 1)[:, None, None, None]
+    noise = np.random.default_rng(0).normal(0, 1, (20, 60, 80, 3))
+    path = tmp_path / "press.npz"
+    np.savez(path, frames=np.rint(120 + depth * bar + noise).astype(np.uint8), fps=25)
+    return path
+
+
+def test_a_recording_is_described(capsys, press):
+    facts = described(capsys, press)
+    assert facts["frames"] == 20
+    assert facts["size_px"] == [80, 60]
+    assert facts["fps"] == 25
+    assert facts["background"] == "found in the recording"
+    assert facts["contact"] == "likely"
+    assert len(facts["frames_used"]) == 4
+    assert facts["notes"][-1].startswith("Frames ")
+
+
+def test_a_given_background_is_told_from_an_estimated_one(capsys, press, tmp_path):
+    frames = np.load(press)["frames"]
+    np.save(tmp_path / "touched.npy", frames[12:])
+    np.save(tmp_path / "idle.npy", frames[0])
+    facts = described(capsys, tmp_path / "touched.npy")
+    assert facts["background"] == "estimated from the frames"
+    assert facts["contact"] == "unknown without an idle frame"
+    given = described(capsys, tmp_path / "touched.npy", "--background", str(tmp_path / "idle.npy"))
+    assert given["background"] == "given"
+    assert given["contact"] == "likely"
+
+
+def test_an_untouched_gel_shows_no_contact(capsys, tmp_path):
+    frames = np.random.default_rng(0).normal(120, 1, (5, 240, 320, 3)).astype(np.uint8)
+    np.savez(tmp_path / "idle.npz", frames=frames[1:], background=frames[0])
+    assert described(capsys, tmp_path / "idle.npz")["contact"] == "none seen"
+
+
+def test_words_are_one_fact_a_line(capsys, press):
+    with pytest.raises(SystemExit):
+        main(["info", "--clip", str(press)])
+    lines = capsys.readouterr().out.splitlines()
+    assert "frames: 20" in lines
+    assert "size px: 80 60" in lines
+
+
+def test_describing_a_recording_loads_no_model(press):
+    program = (
+        "import sys\n"
+        "from geotlm_lm.cli.main import main\n"
+        f"try: main(['info', '--clip', {str(press)!r}])\n"
+        "except SystemExit: pass\n"
+        "print(sorted({'torch', 'transformers', 'scipy', 'sklearn'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1] == "[]"

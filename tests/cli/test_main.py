@@ -1,0 +1,143 @@
+"""The command starts fast, says one sentence when called wrongly, and keeps a defect's trace."""
+
+import subprocess
+import sys
+
+import pytest
+
+from geotlm_lm.cli import main as main_module
+from geotlm_lm.core.errors import BelowMinimum, IncompatibleBundle, MissingDependency
+
+
+def run(capsys, *arguments):
+    with pytest.raises(SystemExit) as exit_info:
+        main_module.main(list(arguments))
+    printed = capsys.readouterr()
+    return exit_info.value.code, printed.out, printed.err
+
+
+WRONG_CALLS = {
+    "no command": ([], "Missing command; see `geotlm-lm --help`.\n"),
+    "unknown command": (["ask"], "No such command 'ask'; see `geotlm-lm --help`.\n"),
+    "unknown flag": (
+        ["answer", "--zzz"],
+        "No such option: --zzz; see `geotlm-lm --help`.\n",
+    ),
+    "no clip": (
+        ["answer", "--q", "Which way?"],
+        "Missing option '--clip'; see `geotlm-lm --help`.\n",
+    ),
+    "no question": (
+        ["answer", "--clip", "clip.npy"],
+        "Missing option '--q'; see `geotlm-lm --help`.\n",
+    ),
+    "empty question": (
+        ["answer", "--clip", "clip.npy", "--q", "  "],
+        "The question is empty; ask for example --q 'Which way is it turning?'.\n",
+    ),
+    "frames that are no span": (
+        ["info", "--clip", "clip.npy", "--frames", "5"],
+        "--frames '5' was given, expected FIRST:LAST such as 40:60.\n",
+    ),
+    "two kinds of output": (
+        ["simulate", "--clip", "a.npz", "--out", "b"],
+        "Give one of --out (a data set) and --clip (a single clip).\n",
+    ),
+    "a clip that is no archive": (
+        ["simulate", "--clip", "a.npy"],
+        "--clip a.npy was given, expected a name that ends in .npz.\n",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG_CALLS)
+def test_a_wrong_call_ends_with_one_sentence_and_code_2(capsys, case):
+    arguments, sentence = WRONG_CALLS[case]
+    assert run(capsys, *arguments) == (2, "", sentence)
+
+
+def test_a_rate_that_is_no_number_ends_with_one_sentence_and_code_2(capsys):
+    code, out, err = run(capsys, "info", "--clip", "clip.npy", "--fps", "fast")
+    assert (code, out) == (2, "")
+    assert err.startswith("Invalid value for '--fps': ")
+    assert err.endswith("; see `geotlm-lm --help`.\n")
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("error", "code"), [(IncompatibleBundle, 4), (BelowMinimum, 6), (MissingDependency, 7)]
+)
+def test_each_repairable_error_has_its_own_exit_code(capsys, monkeypatch, error, code):
+    def fail(path, **options):
+        raise error("Found this; do that.")
+
+    monkeypatch.setattr("geotlm_lm.recordings.read.read_clip", fail)
+    assert run(capsys, "info", "--clip", "clip.npy") == (code, "", "Found this; do that.\n")
+
+
+def test_ctrl_c_ends_with_code_130(capsys, monkeypatch):
+    def interrupt(path, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("geotlm_lm.recordings.read.read_clip", interrupt)
+    code, out, err = run(capsys, "info", "--clip", "clip.npy")
+    assert (code, out) == (130, "")
+    assert err.strip() == "Stopped; what was finished is kept."
+
+
+def test_a_defect_keeps_its_trace(monkeypatch):
+    def break_down(path, **options):
+        raise ZeroDivisionError("a defect")
+
+    monkeypatch.setattr("geotlm_lm.recordings.read.read_clip", break_down)
+    with pytest.raises(ZeroDivisionError):
+        main_module.main(["info", "--clip", "clip.npy"])
+
+
+def test_the_version_is_printed(capsys):
+    code, out, _ = run(capsys, "--version")
+    assert (code, out) == (0, "geotlm-lm 0.1.0\n")
+
+
+COMMANDS = sorted(command.callback.__name__ for command in main_module.app.registered_commands)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_commands_help_shows_an_example(capsys, command):
+    code, out, _ = run(capsys, command, "--help")
+    assert code == 0
+    assert f"Example: geotlm-lm {command}" in " ".join(out.split())
+
+
+def test_every_option_says_what_it_is():
+    import typer
+
+    for command in typer.main.get_command(main_module.app).commands.values():
+        assert [option.name for option in command.params if not option.help] == []
+
+
+def test_asking_for_help_loads_no_model_and_no_camera_library():
+    program = (
+        "import sys\n"
+        "from geotlm_lm.cli.main import main\n"
+        "try: main(['--help'])\n"
+        "except SystemExit: pass\n"
+        "heavy = {'torch', 'transformers', 'cv2', 'scipy', 'sklearn', 'gradio', 'numpy'}\n"
+        "print(sorted(heavy & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+    assert done.stderr == ""
+
+
+def test_a_wrong_path_is_told_before_the_model_is_loaded():
+    program = (
+        "import sys\n"
+        "from geotlm_lm.cli.main import main\n"
+        "try: main(['answer', '--clip', 'gone.npy', '--q', 'Which way?'])\n"
+        "except SystemExit as stop: print(stop.code)\n"
+        "print('torch' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.split() == ["3", "False"]
+    assert done.stderr == "gone.npy: no such file or folder; check the path.\n"

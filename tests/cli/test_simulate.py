@@ -1,0 +1,43 @@
+"""`simulate` writes clips that `info` and `answer` read back."""
+
+import json
+
+import numpy as np
+import pytest
+
+from geotlm_lm.cli.main import main
+from geotlm_lm.recordings.read import read_clip
+
+
+def run(*arguments):
+    with pytest.raises(SystemExit) as exit_info:
+        main([str(argument) for argument in arguments])
+    return exit_info.value.code
+
+
+def test_a_simulated_clip_is_a_readable_recording_with_its_label(tmp_path, capsys):
+    path = tmp_path / "folder" / "clip.npz"
+    code = run("simulate", "--clip", path, "--motion", "left", "--object", "key", "--seed", 3)
+    assert code == 0
+    assert capsys.readouterr().out == f"{path}\n"
+    clip = read_clip(path)
+    assert clip.frames.shape == (4, 224, 224, 3)
+    assert clip.background is not None
+    label = json.loads(str(np.load(path)["label"]))
+    assert label["motion"] == "left"
+    assert label["object"] == "key"
+
+
+def test_the_same_seed_writes_the_same_frames(tmp_path):
+    for name in ("a.npz", "b.npz"):
+        run("simulate", "--clip", tmp_path / name, "--seed", 5)
+    first, second = (np.load(tmp_path / name)["frames"] for name in ("a.npz", "b.npz"))
+    assert np.array_equal(first, second)
+
+
+def test_an_unknown_shape_is_refused_with_the_known_ones(tmp_path, capsys):
+    assert run("simulate", "--clip", tmp_path / "a.npz", "--object", "unicorn") == 2
+    sentence = capsys.readouterr().err
+    assert sentence.startswith("There is no shape 'unicorn', expected one of ")
+    assert " key," in sentence
+    assert sentence.count("\n") == 1
