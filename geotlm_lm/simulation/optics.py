@@ -40,14 +40,14 @@ def lit(
         height_mm = cv2.GaussianBlur(height_mm, (5, 5), blur_px)
     slope_x = cv2.Sobel(height_mm, cv2.CV_32F, 1, 0, ksize=3, scale=-0.125 / optics.mm_per_px_x)
     slope_y = cv2.Sobel(height_mm, cv2.CV_32F, 0, 1, ksize=3, scale=-0.125 / optics.mm_per_px_y)
+    steep = slope_x * slope_x
+    steep += slope_y * slope_y
     if optics.saturation > 0:
-        soft = slope_x * slope_x
-        soft += slope_y * slope_y
-        soft *= np.float32(optics.saturation**2)
-        soft += 1
-        np.sqrt(soft, out=soft)
+        soft = np.sqrt(1 + np.float32(optics.saturation**2) * steep)
         slope_x /= soft
         slope_y /= soft
+    # Flanks see less of the lit inside of the sensor: a loss common to all channels.
+    common = np.float32(-2 * optics.steep_darkening) * (steep / (1 + steep))
     axis = np.linspace(-1, 1, IMAGE_SIDE, dtype=np.float32)
     frames = np.empty_like(base)
     for channel in range(3):
@@ -61,6 +61,7 @@ def lit(
         shade *= 1 + np.float32(optics.light_slope_x[channel]) * axis[None, :]
         shade *= 1 + np.float32(optics.light_slope_y[channel]) * axis[:, None]
         shade += np.float32(optics.depth_gain[channel]) * height_mm
+        shade += common
         shade += 1
         np.multiply(base[channel], np.maximum(shade, 0.05, out=shade), out=frames[channel])
     return frames
@@ -72,7 +73,8 @@ def turned_lights(optics: Optics) -> NDArray[np.float64]:
     cos, sin = np.cos(angles), np.sin(angles)
     x = cos * LIGHTS[:, 0] - sin * LIGHTS[:, 1]
     y = sin * LIGHTS[:, 0] + cos * LIGHTS[:, 1]
-    return np.stack([x, y], axis=1) * np.asarray(optics.light_gain)[:, None]
+    rows = np.stack([x, y], axis=1) * np.asarray(optics.light_gain)[:, None]
+    return rows + np.asarray(optics.common_light)
 
 
 def recorded(

@@ -104,9 +104,9 @@ def random_body(rng: np.random.Generator, name: str) -> Body:
 def random_optics(rng: np.random.Generator) -> Optics:
     """Return a camera, lights and noise within the ranges real units were measured in."""
     zoom, ratio = rng.uniform(0.6, 1.15), rng.uniform(0.95, 1.08)
-    strength = np.exp(rng.uniform(np.log(0.5), np.log(2.0)))
-    gains = strength * rng.uniform(0.8, 1.25, 3)
-    noise = np.exp(rng.uniform(np.log(0.25), np.log(1.8)))
+    strength = np.exp(rng.uniform(np.log(0.35), np.log(1.8)))
+    gains = strength * rng.uniform(0.65, 1.3, 3)
+    noise = np.exp(rng.uniform(np.log(0.15), np.log(1.8)))
     return Optics(
         mm_per_px_x=20.3 / 224 * zoom * ratio**0.5,
         mm_per_px_y=15.2 / 224 * zoom / ratio**0.5,
@@ -114,6 +114,8 @@ def random_optics(rng: np.random.Generator) -> Optics:
         light_gain=_three(gains),
         light_slope_x=_three(rng.uniform(-0.35, 0.35, 3)),
         light_slope_y=_three(rng.uniform(-0.35, 0.35, 3)),
+        common_light=(rng.normal(0, 0.2) * strength, rng.normal(0, 0.2) * strength),
+        steep_darkening=strength * rng.uniform(0, 0.35),
         saturation=rng.uniform(0, 2),
         depth_gain=_three(np.array([0.066, 0.037, 0.083]) * rng.uniform(0, 1.8)),
         shadow=max(rng.uniform(-0.3, 0.3), 0.0),

@@ -85,6 +85,9 @@ class Optics:
         light_gain: Strength of the shading of each light relative to the measured one.
         light_slope_x: Relative growth of each light's shading from the middle to the right border.
         light_slope_y: The same towards the lower border.
+        common_light: Relative change of all channels per unit slope towards (right, down): stray
+            white light.
+        steep_darkening: Relative darkening of all channels on steep flanks, at slope 1.
         saturation: Softness beta of steep slopes in A g / sqrt(1 + beta^2 |g|^2).
         depth_gain: Relative brightening per mm of indentation.
         shadow: Relative darkening behind steep flanks, per unit slope.
@@ -102,6 +105,8 @@ class Optics:
     light_gain: tuple[float, float, float] = (1.0, 1.0, 1.0)
     light_slope_x: tuple[float, float, float] = (0.0, 0.0, 0.0)
     light_slope_y: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    common_light: tuple[float, float] = (0.0, 0.0)
+    steep_darkening: float = 0.0
     saturation: float = 1.0
     depth_gain: tuple[float, float, float] = (0.066, 0.037, 0.083)
     shadow: float = 0.0
