@@ -45,19 +45,16 @@ def answer(
     """
     if not question.strip():
         raise UsageError("The question is empty; ask for example --q 'Which way is it turning?'.")
-    from geotlm_lm.recordings.choose import choose_frames
     from geotlm_lm.recordings.read import read_clip
 
     span = span_of(frames)
     recording = read_clip(clip, layout=layout, fps=fps, background=background)
-    if span is not None:
-        recording = choose_frames(recording, span=span)
 
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer
 
     answerer = Answerer.load(model)
-    reply = answerer.ask(answerer.encode(recording), question)
+    reply = answerer.ask(answerer.encode(recording, span=span), question)
     for note in reply.notes:
         print(f"note: {note}", file=sys.stderr)
     print(json.dumps(reply.to_dict()) if as_json else reply.text)

@@ -2,20 +2,23 @@
 
 from types import SimpleNamespace
 
+from geotlm_lm.recordings.choose import choose_frames
+
 
 class FakeAnswerer:
     abstained = False
 
     def __init__(self):
-        self.clips, self.questions, self.folders = [], [], []
+        self.clips, self.spans, self.questions, self.folders = [], [], [], []
 
     def load(self, folder=None):
         self.folders.append(folder)
         return self
 
-    def encode(self, clip):
+    def encode(self, clip, span=None):
         self.clips.append(clip)
-        return clip
+        self.spans.append(span)
+        return choose_frames(clip, span=span)
 
     def ask(self, encoded, question):
         self.questions.append(question)
