@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import cv2
@@ -66,7 +67,12 @@ def show_clip(
     if (first is None) != (last is None):
         raise GeoTLMError("Only one end of the span was given; give both frame numbers or none.")
     span = None if first is None else (int(first), int(last))
-    encoded = answerer.encode(read_clip(path), span=span)
+    try:
+        recording = read_clip(path)
+    except GeoTLMError as error:
+        # Uploads lie in a temporary folder whose name means nothing to the person who uploaded.
+        raise type(error)(str(error).replace(f"{Path(path).parent}/", "")) from error
+    encoded = answerer.encode(recording, span=span)
     clip = encoded.clip
     captions = [f"frame {number}" for number in clip.frame_numbers]
     return Shown(

@@ -34,14 +34,14 @@ def build(answerer: Answerer) -> Any:
         try:
             shown = show_clip(answerer, path, first, last)
         except GeoTLMError as error:
-            raise gr.Error(str(error)) from error
+            raise gr.Error(str(error), print_exception=False) from error
         return shown, shown.frames, shown.arrows, shown.notes, None, None, None
 
     def on_question(shown: Any, question: str) -> tuple:
         try:
             reply = ask(answerer, shown, question)
         except GeoTLMError as error:
-            raise gr.Error(str(error)) from error
+            raise gr.Error(str(error), print_exception=False) from error
         return reply.sentence, reply.probabilities, reply.details
 
     with gr.Blocks(title="geotlm-lm") as page:

@@ -72,6 +72,12 @@ def test_nothing_uploaded_is_told():
         handlers.show_clip(FakeAnswerer(), None, None, None)
 
 
+def test_an_unreadable_upload_is_told_by_its_own_name(tmp_path):
+    (tmp_path / "text.npy").write_text("no array")
+    with pytest.raises(GeoTLMError, match="^text.npy: is cut off or is no numpy file"):
+        handlers.show_clip(FakeAnswerer(), str(tmp_path / "text.npy"), None, None)
+
+
 def test_half_a_span_is_told(path):
     with pytest.raises(GeoTLMError, match="^Only one end of the span was given"):
         handlers.show_clip(FakeAnswerer(), path, 3, None)
