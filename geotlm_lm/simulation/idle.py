@@ -8,7 +8,6 @@ import torch
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
-from geotlm_lm.simulation.smooth_field import smooth_field
 
 MEASURED_IDLE = np.array(
     [
@@ -52,7 +51,8 @@ def idle_frame(seed: int, view: float = 1.0) -> NDArray[np.float32]:
     frame *= 1 - rng.uniform(0, 0.25) * _vignette()
     frame *= _specks(rng)[None]
     for channel, sigma in enumerate(FIXED_PATTERN_GREY):
-        frame[channel] += sigma * rng.uniform(0.3, 1.2) * smooth_field(rng, IMAGE_SIDE, 1.3)
+        pattern = rng.standard_normal((IMAGE_SIDE, IMAGE_SIDE), dtype=np.float32)
+        frame[channel] += np.float32(sigma * rng.uniform(0.3, 1.2)) * pattern
     return np.clip(frame, 2, 250)
 
 

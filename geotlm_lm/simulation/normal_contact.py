@@ -72,7 +72,8 @@ def solve_normal_contact(overlap_mm: Tensor, compliance: Tensor) -> Contact:
     penetration = torch.zeros(count)
     iterations = torch.zeros(count, dtype=torch.int64)
     pending = (overlap_mm.flatten(1).amax(1) > 0).nonzero().flatten()
-    pressure[pending] = _first_guess(overlap_mm[pending], compliance[pending])
+    if len(pending):
+        pressure[pending] = _first_guess(overlap_mm[pending], compliance[pending])
     for budget in ROUNDS:
         if len(pending) == 0:
             break
@@ -82,7 +83,9 @@ def solve_normal_contact(overlap_mm: Tensor, compliance: Tensor) -> Contact:
         penetration[pending] = left
         iterations[pending] += budget
         pending = pending[left > PENETRATION_LIMIT_UM]
-    indentation = apply_compliance(pressure, compliance)
+    indentation = torch.zeros_like(pressure)
+    if iterations.any():
+        indentation = apply_compliance(pressure, compliance)
     return Contact(pressure, indentation, pressure > 0, penetration, iterations)
 
 

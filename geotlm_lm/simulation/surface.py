@@ -79,6 +79,11 @@ def _compliance(thickness_mm: float, poisson_ratio: float) -> torch.Tensor:
     return torch.from_numpy(values.astype(np.float32))
 
 
+def dome_drop_mm(gel: Gel, x_mm: float, y_mm: float) -> float:
+    """Return how far the crowned pad lies below its top at one point."""
+    return gel.dome * (x_mm**2 / (2 * DOME_RADII_MM[0]) + y_mm**2 / (2 * DOME_RADII_MM[1]))
+
+
 def _dome(gel: Gel, mm_per_px: tuple[float, float], side: int) -> HeightMap:
     """Return how far the crowned pad lies below its top, (side, side) in mm."""
     axis = np.arange(side) - (side - 1) / 2

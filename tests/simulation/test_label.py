@@ -1,0 +1,76 @@
+import numpy as np
+import pytest
+
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.simulation.label import image_change, is_readable, patch_displacement, patch_means
+from geotlm_lm.simulation.scene import Body, Optics, Path, Scene
+
+TOUCHED = np.ones((2, 14, 14), np.float32)
+
+
+def scene(**path):
+    still = {"depth_mm": (0.5, 0.5), "x_mm": (0, 0), "y_mm": (0, 0), "rotation_rad": (0, 0)}
+    return Scene(Body("block"), Path(**still | path), Motion.STILL, optics=Optics(0.1, 0.05))
+
+
+def test_a_slide_moves_every_touched_patch_by_its_pixels():
+    moved = patch_displacement(scene(x_mm=(0.0, 1.0), y_mm=(0.0, -0.5)), TOUCHED)
+    assert not moved[0].any()
+    assert moved[1].reshape(-1, 2) == pytest.approx(np.tile([10.0, -10.0], (196, 1)), abs=1e-4)
+
+
+def test_a_clockwise_turn_moves_the_top_right_and_the_right_down():
+    moved = patch_displacement(scene(rotation_rad=(1.0, 1.1)), TOUCHED)
+    assert moved[1, 0, :, 0].min() > 0
+    assert moved[1, -1, :, 0].max() < 0
+    assert moved[1, :, -1, 1].min() > 0
+    assert moved[1, :, 0, 1].max() < 0
+
+
+def test_a_patch_moves_as_the_rotation_matrix_says():
+    angle, centre = 0.3, (1.0, -2.0)
+    path = {"x_mm": (1.0, 1.0), "y_mm": (-2.0, -2.0), "rotation_rad": (0.0, angle)}
+    moved = patch_displacement(scene(**path), TOUCHED)[1, 4, 11]
+    here = np.array([(11.5 * 16 - 112) * 0.1, (4.5 * 16 - 112) * 0.05])
+    back = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    was = np.array(centre) + back @ (here - centre)
+    assert moved == pytest.approx((here - was) / (0.1, 0.05), abs=1e-3)
+
+
+def test_patches_without_contact_do_not_move():
+    contact = TOUCHED.copy()
+    contact[1, 3] = 0
+    moved = patch_displacement(scene(x_mm=(0.0, 1.0)), contact)
+    assert not moved[1, 3].any()
+    assert moved[1, 4].any()
+
+
+def test_patch_means_average_sixteen_by_sixteen():
+    image = np.zeros((1, 224, 224), np.float32)
+    image[0, 16:32, 32:40] = 1
+    assert patch_means(image)[0, 1, 2] == 0.5
+    assert patch_means(image).sum() == 0.5
+
+
+def test_image_change_is_the_rms_over_the_contact_only():
+    first = np.zeros((3, 224, 224), np.float32)
+    last = first.copy()
+    touches = np.zeros((224, 224), bool)
+    touches[:10] = True
+    last[:, :10], last[:, 10:] = 3, 99
+    assert image_change(first, last, touches) == pytest.approx(3)
+    assert image_change(first, last, touches & False) == 0
+
+
+@pytest.mark.parametrize(
+    ("motion", "contact", "change", "expected"),
+    [
+        (Motion.CLOCKWISE, 0.1, 1.9, False),
+        (Motion.CLOCKWISE, 0.1, 2.1, True),
+        (Motion.LEFT, 0.001, 9.0, False),
+        (Motion.STILL, 0.1, 0.0, True),
+        (Motion.NONE, 0.0, 0.0, True),
+    ],
+)
+def test_a_motion_is_readable_when_it_beats_the_noise(motion, contact, change, expected):
+    assert is_readable(motion, np.full(4, contact), change) is expected

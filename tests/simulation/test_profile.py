@@ -1,0 +1,53 @@
+import numpy as np
+import pytest
+
+from geotlm_lm.simulation.profile import build_profile, pool_to_cells
+from geotlm_lm.simulation.scene import Body
+
+
+def test_a_tip_narrower_than_a_cell_does_not_vanish():
+    fine = np.full((60, 60), 1000.0, np.float32)
+    fine[24, 31] = 0.0
+    cells = pool_to_cells(fine, 5)
+    assert cells[4, 6] == 0.0
+    assert (cells < 1).sum() == 1
+
+
+def test_a_narrow_bar_across_the_cells_keeps_its_length():
+    fine = np.full((60, 60), 1000.0, np.float32)
+    fine[:, 24:26] = 0.0
+    assert np.all(pool_to_cells(fine, 5).min(axis=1) == 0)
+
+
+def test_a_slope_keeps_its_height_at_the_cells_middle():
+    fine = np.tile(np.arange(60, dtype=np.float32), (60, 1))
+    assert np.array_equal(pool_to_cells(fine, 5)[3, 1:-1], np.arange(7, 57, 5)[:10])
+
+
+def test_the_lowest_point_is_zero_whatever_the_lean_and_texture():
+    body = Body("block", variant=5, tilt_x=0.1, tilt_y=-0.05, texture_um=30)
+    fine = build_profile(body).sample((0.0, 0.0, 0.4), (0.08, 0.08), 320)
+    assert fine.min() == pytest.approx(0, abs=0.02)
+    assert fine.min() > -0.002
+
+
+def test_turning_clockwise_takes_what_lies_right_down():
+    profile = build_profile(Body("letter_l", variant=1))
+    plain = profile.sample((0.0, 0.0, 0.0), (0.1, 0.1), 101)
+    turned = profile.sample((0.0, 0.0, np.pi / 2), (0.1, 0.1), 101)
+    # A quarter turn x -> y: the value at (x, y) = (a, 0) goes to (0, a); rot90 with k=-1 in arrays.
+    assert np.abs(np.clip(turned, 0, 1) - np.clip(np.rot90(plain, -1), 0, 1)).mean() < 0.01
+
+
+def test_moving_right_moves_the_body_to_higher_columns():
+    profile = build_profile(Body("letter_l", variant=1))
+    plain = np.clip(profile.sample((0.0, 0.0, 0.3), (0.1, 0.1), 120), 0, 1)
+    moved = np.clip(profile.sample((1.0, -0.5, 0.3), (0.1, 0.1), 120), 0, 1)
+    assert np.abs(moved[:-5, 10:] - plain[5:, :-10]).max() < 0.02
+
+
+def test_the_same_body_gives_the_same_samples():
+    body = Body("wool_curled", variant=9, texture_um=20)
+    first = build_profile(body).height_mm.copy()
+    build_profile.cache_clear()
+    assert np.array_equal(build_profile(body).height_mm, first)
