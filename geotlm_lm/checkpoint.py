@@ -1,0 +1,194 @@
+"""A model bundle on disk: perception, language, calibration and model card in one folder.
+
+Weights are stored in half precision (the shipped bundle must stay small) and used in float32.
+Anything that is not recognised is refused.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, fields
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import torch
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save_file
+from torch import Tensor
+
+from geotlm_lm.backbone.frozen import FrozenBackbone
+from geotlm_lm.backbone.vit import ViT, ViTConfig
+from geotlm_lm.core.errors import IncompatibleBundle
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.record import write_text_atomically
+from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.dgr.encoder import DGR
+from geotlm_lm.model import GeoTLM
+from geotlm_lm.probe.linear import LinearProbe
+from geotlm_lm.probe.standardise import Standardiser
+
+if TYPE_CHECKING:
+    from geotlm_lm.language.parse_answer import AnswerGrammar
+    from geotlm_lm.language.speak import Speaker
+
+BUNDLE_FORMAT = 1
+CONFIG_FILE = "config.json"
+PERCEPTION_FILE = "perception.safetensors"
+LANGUAGE_DIR = "language"
+GRAMMAR_FILE = "answers.json"
+CARD_FILE = "README.md"
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Numbers fitted on held-out simulated objects after training.
+
+    Args:
+        temperature: Divides option log-likelihoods before they become probabilities.
+        contact_threshold: Mean contact mask below which no direction is claimed.
+    """
+
+    temperature: float = 1.0
+    contact_threshold: float = 0.0
+
+
+@dataclass(eq=False)
+class Bundle:
+    """A whole model: what the sensor shows, what is said about it, and how sure that is."""
+
+    model: GeoTLM
+    speaker: Speaker
+    grammar: AnswerGrammar
+    calibration: Calibration
+    provenance: dict[str, Any]
+
+
+def embedded_bundle_dir() -> Path:
+    """Return the folder of the bundle that ships with the package."""
+    return resource_dir("bundle")
+
+
+def save_bundle(folder: Path, bundle: Bundle) -> None:
+    """Write `bundle`; the configuration goes last, so that a half-written folder does not load."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / CONFIG_FILE).unlink(missing_ok=True)
+    model = bundle.model
+    tensors = {
+        f"{part}.{name}": value.detach().cpu()
+        for part, state in _perception_states(model).items()
+        for name, value in state.items()
+    }
+    stored = {name: value.half().contiguous() for name, value in tensors.items()}
+    save_file(stored, folder / PERCEPTION_FILE, metadata={"format": str(BUNDLE_FORMAT)})
+    bundle.speaker.save(folder / LANGUAGE_DIR)
+    bundle.grammar.save(folder / GRAMMAR_FILE)
+    config = {
+        "format": BUNDLE_FORMAT,
+        "backbone": asdict(model.backbone.vit.config),
+        "probe_labels": [label.value for label in model.probe.labels],
+        "calibration": asdict(bundle.calibration),
+        "provenance": bundle.provenance,
+    }
+    write_text_atomically(folder / CONFIG_FILE, json.dumps(config, indent=1) + "\n")
+
+
+def load_bundle(folder: Path | None = None) -> Bundle:
+    """Load a bundle; the embedded one when `folder` is None.
+
+    Raises:
+        IncompatibleBundle: If the folder is missing, incomplete, or of another format.
+    """
+    folder = folder or embedded_bundle_dir()
+    config = read_config(folder)
+    try:
+        tensors = load_file(folder / PERCEPTION_FILE)
+        model = _assemble(config, {name: value.float() for name, value in tensors.items()})
+        calibration = Calibration(**config["calibration"])
+    except (OSError, SafetensorError, KeyError, TypeError, RuntimeError, ValueError) as error:
+        raise IncompatibleBundle(
+            f"{folder}: {PERCEPTION_FILE} does not fit {CONFIG_FILE} ({_first_line(error)}); train "
+            f"or copy the bundle again."
+        ) from error
+    from geotlm_lm.language.parse_answer import AnswerGrammar
+    from geotlm_lm.language.speak import Speaker
+
+    speaker = Speaker.load(folder / LANGUAGE_DIR)
+    grammar = AnswerGrammar.load(folder / GRAMMAR_FILE)
+    return Bundle(model, speaker, grammar, calibration, config["provenance"])
+
+
+def read_config(folder: Path) -> dict[str, Any]:
+    """Read and check a bundle's configuration.
+
+    Raises:
+        IncompatibleBundle: If it is missing, no JSON, or of another format.
+    """
+    path = folder / CONFIG_FILE
+    try:
+        config = json.loads(path.read_text())
+    except OSError as error:
+        raise IncompatibleBundle(
+            f"{folder}: found no model bundle there (no {CONFIG_FILE}); give the folder that "
+            f"`geotlm-lm train` wrote."
+        ) from error
+    except ValueError as error:
+        raise IncompatibleBundle(
+            f"{path}: is not JSON ({error}); copy the bundle again."
+        ) from error
+    found = config.get("format") if isinstance(config, dict) else None
+    if found != BUNDLE_FORMAT:
+        raise IncompatibleBundle(
+            f"{folder}: the bundle has format {found}, this version reads {BUNDLE_FORMAT}; train "
+            f"it again or install the matching geotlm-lm."
+        )
+    return config
+
+
+def _perception_states(model: GeoTLM) -> dict[str, dict[str, Tensor]]:
+    return {
+        "vit": model.backbone.vit.state_dict(),
+        "global_standardiser": model.global_standardiser.state(),
+        "patch_standardiser": model.patch_standardiser.state(),
+        "dgr": model.dgr.state_dict(),
+        "probe": model.probe.state_dict(),
+        "global_probe": model.global_probe.state_dict(),
+    }
+
+
+def _assemble(config: dict[str, Any], tensors: dict[str, Tensor]) -> GeoTLM:
+    known = {field.name for field in fields(ViTConfig)}
+    vit_config = ViTConfig(**{key: config["backbone"][key] for key in known})
+    labels = [Motion(name) for name in config["probe_labels"]]
+    width = vit_config.width
+    state = partial(_state_of, tensors)
+    with torch.device("meta"):
+        vit, dgr = ViT(vit_config), DGR(width)
+        probe, global_probe = LinearProbe(width, labels), LinearProbe(width, labels)
+    for name, module in (
+        ("vit", vit),
+        ("dgr", dgr),
+        ("probe", probe),
+        ("global_probe", global_probe),
+    ):
+        module.load_state_dict(state(name), assign=True)
+        module.requires_grad_(False).eval()
+    return GeoTLM(
+        backbone=FrozenBackbone(vit),
+        global_standardiser=Standardiser.from_state(state("global_standardiser")),
+        patch_standardiser=Standardiser.from_state(state("patch_standardiser")),
+        dgr=dgr,
+        probe=probe,
+        global_probe=global_probe,
+    )
+
+
+def _state_of(tensors: dict[str, Tensor], part: str) -> dict[str, Tensor]:
+    prefix = f"{part}."
+    return {
+        name[len(prefix) :]: value for name, value in tensors.items() if name.startswith(prefix)
+    }
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__

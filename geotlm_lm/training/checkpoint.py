@@ -1,0 +1,42 @@
+"""Checkpoints of a run that may be interrupted: written atomically, read back exactly."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from geotlm_lm.core.errors import IncompatibleBundle
+
+
+def save_checkpoint(path: Path, state: dict[str, Any]) -> None:
+    """Write `state` (tensors and plain values) so that a kill leaves the old file or the new."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    os.close(handle)
+    try:
+        torch.save(state, temporary)
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def load_checkpoint(path: Path) -> dict[str, Any] | None:
+    """Return the state saved at `path`, or None where there is none.
+
+    Raises:
+        IncompatibleBundle: If the file cannot be read.
+    """
+    if not path.exists():
+        return None
+    try:
+        return torch.load(path, weights_only=True, map_location="cpu")
+    except Exception as error:
+        raise IncompatibleBundle(
+            f"{path}: the checkpoint cannot be read ({type(error).__name__}); delete it to start "
+            f"this stage again."
+        ) from error

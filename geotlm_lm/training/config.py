@@ -1,0 +1,103 @@
+"""Every setting that shapes a bundle, in two presets."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
+
+from geotlm_lm.core.errors import UsageError
+
+DGRMode = Literal["paper", "grounded"]
+
+
+@dataclass(frozen=True)
+class TrainingPreset:
+    """Sizes and lengths of one training run from nothing.
+
+    Args:
+        name: Name of the preset.
+        pretraining_clips: Simulated clips the backbone learns from.
+        head_clips: Other simulated clips, of the same objects, for DGR, probe and language.
+        validation_clips: Clips of training objects that no weight sees: mode choice, calibration.
+        test_clips: Clips of everyday objects, scored once for the model card.
+        backbone_width: Width d of a token.
+        backbone_depth: Transformer blocks.
+        backbone_heads: Attention heads.
+        pretraining_draws: Clips drawn during pretraining, repeats counted.
+        pretraining_batch: Clips per step.
+        pretraining_rate: Peak learning rate of AdamW.
+        geometry_epochs: Epochs of DGR and probe (paper: 30).
+        geometry_clips: How many of the head clips DGR sees; the others only the language model.
+        language_steps: Steps of the language model.
+        language_batch: Questions per step.
+    """
+
+    name: str
+    pretraining_clips: int
+    head_clips: int
+    validation_clips: int
+    test_clips: int
+    backbone_width: int
+    backbone_depth: int
+    backbone_heads: int
+    pretraining_draws: int
+    pretraining_batch: int
+    pretraining_rate: float
+    geometry_epochs: int
+    geometry_clips: int
+    language_steps: int
+    language_batch: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields as plain JSON values."""
+        return asdict(self)
+
+
+DEFAULT = TrainingPreset(
+    name="default",
+    pretraining_clips=20_000,
+    head_clips=12_000,
+    validation_clips=1_500,
+    test_clips=1_500,
+    backbone_width=192,
+    backbone_depth=4,
+    backbone_heads=3,
+    pretraining_draws=60_000,
+    pretraining_batch=64,
+    pretraining_rate=1e-3,
+    geometry_epochs=30,
+    geometry_clips=8_000,
+    language_steps=3_000,
+    language_batch=64,
+)
+
+SMOKE = replace(
+    DEFAULT,
+    name="smoke",
+    pretraining_clips=400,
+    head_clips=300,
+    validation_clips=100,
+    test_clips=100,
+    backbone_width=64,
+    backbone_depth=2,
+    backbone_heads=1,
+    pretraining_draws=800,
+    pretraining_batch=32,
+    geometry_epochs=3,
+    geometry_clips=300,
+    language_steps=60,
+    language_batch=32,
+)
+
+PRESETS = {preset.name: preset for preset in (SMOKE, DEFAULT)}
+
+
+def preset_named(name: str) -> TrainingPreset:
+    """Return the preset called `name`.
+
+    Raises:
+        UsageError: If there is none.
+    """
+    if name not in PRESETS:
+        raise UsageError(f"there is no preset '{name}'; choose one of {', '.join(PRESETS)}.")
+    return PRESETS[name]

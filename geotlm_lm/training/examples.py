@@ -1,0 +1,179 @@
+"""Simulated clips as training examples: patch inputs beside the simulator's dense truth.
+
+Clips are simulated, turned into patch inputs and written in chunks by worker processes; a run that
+was killed continues with the first missing chunk. Images are not kept.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.geometry import FRAME_COUNT, TIME_BIN_COUNT
+from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.training.progress import Progress
+
+CHUNK_CLIPS = 250
+
+PAIR_SHARE = 0.25
+"""Share of clips fed as two frames a, a, b, b, the way a frame pair is fed to four frames."""
+
+UNKNOWN_BACKGROUND_SHARE = 0.3
+"""Share of clips whose idle gel is estimated from the clip, as for a recording without one."""
+
+_ARRAYS = ("inputs", "displacement_px", "contact", "depth_mm")
+
+
+@dataclass(frozen=True, eq=False)
+class Examples:
+    """A set of examples; arrays share their first axis.
+
+    Args:
+        inputs: Patch inputs, float16, shape (n, 2, 14, 14, dim).
+        displacement_px: True displacement since the first frame, mean per time-bin, float16,
+            shape (n, 2, 14, 14, 2), pixels of the square image.
+        contact: Share of each patch in contact per time-bin, float16, shape (n, 2, 14, 14).
+        depth_mm: Mean indentation per time-bin, float16, shape (n, 2, 14, 14).
+        labels: The truth of each clip.
+        objects: Name of the touched object of each clip.
+    """
+
+    inputs: NDArray[np.float16]
+    displacement_px: NDArray[np.float16]
+    contact: NDArray[np.float16]
+    depth_mm: NDArray[np.float16]
+    labels: tuple[MotionLabel, ...]
+    objects: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.labels)
+
+
+def simulated_examples(
+    folder: Path,
+    stage: str,
+    count: int,
+    *,
+    objects: Sequence[str],
+    seed: int,
+    workers: int,
+) -> Examples:
+    """Simulate `count` examples of `objects`, or read those an earlier run left in `folder`.
+
+    Args:
+        folder: Where the chunks lie.
+        stage: Name of the set; with `seed` it decides every clip.
+        count: Number of examples, rounded up to whole chunks while simulating.
+        objects: Names of the objects to touch.
+        seed: Root seed.
+        workers: Processes; the examples do not depend on it.
+    """
+    chunk_count = -(-count // CHUNK_CLIPS)
+    paths = [folder / f"{stage}_{index:04d}.npz" for index in range(chunk_count)]
+    missing = [index for index, path in enumerate(paths) if not path.exists()]
+    if missing:
+        folder.mkdir(parents=True, exist_ok=True)
+        progress = Progress(f"simulate {stage}", chunk_count, chunk_count - len(missing))
+        jobs = [(paths[index], stage, index, tuple(objects), seed) for index in missing]
+        done = chunk_count - len(missing)
+        # Spawned, not forked: a forked child may inherit locked thread pools.
+        with ProcessPoolExecutor(max(workers, 1), mp_context=get_context("spawn")) as pool:
+            for _ in pool.map(_write_chunk, jobs):
+                done += 1
+                progress.show(done, f"chunks of {CHUNK_CLIPS} clips")
+    return _first(_concatenate([_read_chunk(path) for path in paths]), count)
+
+
+def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:
+    import cv2
+    import torch
+
+    from geotlm_lm.simulation.randomise import random_scenes
+    from geotlm_lm.simulation.simulate import simulate
+
+    torch.set_num_threads(1)
+    cv2.setNumThreads(1)
+    path, stage, chunk, objects, seed = job
+    first = chunk * CHUNK_CLIPS
+    stage_seed = int(generator_for(seed, "examples", stage).integers(2**62))
+    scenes = random_scenes(stage_seed, CHUNK_CLIPS, objects=objects, first_index=first)
+    arrays: dict[str, list] = {name: [] for name in _ARRAYS}
+    about = []
+    for start in range(0, len(scenes), 25):
+        part = scenes[start : start + 25]
+        for offset, simulated in enumerate(
+            simulate(part, seed=stage_seed, first_index=first + start)
+        ):
+            rng = generator_for(stage_seed, "form", first + start + offset)
+            for name, values in zip(_ARRAYS, _example(simulated, rng), strict=True):
+                arrays[name].append(values)
+            about.append([simulated.object_name, simulated.label.to_dict()])
+    stacked = {name: np.stack(values).astype(np.float16) for name, values in arrays.items()}
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}.npz")
+    np.savez(temporary, about=np.array(json.dumps(about)), **stacked)
+    os.replace(temporary, path)
+
+
+def _example(simulated, rng: np.random.Generator) -> tuple[NDArray, ...]:
+    """Return the arrays of one example, in the order of `_ARRAYS`."""
+    from dataclasses import replace
+
+    from geotlm_lm.backbone.stem import patch_inputs
+    from geotlm_lm.recordings.idle import estimate_background
+
+    order = _frame_order(rng)
+    clip = simulated.clip.select(order)
+    if rng.random() < UNKNOWN_BACKGROUND_SHARE:
+        clip = replace(clip, background=estimate_background(clip.frames))
+    truth = (simulated.displacement_px, simulated.contact, simulated.depth_mm)
+    return patch_inputs(clip), *(_bin_means(values[order]) for values in truth)
+
+
+def _frame_order(rng: np.random.Generator) -> list[int]:
+    """Choose the four frames: all of them, or the first and a later one as a pair.
+
+    A pair starts at the first frame because the truth's displacement counts from there.
+    """
+    if rng.random() >= PAIR_SHARE:
+        return list(range(FRAME_COUNT))
+    last = int(rng.integers(1, FRAME_COUNT))
+    return [0, 0, last, last]
+
+
+def _bin_means(values: NDArray) -> NDArray:
+    return values.reshape(TIME_BIN_COUNT, -1, *values.shape[1:]).mean(axis=1)
+
+
+def _read_chunk(path: Path) -> Examples:
+    with np.load(path, allow_pickle=False) as stored:
+        about = json.loads(str(stored["about"]))
+        return Examples(
+            **{name: stored[name] for name in _ARRAYS},
+            labels=tuple(MotionLabel.from_dict(label) for _, label in about),
+            objects=tuple(name for name, _ in about),
+        )
+
+
+def _concatenate(parts: list[Examples]) -> Examples:
+    return Examples(
+        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS},
+        labels=tuple(label for part in parts for label in part.labels),
+        objects=tuple(name for part in parts for name in part.objects),
+    )
+
+
+def _first(examples: Examples, count: int) -> Examples:
+    return Examples(
+        **{name: getattr(examples, name)[:count] for name in _ARRAYS},
+        labels=examples.labels[:count],
+        objects=examples.objects[:count],
+    )

@@ -1,0 +1,203 @@
+"""Train DGR and the linear probe on frozen tokens, in the paper's two possible ways.
+
+`paper`: only the classification loss shapes shear and mask. `grounded`: the simulator's true change
+of displacement and contact supervise them as well, so that the drawn shear field is physical.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+import torch.nn.functional as F
+from torch import Tensor, nn
+
+from geotlm_lm.backbone.stem import FLOW_SCALE_PX
+from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.dgr.encoder import DGR, Geometry
+from geotlm_lm.probe.linear import LinearProbe
+from geotlm_lm.probe.standardise import Standardiser
+from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
+from geotlm_lm.training.config import DGRMode
+from geotlm_lm.training.progress import Progress
+
+HEAD_RATE, DGR_RATE, WEIGHT_DECAY, BATCH = 1e-3, 3e-4, 0.01, 32
+"""Paper, implementation details."""
+
+ALL_MOTIONS = tuple(Motion)
+
+
+@dataclass(frozen=True, eq=False)
+class TokenSet:
+    """Tokens of clips with the truth that shapes DGR.
+
+    Args:
+        tokens: Frozen backbone's tokens, unstandardised, float16 or float32.
+        shear_change: True change of displacement between the bins, px, shape (n, 14, 14, 2).
+        contact: True contact, mean over bins, shape (n, 14, 14).
+        motions: Index into `ALL_MOTIONS`, shape (n,).
+        is_readable: Whether the motion leaves a trace, bool, shape (n,).
+    """
+
+    tokens: Tokens
+    shear_change: Tensor
+    contact: Tensor
+    motions: Tensor
+    is_readable: Tensor
+
+
+@dataclass(eq=False)
+class GeometryModel:
+    """What one training of DGR yields."""
+
+    global_standardiser: Standardiser
+    patch_standardiser: Standardiser
+    dgr: DGR
+    probe: LinearProbe
+    validation_accuracy: float
+
+
+def train_geometry(
+    train: TokenSet,
+    validation: TokenSet,
+    *,
+    mode: DGRMode,
+    epochs: int,
+    seed: int,
+    path: Path,
+) -> GeometryModel:
+    """Train DGR and the probe on `train`; keep the epoch that is best on `validation`.
+
+    Args:
+        train: Training split; the standardisers see nothing else.
+        validation: Other objects than in training.
+        mode: Which losses shape DGR.
+        epochs: Epochs over the training split.
+        seed: Root seed.
+        path: Checkpoint, written after every epoch.
+    """
+    width = train.tokens.global_token.shape[-1]
+    generator = torch.Generator().manual_seed(seed_for(seed, "weights", "dgr"))
+    global_standardiser, patch_standardiser = fit_standardisers(train.tokens)
+    dgr, probe = DGR(width), LinearProbe(width, ALL_MOTIONS)
+    for layer in (dgr.to_shear, dgr.to_mask, dgr.to_feature, probe.head):
+        nn.init.normal_(layer.weight, 0, layer.in_features**-0.5, generator=generator)
+        nn.init.zeros_(layer.bias)
+    model = GeometryModel(global_standardiser, patch_standardiser, dgr, probe, -1.0)
+    optimiser = torch.optim.AdamW(
+        [
+            {"params": list(dgr.parameters()), "lr": DGR_RATE},
+            {"params": list(probe.parameters()), "lr": HEAD_RATE},
+        ],
+        weight_decay=WEIGHT_DECAY,
+    )
+    state = load_checkpoint(path) or {"epoch": 0, "best": None, "best_accuracy": -1.0}
+    if "dgr" in state:
+        dgr.load_state_dict(state["dgr"])
+        probe.load_state_dict(state["probe"])
+        optimiser.load_state_dict(state["optimiser"])
+    progress = Progress(f"train DGR ({mode})", epochs, state["epoch"])
+    for epoch in range(state["epoch"], epochs):
+        _one_epoch(model, train, optimiser, mode, generator_for(seed, "dgr", mode, epoch))
+        accuracy = readable_accuracy(model, validation)
+        if accuracy > state["best_accuracy"]:
+            best = {"dgr": dgr.state_dict(), "probe": probe.state_dict()}
+            state["best"] = {part: _copied(weights) for part, weights in best.items()}
+            state["best_accuracy"] = accuracy
+        state |= {"epoch": epoch + 1, "dgr": dgr.state_dict(), "probe": probe.state_dict()}
+        save_checkpoint(path, state | {"optimiser": optimiser.state_dict()})
+        progress.show(epoch + 1, f"validation {accuracy:.3f}")
+    dgr.load_state_dict(state["best"]["dgr"])
+    probe.load_state_dict(state["best"]["probe"])
+    model.validation_accuracy = state["best_accuracy"]
+    return model
+
+
+def fit_standardisers(tokens: Tokens) -> tuple[Standardiser, Standardiser]:
+    """Fit the statistics of the global token and of the patch tokens, pooled over the grid."""
+    patches = tokens.patches[:: max(len(tokens) // 1000, 1)]
+    return (
+        Standardiser.fit(tokens.global_token.float()),
+        Standardiser.fit(patches.reshape(-1, patches.shape[-1]).float()),
+    )
+
+
+def train_global_probe(
+    train: TokenSet, validation: TokenSet, standardiser: Standardiser, *, epochs: int, seed: int
+) -> LinearProbe:
+    """Train the same read-out on the global token alone, without DGR: the controlled ablation."""
+    tokens = standardiser.apply(train.tokens.global_token.float())
+    probe = LinearProbe(tokens.shape[-1], ALL_MOTIONS)
+    generator = torch.Generator().manual_seed(seed_for(seed, "weights", "global_probe"))
+    nn.init.normal_(probe.head.weight, 0, tokens.shape[-1] ** -0.5, generator=generator)
+    nn.init.zeros_(probe.head.bias)
+    optimiser = torch.optim.AdamW(probe.parameters(), HEAD_RATE, weight_decay=WEIGHT_DECAY)
+    held_out = standardiser.apply(validation.tokens.global_token.float())
+    best, best_accuracy = None, -1.0
+    for epoch in range(epochs):
+        order = generator_for(seed, "global_probe", epoch).permutation(len(tokens))
+        for rows in torch.from_numpy(order).split(BATCH):
+            rows = rows[train.is_readable[rows]]
+            loss = F.cross_entropy(probe(tokens[rows]), train.motions[rows])
+            optimiser.zero_grad(set_to_none=True)
+            loss.backward()
+            optimiser.step()
+        predicted = probe.probabilities(held_out).argmax(dim=-1)
+        accuracy = _accuracy(predicted, validation)
+        if accuracy > best_accuracy:
+            best, best_accuracy = _copied(probe.state_dict()), accuracy
+    probe.load_state_dict(best)
+    return probe
+
+
+@torch.no_grad()
+def readable_accuracy(model: GeometryModel, data: TokenSet) -> float:
+    """Return the probe's ten-way accuracy on clips whose motion leaves a trace."""
+    predicted = []
+    for start in range(0, len(data.tokens), 256):
+        rows = slice(start, start + 256)
+        logits, _ = _forward(model, data, rows)
+        predicted.append(logits.argmax(dim=-1))
+    return _accuracy(torch.cat(predicted), data)
+
+
+def _accuracy(predicted: Tensor, data: TokenSet) -> float:
+    right = (predicted == data.motions)[data.is_readable]
+    return float(right.float().mean())
+
+
+def _one_epoch(model, train: TokenSet, optimiser, mode: DGRMode, rng) -> None:
+    for rows in torch.from_numpy(rng.permutation(len(train.tokens))).split(BATCH):
+        logits, geometry = _forward(model, train, rows)
+        readable = train.is_readable[rows]
+        loss = F.cross_entropy(logits[readable], train.motions[rows][readable])
+        if mode == "grounded":
+            loss = loss + _grounding_loss(geometry, train, rows)
+        optimiser.zero_grad(set_to_none=True)
+        loss.backward()
+        optimiser.step()
+
+
+def _forward(model: GeometryModel, data: TokenSet, rows) -> tuple[Tensor, Geometry]:
+    patches = model.patch_standardiser.apply(data.tokens.patches[rows].float())
+    global_token = model.global_standardiser.apply(data.tokens.global_token[rows].float())
+    geometry = model.dgr(patches)
+    return model.probe(global_token + geometry.feature), geometry
+
+
+def _grounding_loss(geometry: Geometry, data: TokenSet, rows) -> Tensor:
+    """Hold shear change to the true displacement change, and the mask to the true contact."""
+    contact = data.contact[rows].float()
+    weight = contact * data.is_readable[rows].float()[:, None, None]
+    error = geometry.shear_change - data.shear_change[rows].float() / FLOW_SCALE_PX
+    shear_loss = F.smooth_l1_loss(error, torch.zeros_like(error), reduction="none", beta=0.2)
+    shear_loss = (shear_loss.sum(dim=-1) * weight).sum() / weight.sum().clamp(min=1.0)
+    mask = geometry.mask.clamp(1e-6, 1 - 1e-6)
+    return shear_loss + F.binary_cross_entropy(mask, contact)
+
+
+def _copied(state: dict[str, Tensor]) -> dict[str, Tensor]:
+    return {name: value.clone() for name, value in state.items()}

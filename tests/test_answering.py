@@ -1,0 +1,151 @@
+"""Behaviour of the seam, with a bundle of random weights and a scripted speaker."""
+
+import json
+
+import numpy as np
+import pytest
+
+from geotlm_lm.answering import Answerer, deciding_word
+from geotlm_lm.checkpoint import Calibration
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.language.parse_answer import Slots
+from tests.tiny_bundle import tiny_bundle
+
+
+@pytest.fixture(scope="module")
+def bundle():
+    return tiny_bundle()
+
+
+class ScriptedSpeaker:
+    """Says one sentence, and finds every option as likely as it is long in letters."""
+
+    def __init__(self, sentence):
+        self.sentence = sentence
+        self.scored = []
+
+    def generate(self, fused_token, questions):
+        assert len(fused_token) == len(questions)
+        return [self.sentence] * len(questions)
+
+    def score(self, fused_token, question, options):
+        self.scored.append(list(options))
+        return np.array([-1.0 if option == self.sentence else -3.0 for option in options])
+
+
+def answerer_saying(bundle, slots=None, text=None, **calibration):
+    sentence = text if text is not None else bundle.grammar.sentence(slots)
+    return Answerer(
+        type(bundle)(
+            bundle.model,
+            ScriptedSpeaker(sentence),
+            bundle.grammar,
+            Calibration(**calibration),
+            {},
+        )
+    )
+
+
+def recording(frames=4):
+    rng = np.random.default_rng(1)
+    return Clip(rng.integers(80, 130, (frames, 48, 64, 3)).astype(np.uint8), name="x.npy")
+
+
+CLOCKWISE = Slots("direction", direction=Motion.CLOCKWISE)
+
+
+def test_an_answer_carries_direction_frame_options_evidence_and_timing(bundle):
+    answerer = answerer_saying(bundle, CLOCKWISE)
+    answer = answerer.ask(answerer.encode(recording()), "Which way does it turn?")
+    assert answer.direction is Motion.CLOCKWISE
+    assert not answer.abstained
+    assert set(answer.options) == {motion.value for motion in Motion}
+    assert sum(answer.options.values()) == pytest.approx(1.0)
+    # Ten options, one at -1 and nine at -3: e^2 / (e^2 + 9).
+    assert answer.confidence == pytest.approx(np.e**2 / (np.e**2 + 9))
+    assert set(answer.timing_ms) == {"choose", "encode", "generate", "score", "total"}
+    assert set(answer.evidence["regions"]) >= {"upper_minus_lower", "left_minus_right"}
+    required = {"text", "direction", "confidence", "abstained", "frame", "options", "timing_ms"}
+    assert required <= set(json.loads(json.dumps(answer.to_dict())))
+
+
+def test_temperature_softens_confidence(bundle):
+    encoded = answerer_saying(bundle, CLOCKWISE).encode(recording())
+    sharp = answerer_saying(bundle, CLOCKWISE, temperature=1.0).ask(encoded, "Which way?")
+    soft = answerer_saying(bundle, CLOCKWISE, temperature=4.0).ask(encoded, "Which way?")
+    assert soft.confidence < sharp.confidence
+
+
+def test_a_direction_without_contact_becomes_an_abstention(bundle):
+    answerer = answerer_saying(bundle, CLOCKWISE, contact_threshold=1.1)
+    answer = answerer.ask(answerer.encode(recording()), "Which way does it turn?")
+    assert answer.abstained
+    assert answer.direction is None
+    assert answer.text.startswith("I cannot name a direction: I see next to no contact")
+
+
+def test_words_outside_the_answers_are_an_abstention_of_unknown_kind(bundle):
+    answerer = answerer_saying(bundle, text="Clockwise, I would guess, or so.")
+    answer = answerer.ask(answerer.encode(recording()), "Which way does it turn?")
+    assert (answer.kind, answer.direction, answer.abstained) == (None, None, True)
+    assert answer.confidence == 0.0
+
+
+def test_a_refusal_abstains(bundle):
+    answerer = answerer_saying(bundle, Slots("refusal"))
+    answer = answerer.ask(answerer.encode(recording()), "What colour is it?")
+    assert answer.abstained
+    assert answer.direction is None
+
+
+def test_multiple_choice_scores_only_the_letters_offered(bundle):
+    answerer = answerer_saying(bundle, Slots("choice", direction=Motion.LEFT, letter="B"))
+    answer = answerer.ask(answerer.encode(recording()), "A) right B) left?")
+    assert answer.direction is Motion.LEFT
+    assert {name[0] for name in answer.options} == {"A", "B"}
+
+
+def test_a_clip_is_encoded_once_for_many_questions(bundle, monkeypatch):
+    answerer, calls = answerer_saying(bundle, CLOCKWISE), []
+    perceive = type(bundle.model).perceive
+    monkeypatch.setattr(
+        type(bundle.model), "perceive", lambda *args: calls.append(1) or perceive(*args)
+    )
+    encoded = answerer.encode(recording(9))
+    for question in ("Which way?", "Is it turning left?", "Is it moving?"):
+        answerer.ask(encoded, question)
+    assert len(calls) == 1
+    assert len(encoded.clip) == 4
+
+
+def test_an_unknown_background_is_estimated_and_said(bundle):
+    encoded = answerer_saying(bundle, CLOCKWISE).encode(recording())
+    assert encoded.clip.background is not None
+    assert any("estimated" in note for note in encoded.clip.notes)
+
+
+@pytest.mark.parametrize("question", ["", "   ", "\n\t"])
+def test_an_empty_question_is_refused(bundle, question):
+    answerer = answerer_saying(bundle, CLOCKWISE)
+    with pytest.raises(UsageError, match="the question is empty; ask for example"):
+        answerer.ask(answerer.encode(recording()), question)
+
+
+def test_an_endless_question_is_refused(bundle):
+    answerer = answerer_saying(bundle, CLOCKWISE)
+    with pytest.raises(UsageError, match="the question has 600 characters, expected at most 500"):
+        answerer.ask(answerer.encode(recording()), "x" * 600)
+
+
+def test_a_single_frame_is_refused(bundle):
+    with pytest.raises(UnreadableClip, match="only 1 frame"):
+        answerer_saying(bundle, CLOCKWISE).encode(recording(1))
+
+
+def test_every_answer_of_the_grammar_has_a_deciding_word(bundle):
+    kinds = ("direction", "verify", "choice", "class", "contact", "moving", "refusal")
+    for kind in kinds:
+        for sentence in bundle.grammar.options_for(kind):
+            assert deciding_word(bundle.grammar.parse(sentence))

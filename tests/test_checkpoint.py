@@ -1,0 +1,80 @@
+"""Laws: what is loaded is what was saved; what is not recognised is refused in one sentence."""
+
+import json
+
+import numpy as np
+import pytest
+import torch
+
+from geotlm_lm.checkpoint import load_bundle, save_bundle
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import IncompatibleBundle
+from tests.tiny_bundle import tiny_bundle
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    folder, bundle = tmp_path_factory.mktemp("saved") / "bundle", tiny_bundle()
+    save_bundle(folder, bundle)
+    return folder, bundle
+
+
+def clip():
+    rng = np.random.default_rng(0)
+    frames = rng.integers(90, 120, (4, 32, 40, 3)).astype(np.uint8)
+    return Clip(frames, background=np.full((32, 40, 3), 105, np.uint8))
+
+
+def test_a_loaded_bundle_perceives_and_speaks_as_the_saved_one(saved):
+    folder, bundle = saved
+    loaded = load_bundle(folder)
+    before, after = bundle.model.perceive([clip()]), loaded.model.perceive([clip()])
+    # Weights are stored in half precision: 2^-11 relative, a few layers deep.
+    torch.testing.assert_close(after.fused_token, before.fused_token, atol=2e-2, rtol=2e-2)
+    token = before.fused_token.detach()
+    question = "Which way does it turn?"
+    assert loaded.speaker.generate(token, [question]) == bundle.speaker.generate(token, [question])
+    assert loaded.grammar == bundle.grammar
+    assert loaded.calibration == bundle.calibration
+    assert loaded.provenance == {"command": "test"}
+
+
+def test_saving_what_was_loaded_changes_no_byte(saved, tmp_path):
+    folder, _ = saved
+    save_bundle(tmp_path / "again", load_bundle(folder))
+    for path in folder.rglob("*"):
+        if path.is_file():
+            copy = tmp_path / "again" / path.relative_to(folder)
+            assert copy.read_bytes() == path.read_bytes(), path.name
+
+
+def test_a_folder_without_a_bundle_is_refused(tmp_path):
+    with pytest.raises(IncompatibleBundle) as caught:
+        load_bundle(tmp_path)
+    assert str(caught.value) == (
+        f"{tmp_path}: found no model bundle there (no config.json); give the folder that "
+        f"`geotlm-lm train` wrote."
+    )
+
+
+def test_another_format_is_refused(saved, tmp_path):
+    folder, _ = saved
+    config = json.loads((folder / "config.json").read_text()) | {"format": 99}
+    (tmp_path / "config.json").write_text(json.dumps(config))
+    with pytest.raises(IncompatibleBundle) as caught:
+        load_bundle(tmp_path)
+    assert str(caught.value) == (
+        f"{tmp_path}: the bundle has format 99, this version reads 1; train it again or install "
+        f"the matching geotlm-lm."
+    )
+
+
+def test_truncated_weights_are_refused(saved, tmp_path):
+    folder, _ = saved
+    (tmp_path / "config.json").write_bytes((folder / "config.json").read_bytes())
+    weights = (folder / "perception.safetensors").read_bytes()
+    (tmp_path / "perception.safetensors").write_bytes(weights[: len(weights) // 2])
+    with pytest.raises(
+        IncompatibleBundle, match=r"perception.safetensors does not fit config.json"
+    ):
+        load_bundle(tmp_path)

@@ -1,0 +1,36 @@
+"""A bundle of random weights, small enough for tests of everything around the weights."""
+
+import torch
+
+from geotlm_lm.backbone.frozen import FrozenBackbone
+from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
+from geotlm_lm.backbone.vit import ViT, ViTConfig
+from geotlm_lm.checkpoint import Bundle, Calibration
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.data.templates import load_templates
+from geotlm_lm.dgr.encoder import DGR
+from geotlm_lm.language.decoder import LanguageSize
+from geotlm_lm.model import GeoTLM
+from geotlm_lm.probe.linear import LinearProbe
+from geotlm_lm.probe.standardise import Standardiser
+from geotlm_lm.training.language import LanguageTraining, new_speaker
+
+WIDTH = 12
+
+
+def tiny_bundle(calibration=None):
+    generator = torch.Generator().manual_seed(0)
+    vit = ViT(ViTConfig(PATCH_INPUT_DIM, width=WIDTH, depth=1, heads=2)).initialise(generator)
+    model = GeoTLM(
+        backbone=FrozenBackbone(vit),
+        global_standardiser=Standardiser.fit(torch.randn(9, WIDTH, generator=generator)),
+        patch_standardiser=Standardiser.fit(torch.randn(9, WIDTH, generator=generator)),
+        dgr=DGR(WIDTH),
+        probe=LinearProbe(WIDTH, list(Motion)),
+        global_probe=LinearProbe(WIDTH, list(Motion)),
+    )
+    size = LanguageSize(width=16, layers=1, heads=2, mlp=16)
+    fused_tokens = torch.randn(9, WIDTH, generator=generator)
+    speaker = new_speaker(fused_tokens, LanguageTraining(size=size))
+    calibration = calibration or Calibration(temperature=2.0, contact_threshold=0.0)
+    return Bundle(model, speaker, load_templates().grammar(), calibration, {"command": "test"})

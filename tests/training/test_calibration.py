@@ -1,0 +1,27 @@
+"""Expected values: likelihoods drawn from a known temperature, and separable contact shares."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.training.calibration import fit_contact_threshold, fit_temperature
+
+
+@pytest.mark.parametrize("temperature", [0.5, 1.0, 3.0])
+def test_the_fitted_temperature_is_the_one_the_truths_were_drawn_from(temperature):
+    rng = np.random.default_rng(0)
+    scores = rng.normal(size=(6000, 5)) * 3
+    gumbel = rng.gumbel(size=scores.shape)
+    truths = (scores / temperature + gumbel).argmax(axis=1)  # a draw from the softmax
+    assert fit_temperature(scores, truths) == pytest.approx(temperature, rel=0.1)
+
+
+def test_the_threshold_lies_between_untouched_and_touched_clips():
+    share = np.r_[np.linspace(0.0, 0.02, 50), np.linspace(0.08, 0.5, 50)]
+    threshold = fit_contact_threshold(share, np.arange(100) >= 50)
+    assert 0.02 < threshold < 0.08
+
+
+def test_where_shares_overlap_contact_is_not_missed():
+    share = np.r_[np.linspace(0.0, 0.3, 500), np.linspace(0.1, 0.5, 500)]
+    threshold = fit_contact_threshold(share, np.arange(1000) >= 500)
+    assert np.mean(share[500:] < threshold) <= 0.01

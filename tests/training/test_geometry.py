@@ -1,0 +1,100 @@
+"""Expected values: tokens that carry a known shear linearly; leak laws of standardisation."""
+
+import pytest
+import torch
+
+from geotlm_lm.backbone.stem import FLOW_SCALE_PX
+from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.training.geometry import (
+    ALL_MOTIONS,
+    TokenSet,
+    fit_standardisers,
+    train_geometry,
+    train_global_probe,
+)
+
+SIDE = 6
+
+SHIFTS = {
+    Motion.LEFT: lambda x, y: (-torch.ones_like(x), 0 * y),
+    Motion.RIGHT: lambda x, y: (torch.ones_like(x), 0 * y),
+    Motion.UP: lambda x, y: (0 * x, -torch.ones_like(y)),
+    Motion.DOWN: lambda x, y: (0 * x, torch.ones_like(y)),
+    Motion.CLOCKWISE: lambda x, y: (-y, x),
+    Motion.COUNTERCLOCKWISE: lambda x, y: (y, -x),
+}
+
+
+def token_set(count, seed, width=6):
+    """Tokens whose first two numbers are the displacement and whose third is the contact."""
+    generator = torch.Generator().manual_seed(seed)
+    axis = torch.linspace(-1, 1, SIDE)
+    y, x = torch.meshgrid(axis, axis, indexing="ij")
+    patches = torch.randn(count, 2, SIDE, SIDE, width, generator=generator)
+    change = torch.empty(count, SIDE, SIDE, 2)
+    motions = []
+    for index in range(count):
+        motion = DIRECTED[index % len(DIRECTED)]
+        change[index] = torch.stack(SHIFTS[motion](x, y), dim=-1)
+        motions.append(ALL_MOTIONS.index(motion))
+    contact = (torch.rand(count, SIDE, SIDE, generator=generator) > 0.3).float()
+    patches[..., :2] *= 0.1
+    patches[:, 1, :, :, :2] += change * contact[..., None]
+    patches[..., 2] = (contact[:, None] - 0.5) * 8
+    return TokenSet(
+        tokens=Tokens(torch.randn(count, width, generator=generator), patches),
+        shear_change=change * FLOW_SCALE_PX,
+        contact=contact,
+        motions=torch.tensor(motions),
+        is_readable=torch.ones(count, dtype=torch.bool),
+    )
+
+
+@pytest.fixture(scope="module")
+def grounded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("dgr") / "grounded.pt"
+    return train_geometry(
+        token_set(480, 0), token_set(120, 1), mode="grounded", epochs=80, seed=0, path=path
+    )
+
+
+def test_grounded_dgr_learns_the_direction_that_the_global_token_does_not_carry(grounded):
+    train, validation = token_set(480, 0), token_set(120, 1)
+    plain = train_global_probe(train, validation, grounded.global_standardiser, epochs=3, seed=0)
+    tokens = grounded.global_standardiser.apply(validation.tokens.global_token)
+    chance = plain.probabilities(tokens).argmax(-1).eq(validation.motions).float().mean()
+    assert grounded.validation_accuracy > 0.9
+    assert chance < 0.4
+
+
+def test_grounded_shear_change_follows_the_true_displacement_change(grounded):
+    data = token_set(60, 2)
+    with torch.no_grad():
+        geometry = grounded.dgr(grounded.patch_standardiser.apply(data.tokens.patches))
+    touched = data.contact > 0
+    both = torch.stack([geometry.shear_change[touched], data.shear_change[touched]])
+    for axis in range(2):
+        assert torch.corrcoef(both[..., axis])[0, 1] > 0.8
+
+
+def test_the_standardisers_see_the_training_split_only():
+    train = token_set(30, 0)
+    before = fit_standardisers(train.tokens)
+    train_geometry_state = [part.mean.clone() for part in before]
+    again = fit_standardisers(token_set(30, 0).tokens)
+    assert all(torch.equal(a, b.mean) for a, b in zip(train_geometry_state, again, strict=True))
+
+
+def test_the_same_seed_gives_the_same_geometry_and_resumes_to_it(tmp_path):
+    train, validation = token_set(96, 0), token_set(30, 1)
+
+    def run(path, epochs):
+        return train_geometry(train, validation, mode="paper", epochs=epochs, seed=3, path=path)
+
+    straight = run(tmp_path / "straight.pt", 4)
+    run(tmp_path / "resumed.pt", 2)
+    resumed = run(tmp_path / "resumed.pt", 4)
+    assert straight.validation_accuracy == resumed.validation_accuracy
+    for name, value in straight.dgr.state_dict().items():
+        assert torch.equal(value, resumed.dgr.state_dict()[name])

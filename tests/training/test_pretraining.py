@@ -1,0 +1,91 @@
+"""Laws: an interrupted run ends where an unbroken one does; what the loss must not look at."""
+
+from dataclasses import replace
+
+import pytest
+import torch
+
+from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.training import pretraining
+from geotlm_lm.training.config import SMOKE
+from geotlm_lm.training.pretraining import DenseHeads, DenseTruth, dense_loss, pretrain
+
+TINY = replace(SMOKE, backbone_width=8, backbone_depth=1, pretraining_batch=4, pretraining_draws=24)
+
+
+@pytest.fixture(autouse=True)
+def _one_thread():
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield
+    torch.set_num_threads(before)
+
+
+def weights_after(examples, folder, seed=0):
+    vit = pretrain(examples, preset=TINY, seed=seed, device="cpu", folder=folder).vit
+    return {name: value.clone() for name, value in vit.state_dict().items()}
+
+
+def test_an_interrupted_run_ends_where_an_unbroken_one_does(tiny_examples, tmp_path, monkeypatch):
+    unbroken = weights_after(tiny_examples, tmp_path / "unbroken")
+    take_step, taken = pretraining._Learner.step, []
+
+    def interrupted(self, inputs, truth):
+        if len(taken) == 3:
+            raise KeyboardInterrupt
+        taken.append(1)
+        return take_step(self, inputs, truth)
+
+    monkeypatch.setattr(pretraining._Learner, "step", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        weights_after(tiny_examples, tmp_path / "broken")
+    monkeypatch.undo()
+    continued = weights_after(tiny_examples, tmp_path / "broken")
+    assert all(torch.equal(unbroken[name], continued[name]) for name in unbroken)
+
+
+def test_another_seed_gives_other_weights(tiny_examples, tmp_path):
+    first = weights_after(tiny_examples, tmp_path / "a", seed=0)
+    second = weights_after(tiny_examples, tmp_path / "b", seed=1)
+    assert not torch.equal(first["embed.weight"], second["embed.weight"])
+
+
+def random_case():
+    generator = torch.Generator().manual_seed(0)
+
+    def random(*shape):
+        return torch.rand(*shape, generator=generator)
+
+    tokens = Tokens(random(3, 8), random(3, 2, 14, 14, 8))
+    truth = DenseTruth(
+        displacement=random(3, 2, 14, 14, 2) * 5,
+        contact=(random(3, 2, 14, 14) > 0.5).float(),
+        depth=random(3, 2, 14, 14),
+        is_readable=torch.tensor([1.0, 1.0, 0.0]),
+    )
+    torch.manual_seed(0)
+    return tokens, DenseHeads(8), truth
+
+
+def test_displacement_outside_contact_does_not_count():
+    tokens, heads, truth = random_case()
+    elsewhere = truth.displacement + 100 * (1 - truth.contact[..., None])
+    changed = replace(truth, displacement=elsewhere)
+    torch.testing.assert_close(dense_loss(tokens, heads, truth), dense_loss(tokens, heads, changed))
+
+
+def test_motion_that_leaves_no_trace_does_not_count():
+    tokens, heads, truth = random_case()
+    displacement = truth.displacement.clone()
+    typical = displacement[2].square().sum(-1)
+    displacement[2] = displacement[2].flip(-1)  # the same size, another way
+    assert torch.allclose(displacement[2].square().sum(-1), typical)
+    changed = replace(truth, displacement=displacement)
+    torch.testing.assert_close(dense_loss(tokens, heads, truth), dense_loss(tokens, heads, changed))
+
+
+def test_the_global_target_carries_no_direction():
+    tokens, heads, truth = random_case()
+    summary = pretraining._summary(truth, torch.ones(3))
+    turned = replace(truth, displacement=-truth.displacement)
+    assert torch.equal(summary, pretraining._summary(turned, torch.ones(3)))
