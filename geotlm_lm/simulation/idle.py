@@ -8,6 +8,7 @@ import torch
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
+from geotlm_lm.simulation.noise import unit_noise
 
 MEASURED_IDLE = np.array(
     [
@@ -51,8 +52,7 @@ def idle_frame(seed: int, view: float = 1.0) -> NDArray[np.float32]:
     frame *= 1 - rng.uniform(0, 0.25) * _vignette()
     frame *= _specks(rng)[None]
     for channel, sigma in enumerate(FIXED_PATTERN_GREY):
-        pattern = rng.standard_normal((IMAGE_SIDE, IMAGE_SIDE), dtype=np.float32)
-        frame[channel] += np.float32(sigma * rng.uniform(0.3, 1.2)) * pattern
+        frame[channel] += np.float32(sigma * rng.uniform(0.3, 1.2)) * unit_noise(rng)
     return np.clip(frame, 2, 250)
 
 

@@ -125,7 +125,7 @@ def _tremble(
 
 
 def _small_depth_change(rng: np.random.Generator, time: PathArray) -> PathArray:
-    return rng.normal(0, 0.05) * (time - 0.5) + rng.normal(0, 0.01, FRAME_COUNT)
+    return rng.normal(0, 0.08) * (time - 0.5) + rng.normal(0, 0.01, FRAME_COUNT)
 
 
 def _log_uniform(rng: np.random.Generator, low: float, high: float) -> float:

@@ -7,13 +7,12 @@ which fits a GelSight Mini better (R^2 0.88 / 0.85 / 0.74 in R, G, B) than addit
 
 from __future__ import annotations
 
-from functools import cache
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
+from geotlm_lm.simulation.noise import unit_noise
 from geotlm_lm.simulation.scene import Optics
 
 Planar = NDArray[np.float32]
@@ -23,8 +22,6 @@ LIGHTS = np.array([[-0.12, -1.08], [0.49, 0.07], [-0.03, 0.56]])
 
 NOMINAL_VIEW_MM = 20.3
 """Width of the view the idle frame was measured on."""
-
-NOISE_SIDE = 1024
 
 SHADOW_REACH_MM = 0.6
 """How far from a flank its shadow is looked for; about the depth of a press."""
@@ -81,11 +78,9 @@ def recorded(
     frame: Planar, optics: Optics, rng: np.random.Generator, *, noise_share: float = 1.0
 ) -> NDArray[np.uint8]:
     """Return what the recording holds: noise added, 8 bit, perhaps lossy; (224, 224, 3) RGB."""
-    bank = _noise_bank()
     image = np.empty((IMAGE_SIDE, IMAGE_SIDE, 3), np.uint8)
     for channel in range(3):
-        row, column = rng.integers(0, NOISE_SIDE - IMAGE_SIDE, 2)
-        noise = bank[row : row + IMAGE_SIDE, column : column + IMAGE_SIDE]
+        noise = unit_noise(rng)
         sign = noise_share if rng.random() < 0.5 else -noise_share
         # 0.5 turns truncation into rounding.
         level = noise * np.float32(sign * optics.noise_grey[channel])
@@ -109,10 +104,3 @@ def _shadow(height_mm: Planar, light: NDArray[np.float64], optics: Optics) -> Pl
     ahead = cv2.warpAffine(height_mm, matrix, side, flags=flags, borderMode=cv2.BORDER_REPLICATE)
     ahead -= height_mm
     return np.maximum(ahead, 0, out=ahead) / np.float32(SHADOW_REACH_MM)
-
-
-@cache
-def _noise_bank() -> Planar:
-    """Return unit white noise; crops of it cost a twentieth of fresh numbers."""
-    rng = np.random.default_rng(20260101)
-    return rng.standard_normal((NOISE_SIDE, NOISE_SIDE), dtype=np.float32)
