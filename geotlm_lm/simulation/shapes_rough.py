@@ -159,6 +159,8 @@ ROUGH: dict[str, Indenter] = {
     "peel_fine": _extended(partial(bumpy, scale_mm=0.8, rise_mm=0.03)),
     "peel_coarse": _extended(partial(bumpy, scale_mm=1.6, rise_mm=0.08)),
     "warts": _extended(partial(bumpy, scale_mm=1.2, rise_mm=0.18)),
+    "felt": _extended(partial(bumpy, scale_mm=0.6, rise_mm=0.03, octaves=2, flattest_mm=80.0)),
+    "sandpaper": _extended(partial(bumpy, scale_mm=0.4, rise_mm=0.04, flattest_mm=80.0)),
     "rock": _extended(partial(bumpy, scale_mm=3.0, rise_mm=0.25, octaves=4)),
     "plaster": _extended(partial(bumpy, scale_mm=1.0, rise_mm=0.07, octaves=3)),
     "hills": _extended(partial(bumpy, scale_mm=4.0, rise_mm=0.35, octaves=2)),
