@@ -41,3 +41,12 @@ def test_an_unknown_shape_is_refused_with_the_known_ones(tmp_path, capsys):
     assert sentence.startswith("There is no shape 'unicorn', expected one of ")
     assert " key," in sentence
     assert sentence.count("\n") == 1
+
+
+def test_a_data_set_is_written_with_its_card_and_progress_on_the_side(tmp_path, capsys):
+    folder = tmp_path / "set"
+    assert run("simulate", "--out", folder, "--count", 2, "--objects", "everyday") == 0
+    printed = capsys.readouterr()
+    assert printed.out == f"{folder}\n"
+    assert printed.err.splitlines()[-1] == "simulated 2 of 2 clips"
+    assert (folder / "README.md").exists()

@@ -1,0 +1,31 @@
+"""`train` hands its options to the training seam and prints the folder that came out."""
+
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from geotlm_lm.cli.main import main
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    made = []
+
+    def train(preset, out, seed, workers):
+        made.append((preset, out, seed, workers))
+        return out / "bundle"
+
+    module = ModuleType("geotlm_lm.training.train")
+    module.train = train
+    monkeypatch.setitem(sys.modules, "geotlm_lm.training.train", module)
+    return made
+
+
+def test_options_reach_the_seam_and_the_bundle_is_named(calls, capsys):
+    with pytest.raises(SystemExit) as exit_info:
+        main(["train", "--preset", "smoke", "--out", "runs/a", "--seed", "3", "--workers", "1"])
+    assert exit_info.value.code == 0
+    assert calls == [("smoke", Path("runs/a"), 3, 1)]
+    assert capsys.readouterr().out == "runs/a/bundle\n"
