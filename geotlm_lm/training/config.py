@@ -55,19 +55,19 @@ class TrainingPreset:
 
 DEFAULT = TrainingPreset(
     name="default",
-    pretraining_clips=20_000,
-    head_clips=12_000,
+    pretraining_clips=16_000,
+    head_clips=10_000,
     validation_clips=1_500,
     test_clips=1_500,
     backbone_width=192,
     backbone_depth=4,
     backbone_heads=3,
-    pretraining_draws=60_000,
+    pretraining_draws=48_000,
     pretraining_batch=64,
     pretraining_rate=1e-3,
     geometry_epochs=30,
-    geometry_clips=8_000,
-    language_steps=3_000,
+    geometry_clips=6_000,
+    language_steps=4_500,
     language_batch=64,
 )
 

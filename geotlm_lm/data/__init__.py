@@ -1,0 +1,1 @@
+"""Labels -> questions and answers, and labelled recordings -> clips; knows no network."""
