@@ -9,7 +9,7 @@ DECLARED_BYTES = 16 * 2**30
 """Bytes an array file may declare; more is taken for a damaged or hostile header."""
 
 DECODED_FRAMES = 20_000
-"""Frames decoded from a video at most: about a minute of work."""
+"""Frames decoded from a video at most: 20 s of work at 320x240 (measured: 0.9 ms a frame)."""
 
 
 def kept_frames(frame_bytes: int) -> int:
