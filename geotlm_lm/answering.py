@@ -6,6 +6,7 @@ answers; the evidence is the geometry the fused token was made of.
 
 from __future__ import annotations
 
+import re
 import time
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -174,8 +175,8 @@ class Answerer:
         """Return the calibrated probability of every answer of `kind`, by its deciding word."""
         grammar = self.bundle.grammar
         sentences = grammar.options_for(kind)
-        if kind == "choice":
-            sentences = [s for s in sentences if _is_offered(grammar.parse(s), question)]
+        if kind == "choice" and (offered := _offered_letters(question)):
+            sentences = [s for s in sentences if grammar.parse(s).letter in offered]
         log_likelihoods = self.bundle.speaker.score(
             encoded.perception.fused_token[0], question, sentences
         )
@@ -252,8 +253,9 @@ def evidence(encoded: Encoded) -> dict[str, Any]:
     return {"contact_share": round(encoded.contact_share, 4), "regions": regions}
 
 
-def _is_offered(slots: Slots | None, question: str) -> bool:
-    return slots is not None and f"{slots.letter})" in question.upper()
+def _offered_letters(question: str) -> set[str]:
+    """Return the letters a question lists: A) or (A) or A. or A:, in either case."""
+    return set(re.findall(r"(?<![A-Z])([A-D])[).:]", question.upper()))
 
 
 def _too_little_contact(share: float) -> str:

@@ -100,9 +100,13 @@ def test_a_refusal_abstains(bundle):
     assert answer.direction is None
 
 
-def test_multiple_choice_scores_only_the_letters_offered(bundle):
+@pytest.mark.parametrize(
+    "question",
+    ["A) right B) left?", "(a) right (b) left", "a. right, b. left", "A: right; B: left"],
+)
+def test_multiple_choice_scores_only_the_letters_offered(bundle, question):
     answerer = answerer_saying(bundle, Slots("choice", direction=Motion.LEFT, letter="B"))
-    answer = answerer.ask(answerer.encode(recording()), "A) right B) left?")
+    answer = answerer.ask(answerer.encode(recording()), question)
     assert answer.direction is Motion.LEFT
     assert {name[0] for name in answer.options} == {"A", "B"}
 
