@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import zipfile
-import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
@@ -15,9 +16,6 @@ from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings.limits import DECLARED_BYTES, KEPT_BYTES, stride_for, stride_note
 from geotlm_lm.recordings.pixels import Layout, layout_of, still_to_rgb, to_rgb
-
-_DAMAGED = (ValueError, EOFError, OSError, zipfile.BadZipFile, zlib.error, KeyError, SyntaxError)
-"""What numpy and zipfile raise on files that are cut off or are something else."""
 
 
 def read_array(path: Path, layout: Layout | None = None) -> Clip:
@@ -45,18 +43,15 @@ def read_archive(path: Path, layout: Layout | None = None) -> Clip:
         UnreadableClip: If it holds no frames this can read.
     """
     name = str(path)
-    try:
-        with zipfile.ZipFile(path) as archive:
-            keys = sorted(entry.removesuffix(".npy") for entry in archive.namelist())
-            if "frames" not in keys:
-                raise UnreadableClip(
-                    f"{name}: found the keys {', '.join(keys) or 'none'}, expected 'frames' (and "
-                    f"optionally 'fps', 'background'); save the frames under that key."
-                )
-            frames = _read_member(archive, "frames", name)
-            others = {k: _read_member(archive, k, name) for k in ("fps", "background") if k in keys}
-    except _DAMAGED as error:
-        raise _damaged(name) from error
+    with _refusing_damage(name), zipfile.ZipFile(path) as archive:
+        keys = sorted(entry.removesuffix(".npy") for entry in archive.namelist())
+        if "frames" not in keys:
+            raise UnreadableClip(
+                f"{name}: found the keys {', '.join(keys) or 'none'}, expected 'frames' (and "
+                f"optionally 'fps', 'background'); save the frames under that key."
+            )
+        frames = _read_member(archive, "frames", name)
+        others = {k: _read_member(archive, k, name) for k in ("fps", "background") if k in keys}
     clip = _to_clip(frames, layout, name)
     fps = others.get("fps")
     background = others.get("background")
@@ -80,7 +75,7 @@ def read_still_array(path: Path) -> Frames:
 
 
 def _map_array(path: Path) -> NDArray:
-    try:
+    with _refusing_damage(str(path)):
         with path.open("rb") as stream:
             shape, dtype = _read_header(stream, str(path))
             needed = stream.tell() + math.prod(shape) * dtype.itemsize
@@ -92,8 +87,6 @@ def _map_array(path: Path) -> NDArray:
         if math.prod(shape) == 0:  # numpy cannot map an empty array
             return np.empty(shape, dtype)
         return np.load(path, mmap_mode="r", allow_pickle=False)
-    except _DAMAGED as error:
-        raise _damaged(str(path)) from error
 
 
 def _read_header(stream: IO[bytes], name: str) -> tuple[tuple[int, ...], np.dtype]:
@@ -168,8 +161,19 @@ def _scale_fps(fps: float | None, clip: Clip) -> float | None:
     return None if fps is None else fps / stride
 
 
-def _damaged(name: str) -> UnreadableClip:
-    return UnreadableClip(
-        f"{name}: is cut off or is no numpy file, expected what numpy.save or numpy.savez writes; "
-        f"copy or record it again."
-    )
+@contextmanager
+def _refusing_damage(name: str) -> Iterator[None]:
+    """Turn whatever numpy and zipfile raise on a damaged file into one sentence.
+
+    They believe what the file says and fail in a dozen ways: TypeError, OverflowError, MemoryError,
+    TokenError on headers, BadZipFile, LZMAError, RuntimeError (encrypted) on archives, and more.
+    """
+    try:
+        yield
+    except UnreadableClip:
+        raise
+    except Exception as error:
+        raise UnreadableClip(
+            f"{name}: is cut off or is no numpy file, expected what numpy.save or numpy.savez "
+            f"writes; copy or record it again."
+        ) from error

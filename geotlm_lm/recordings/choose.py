@@ -47,27 +47,27 @@ def choose_frames(
     Args:
         clip: A recording of any length from 2 frames.
         count: How many frames to return, at least 2.
-        span: First and last frame number to use instead, both included, counted from 0.
+        span: First and last frame to use instead, both included, by their `frame_numbers`: counted
+            from 0 in the recording, also where it was read at a stride.
 
     Returns:
         A clip of `count` frames whose last note says which ones they are.
 
     Raises:
         UnreadableClip: If the clip has only one frame.
-        UsageError: If the span is not inside the clip, or runs backwards.
+        UsageError: If the span is not inside the clip, runs backwards, or holds one frame only.
     """
     require_motion(clip)
     if span is None and len(clip) == count:
         return _told(clip)
-    if span is not None:
-        _check_span(clip, span)
+    asked = None if span is None else _inside(clip, span)
     if clip.background is None and len(clip) > count:
         idle = find_idle(clip)
         if idle is not None:
             note = "Background: the recording's own untouched frames."
             clip = replace(clip, background=idle).with_note(note)
-    if span is not None:
-        indices = _evenly(*span, count)
+    if asked is not None:
+        indices = asked[_evenly(0, len(asked) - 1, count)]
     elif len(clip) < count:
         indices = _evenly(0, len(clip) - 1, count)
     else:
@@ -99,13 +99,22 @@ def _told(clip: Clip) -> Clip:
     return clip if note in clip.notes else clip.with_note(note)
 
 
-def _check_span(clip: Clip, span: tuple[int, int]) -> None:
+def _inside(clip: Clip, span: tuple[int, int]) -> NDArray[np.int64]:
+    """Return the indices of the frames of `span`, two or more."""
     first, last = span
-    if not 0 <= first < last < len(clip):
+    numbers = np.asarray(clip.frame_numbers)
+    if not numbers.min() <= first < last <= numbers.max():
         raise UsageError(
             f"Frames {first}:{last} were asked for, expected FIRST < LAST within "
-            f"0:{len(clip) - 1}; give frame numbers inside the recording."
+            f"{numbers.min()}:{numbers.max()}; give frame numbers inside the recording."
         )
+    inside = np.flatnonzero((numbers >= first) & (numbers <= last))
+    if len(inside) < 2:
+        raise UsageError(
+            f"Frames {first}:{last} hold {len(inside)} of the frames that were read, expected 2 or "
+            f"more; give a longer span, or cut the recording so that all of it is read."
+        )
+    return inside
 
 
 def _indices_of_motion(clip: Clip, count: int) -> NDArray[np.int64]:
@@ -142,17 +151,16 @@ def _windows(frame_count: int, count: int) -> NDArray[np.int64]:
 def _growth(strength: NDArray[np.float32], count: int) -> NDArray[np.int64]:
     """Return frames over which the imprint grows or, if it was there from the start, fades."""
     weakest, strongest = float(strength.min()), float(strength.max())
-    if strongest < STEADINESS * weakest:
+    if strongest <= STEADINESS * weakest:  # equal where all frames are, and both are 0
         return _evenly(0, len(strength) - 1, count)
     is_weak = strength < weakest + 0.1 * (strongest - weakest)
     is_strong = strength > weakest + 0.9 * (strongest - weakest)
     peak = int(np.argmax(is_strong))
     before = np.flatnonzero(is_weak[:peak])
     if len(before):
-        return _evenly(int(before[-1]), max(peak, int(before[-1]) + 1), count)
-    peak = int(np.flatnonzero(is_strong)[-1])
-    after = np.flatnonzero(is_weak[peak:])
-    return _evenly(peak, peak + int(after[0]) if len(after) else len(strength) - 1, count)
+        return _evenly(int(before[-1]), peak, count)
+    faded = int(np.argmax(is_weak))
+    return _evenly(int(np.flatnonzero(is_strong[:faded])[-1]), faded, count)
 
 
 def _imprints(clip: Clip) -> NDArray[np.float32]:

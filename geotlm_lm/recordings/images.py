@@ -16,15 +16,12 @@ IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp")
 
 
 def read_folder(folder: Path) -> Clip:
-    """Return the clip of the images in `folder`.
+    """Return the clip of the images in `folder`; hidden files are passed over.
 
     Raises:
         UnreadableClip: If there are none, one is damaged, or their sizes differ.
     """
-    paths = sorted(
-        (path for path in folder.iterdir() if path.suffix.lower() in IMAGE_SUFFIXES),
-        key=_natural_key,
-    )
+    paths = sorted((path for path in _listed(folder) if _is_frame(path)), key=_natural_key)
     if not paths:
         raise UnreadableClip(
             f"{folder}: the folder holds no images, expected {', '.join(IMAGE_SUFFIXES)}; "
@@ -70,6 +67,21 @@ def read_still_image(path: Path) -> Frames:
         )
     # The one place where a decoded image's order of colours is turned around.
     return cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+
+
+def _listed(folder: Path) -> list[Path]:
+    try:
+        return list(folder.iterdir())
+    except OSError as error:
+        raise UnreadableClip(
+            f"{folder}: cannot be opened ({error.strerror}); check its permissions."
+        ) from error
+
+
+def _is_frame(path: Path) -> bool:
+    # Copies made on a Mac bring a hidden `._frame1.png`, which is no image, beside every frame.
+    is_hidden = path.name.startswith(".")
+    return path.suffix.lower() in IMAGE_SUFFIXES and not is_hidden and path.is_file()
 
 
 def _natural_key(path: Path) -> list[tuple[int, int, str]]:

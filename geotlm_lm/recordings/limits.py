@@ -25,6 +25,6 @@ def stride_for(frame_count: int, frame_bytes: int) -> int:
 def stride_note(stride: int, frame_count: int) -> str:
     """Return what a stride above 1 left out."""
     return (
-        f"Every {stride}th of {frame_count} frames was read to bound memory; "
+        f"Of {frame_count} frames one in {stride} was read to bound memory; "
         f"cut the recording to see all of them."
     )

@@ -116,10 +116,12 @@ def to_rgb(array: NDArray, layout: Layout, name: str) -> tuple[Frames, str]:
             f"{name}: holds NaN or infinite values, expected numbers in 0..1 or 0..255; "
             f"repair or leave out those frames."
         )
-    if low < 0 or high > 255:
+    # A little above 1 is neither: resampled 0..1 frames overshoot, and as 0..255 they are black.
+    is_overshoot = array.dtype.kind == "f" and 1 < high < 2
+    if low < 0 or high > 255 or is_overshoot:
         raise UnreadableClip(
             f"{name}: values run from {low:g} to {high:g}, expected 0..1 or 0..255; "
-            f"scale them first."
+            f"scale or clip them first."
         )
     is_unit = array.dtype.kind == "f" and high <= 1
     if layout == "TCHW":

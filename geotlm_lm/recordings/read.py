@@ -28,7 +28,7 @@ def read_clip(
     Args:
         path: A .npy or .npz array, a .mp4, .avi, .mov or .mkv video, or a folder of images.
         layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); None to guess.
-        fps: Frames per second; None to take what the file says.
+        fps: Frames per second of the whole recording; None to take what the file says.
         background: An image or .npy file of the idle gel; None to take what the file holds.
 
     Raises:
@@ -42,7 +42,8 @@ def read_clip(
     clip = _read(path, checked)
     require_motion(clip)
     if fps is not None:
-        clip = replace(clip, fps=fps)
+        stride = clip.frame_numbers[1] - clip.frame_numbers[0]
+        clip = replace(clip, fps=fps / stride)
     if background is not None:
         clip = replace(clip, background=read_background(background))
     return clip
@@ -67,7 +68,7 @@ def read_background(path: str | Path) -> Frames:
 
 
 def _read(path: Path, layout: Layout | None) -> Clip:
-    if path.is_dir():
+    if _require_there(path).is_dir():
         return read_folder(path)
     _require_file(path)
     suffix = path.suffix.lower()
@@ -88,16 +89,28 @@ def _read(path: Path, layout: Layout | None) -> Clip:
     )
 
 
-def _require_file(path: Path) -> None:
-    if not path.exists():
+def _require_there(path: Path) -> Path:
+    try:
+        is_there = path.exists()
+    except OSError as error:  # no right to look into a folder above it, or too long a name
+        raise _unopened(path, error) from error
+    if not is_there:
         raise UnreadableClip(f"{path}: no such file or folder; check the path.")
-    if not path.is_file():
+    return path
+
+
+def _require_file(path: Path) -> None:
+    if not _require_there(path).is_file():
         raise UnreadableClip(f"{path}: is not a regular file; give a recording.")
     if path.stat().st_size == 0:
         raise UnreadableClip(f"{path}: is empty (0 bytes); copy or record it again.")
     try:
         path.open("rb").close()
     except OSError as error:
-        raise UnreadableClip(
-            f"{path}: cannot be opened ({error.strerror}); check its permissions."
-        ) from error
+        raise _unopened(path, error) from error
+
+
+def _unopened(path: Path, error: OSError) -> UnreadableClip:
+    return UnreadableClip(
+        f"{path}: cannot be opened ({error.strerror}); check the path and its permissions."
+    )

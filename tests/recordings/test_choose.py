@@ -111,6 +111,29 @@ def test_a_span_outside_the_recording_is_a_wrong_call(press_hold_twist_release, 
     )
 
 
+def test_a_span_counts_in_the_recording_where_it_was_read_at_a_stride(press_hold_twist_release):
+    strided = press_hold_twist_release.select(range(0, 66, 5))
+    assert choose_frames(strided, span=(28, 46)).frame_numbers == (30, 35, 40, 45)
+    with pytest.raises(UsageError) as caught:
+        choose_frames(strided, span=(31, 36))
+    assert str(caught.value) == (
+        "Frames 31:36 hold 1 of the frames that were read, expected 2 or more; "
+        "give a longer span, or cut the recording so that all of it is read."
+    )
+
+
+@pytest.mark.parametrize("grey", [0, 90])
+def test_frames_that_are_all_alike_are_taken_evenly(grey):
+    clip = Clip(np.full((10, 24, 32, 3), grey, np.uint8))
+    assert choose_frames(clip).frame_numbers == (0, 3, 6, 9)
+
+
+def test_of_two_presses_the_release_between_them_is_shown():
+    depths = [1] * 8 + list(np.linspace(0.9, 0, 6)) + list(np.linspace(0, 1, 8))
+    numbers = choose_frames(recording([0] * 22, depths)).frame_numbers
+    assert 5 <= numbers[0] < numbers[-1] <= 15
+
+
 def test_one_frame_shows_no_motion():
     with pytest.raises(UnreadableClip, match="motion needs 2 or more"):
         choose_frames(recording([0], [1]))

@@ -34,6 +34,18 @@ def header_of(shape, dtype="|u1"):
     return stream.getvalue()
 
 
+def npy_with(header):
+    return b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode()
+
+
+def locked(content, offset_here, offset_in_directory, value):
+    """Return an archive with one byte of its member's two headers changed."""
+    changed = bytearray(content)
+    changed[offset_here] = value
+    changed[changed.find(b"PK\x01\x02") + offset_in_directory] = value
+    return bytes(changed)
+
+
 def archive_with(name, content):
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
@@ -103,11 +115,15 @@ CASES = {
     ),
     "deep.npy": (
         npy(np.full((4, 16, 20, 3), 1023, np.uint16)),
-        "values run from 1023 to 1023, expected 0..1 or 0..255; scale them first.",
+        "values run from 1023 to 1023, expected 0..1 or 0..255; scale or clip them first.",
     ),
     "negative.npy": (
         npy(np.full((4, 16, 20, 3), -1.0)),
-        "values run from -1 to -1, expected 0..1 or 0..255; scale them first.",
+        "values run from -1 to -1, expected 0..1 or 0..255; scale or clip them first.",
+    ),
+    "overshoot.npy": (
+        npy(np.linspace(0, 1.02, FRAMES.size).reshape(FRAMES.shape)),
+        "values run from 0 to 1.02, expected 0..1 or 0..255; scale or clip them first.",
     ),
     "text.npy": (
         npy(np.full((4, 16, 20, 3), "a")),
@@ -123,6 +139,10 @@ CASES = {
         "is cut off, it has 500 bytes and its header declares 3968; copy or record it again.",
     ),
     "not_numpy.npy": (b"hello world", NUMPY),
+    "header_of_another_kind.npy": (npy_with("{1: 2, 'a': 3}"), NUMPY),
+    "header_half.npy": (npy_with("{'descr': '|u1', ((\n"), NUMPY),
+    "header_deep.npy": (npy_with("-" * 9000 + "1"), NUMPY),
+    "header_vast.npy": (header_of((10**400, 16, 20, 3)), NUMPY),
     "bomb.npy": (
         header_of((10**6, 10**4, 10**4, 3)),
         "declares 279397 GiB (shape (1000000, 10000, 10000, 3)), the limit is 16 GiB; "
@@ -134,6 +154,8 @@ CASES = {
         archive_with("frames.npy", header_of((3000, 1000, 1000, 3))),
         "'frames' unpacks to 8.4 GiB, the limit for .npz is 2 GiB; save it as .npy instead.",
     ),
+    "encrypted.npz": (locked(archive_with("frames.npy", npy(FRAMES)), 6, 8, 1), NUMPY),
+    "unknown_packing.npz": (locked(archive_with("frames.npy", npy(FRAMES)), 8, 10, 97), NUMPY),
     "half_member.npz": (archive_with("frames.npy", npy(FRAMES)[:500]), NUMPY),
     "pickle.npz": (
         npz(frames=np.array([FRAMES, None], object)),
@@ -195,6 +217,15 @@ def test_a_missing_file_is_refused(tmp_path):
     with pytest.raises(UnreadableClip) as caught:
         read_clip(path)
     assert str(caught.value) == f"{path}: no such file or folder; check the path."
+
+
+def test_a_name_no_file_system_holds_is_refused(tmp_path):
+    path = tmp_path / ("a" * 300 + ".npy")
+    with pytest.raises(UnreadableClip) as caught:
+        read_clip(path)
+    assert str(caught.value) == (
+        f"{path}: cannot be opened (File name too long); check the path and its permissions."
+    )
 
 
 def test_a_pipe_is_refused_before_it_is_opened(tmp_path):

@@ -84,6 +84,14 @@ def test_a_folder_is_read_in_natural_order(tmp_path):
     assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
 
 
+def test_hidden_copies_and_folders_among_the_images_are_passed_over(tmp_path):
+    for index, frame in enumerate(FRAMES):
+        cv2.imwrite(str(tmp_path / f"{index}.png"), frame[..., ::-1])
+    (tmp_path / "._0.png").write_bytes(b"what a Mac leaves behind")
+    (tmp_path / "more.png").mkdir()
+    assert len(read_clip(tmp_path)) == len(FRAMES)
+
+
 def test_a_background_image_is_read_in_rgb(tmp_path):
     np.save(tmp_path / "clip.npy", FRAMES)
     cv2.imwrite(str(tmp_path / "idle.png"), FRAMES[0][..., ::-1])
@@ -109,8 +117,9 @@ def test_a_long_array_is_read_at_a_stride_and_says_so(tmp_path, room_for_six):
     assert clip.frame_numbers == (0, 4, 8, 12, 16)
     assert np.array_equal(clip.frames, frames[::4])
     assert clip.fps == 10
+    assert read_clip(tmp_path / "clip.npz", fps=20).fps == 5
     assert clip.notes[-1] == (
-        "Every 4th of 20 frames was read to bound memory; cut the recording to see all of them."
+        "Of 20 frames one in 4 was read to bound memory; cut the recording to see all of them."
     )
 
 
