@@ -13,6 +13,8 @@ from typing import Annotated
 
 import typer
 
+from geotlm_lm.cli.options import Seed, require_writable_file
+
 REPORT_EVERY_S = 2.0
 """A wait longer than this shows how far it is."""
 
@@ -25,7 +27,7 @@ def evaluate(
     clips: Annotated[
         int, typer.Option(min=0, help="Simulated clips per task; 0 leaves simulation out.")
     ] = 120,
-    seed: Annotated[int, typer.Option(help="Root of scenes, wordings and resampling.")] = 0,
+    seed: Seed = 0,
     model: Annotated[
         Path | None, typer.Option(help="Model bundle; the one in the package when not given.")
     ] = None,
@@ -45,6 +47,8 @@ def evaluate(
 
     if clips == 0 and real is None:
         raise UsageError("nothing to judge: give --clips above 0, or --real with a folder.")
+    if out is not None:
+        require_writable_file(out, "--out")
     from geotlm_lm.answering import Answerer
     from geotlm_lm.experiments.evaluate import evaluate as run
     from geotlm_lm.reports.tables import evaluation_tables

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 from typing import Annotated
 
@@ -43,7 +44,9 @@ FramesPerSecond = Annotated[
 AsJson = Annotated[
     bool, typer.Option("--json", help="Print one JSON object as the last line instead of words.")
 ]
-Seed = Annotated[int, typer.Option("--seed", help="Root seed; the same seed, the same result.")]
+Seed = Annotated[
+    int, typer.Option("--seed", min=0, help="Root seed; the same seed, the same result.")
+]
 
 
 def span_of(frames: str | None) -> tuple[int, int] | None:
@@ -58,3 +61,30 @@ def span_of(frames: str | None) -> tuple[int, int] | None:
     if not (first.isdecimal() and last.isdecimal()):
         raise UsageError(f"--frames '{frames}' was given, expected FIRST:LAST such as 40:60.")
     return int(first), int(last)
+
+
+def require_writable(folder: Path, option: str) -> None:
+    """Create `folder`, so that a place that cannot be written is told before the work is done.
+
+    Raises:
+        UsageError: If it cannot be created or written to.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise UsageError(
+            f"{option}: nothing can be written in the folder {folder} ({error.strerror}); give "
+            f"another place."
+        ) from error
+
+
+def require_writable_file(path: Path, option: str) -> None:
+    """Create the folder of `path`, for the same reason.
+
+    Raises:
+        UsageError: If the file cannot be written there.
+    """
+    if path.is_dir():
+        raise UsageError(f"{option}: {path} is a folder, expected the name of a file.")
+    require_writable(path.parent, option)

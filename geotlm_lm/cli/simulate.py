@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from geotlm_lm.cli.options import Seed
+from geotlm_lm.cli.options import Seed, require_writable, require_writable_file
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
 
@@ -49,6 +49,9 @@ def simulate(
     if (out is None) == (clip is None):
         raise UsageError("Give one of --out (a data set) and --clip (a single clip).")
     if clip is not None:
+        if clip.suffix != ".npz":
+            raise UsageError(f"--clip {clip} was given, expected a name that ends in .npz.")
+        require_writable_file(clip, "--clip")
         made = simulate_one(object_name, Motion(motion), seed)
         write_clip(clip, made)
         print(clip)
@@ -57,6 +60,7 @@ def simulate(
     from geotlm_lm.simulation.dataset import write_dataset
     from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 
+    require_writable(out, "--out")
     names = TRAINING_OBJECTS if objects == "training" else EVERYDAY_OBJECTS
     write_dataset(out, count, seed=seed, objects=names, workers=workers, progress=_show)
     print(out)
@@ -83,22 +87,15 @@ def simulate_one(object_name: str, motion: Motion, seed: int) -> SimulatedClip:
 
 
 def write_clip(path: Path, made: SimulatedClip) -> None:
-    """Write frames, background, frame rate and label (JSON) to a .npz file, atomically.
-
-    Raises:
-        UsageError: If the file is not named .npz.
-    """
+    """Write frames, background, frame rate and label (JSON) to a .npz file, atomically."""
     import numpy as np
 
-    if path.suffix != ".npz":
-        raise UsageError(f"--clip {path} was given, expected a name that ends in .npz.")
     label = json.dumps(made.label.to_dict() | {"object": made.object_name})
     arrays = {"frames": made.clip.frames, "label": np.array(label)}
     if made.clip.background is not None:
         arrays["background"] = made.clip.background
     if made.clip.fps is not None:
         arrays["fps"] = np.array(made.clip.fps)
-    path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
         with os.fdopen(handle, "wb") as stream:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Seed
+from geotlm_lm.cli.options import Seed, require_writable
 
 
 def train(
@@ -23,6 +23,7 @@ def train(
 
     Example: geotlm-lm train --preset smoke --out runs/smoke
     """
+    require_writable(out, "--out")
     from geotlm_lm.training.train import train as train_bundle
 
     print(f"training preset {preset} into {out}", file=sys.stderr)

@@ -56,10 +56,53 @@ def test_a_wrong_call_ends_with_one_sentence_and_code_2(capsys, case):
     assert run(capsys, *arguments) == (2, "", sentence)
 
 
-def test_a_rate_that_is_no_number_ends_with_one_sentence_and_code_2(capsys):
-    code, out, err = run(capsys, "info", "--clip", "clip.npy", "--fps", "fast")
+OUTPUTS = {
+    "a clip": ["simulate", "--clip", "{file}/a.npz"],
+    "a data set": ["simulate", "--out", "{file}"],
+    "a record": ["evaluate", "--out", "{file}/a.json"],
+    "a bundle": ["train", "--out", "{file}"],
+}
+
+
+@pytest.mark.parametrize("output", OUTPUTS)
+def test_a_place_that_cannot_be_written_is_told_before_any_work(capsys, tmp_path, output):
+    file = tmp_path / "file"
+    file.write_text("not a folder")
+    command = [word.format(file=file) for word in OUTPUTS[output]]
+    assert run(capsys, *command) == (
+        2,
+        "",
+        f"{command[1]}: nothing can be written in the folder {file} (File exists); "
+        f"give another place.\n",
+    )
+
+
+@pytest.mark.parametrize("command", ["simulate --clip", "evaluate --out"])
+def test_a_folder_is_no_name_of_a_file(capsys, tmp_path, command):
+    folder = tmp_path / "a.npz"
+    folder.mkdir()
+    words = command.split()
+    assert run(capsys, *words, str(folder)) == (
+        2,
+        "",
+        f"{words[1]}: {folder} is a folder, expected the name of a file.\n",
+    )
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "info --clip clip.npy --fps fast",
+        "simulate --clip a.npz --seed -1",
+        "simulate --clip a.npz --motion spin",
+        "evaluate --seed -1",
+    ],
+)
+def test_a_value_out_of_range_ends_with_one_sentence_and_code_2(capsys, words):
+    code, out, err = run(capsys, *words.split())
     assert (code, out) == (2, "")
-    assert err.startswith("Invalid value for '--fps': ")
+    option = words.split()[-2]
+    assert err.startswith(f"Invalid value for '{option}': ")
     assert err.endswith("; see `geotlm-lm --help`.\n")
     assert err.count("\n") == 1
 
