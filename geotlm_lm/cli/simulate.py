@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from geotlm_lm.cli.options import Seed, require_writable, require_writable_file
+from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
 
@@ -96,15 +95,8 @@ def write_clip(path: Path, made: SimulatedClip) -> None:
         arrays["background"] = made.clip.background
     if made.clip.fps is not None:
         arrays["fps"] = np.array(made.clip.fps)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            np.savez_compressed(stream, **arrays)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    with replacing(path) as stream:
+        np.savez_compressed(stream, **arrays)
 
 
 def _show(done: int, total: int) -> None:
