@@ -10,10 +10,10 @@ from __future__ import annotations
 import io
 import json
 import multiprocessing
-import os
-import tempfile
+import signal
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.core.record import write_text_atomically
 
 SHARD_CLIPS = 64
 """Clips per shard: about 50 MB of frames, a few seconds of work to lose in a kill."""
@@ -65,7 +65,7 @@ def write_dataset(
         `out`.
 
     Raises:
-        UsageError: If the folder holds another data set, or the request is empty.
+        UsageError: If the folder holds another or a larger data set, or the request is empty.
     """
     out, wanted = Path(out), {"format": DATASET_FORMAT, "seed": seed, "objects": list(objects)}
     _check(out, count, wanted)
@@ -78,9 +78,6 @@ def write_dataset(
         done += written
         if progress is not None:
             progress(done, count)
-    for stray in sorted(out.glob("shard-*.npz")):
-        if str(stray) not in {shard.path for shard in shards}:
-            stray.unlink()
     write_text_atomically(out / "README.md", _card(out, count, wanted))
     return out
 
@@ -96,13 +93,25 @@ def read_shard(path: Path) -> tuple[dict[str, NDArray[Any]], list[MotionLabel]]:
 def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
     if count < 1 or not wanted["objects"]:
         raise UsageError(f"found {count} clips of {len(wanted['objects'])} objects; ask for some.")
-    if (out / "dataset.json").exists():
+    if not (out / "dataset.json").exists():
+        return
+    try:
         found = json.loads((out / "dataset.json").read_text())
-        if {name: found.get(name) for name in wanted} != wanted:
-            raise UsageError(
-                f"{out} holds another data set (seed {found.get('seed')}, expected "
-                f"{wanted['seed']}, or other objects); choose an empty folder."
-            )
+        found_count = int(found["count"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise UsageError(
+            f"{out / 'dataset.json'} does not say what the folder holds; choose an empty folder."
+        ) from error
+    if {name: found.get(name) for name in wanted} != wanted:
+        raise UsageError(
+            f"{out} holds another data set (seed {found.get('seed')}, expected "
+            f"{wanted['seed']}, or other objects); choose an empty folder."
+        )
+    if found_count > count:
+        raise UsageError(
+            f"{out} was made for {found_count} clips, {count} were asked for; ask for at least as "
+            f"many, or choose an empty folder."
+        )
 
 
 def _shards(out: Path, count: int, seed: int, objects: tuple[str, ...]) -> list[_Shard]:
@@ -132,16 +141,26 @@ def _write_all(shards: list[_Shard], workers: int) -> Iterator[int]:
     if workers <= 1 or len(shards) <= 1:
         yield from map(_write_shard, shards)
         return
-    # Spawned, not forked: a forked process inherits torch's threads in an unusable state.
-    context = multiprocessing.get_context("spawn")
-    with context.Pool(min(workers, len(shards)), initializer=_use_one_thread) as pool:
-        yield from pool.imap_unordered(_write_shard, shards)
+    # Spawned, not forked: a forked process inherits torch's threads in an unusable state. And no
+    # multiprocessing.Pool, which waits for ever for a worker that the system has killed.
+    pool = ProcessPoolExecutor(
+        min(workers, len(shards)),
+        mp_context=multiprocessing.get_context("spawn"),
+        initializer=_prepare_worker,
+    )
+    try:
+        for future in as_completed([pool.submit(_write_shard, shard) for shard in shards]):
+            yield future.result()
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
-def _use_one_thread() -> None:
+def _prepare_worker() -> None:
     import cv2
     import torch
 
+    # Ctrl-C reaches every process of a command; the parent lets shards under way be finished.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
 
@@ -172,19 +191,12 @@ def _write_shard(shard: _Shard) -> int:
 
 def _save_atomically(path: Path, arrays: dict[str, NDArray[Any]]) -> None:
     """Write an uncompressed npz with a fixed date inside, so that equal clips are equal bytes."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
-            for name, array in arrays.items():
-                buffer = io.BytesIO()
-                np.lib.format.write_array(buffer, np.asarray(array), allow_pickle=False)
-                entry = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
-                archive.writestr(entry, buffer.getvalue())
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    with replacing(path) as stream, zipfile.ZipFile(stream, "w") as archive:
+        for name, array in arrays.items():
+            buffer = io.BytesIO()
+            np.lib.format.write_array(buffer, np.asarray(array), allow_pickle=False)
+            entry = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
+            archive.writestr(entry, buffer.getvalue())
 
 
 def _card(out: Path, count: int, wanted: dict[str, Any]) -> str:

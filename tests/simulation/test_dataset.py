@@ -70,6 +70,25 @@ def test_a_folder_of_another_seed_is_refused_and_kept(tmp_path):
     assert json.loads(before["dataset.json"])["seed"] == 1
 
 
+def test_a_smaller_data_set_is_refused_and_no_clip_is_lost(tmp_path):
+    write_dataset(tmp_path, 4, seed=1, objects=OBJECTS)
+    before = contents(tmp_path)
+    with pytest.raises(UsageError) as caught:
+        write_dataset(tmp_path, 2, seed=1, objects=OBJECTS)
+    assert str(caught.value) == (
+        f"{tmp_path} was made for 4 clips, 2 were asked for; ask for at least as many, or choose "
+        f"an empty folder."
+    )
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("content", ["{", "[]", '{"seed": 1}'])
+def test_a_folder_that_does_not_say_what_it_holds_is_refused(tmp_path, content):
+    (tmp_path / "dataset.json").write_text(content)
+    with pytest.raises(UsageError, match="does not say what the folder holds"):
+        write_dataset(tmp_path, 2, seed=1, objects=OBJECTS)
+
+
 @pytest.mark.slow
 def test_the_number_of_workers_does_not_change_a_byte(tmp_path):
     one, two = tmp_path / "one", tmp_path / "two"
