@@ -7,6 +7,9 @@ from typing import Annotated
 
 import typer
 
+EXAMPLE_CLIP = Path("app/examples/bottle_cap_clockwise.npz")
+EXAMPLE_QUESTION = "Which way is the cap turning?"
+
 app = typer.Typer(help="Tables from recorded runs.", no_args_is_help=True)
 
 
@@ -34,3 +37,26 @@ def readme(
         return
     changed = write_readme(path, records)
     typer.echo(f"{path}: {'updated' if changed else 'already up to date'}")
+
+
+@app.command()
+def answer(
+    clip: Annotated[Path, typer.Option(help="The recording to ask about.")] = EXAMPLE_CLIP,
+    question: Annotated[str, typer.Option("--q", help="The question.")] = EXAMPLE_QUESTION,
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/answer.json"
+    ),
+) -> None:
+    """Ask the command line in fresh processes; record the answer and the cold start."""
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.experiments.cold_answer import cold_answer
+
+    record = cold_answer(clip, question, command=command_line(sys.argv))
+    record.save(out)
+    seconds = record.numbers["cold_s"]
+    typer.echo(
+        f"{record.numbers['answer']['text']} "
+        f"(cold: median {seconds[len(seconds) // 2]:.2f} s, {seconds[0]:.2f}-{seconds[-1]:.2f} s)"
+    )

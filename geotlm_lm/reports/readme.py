@@ -11,12 +11,20 @@ from pathlib import Path
 
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.record import RunRecord, write_text_atomically
-from geotlm_lm.reports.tables import accuracy_overview, difference_overview, time_overview
+from geotlm_lm.reports.tables import (
+    accuracy_overview,
+    answer_example,
+    difference_overview,
+    time_overview,
+    training_overview,
+)
 
 BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "accuracy": ("evaluate.json", accuracy_overview),
     "differences": ("evaluate.json", difference_overview),
     "times": ("evaluate.json", time_overview),
+    "example": ("answer.json", answer_example),
+    "training": ("train.json", training_overview),
 }
 """Block name -> the record it is made from, and how."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -112,6 +113,76 @@ def time_overview(record: RunRecord) -> str:
             for name in methods]  # fmt: skip
     header = ["ms per clip, median / p95", *tables]
     return markdown(header, rows) + "\n\n" + provenance(record)
+
+
+def answer_example(record: RunRecord) -> str:
+    """Return a question, its answer as people and as programs get it, and the cold start."""
+    numbers = record.numbers
+    answer = numbers["answer"]
+    region = answer["evidence"]["regions"]["upper_minus_lower"]
+    kept = {name: answer[name] for name in ("text", "direction", "confidence", "abstained")}
+    kept["frame"] = answer["frame"]["sentence"]
+    kept["evidence"] = {"upper_minus_lower": region}
+    seconds = numbers["cold_s"]
+    median = seconds[len(seconds) // 2]
+    lines = [
+        "```console",
+        f"$ {numbers['shown']}",
+        answer["text"],
+        "```",
+        "",
+        "With `--json` the last line holds, among others,",
+        "",
+        "```json",
+        json.dumps(kept, indent=1),
+        "```",
+        "",
+        f"A cold answer, interpreter start included, takes {median:.1f} s (median of "
+        f"{len(seconds)}, {seconds[0]:.1f}-{seconds[-1]:.1f} s).",
+        "",
+        provenance(record),
+    ]
+    return "\n".join(lines)
+
+
+def training_overview(record: RunRecord) -> str:
+    """Return what a training run scored: each task, and each question type."""
+    numbers = record.numbers
+    tasks = [
+        [
+            task,
+            str(numbers[task]["clips"]),
+            *(f"{numbers[task][name]:.3f}" for name in TRAINING_COLUMNS),
+        ]
+        for task in ("rotation", "sliding")
+    ]
+    types = [
+        [name.removesuffix(" seen"), f"{value:.3f}", f"{numbers['by_type'][held_out]:.3f}"]
+        for name, value in numbers["by_type"].items()
+        if (held_out := name.replace(" seen", " held_out")) != name
+    ]
+    modes = ", ".join(
+        f"{mode} {value:.3f}" for mode, value in record.config["dgr_validation_accuracy"].items()
+    )
+    return "\n\n".join(
+        [
+            markdown(["simulated everyday objects", "clips", *TRAINING_COLUMNS.values()], tasks),
+            f"A direction is claimed of {100 * numbers['false_directions']:.1f} % of the clips "
+            f"that have none. Ten-way probe accuracy of the two ways to train DGR, on objects kept "
+            f"from training: {modes}.",
+            markdown(["question type", "seen wordings", "held-out wordings"], types),
+            provenance(record),
+        ]
+    )
+
+
+TRAINING_COLUMNS = {
+    "generated": "generated",
+    "generated_held_out_wordings": "held-out wordings",
+    "probe": "probe on z",
+    "global_probe": "probe on c, no DGR",
+}
+"""Keys of a task's scores -> column titles."""
 
 
 def provenance(record: RunRecord) -> str:
