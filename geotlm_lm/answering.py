@@ -19,7 +19,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT, REGIONS
-from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.model import Perception
 from geotlm_lm.recordings.choose import choose_frames
@@ -56,7 +56,8 @@ class Answer:
         text: The sentence.
         direction: The motion it claims, in `frame`; None when the question asks something else or
             the model abstains.
-        confidence: Calibrated probability of the answer among those of its kind, in [0, 1].
+        confidence: Probability of the answer among those of its kind, in [0, 1]; the temperature
+            was fitted on open questions about direction. 0 when the model abstains.
         abstained: Whether the model declines to say.
         frame: The frame of reference every direction is told in.
         options: Probability of each answer that was possible, by its deciding word.
@@ -155,12 +156,12 @@ class Answerer:
         timing["total"] = sum(timing.values())
         direction = slots.direction if slots else None
         abstained = slots is None or slots.kind == "refusal"
-        if direction in DIRECTED and encoded.contact_share < self._contact_threshold:
+        if self.bundle.calibration.withholds(direction, encoded.contact_share):
             text, direction, abstained = _too_little_contact(encoded.contact_share), None, True
         return Answer(
             text=text,
             direction=direction,
-            confidence=options.get(deciding_word(slots), 0.0) if slots else 0.0,
+            confidence=0.0 if abstained else options.get(deciding_word(slots), 0.0),
             abstained=abstained,
             frame=FrameSpec(),
             options=options,
@@ -188,10 +189,6 @@ class Answerer:
             word = deciding_word(grammar.parse(sentence))
             options[word] = options.get(word, 0.0) + float(probability)
         return options
-
-    @property
-    def _contact_threshold(self) -> float:
-        return self.bundle.calibration.contact_threshold
 
 
 def four_frames_with_background(clip: Clip, span: tuple[int, int] | None = None) -> Clip:

@@ -1,13 +1,13 @@
 """A model bundle on disk: perception, language, calibration and model card in one folder.
 
-Weights are stored in half precision (the shipped bundle must stay small) and used in float32.
-Anything that is not recognised is refused.
+Perception is stored in half precision (the shipped bundle must stay small) and used in float32; the
+language model stores itself. Anything that is not recognised is refused.
 """
 
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,9 +18,10 @@ from safetensors.torch import load_file, save_file
 from torch import Tensor
 
 from geotlm_lm.backbone.frozen import FrozenBackbone
+from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.vit import ViT, ViTConfig
 from geotlm_lm.core.errors import IncompatibleBundle
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.record import write_text_atomically
 from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.dgr.encoder import DGR
@@ -51,6 +52,10 @@ class Calibration:
 
     temperature: float = 1.0
     contact_threshold: float = 0.0
+
+    def withholds(self, claim: Motion | None, contact_share: float) -> bool:
+        """Tell whether a direction is claimed of a clip that shows too little contact for one."""
+        return claim in DIRECTED and contact_share < self.contact_threshold
 
 
 @dataclass(eq=False)
@@ -104,7 +109,7 @@ def load_bundle(folder: Path | None = None) -> Bundle:
     try:
         tensors = load_file(folder / PERCEPTION_FILE)
         model = _assemble(config, {name: value.float() for name, value in tensors.items()})
-        calibration = Calibration(**config["calibration"])
+        calibration, provenance = Calibration(**config["calibration"]), config["provenance"]
     except (OSError, SafetensorError, KeyError, TypeError, RuntimeError, ValueError) as error:
         raise IncompatibleBundle(
             f"{folder}: {PERCEPTION_FILE} does not fit {CONFIG_FILE} ({_first_line(error)}); train "
@@ -114,8 +119,13 @@ def load_bundle(folder: Path | None = None) -> Bundle:
     from geotlm_lm.language.speak import Speaker
 
     speaker = Speaker.load(folder / LANGUAGE_DIR)
+    if speaker.model.fused_width != model.backbone.width:
+        raise IncompatibleBundle(
+            f"{folder}: {LANGUAGE_DIR} reads fused tokens of width {speaker.model.fused_width}, "
+            f"{PERCEPTION_FILE} gives width {model.backbone.width}; copy the bundle again."
+        )
     grammar = AnswerGrammar.load(folder / GRAMMAR_FILE)
-    return Bundle(model, speaker, grammar, calibration, config["provenance"])
+    return Bundle(model, speaker, grammar, calibration, provenance)
 
 
 def read_config(folder: Path) -> dict[str, Any]:
@@ -157,29 +167,35 @@ def _perception_states(model: GeoTLM) -> dict[str, dict[str, Tensor]]:
 
 
 def _assemble(config: dict[str, Any], tensors: dict[str, Tensor]) -> GeoTLM:
-    known = {field.name for field in fields(ViTConfig)}
-    vit_config = ViTConfig(**{key: config["backbone"][key] for key in known})
+    vit_config = ViTConfig(**config["backbone"])
+    if vit_config.input_dim != PATCH_INPUT_DIM:
+        raise ValueError(
+            f"patch inputs have {vit_config.input_dim} numbers, this version's {PATCH_INPUT_DIM}"
+        )
     labels = [Motion(name) for name in config["probe_labels"]]
     width = vit_config.width
-    state = partial(_state_of, tensors)
     with torch.device("meta"):
-        vit, dgr = ViT(vit_config), DGR(width)
-        probe, global_probe = LinearProbe(width, labels), LinearProbe(width, labels)
-    for name, module in (
-        ("vit", vit),
-        ("dgr", dgr),
-        ("probe", probe),
-        ("global_probe", global_probe),
-    ):
+        modules = {
+            "vit": ViT(vit_config),
+            "dgr": DGR(width),
+            "probe": LinearProbe(width, labels),
+            "global_probe": LinearProbe(width, labels),
+        }
+    standardisers = ("global_standardiser", "patch_standardiser")
+    strangers = {name.partition(".")[0] for name in tensors} - {*modules, *standardisers}
+    if strangers:
+        raise ValueError(f"unknown parts {sorted(strangers)}")
+    state = partial(_state_of, tensors)
+    for name, module in modules.items():
         module.load_state_dict(state(name), assign=True)
         module.requires_grad_(False).eval()
     return GeoTLM(
-        backbone=FrozenBackbone(vit),
+        backbone=FrozenBackbone(modules["vit"]),
         global_standardiser=Standardiser.from_state(state("global_standardiser")),
         patch_standardiser=Standardiser.from_state(state("patch_standardiser")),
-        dgr=dgr,
-        probe=probe,
-        global_probe=global_probe,
+        dgr=modules["dgr"],
+        probe=modules["probe"],
+        global_probe=modules["global_probe"],
     )
 
 

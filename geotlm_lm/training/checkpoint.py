@@ -9,7 +9,7 @@ from typing import Any
 
 import torch
 
-from geotlm_lm.core.errors import IncompatibleBundle
+from geotlm_lm.core.errors import UsageError
 
 
 def save_checkpoint(path: Path, state: dict[str, Any]) -> None:
@@ -29,14 +29,14 @@ def load_checkpoint(path: Path) -> dict[str, Any] | None:
     """Return the state saved at `path`, or None where there is none.
 
     Raises:
-        IncompatibleBundle: If the file cannot be read.
+        UsageError: If the file cannot be read.
     """
     if not path.exists():
         return None
     try:
         return torch.load(path, weights_only=True, map_location="cpu")
     except Exception as error:
-        raise IncompatibleBundle(
+        raise UsageError(
             f"{path}: the checkpoint cannot be read ({type(error).__name__}); delete it to start "
             f"this stage again."
         ) from error

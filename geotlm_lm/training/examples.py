@@ -17,9 +17,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT, TIME_BIN_COUNT
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.training.interrupts import children_end_with_it, deaf_children
 from geotlm_lm.training.progress import Progress
 
 CHUNK_CLIPS = 250
@@ -58,39 +60,76 @@ class Examples:
         return len(self.labels)
 
 
-def simulated_examples(
-    folder: Path,
-    stage: str,
-    count: int,
-    *,
-    objects: Sequence[str],
-    seed: int,
-    workers: int,
-) -> Examples:
-    """Simulate `count` examples of `objects`, or read those an earlier run left in `folder`.
+@dataclass(frozen=True)
+class ExampleSet:
+    """Which examples a set holds.
+
+    Args:
+        stage: Name of the set; with the seed it decides every clip.
+        count: Number of examples; whole chunks are simulated.
+        objects: Names of the objects to touch.
+    """
+
+    stage: str
+    count: int
+    objects: tuple[str, ...]
+
+    def chunk_paths(self, folder: Path) -> list[Path]:
+        """Return the files in `folder` that hold the set."""
+        chunk_count = -(-self.count // CHUNK_CLIPS)
+        return [folder / f"{self.stage}_{index:04d}.npz" for index in range(chunk_count)]
+
+
+def simulate_examples(folder: Path, sets: Sequence[ExampleSet], *, seed: int, workers: int) -> None:
+    """Simulate the chunks of `sets` that are not yet in `folder`.
+
+    Ctrl-C ends the workers at once; finished chunks are kept.
 
     Args:
         folder: Where the chunks lie.
-        stage: Name of the set; with `seed` it decides every clip.
-        count: Number of examples, rounded up to whole chunks while simulating.
-        objects: Names of the objects to touch.
+        sets: What to simulate.
         seed: Root seed.
         workers: Processes; the examples do not depend on it.
     """
-    chunk_count = -(-count // CHUNK_CLIPS)
-    paths = [folder / f"{stage}_{index:04d}.npz" for index in range(chunk_count)]
-    missing = [index for index, path in enumerate(paths) if not path.exists()]
-    if missing:
-        folder.mkdir(parents=True, exist_ok=True)
-        progress = Progress(f"simulate {stage}", chunk_count, chunk_count - len(missing))
-        jobs = [(paths[index], stage, index, tuple(objects), seed) for index in missing]
-        done = chunk_count - len(missing)
-        # Spawned, not forked: a forked child may inherit locked thread pools.
-        with ProcessPoolExecutor(max(workers, 1), mp_context=get_context("spawn")) as pool:
-            for _ in pool.map(_write_chunk, jobs):
-                done += 1
-                progress.show(done, f"chunks of {CHUNK_CLIPS} clips")
-    return _first(_concatenate([_read_chunk(path) for path in paths]), count)
+    jobs, chunk_count = [], 0
+    for one in sets:
+        paths = one.chunk_paths(folder)
+        chunk_count += len(paths)
+        jobs += [
+            (path, one.stage, index, one.objects, seed)
+            for index, path in enumerate(paths)
+            if not path.exists()
+        ]
+    if not jobs:
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    done = chunk_count - len(jobs)
+    progress = Progress("simulate", chunk_count, done)
+    # Spawned, not forked: a forked child may inherit locked thread pools.
+    pool = ProcessPoolExecutor(max(workers, 1), mp_context=get_context("spawn"))
+    with pool, children_end_with_it():
+        with deaf_children():
+            written = pool.map(_write_chunk, jobs)
+        for _ in written:
+            done += 1
+            progress.show(done, f"chunks of {CHUNK_CLIPS} clips")
+
+
+def read_examples(folder: Path, wanted: ExampleSet) -> Examples:
+    """Read a set that `simulate_examples` wrote.
+
+    Raises:
+        UsageError: If the clips touch other objects than wanted, so that two sets might share one.
+    """
+    parts = [_read_chunk(path) for path in wanted.chunk_paths(folder)]
+    examples = _first(_concatenate(parts), wanted.count)
+    strangers = sorted(set(examples.objects) - set(wanted.objects))
+    if strangers:
+        raise UsageError(
+            f"{folder}: the {wanted.stage} clips touch {', '.join(strangers)}, expected only "
+            f"objects of that set; delete the folder to simulate them again."
+        )
+    return examples
 
 
 def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:

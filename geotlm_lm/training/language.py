@@ -25,7 +25,8 @@ from geotlm_lm.language.decoder import LanguageSize, TactileDecoder
 from geotlm_lm.language.prompt import PromptEncoder
 from geotlm_lm.language.speak import Speaker
 from geotlm_lm.language.tokenizer import VOCABULARY_SIZE, clean_question, train_tokenizer
-from geotlm_lm.training.language_checkpoint import load_checkpoint, save_checkpoint
+from geotlm_lm.training.interrupts import whole_step
+from geotlm_lm.training.language_checkpoint import restore_language, store_language
 
 Progress = Callable[[int, int, float], None]
 
@@ -97,21 +98,20 @@ def train_language(
     speaker = new_speaker(fused_tokens, config)
     model = speaker.model.train()
     optimiser = torch.optim.AdamW(_parameter_groups(model, config.weight_decay), betas=(0.9, 0.98))
-    step = load_checkpoint(folder, config, model, optimiser)
+    step = restore_language(folder, config, model, optimiser)
     saved_at = time.monotonic()
     try:
         while step < config.steps:
-            loss = _step(speaker, optimiser, fused_tokens, labels, config, step)
-            step += 1
+            with whole_step():
+                loss = _step(speaker, optimiser, fused_tokens, labels, config, step)
+                step += 1
             if progress is not None:
                 progress(step, config.steps, loss)
             if time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
-                save_checkpoint(folder, config, model, optimiser, step)
+                store_language(folder, config, model, optimiser, step)
                 saved_at = time.monotonic()
-    except KeyboardInterrupt:
-        save_checkpoint(folder, config, model, optimiser, step)
-        raise
-    save_checkpoint(folder, config, model, optimiser, step)
+    finally:
+        store_language(folder, config, model, optimiser, step)
     return Speaker(model, speaker.processor)
 
 

@@ -25,6 +25,7 @@ from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.config import TrainingPreset
 from geotlm_lm.training.examples import Examples
+from geotlm_lm.training.interrupts import whole_step
 from geotlm_lm.training.progress import Progress
 
 CHECKPOINT_EVERY_S = 30.0
@@ -82,8 +83,10 @@ def pretrain(
         while done < steps:
             rng = generator_for(seed, "pretraining", done)
             rows = np.sort(rng.integers(len(examples), size=preset.pretraining_batch))
-            loss = learner.step(*_batch(examples, rows, device))
-            done += 1
+            batch = _batch(examples, rows, device)
+            with whole_step():
+                loss = learner.step(*batch)
+                done += 1
             progress.show(done, f"loss {loss:.3f}")
             if time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
                 learner.store(path, done)

@@ -13,7 +13,8 @@ from torch import Tensor
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
-from geotlm_lm.data.questions import QuestionAnswer, questions_for
+from geotlm_lm.data.questions import WORDINGS, QuestionAnswer, questions_for
+from geotlm_lm.probe.linear import LinearProbe
 
 OPEN_QUESTION = "T1"
 
@@ -61,74 +62,96 @@ def true_option_likelihoods(
 def score_bundle(bundle: Bundle, clips: ClipSet, seed: int) -> dict[str, Any]:
     """Return accuracies on objects no weight has seen.
 
-    Generated answers are free: any sentence may come, and one that is none of the answers counts as
-    wrong. The probes choose among the motions of the task.
+    Answers are free: any sentence may come, and one that is none of the answers counts as wrong, as
+    does one withheld for want of contact. The probes choose among the motions of the task.
     """
     readable = clips.readable()
+    said = {wordings: _ask_all(bundle, clips, wordings, seed) for wordings in ("seen", "held_out")}
     scores: dict[str, Any] = {
         "clips": len(clips.labels),
         "unreadable_clips": len(clips.labels) - len(readable),
     }
     for task, motions in (("rotation", ROTATIONS), ("sliding", SLIDES)):
         rows = [row for row in readable if clips.labels[row].motion in motions]
-        truths = [clips.labels[row].motion for row in rows]
         scores[task] = {
             "clips": len(rows),
-            "generated": _generated_accuracy(bundle, clips, rows, "seen", seed),
-            "generated_held_out_wordings": _generated_accuracy(
-                bundle, clips, rows, "held_out", seed
-            ),
-            "probe": _share(bundle.model.probe.predict(clips.fused_tokens[rows], motions), truths),
-            "global_probe": _share(
-                bundle.model.global_probe.predict(clips.global_tokens[rows], motions), truths
+            "generated": _open_accuracy(said["seen"], rows),
+            "generated_held_out_wordings": _open_accuracy(said["held_out"], rows),
+            "probe": _probe_accuracy(bundle.model.probe, clips.fused_tokens, clips, rows, motions),
+            "global_probe": _probe_accuracy(
+                bundle.model.global_probe, clips.global_tokens, clips, rows, motions
             ),
         }
     scores["by_type"] = {
-        f"{type_id} {wordings}": accuracy
-        for wordings in ("seen", "held_out")
-        for type_id, accuracy in _accuracy_by_type(bundle, clips, wordings, seed).items()
+        f"{type_id} {wordings}": _share([one.is_right for one in replies if one.type_id == type_id])
+        for wordings, replies in said.items()
+        for type_id in dict.fromkeys(one.type_id for one in replies)
     }
-    scores["false_directions"] = _false_directions(bundle, clips, seed)
+    scores["false_directions"] = _false_directions(clips, said["seen"])
     return scores
 
 
-def _generated_accuracy(bundle, clips: ClipSet, rows: list[int], wordings: str, seed: int) -> float:
-    asked = [_asked(clips.labels[row], seed, row, wordings, (OPEN_QUESTION,))[0] for row in rows]
-    texts = bundle.speaker.generate(clips.fused_tokens[rows], [one.question for one in asked])
-    return _share(texts, [one.answer for one in asked])
+@dataclass(frozen=True)
+class _Reply:
+    """What the model said to one question; `claim` is the motion it names, None if none."""
+
+    row: int
+    type_id: str
+    is_right: bool
+    claim: Motion | None
 
 
-def _accuracy_by_type(bundle, clips: ClipSet, wordings: str, seed: int) -> dict[str, float]:
-    by_type: dict[str, list[tuple[int, QuestionAnswer]]] = {}
-    for row in clips.readable():
-        for one in _asked(clips.labels[row], seed, row, wordings, None):
-            by_type.setdefault(one.type_id, []).append((row, one))
-    accuracies = {}
-    for type_id, asked in by_type.items():
-        rows = [row for row, _ in asked]
-        texts = bundle.speaker.generate(clips.fused_tokens[rows], [q.question for _, q in asked])
-        accuracies[type_id] = _share(texts, [one.answer for _, one in asked])
-    return accuracies
+def _ask_all(bundle: Bundle, clips: ClipSet, wordings: WORDINGS, seed: int) -> list[_Reply]:
+    """Ask one question of every type about every readable clip."""
+    asked = [
+        (row, one)
+        for row in clips.readable()
+        for one in _asked(clips.labels[row], seed, row, wordings, None)
+    ]
+    # Questions of one type are of like length: the padding of a batch stays short.
+    asked.sort(key=lambda pair: pair[1].type_id)
+    rows = [row for row, _ in asked]
+    texts = bundle.speaker.generate(clips.fused_tokens[rows], [one.question for _, one in asked])
+    replies = []
+    for (row, one), text in zip(asked, texts, strict=True):
+        slots = bundle.grammar.parse(text)
+        claim = slots.direction if slots else None
+        is_withheld = bundle.calibration.withholds(claim, float(clips.contact_share[row]))
+        is_right = text == one.answer and not is_withheld
+        replies.append(_Reply(row, one.type_id, is_right, None if is_withheld else claim))
+    return replies
 
 
-def _false_directions(bundle, clips: ClipSet, seed: int) -> float:
-    """Return how often a direction is claimed of clips that have none."""
-    rows = [row for row in clips.readable() if clips.labels[row].motion not in DIRECTED]
-    asked = [_asked(clips.labels[row], seed, row, "seen", (OPEN_QUESTION,))[0] for row in rows]
-    texts = bundle.speaker.generate(clips.fused_tokens[rows], [one.question for one in asked])
-    parsed = [bundle.grammar.parse(text) for text in texts]
-    claims = [slots is not None and slots.direction in DIRECTED for slots in parsed]
-    return float(np.mean(claims)) if claims else 0.0
+def _open_accuracy(replies: Sequence[_Reply], rows: Sequence[int]) -> float:
+    wanted = set(rows)
+    return _share([r.is_right for r in replies if r.type_id == OPEN_QUESTION and r.row in wanted])
+
+
+def _probe_accuracy(
+    probe: LinearProbe, tokens: Tensor, clips: ClipSet, rows: list[int], motions: tuple[Motion, ...]
+) -> float:
+    said = probe.predict(tokens[rows], motions)
+    return _share([one == clips.labels[row].motion for one, row in zip(said, rows, strict=True)])
+
+
+def _false_directions(clips: ClipSet, replies: Sequence[_Reply]) -> float:
+    """Return how often an open question about a clip without direction is answered with one."""
+    return _share(
+        [
+            one.claim in DIRECTED
+            for one in replies
+            if one.type_id == OPEN_QUESTION and clips.labels[one.row].motion not in DIRECTED
+        ]
+    )
 
 
 def _asked(
-    label: MotionLabel, seed: int, row: int, wordings: str, types: tuple[str, ...] | None
+    label: MotionLabel, seed: int, row: int, wordings: WORDINGS, types: tuple[str, ...] | None
 ) -> list[QuestionAnswer]:
     rng = generator_for(seed, "scoring", wordings, row)
     return questions_for(label, rng, types=types, wordings=wordings)
 
 
-def _share(found: Sequence[str | Motion], expected: Sequence[str | Motion]) -> float:
-    if not expected:
-        return float("nan")
-    return float(np.mean([a == b for a, b in zip(found, expected, strict=True)]))
+def _share(hits: Sequence[bool]) -> float:
+    """Return the share of hits; 0 where there is nothing to count, since JSON knows no NaN."""
+    return float(np.mean(hits)) if hits else 0.0

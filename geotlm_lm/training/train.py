@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import json
 import time
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import cv2
@@ -27,7 +28,7 @@ from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.training.calibration import fit_contact_threshold, fit_temperature
 from geotlm_lm.training.card import write_card
 from geotlm_lm.training.config import TrainingPreset, preset_named
-from geotlm_lm.training.examples import Examples, simulated_examples
+from geotlm_lm.training.examples import Examples, ExampleSet, read_examples, simulate_examples
 from geotlm_lm.training.geometry import (
     ALL_MOTIONS,
     GeometryModel,
@@ -41,18 +42,9 @@ from geotlm_lm.training.progress import Progress
 from geotlm_lm.training.scoring import ClipSet, score_bundle, true_option_likelihoods
 
 RUN_FILE = "run.json"
+SECONDS_FILE = "seconds.txt"
 VALIDATION_EVERY = 7
 """Every seventh training object is kept from all weights, for mode choice and calibration."""
-
-
-@dataclass(frozen=True)
-class Sets:
-    """The four sets of simulated examples; objects of `validation` and `test` are in no other."""
-
-    pretraining: Examples
-    heads: Examples
-    validation: Examples
-    test: Examples
 
 
 def train(preset: str, out: Path, seed: int, workers: int) -> Path:
@@ -61,43 +53,62 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
     Args:
         preset: Name of a preset.
         out: Run folder; a run of the same preset and seed in it is continued.
-        seed: Root seed; on one machine the same seed gives the same weights.
+        seed: Root seed; on one machine, the same seed and workers give the same weights.
         workers: Processes that simulate, and threads that train.
 
     Raises:
         UsageError: If the preset is unknown or the folder holds another run.
     """
     settings = preset_named(preset)
-    started = time.monotonic()
     _claim(out, settings, seed)
     torch.set_num_threads(max(workers, 1))
     cv2.setNumThreads(1)
     device = "cuda" if torch.cuda.is_available() else "cpu"
-    sets = _simulate(out / "examples", settings, seed, workers)
-    backbone = pretrain(sets.pretraining, preset=settings, seed=seed, device=device, folder=out)
-    model, modes = _train_perception(backbone, sets, settings, seed, out)
-    heads = perceive_examples(model, sets.heads)
-    speaker = _train_speaker(heads, settings, seed, out)
-    provenance = {
-        "command": f"geotlm-lm train --preset {preset} --seed {seed}",
-        "preset": settings.to_dict(),
-        "seed": seed,
-        "machine": machine(),
-        "device": device,
-        "dgr_validation_accuracy": modes,
-    }
-    bundle = Bundle(model, speaker, load_templates().grammar(), Calibration(), provenance)
-    validation = perceive_examples(model, sets.validation)
-    bundle.calibration = _calibrate(bundle, validation, seed)
-    folder = out / "bundle"
-    save_bundle(folder, bundle)
-    # What is scored is what was written: half precision and all.
-    stored = load_bundle(folder)
-    test = perceive_examples(stored.model, sets.test)
-    scores = score_bundle(stored, test, seed)
-    seconds = time.monotonic() - started
-    write_card(folder, stored, scores, seconds)
+    examples, sets = out / "examples", example_sets(settings)
+    with _clock(out) as seconds:
+        simulate_examples(examples, list(sets.values()), seed=seed, workers=workers)
+        pretraining = read_examples(examples, sets["pretraining"])
+        backbone = pretrain(pretraining, preset=settings, seed=seed, device=device, folder=out)
+        del pretraining  # the largest set; nothing reads it again
+        heads = read_examples(examples, sets["heads"])
+        validation = read_examples(examples, sets["validation"])
+        model, modes = _train_perception(backbone, heads, validation, settings, seed, out)
+        speaker = _train_speaker(perceive_examples(model, heads), settings, seed, out)
+        provenance = {
+            "command": f"geotlm-lm train --preset {preset} --seed {seed} --workers {workers} "
+            f"--out RUN_FOLDER",
+            "preset": settings.to_dict(),
+            "seed": seed,
+            "machine": machine(),
+            "device": device,
+            "dgr_validation_accuracy": modes,
+        }
+        bundle = Bundle(model, speaker, load_templates().grammar(), Calibration(), provenance)
+        bundle.calibration = _calibrate(bundle, perceive_examples(model, validation), seed)
+        folder = out / "bundle"
+        save_bundle(folder, bundle)
+        # What is scored is what was written: half precision and all.
+        stored = load_bundle(folder)
+        test = perceive_examples(stored.model, read_examples(examples, sets["test"]))
+        scores = score_bundle(stored, test, seed)
+    write_card(folder, stored, scores, seconds())
     return folder
+
+
+def example_sets(settings: TrainingPreset) -> dict[str, ExampleSet]:
+    """Return the four sets of a run by name.
+
+    The objects of `validation` and of `test` are in no other set.
+    """
+    kept = TRAINING_OBJECTS[::VALIDATION_EVERY]
+    trained_on = tuple(name for name in TRAINING_OBJECTS if name not in kept)
+    sets = (
+        ExampleSet("pretraining", settings.pretraining_clips, trained_on),
+        ExampleSet("heads", settings.head_clips, trained_on),
+        ExampleSet("validation", settings.validation_clips, kept),
+        ExampleSet("test", settings.test_clips, EVERYDAY_OBJECTS),
+    )
+    return {one.stage: one for one in sets}
 
 
 def perceive_examples(model: GeoTLM, examples: Examples) -> ClipSet:
@@ -131,32 +142,32 @@ def _claim(out: Path, settings: TrainingPreset, seed: int) -> None:
     write_text_atomically(path, json.dumps(about, indent=1) + "\n")
 
 
-def _simulate(folder: Path, settings: TrainingPreset, seed: int, workers: int) -> Sets:
-    validation_objects = TRAINING_OBJECTS[::VALIDATION_EVERY]
-    training_objects = tuple(set(TRAINING_OBJECTS) - set(validation_objects))
-    training_objects = tuple(name for name in TRAINING_OBJECTS if name in training_objects)
-    plan = {
-        "pretraining": (settings.pretraining_clips, training_objects),
-        "heads": (settings.head_clips, training_objects),
-        "validation": (settings.validation_clips, validation_objects),
-        "test": (settings.test_clips, EVERYDAY_OBJECTS),
-    }
-    return Sets(
-        **{
-            stage: simulated_examples(
-                folder, stage, count, objects=objects, seed=seed, workers=workers
-            )
-            for stage, (count, objects) in plan.items()
-        }
-    )
+@contextmanager
+def _clock(out: Path) -> Iterator[Callable[[], float]]:
+    """Give the seconds this run has taken, those before an interruption included."""
+    path, started = out / SECONDS_FILE, time.monotonic()
+    before = float(path.read_text()) if path.exists() else 0.0
+
+    def seconds() -> float:
+        return before + time.monotonic() - started
+
+    try:
+        yield seconds
+    finally:
+        write_text_atomically(path, f"{seconds():.1f}\n")
 
 
 def _train_perception(
-    backbone: FrozenBackbone, sets: Sets, settings: TrainingPreset, seed: int, out: Path
+    backbone: FrozenBackbone,
+    heads: Examples,
+    validation: Examples,
+    settings: TrainingPreset,
+    seed: int,
+    out: Path,
 ) -> tuple[GeoTLM, dict[str, float]]:
     """Train DGR both ways and keep the one that answers better on validation objects."""
-    train_set = _token_set(backbone, sets.heads, settings.geometry_clips)
-    validation_set = _token_set(backbone, sets.validation, len(sets.validation))
+    train_set = _token_set(backbone, heads, settings.geometry_clips)
+    validation_set = _token_set(backbone, validation, len(validation))
     trained: dict[str, GeometryModel] = {
         mode: train_geometry(
             train_set,

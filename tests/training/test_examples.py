@@ -6,31 +6,26 @@ import pytest
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.training import examples
-from geotlm_lm.training.examples import _frame_order, simulated_examples
+from geotlm_lm.training.examples import (
+    ExampleSet,
+    _frame_order,
+    read_examples,
+    simulate_examples,
+)
+from tests.training.in_process import InProcess
 
 
 @pytest.fixture
 def _small_chunks(monkeypatch):
     monkeypatch.setattr(examples, "CHUNK_CLIPS", 4)
     # Worker processes would import the module afresh, with its own chunk size.
-    monkeypatch.setattr(examples, "ProcessPoolExecutor", _InProcess)
-
-
-class _InProcess:
-    def __init__(self, *_, **__):
-        pass
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        return False
-
-    map = staticmethod(lambda function, jobs: map(function, jobs))
+    monkeypatch.setattr(examples, "ProcessPoolExecutor", InProcess)
 
 
 def made_in(folder):
-    return simulated_examples(folder, "check", 8, objects=TRAINING_OBJECTS[:3], seed=5, workers=1)
+    wanted = ExampleSet("check", 8, TRAINING_OBJECTS[:3])
+    simulate_examples(folder, [wanted], seed=5, workers=1)
+    return read_examples(folder, wanted)
 
 
 @pytest.mark.usefixtures("_small_chunks")

@@ -1,0 +1,53 @@
+"""What Ctrl-C may break off and what it must wait for; knows nothing of what is trained."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import active_children
+
+
+@contextmanager
+def whole_step() -> Iterator[None]:
+    """Let Ctrl-C wait until the block is done: half an optimiser step must not be saved."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # Python delivers signals to the main thread only.
+        return
+    caught: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: caught.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if caught:
+        signal.raise_signal(signal.SIGINT)
+
+
+@contextmanager
+def deaf_children() -> Iterator[None]:
+    """Start processes inside that never see Ctrl-C: it is their parent's to end them.
+
+    A terminal sends Ctrl-C to every process of a command; each worker would print a trace.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # a started program inherits this
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def children_end_with_it() -> Iterator[None]:
+    """End the processes started inside at once if the block is broken off."""
+    before = set(active_children())
+    try:
+        yield
+    except BaseException:
+        for child in set(active_children()) - before:
+            child.terminate()
+        raise

@@ -1,0 +1,83 @@
+"""Ctrl-C: a step is taken whole, and worker processes end with their parent, silently."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from geotlm_lm.training.interrupts import whole_step
+
+SIMULATE = """
+import sys
+from pathlib import Path
+from geotlm_lm.training import train
+train.write_text_atomically(Path(sys.argv[1]) / "ready", "")
+from geotlm_lm.cli.main import main
+main(["train", "--preset", "smoke", "--out", sys.argv[1], "--workers", "2"])
+"""
+
+
+def test_an_interrupt_waits_until_the_step_is_taken():
+    done = []
+
+    def step():
+        with whole_step():
+            signal.raise_signal(signal.SIGINT)
+            done.append("step")
+
+    with pytest.raises(KeyboardInterrupt):
+        step()
+    assert done == ["step"]
+
+
+def test_outside_a_step_interrupts_arrive_as_ever():
+    with whole_step():
+        pass
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
+
+
+def test_an_error_in_a_step_is_told_as_it_is():
+    with pytest.raises(ZeroDivisionError), whole_step():
+        raise ZeroDivisionError
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
+def test_ctrl_c_while_simulating_ends_everything_with_one_sentence(tmp_path):
+    run = subprocess.Popen(
+        [sys.executable, "-c", SIMULATE, str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    wait_until(lambda: (tmp_path / "ready").exists())
+    time.sleep(2.0)  # the workers are loading or simulating, no chunk is near its end
+    os.killpg(run.pid, signal.SIGINT)  # as a terminal does: to every process of the command
+    out, err = run.communicate(timeout=20)
+    assert run.returncode == 130
+    assert out == ""
+    assert err.splitlines() == [
+        f"training preset smoke into {tmp_path}",
+        "Stopped; what was finished is kept.",
+    ]
+    wait_until(lambda: not is_alive(run.pid), seconds=10)  # no worker is left behind
+
+
+def is_alive(group):
+    try:
+        os.killpg(group, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def wait_until(is_true, seconds=60.0):
+    end = time.monotonic() + seconds
+    while not is_true():
+        assert time.monotonic() < end
+        time.sleep(0.05)

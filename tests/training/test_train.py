@@ -1,0 +1,138 @@
+"""The whole path from nothing to a bundle, at a size at which it learns nothing."""
+
+import json
+import shutil
+from functools import partial
+
+import numpy as np
+import pytest
+import torch
+
+from geotlm_lm.checkpoint import load_bundle
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.language.decoder import LanguageSize
+from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
+from geotlm_lm.training import config, examples, language, train
+from geotlm_lm.training.language import LanguageTraining
+from tests.training.in_process import InProcess
+
+TINY = config.TrainingPreset(
+    name="tiny",
+    pretraining_clips=20,
+    head_clips=20,
+    validation_clips=20,
+    test_clips=20,
+    backbone_width=8,
+    backbone_depth=1,
+    backbone_heads=1,
+    pretraining_draws=8,
+    pretraining_batch=4,
+    pretraining_rate=1e-3,
+    geometry_epochs=2,
+    geometry_clips=20,
+    language_steps=2,
+    language_batch=4,
+)
+SMALL = LanguageSize(width=16, layers=1, heads=2, mlp=16)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _tiny():
+    threads = torch.get_num_threads()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(config.PRESETS, "tiny", TINY)
+        patch.setattr(examples, "CHUNK_CLIPS", 20)
+        patch.setattr(examples, "ProcessPoolExecutor", InProcess)
+        patch.setattr(train, "LanguageTraining", partial(LanguageTraining, size=SMALL))
+        yield
+    torch.set_num_threads(threads)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    out = tmp_path_factory.mktemp("run")
+    assert train.train("tiny", out, seed=3, workers=1) == out / "bundle"
+    return out
+
+
+def test_the_folder_is_a_bundle_that_answers(finished):
+    bundle = load_bundle(finished / "bundle")
+    frames = np.random.default_rng(0).integers(90, 120, (4, 32, 40, 3)).astype(np.uint8)
+    clip = Clip(frames, background=np.full((32, 40, 3), 105, np.uint8))
+    token = bundle.model.perceive([clip]).fused_token
+    assert token.shape == (1, TINY.backbone_width)
+    assert isinstance(bundle.speaker.generate(token, ["Which way?"])[0], str)
+    assert bundle.calibration.temperature > 0
+    assert set(bundle.provenance["dgr_validation_accuracy"]) == {"paper", "grounded"}
+
+
+def test_the_card_tells_the_scores_and_the_command_that_made_them(finished):
+    about = json.loads((finished / "bundle" / "scores.json").read_text())
+    scores = about["scores"]
+    assert scores["clips"] == 20
+    # Two clips of each of the ten motions; what leaves no trace is left out.
+    assert scores["rotation"]["clips"] + scores["sliding"]["clips"] <= 12
+    assert {name.split()[1] for name in scores["by_type"]} == {"seen", "held_out"}
+    card = (finished / "bundle" / "README.md").read_text()
+    command = "geotlm-lm train --preset tiny --seed 3 --workers 1 --out RUN_FOLDER"
+    assert f"`{command}`" in card
+    assert f"| rotation | {scores['rotation']['clips']} |" in card
+
+
+def test_an_interrupted_run_is_continued_to_the_same_bytes(finished, tmp_path, monkeypatch):
+    shutil.copytree(finished / "examples", tmp_path / "examples")
+    take_step, taken = language._step, []
+
+    def interrupted(*arguments):
+        if taken:
+            raise KeyboardInterrupt
+        taken.append(1)
+        return take_step(*arguments)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(language, "_step", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            train.train("tiny", tmp_path, seed=3, workers=1)
+    assert not (tmp_path / "bundle").exists()
+    before = float((tmp_path / "seconds.txt").read_text())
+    assert before > 0
+    train.train("tiny", tmp_path, seed=3, workers=1)
+    assert float((tmp_path / "seconds.txt").read_text()) > before
+    compared = 0
+    for path in (finished / "bundle").rglob("*"):
+        if path.is_file() and path.name != "scores.json":
+            again = tmp_path / "bundle" / path.relative_to(finished / "bundle")
+            assert again.read_bytes() == path.read_bytes(), path.name
+            compared += 1
+    assert compared > 5
+    first, second = (
+        json.loads((out / "bundle" / "scores.json").read_text()) for out in (finished, tmp_path)
+    )
+    assert first["scores"] == second["scores"]
+
+
+def test_another_seed_in_the_same_folder_is_refused(finished):
+    with pytest.raises(UsageError) as caught:
+        train.train("tiny", finished, seed=4, workers=1)
+    assert str(caught.value) == (
+        f"{finished} holds a run of another preset or seed; give an empty folder, or the same "
+        f"preset and seed to continue it."
+    )
+
+
+def test_no_object_is_in_two_of_training_validation_and_test():
+    sets = train.example_sets(TINY)
+    trained, kept, unseen = (set(sets[s].objects) for s in ("heads", "validation", "test"))
+    assert sets["pretraining"].objects == sets["heads"].objects
+    assert trained | kept == set(TRAINING_OBJECTS)
+    assert unseen == set(EVERYDAY_OBJECTS)
+    assert not trained & kept
+    assert not (trained | kept) & unseen
+
+
+def test_clips_of_objects_kept_for_another_set_are_refused(finished):
+    folder = finished / "examples"
+    wanted = examples.ExampleSet("validation", 20, objects=("ball",))
+    with pytest.raises(UsageError, match="the validation clips touch .*, expected only objects"):
+        examples.read_examples(folder, wanted)
