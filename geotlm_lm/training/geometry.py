@@ -1,4 +1,4 @@
-"""Train DGR and the linear probe on frozen tokens, in the paper's two possible ways.
+"""Train DGR and the linear probe on frozen tokens, in two ways.
 
 `paper`: only the classification loss shapes shear and mask. `grounded`: the simulator's true change
 of displacement and contact supervise them as well, so that the drawn shear field is physical.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import torch
 import torch.nn.functional as F
@@ -15,6 +16,7 @@ from torch import Tensor, nn
 
 from geotlm_lm.backbone.stem import FLOW_SCALE_PX
 from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.dgr.encoder import DGR, Geometry
@@ -78,15 +80,12 @@ def train_geometry(
         epochs: Epochs over the training split.
         seed: Root seed.
         path: Checkpoint, written after every epoch.
+
+    Raises:
+        UsageError: If the checkpoint was trained on other tokens.
     """
-    width = train.tokens.global_token.shape[-1]
-    generator = torch.Generator().manual_seed(seed_for(seed, "weights", "dgr"))
-    global_standardiser, patch_standardiser = fit_standardisers(train.tokens)
-    dgr, probe = DGR(width), LinearProbe(width, ALL_MOTIONS)
-    for layer in (dgr.to_shear, dgr.to_mask, dgr.to_feature, probe.head):
-        nn.init.normal_(layer.weight, 0, layer.in_features**-0.5, generator=generator)
-        nn.init.zeros_(layer.bias)
-    model = GeometryModel(global_standardiser, patch_standardiser, dgr, probe, -1.0)
+    model = _fresh_model(train.tokens, seed)
+    dgr, probe = model.dgr, model.probe
     optimiser = torch.optim.AdamW(
         [
             {"params": list(dgr.parameters()), "lr": DGR_RATE},
@@ -94,26 +93,54 @@ def train_geometry(
         ],
         weight_decay=WEIGHT_DECAY,
     )
-    state = load_checkpoint(path) or {"epoch": 0, "best": None, "best_accuracy": -1.0}
-    if "dgr" in state:
-        dgr.load_state_dict(state["dgr"])
-        probe.load_state_dict(state["probe"])
-        optimiser.load_state_dict(state["optimiser"])
+    state = _restored(path, model, optimiser)
     progress = Progress(f"train DGR ({mode})", epochs, state["epoch"])
     for epoch in range(state["epoch"], epochs):
         _one_epoch(model, train, optimiser, mode, generator_for(seed, "dgr", mode, epoch))
         accuracy = readable_accuracy(model, validation)
+        weights = {"dgr": dgr.state_dict(), "probe": probe.state_dict()}
         if accuracy > state["best_accuracy"]:
-            best = {"dgr": dgr.state_dict(), "probe": probe.state_dict()}
-            state["best"] = {part: _copied(weights) for part, weights in best.items()}
+            state["best"] = {part: _copied(values) for part, values in weights.items()}
             state["best_accuracy"] = accuracy
-        state |= {"epoch": epoch + 1, "dgr": dgr.state_dict(), "probe": probe.state_dict()}
-        save_checkpoint(path, state | {"optimiser": optimiser.state_dict()})
+        state |= weights | {"epoch": epoch + 1, "optimiser": optimiser.state_dict()}
+        save_checkpoint(path, state)
         progress.show(epoch + 1, f"validation {accuracy:.3f}")
     dgr.load_state_dict(state["best"]["dgr"])
     probe.load_state_dict(state["best"]["probe"])
     model.validation_accuracy = state["best_accuracy"]
     return model
+
+
+def _fresh_model(tokens: Tokens, seed: int) -> GeometryModel:
+    width = tokens.global_token.shape[-1]
+    generator = torch.Generator().manual_seed(seed_for(seed, "weights", "dgr"))
+    dgr, probe = DGR(width), LinearProbe(width, ALL_MOTIONS)
+    for layer in (dgr.to_shear, dgr.to_mask, dgr.to_feature, probe.head):
+        nn.init.normal_(layer.weight, 0, layer.in_features**-0.5, generator=generator)
+        nn.init.zeros_(layer.bias)
+    return GeometryModel(*fit_standardisers(tokens), dgr, probe, -1.0)
+
+
+def _restored(path: Path, model: GeometryModel, optimiser: torch.optim.Optimizer) -> dict[str, Any]:
+    """Return the state of an interrupted training and restore it, or a state before any epoch.
+
+    Raises:
+        UsageError: If the checkpoint was trained on other tokens.
+    """
+    token_mean = model.global_standardiser.mean
+    state = load_checkpoint(path)
+    if state is None:
+        return {"epoch": 0, "best": None, "best_accuracy": -1.0, "token_mean": token_mean}
+    found = state.get("token_mean")
+    if found is None or not torch.equal(found, token_mean):
+        raise UsageError(
+            f"{path}: was trained on the tokens of another backbone or other clips; delete it to "
+            f"start over."
+        )
+    model.dgr.load_state_dict(state["dgr"])
+    model.probe.load_state_dict(state["probe"])
+    optimiser.load_state_dict(state["optimiser"])
+    return state
 
 
 def fit_standardisers(tokens: Tokens) -> tuple[Standardiser, Standardiser]:
@@ -140,8 +167,7 @@ def train_global_probe(
     for epoch in range(epochs):
         order = generator_for(seed, "global_probe", epoch).permutation(len(tokens))
         for rows in torch.from_numpy(order).split(BATCH):
-            rows = rows[train.is_readable[rows]]
-            loss = F.cross_entropy(probe(tokens[rows]), train.motions[rows])
+            loss = _readable_loss(probe(tokens[rows]), train, rows)
             optimiser.zero_grad(set_to_none=True)
             loss.backward()
             optimiser.step()
@@ -172,13 +198,19 @@ def _accuracy(predicted: Tensor, data: TokenSet) -> float:
 def _one_epoch(model, train: TokenSet, optimiser, mode: DGRMode, rng) -> None:
     for rows in torch.from_numpy(rng.permutation(len(train.tokens))).split(BATCH):
         logits, geometry = _forward(model, train, rows)
-        readable = train.is_readable[rows]
-        loss = F.cross_entropy(logits[readable], train.motions[rows][readable])
+        loss = _readable_loss(logits, train, rows)
         if mode == "grounded":
             loss = loss + _grounding_loss(geometry, train, rows)
         optimiser.zero_grad(set_to_none=True)
         loss.backward()
         optimiser.step()
+
+
+def _readable_loss(logits: Tensor, data: TokenSet, rows: Tensor) -> Tensor:
+    """Return the mean cross entropy of readable clips; 0, not NaN, for a batch without any."""
+    readable = data.is_readable[rows]
+    losses = F.cross_entropy(logits, data.motions[rows], reduction="none")
+    return losses[readable].sum() / readable.sum().clamp(min=1)
 
 
 def _forward(model: GeometryModel, data: TokenSet, rows) -> tuple[Tensor, Geometry]:
