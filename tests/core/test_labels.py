@@ -36,17 +36,6 @@ def test_a_mirror_swaps_only_what_has_a_left_and_a_right(motion):
     assert (mirror(motion) != motion) == is_handed
 
 
-def test_turning_the_image_upside_down_keeps_the_sense_of_rotation():
-    # A half turn is a left-right and an up-down mirror; up-down swaps rotations as well.
-    def up_down(motion):
-        swapped = {Motion.UP: Motion.DOWN, Motion.DOWN: Motion.UP}
-        return swapped.get(motion, mirror(motion) if motion in ROTATIONS else motion)
-
-    assert up_down(mirror(Motion.CLOCKWISE)) == Motion.CLOCKWISE
-    assert up_down(mirror(Motion.LEFT)) == Motion.RIGHT
-    assert up_down(mirror(Motion.UP)) == Motion.DOWN
-
-
 def test_a_label_survives_json_values():
     label = MotionLabel(Motion.CLOCKWISE, rotation_deg=3.5, contact_fraction=(0.0, 0.25))
     assert MotionLabel.from_dict(label.to_dict()) == label

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.seeding import generator_for
-from geotlm_lm.simulation.optics import lit, recorded
+from geotlm_lm.simulation.optics import lit, recorded, turned_lights
 from geotlm_lm.simulation.scene import Optics
 
 AXIS = (np.arange(224) - 111.5).astype(np.float32)
@@ -26,6 +26,36 @@ def test_a_flank_takes_the_colour_of_the_light_it_faces(side, expected):
     optics = Optics(saturation=0, depth_gain=(0, 0, 0))
     change = lit(ramp(*side), GREY, optics)[:, 100:120, 100:120].mean(axis=(1, 2)) - 100
     assert change == pytest.approx(expected, abs=0.2)
+
+
+def test_steep_flanks_saturate_as_the_formula_says():
+    optics = Optics(saturation=1.5, depth_gain=(0, 0, 0))
+    change = lit(ramp(1, 0, slope=1.0), GREY, optics)[1, 100:120, 100:120].mean() - 100
+    assert change == pytest.approx(49 / np.sqrt(1 + 1.5**2), abs=0.2)
+
+
+def test_a_light_turned_clockwise_from_above_comes_from_the_right():
+    lights = turned_lights(Optics(light_turn_rad=(np.pi / 2, 0, 0)))
+    assert lights[0] == pytest.approx((1.08, -0.12))
+    assert np.array_equal(lights[1:], turned_lights(Optics())[1:])
+
+
+@pytest.mark.parametrize("from_x", [1, -1])
+def test_a_shadow_falls_behind_the_height_that_stands_towards_the_light(from_x):
+    # A wall over the half of the image that the light comes from shades the low ground before it.
+    wall = (AXIS * from_x > 0).astype(np.float32)
+    height = np.tile(wall, (224, 1))
+    lights = np.array([[from_x, 0.0]] * 3)
+    plain, shaded = (
+        lit(height, GREY, Optics(shadow=share, psf_mm=0, depth_gain=(0, 0, 0)), lights=lights)
+        for share in (0.0, 0.3)
+    )
+    dark = (plain - shaded)[0, 112]
+    reach_px = 0.6 / Optics().mm_per_px_x
+    before = (AXIS * from_x < -1) & (AXIS * from_x > -reach_px)
+    assert np.all(dark[before] > 10)
+    assert not dark[AXIS * from_x > 2].any()
+    assert not dark[AXIS * from_x < -reach_px - 1].any()
 
 
 def test_a_flat_gel_shows_its_idle_frame():
