@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.core.labels import ROTATIONS, Motion
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.simulation.indenters import INDENTERS
@@ -70,7 +71,7 @@ def random_scene(rng: np.random.Generator, *, object_name: str, motion: Motion) 
     kind = INDENTERS[object_name]
     if kind.is_axisymmetric and motion in ROTATIONS:
         body = replace(body, texture_um=rng.uniform(15, 40), texture_scale_mm=rng.uniform(0.3, 0.8))
-    half_x, half_y = optics.mm_per_px_x * 112, optics.mm_per_px_y * 112
+    half_x, half_y = (side * IMAGE_SIDE / 2 for side in (optics.mm_per_px_x, optics.mm_per_px_y))
     # A corner of the contact stays in view: the middle is kept inside the border.
     centre = (
         rng.uniform(-1, 1) * min(CENTRE_MM, 0.65 * half_x),

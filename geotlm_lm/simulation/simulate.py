@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.simulation.idle import idle_frame
@@ -29,6 +30,9 @@ IDLE_STAGES = ("optics", "truth")
 
 BACKGROUND_NOISE = 0.45
 """Noise of an idle frame averaged over about five frames, relative to one frame's."""
+
+CAMERA_FPS = 25.0
+"""Frames per second of a GelSight Mini's camera (gs_sdk)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,19 +77,19 @@ def simulate(scenes: Sequence[Scene], *, seed: int, first_index: int = 0) -> lis
 def _simulate_one(scene: Scene, seed: int, index: int) -> SimulatedClip:
     rng = generator_for(seed, "clip", index)
     is_touched = max(scene.path.depth_mm) > 0
-    surface = _surface(scene) if is_touched else None
-    view = scene.optics.mm_per_px_x * 224 / NOMINAL_VIEW_MM
+    surface = pressed_surface(scene, build_profile(scene.body)) if is_touched else None
+    view = scene.optics.mm_per_px_x * IMAGE_SIDE / NOMINAL_VIEW_MM
     idle = idle_frame(scene.optics.idle, view)
     frames, background, change = _render(scene, surface, idle, rng)
     count = len(scene.path)
-    contact = np.zeros((count, 14, 14), np.float32)
+    contact = np.zeros((count, GRID_SIDE, GRID_SIDE), np.float32)
     depth = np.zeros_like(contact)
     if surface is not None:
         contact = patch_means(surface.touches)
         depth = patch_means(surface.indentation_mm)
     return SimulatedClip(
         clip=Clip(
-            frames, fps=25.0, background=background, name=f"{scene.body.name}-{seed}-{index}"
+            frames, fps=CAMERA_FPS, background=background, name=f"{scene.body.name}-{seed}-{index}"
         ),
         label=label_for(scene, contact.mean(axis=(1, 2)), change),
         object_name=scene.body.name,
@@ -97,10 +101,6 @@ def _simulate_one(scene: Scene, seed: int, index: int) -> SimulatedClip:
         status=surface.status if surface is not None else SolverStatus(0.0, 0, True),
         stages=IMAGE_STAGES if is_touched else IDLE_STAGES,
     )
-
-
-def _surface(scene: Scene) -> Surface:
-    return pressed_surface(scene, build_profile(scene.body))
 
 
 def _render(
