@@ -84,6 +84,7 @@ def test_a_direction_without_contact_becomes_an_abstention(bundle):
     assert answer.abstained
     assert answer.direction is None
     assert answer.text.startswith("I cannot name a direction: I see next to no contact")
+    assert answer.confidence == 0.0
 
 
 def test_words_outside_the_answers_are_an_abstention_of_unknown_kind(bundle):

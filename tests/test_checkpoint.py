@@ -1,15 +1,19 @@
 """Laws: what is loaded is what was saved; what is not recognised is refused in one sentence."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
 import torch
+from safetensors.torch import load_file, save_file
 
+from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.checkpoint import load_bundle, save_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import IncompatibleBundle
-from tests.tiny_bundle import tiny_bundle
+from geotlm_lm.training.language import LanguageTraining, new_speaker
+from tests.tiny_bundle import WIDTH, tiny_bundle
 
 
 @pytest.fixture(scope="module")
@@ -78,3 +82,36 @@ def test_truncated_weights_are_refused(saved, tmp_path):
         IncompatibleBundle, match=r"perception.safetensors does not fit config.json"
     ):
         load_bundle(tmp_path)
+
+
+def test_weights_of_an_unknown_part_are_refused(saved, tmp_path):
+    folder, _ = saved
+    shutil.copytree(folder, tmp_path / "bundle")
+    path = tmp_path / "bundle" / "perception.safetensors"
+    save_file(load_file(path) | {"wheels.weight": torch.zeros(2)}, path)
+    with pytest.raises(IncompatibleBundle, match=r"unknown parts \['wheels'\]"):
+        load_bundle(tmp_path / "bundle")
+
+
+def test_a_stem_of_another_version_is_refused(saved, tmp_path):
+    folder, _ = saved
+    shutil.copytree(folder, tmp_path / "bundle")
+    path = tmp_path / "bundle" / "config.json"
+    config = json.loads(path.read_text())
+    config["backbone"]["input_dim"] += 1
+    path.write_text(json.dumps(config))
+    with pytest.raises(IncompatibleBundle, match=f"patch inputs have {PATCH_INPUT_DIM + 1} numbers"):
+        load_bundle(tmp_path / "bundle")
+
+
+def test_a_language_model_of_another_width_is_refused(saved, tmp_path):
+    folder, _ = saved
+    shutil.copytree(folder, tmp_path / "bundle")
+    other = new_speaker(torch.randn(9, 5), LanguageTraining(size=saved[1].speaker.model.size))
+    other.save(tmp_path / "bundle" / "language")
+    with pytest.raises(IncompatibleBundle) as caught:
+        load_bundle(tmp_path / "bundle")
+    assert str(caught.value) == (
+        f"{tmp_path / 'bundle'}: language reads fused tokens of width 5, perception.safetensors "
+        f"gives width {WIDTH}; copy the bundle again."
+    )

@@ -55,7 +55,7 @@ GelSight-like sensor. Trained on simulated clips alone; no real recording was us
   {preset["language_batch"]} questions.
 - Command: `{made["command"]}`, {seconds / 60:.0f} min on {machine["processor"]}
   ({machine["cores"]} cores, {made["device"]}), torch {machine["versions"]["torch"]}.
-- Size: {size_mb:.1f} MB in half precision; computed in float32.
+- Size: {size_mb:.1f} MB, perception in half precision; computed in float32.
 
 ## Scores on simulated everyday objects never trained on
 
