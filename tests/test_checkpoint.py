@@ -100,7 +100,9 @@ def test_a_stem_of_another_version_is_refused(saved, tmp_path):
     config = json.loads(path.read_text())
     config["backbone"]["input_dim"] += 1
     path.write_text(json.dumps(config))
-    with pytest.raises(IncompatibleBundle, match=f"patch inputs have {PATCH_INPUT_DIM + 1} numbers"):
+    with pytest.raises(
+        IncompatibleBundle, match=f"patch inputs have {PATCH_INPUT_DIM + 1} numbers"
+    ):
         load_bundle(tmp_path / "bundle")
 
 

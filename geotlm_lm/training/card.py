@@ -45,7 +45,7 @@ tags: [tactile, gelsight, robotics]
 # Embedded tactile-language bundle
 
 Answers questions about the motion of a touched object in a four-frame clip of a markerless
-GelSight-like sensor. Trained on simulated clips alone; no real recording was used.
+GelSight-like sensor. Every weight was trained on simulated clips alone.
 
 - Backbone: ViT, width {config.width}, {config.depth} layers, {config.heads} heads, frozen after
   pretraining on {preset["pretraining_clips"]:,} simulated clips ({preset["pretraining_draws"]:,}
@@ -60,8 +60,9 @@ GelSight-like sensor. Trained on simulated clips alone; no real recording was us
 ## Scores on simulated everyday objects never trained on
 
 {scores["clips"]} clips, {scores["unreadable_clips"]} left out because their motion changes the
-image by less than the camera's noise. Generated answers are free text over all ten motions; the
-probes choose among the motions of the task.
+image by less than the camera's noise. Generated answers are free text over all ten motions, and a
+direction withheld for want of contact counts as wrong; the probes choose among the motions of the
+task.
 
 | task | clips | generated | generated, held-out wordings | probe on z | probe on c, no DGR |
 |---|---|---|---|---|---|
