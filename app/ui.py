@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from geotlm_lm import Answerer, GeoTLMError
@@ -10,6 +11,8 @@ from geotlm_lm.core.errors import MissingDependency
 from .handlers import EXAMPLE_QUESTIONS, ask, show_clip
 
 SUFFIXES = [".npy", ".npz", ".mp4", ".avi", ".mov", ".mkv"]
+
+EXAMPLE_CLIPS = sorted(str(path) for path in (Path(__file__).parent / "examples").glob("*.npz"))
 
 FRAME_OF_REFERENCE = (
     "Directions are told **as seen in the camera image** (looking out of the sensor at the "
@@ -44,12 +47,14 @@ def build(answerer: Answerer) -> Any:
             raise gr.Error(str(error), print_exception=False) from error
         return reply.sentence, reply.probabilities, reply.details
 
-    with gr.Blocks(title="geotlm-lm") as page:
+    # Without analytics nothing leaves the machine, and the page starts offline without a wait.
+    with gr.Blocks(title="geotlm-lm", analytics_enabled=False) as page:
         shown = gr.State()
         gr.Markdown(f"# Ask a touch sensor how the object moves\n\n{FRAME_OF_REFERENCE}")
         with gr.Row():
             with gr.Column():
                 path = gr.File(label="Recording", file_types=SUFFIXES, type="filepath")
+                gr.Examples([[clip] for clip in EXAMPLE_CLIPS], inputs=[path], label="Examples")
                 with gr.Row():
                     first = gr.Number(label="First frame (empty: chosen)", precision=0, value=None)
                     last = gr.Number(label="Last frame", precision=0, value=None)
