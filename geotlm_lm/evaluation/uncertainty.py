@@ -45,24 +45,31 @@ class PairedDifference:
 def clustered_interval(
     values: NDArray, objects: Labels, *, seed: int = 0, draws: int = DRAWS
 ) -> tuple[float, float]:
-    """Return the 95 % interval of the mean of `values`, resampling whole objects.
+    """Return the 95 % interval of an accuracy, resampling whole objects.
 
-    Resampling cannot show doubt where all objects agree; if every value is 0 or every value is 1
-    the interval is Wilson's for as many independent clips, which is the narrowest honest one.
+    Resampling cannot show doubt where objects agree, and not at all with one object; the interval
+    is therefore never narrower, at either end, than Wilson's for as many independent clips.
 
     Args:
-        values: One number per clip; True/False for an accuracy.
+        values: Whether each clip was answered right.
         objects: The object of each clip.
         seed: Root of the resampling.
         draws: Number of resamples.
     """
     values = np.asarray(values, dtype=float)
-    if values.min() == values.max() and values[0] in (0.0, 1.0):
-        margin = NORMAL_95**2 / (len(values) + NORMAL_95**2)
-        return (1 - margin, 1.0) if values[0] else (0.0, margin)
     means = _resampled_means(values, objects, seed, draws)
     low, high = np.quantile(means, [0.025, 0.975])
-    return float(low), float(high)
+    wilson_low, wilson_high = wilson_interval(float(values.mean()), len(values))
+    return min(float(low), wilson_low), max(float(high), wilson_high)
+
+
+def wilson_interval(share: float, count: int) -> tuple[float, float]:
+    """Return Wilson's 95 % interval of a share of `count` independent clips."""
+    z2 = NORMAL_95**2
+    centre = (share + z2 / (2 * count)) / (1 + z2 / count)
+    half = NORMAL_95 / (1 + z2 / count)
+    half *= np.sqrt(share * (1 - share) / count + z2 / (4 * count**2))
+    return max(float(centre - half), 0.0), min(float(centre + half), 1.0)
 
 
 def paired_difference(
@@ -84,6 +91,8 @@ def paired_difference(
         raise ValueError(f"lengths differ: {len(first)}, {len(second)}, {len(objects)}")
     gain = np.asarray(first, dtype=float) - np.asarray(second, dtype=float)
     low, high = np.quantile(_resampled_means(gain, objects, seed, draws), [0.025, 0.975])
+    if len(set(objects)) == 1:  # one object tells nothing of others
+        low, high = -1.0, 1.0
     return PairedDifference(
         difference=float(gain.mean()),
         low=float(low),

@@ -38,6 +38,9 @@ CONTRASTS = (
 
 ALL_MOTIONS = tuple(Motion)
 
+Read = Callable[["Encoded", tuple[Motion, ...]], Motion | None]
+"""Takes a perceived clip and the motions in question."""
+
 
 class PerceivedOnce:
     """The model's view of the latest clip, so that every row reads the same perception.
@@ -67,15 +70,16 @@ def all_methods(answerer: Answerer, seed: int) -> dict[str, Method]:
     """
     perceive = PerceivedOnce(answerer)
     model = answerer.bundle.model
-    asks_seen, asks_unseen = (direction_questions(seed, one) for one in ("seen", "held_out"))
 
-    def words(
-        questions: Callable[[], str],
-    ) -> Callable[[Encoded, tuple[Motion, ...]], Motion | None]:
+    # Every row has its own source, so that all rows of one share of wordings ask the same
+    # question about the same clip.
+    def words(wordings: WORDINGS) -> Read:
+        questions = direction_questions(seed, wordings)
         return lambda encoded, among: answerer.ask(encoded, questions()).direction
 
-    def scored(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
-        return most_probable(answerer.score(encoded, asks_seen()), among)
+    def scored() -> Read:
+        questions = direction_questions(seed, "seen")
+        return lambda encoded, among: most_probable(answerer.score(encoded, questions()), among)
 
     def probe(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
         return model.probe.predict(encoded.perception.fused_token, among)[0]
@@ -83,14 +87,14 @@ def all_methods(answerer: Answerer, seed: int) -> dict[str, Method]:
     def global_probe(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
         return model.global_probe.predict(encoded.perception.global_token, among)[0]
 
-    def among_all(read: Callable) -> Callable:
+    def among_all(read: Read) -> Read:
         return lambda encoded, among: read(encoded, ALL_MOTIONS)
 
     return {
-        GENERATED: _after_perceiving(perceive, words(asks_seen)),
-        GENERATED_UNSEEN: _after_perceiving(perceive, words(asks_unseen)),
-        SCORED: _after_perceiving(perceive, scored),
-        SCORED_FREE: _after_perceiving(perceive, among_all(scored)),
+        GENERATED: _after_perceiving(perceive, words("seen")),
+        GENERATED_UNSEEN: _after_perceiving(perceive, words("held_out")),
+        SCORED: _after_perceiving(perceive, scored()),
+        SCORED_FREE: _after_perceiving(perceive, among_all(scored())),
         PROBE: _after_perceiving(perceive, probe),
         PROBE_FREE: _after_perceiving(perceive, among_all(probe)),
         GLOBAL_PROBE: _after_perceiving(perceive, global_probe),
@@ -113,9 +117,7 @@ def most_probable(options: Mapping[str, float], among: tuple[Motion, ...]) -> Mo
     return max(among, key=lambda motion: options.get(motion.value, 0.0))
 
 
-def _after_perceiving(
-    perceive: PerceivedOnce, read: Callable[[Encoded, tuple[Motion, ...]], Motion | None]
-) -> Method:
+def _after_perceiving(perceive: PerceivedOnce, read: Read) -> Method:
     """Time only the reading, and add what perceiving the clip took when it was done."""
     method = timed(lambda encoded, among: read(encoded, among))
 

@@ -63,6 +63,14 @@ def test_the_same_seed_gives_the_same_interval():
     )
 
 
+@pytest.mark.parametrize(("right", "count"), [(7, 20), (49, 50), (1, 3)])
+def test_one_object_gets_the_interval_of_independent_clips(right, count):
+    correct = np.arange(count) < right
+    expected = stats.binomtest(right, count).proportion_ci(method="wilson")
+    found = clustered_interval(correct, ["cap"] * count)
+    assert found == pytest.approx((expected.low, expected.high))
+
+
 @pytest.mark.parametrize(
     ("only_first", "only_second"), [(0, 0), (1, 0), (9, 2), (30, 45), (900, 870)]
 )
@@ -92,7 +100,8 @@ def test_sampled_sign_flips_agree_with_the_exact_ones():
 
 
 def test_one_object_can_never_be_significant():
-    assert sign_flip_p(np.ones(500), ["cap"] * 500) == 1.0
+    found = paired_difference(np.ones(500), np.zeros(500), ["cap"] * 500)
+    assert (found.low, found.high, found.p_value) == (-1.0, 1.0, 1.0)
 
 
 def test_no_real_difference_is_found_about_one_time_in_twenty():

@@ -23,6 +23,7 @@ class FakeAnswerer:
     mute: Motion | None = None
     encoded_count: int = 0
     questions: list[str] = field(default_factory=list)
+    scored: list[str] = field(default_factory=list)
 
     def __post_init__(self):
         probe = LinearProbe(len(ALL), ALL)
@@ -49,4 +50,5 @@ class FakeAnswerer:
         return SimpleNamespace(direction=direction)
 
     def score(self, encoded, question, kind="direction"):
+        self.scored.append(question)
         return {m.value: 0.91 if m == encoded.seen else 0.01 for m in ALL}

@@ -64,10 +64,14 @@ def test_contrasts_compare_clip_by_clip():
 
 
 def test_resampling_keeps_families_together():
-    """Two objects of one family are one unit, so their opposite luck leaves no interval at all."""
-    cases = [case(CW, "red cap", "caps"), case(CCW, "blue cap", "caps")]
-    low, high = compare({"first": always_first}, cases, ROTATIONS)["methods"]["first"]["interval"]
-    assert (low, high) == (0.5, 0.5)
+    """Caps are always right and keys always wrong: two units to draw from, or twenty."""
+    motions = [CW] * 10 + [CCW] * 10
+    alone = [case(motion, f"thing {k}") for k, motion in enumerate(motions)]
+    together = [case(m, f"thing {k}", "caps" if m == CW else "keys") for k, m in enumerate(motions)]
+    low, high = compare({"first": always_first}, alone, ROTATIONS)["methods"]["first"]["interval"]
+    assert 0.2 < low < 0.5 < high < 0.8
+    found = compare({"first": always_first}, together, ROTATIONS)["methods"]["first"]["interval"]
+    assert found == [0.0, 1.0]
 
 
 def test_times_are_medians_and_tails():

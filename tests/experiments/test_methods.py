@@ -74,6 +74,16 @@ def test_seen_and_unseen_wordings_are_asked_apart():
     assert not seen & unseen
 
 
+def test_words_and_scores_of_a_clip_rest_on_the_same_question():
+    answerer = FakeAnswerer()
+    rows = all_methods(answerer, seed=0)
+    for _ in range(5):
+        for name in (methods.GENERATED, methods.SCORED, methods.SCORED_FREE):
+            rows[name](clip_of(Motion.UP), SLIDES)
+    assert answerer.questions == answerer.scored[::2] == answerer.scored[1::2]
+    assert len(set(answerer.questions)) > 1
+
+
 def test_the_same_seed_asks_the_same_questions():
     first, again = (direction_questions(3, "seen") for _ in range(2))
     assert [first() for _ in range(10)] == [again() for _ in range(10)]
