@@ -134,17 +134,13 @@ def _to_clip(stored: NDArray, layout: Layout | None, name: str) -> Clip:
         raise UnreadableClip(
             f"{name}: holds no pixels (shape {stored.shape}); record or export it again."
         )
-    pixel_count = math.prod(stored.shape[1:]) // (1 if found == "THW" else _colours(stored, found))
-    stride = stride_for(len(stored), 3 * pixel_count)
+    rows, columns = (stored.shape[found.index(axis)] for axis in "HW")
+    stride = stride_for(len(stored), rows, columns, name)
     frames, range_note = to_rgb(stored[::stride], found, name)
     notes = (layout_note, range_note)
     if stride > 1:
         notes = (*notes, stride_note(stride, len(stored)))
     return Clip(frames, name=name, frame_numbers=tuple(range(0, len(stored), stride)), notes=notes)
-
-
-def _colours(stored: NDArray, layout: Layout) -> int:
-    return stored.shape[-1] if layout == "THWC" else stored.shape[1]
 
 
 def _one_number(value: NDArray, name: str) -> float | None:

@@ -28,7 +28,7 @@ def read_folder(folder: Path) -> Clip:
             f"give the folder the frames lie in."
         )
     first = read_still_image(paths[0])
-    stride = stride_for(len(paths), first.nbytes)
+    stride = stride_for(len(paths), *first.shape[:2], str(paths[0]))
     frames = [first]
     for path in paths[stride::stride]:
         frame = read_still_image(path)

@@ -23,7 +23,7 @@ def read_video(path: Path) -> Clip:
     """Return the clip in a video file.
 
     Raises:
-        UnreadableClip: If no frame of it can be decoded.
+        UnreadableClip: If no frame of it can be decoded, or the frames are too large.
     """
     # Decoders write to stderr on their own; what they say is told in one sentence here instead.
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
@@ -31,7 +31,7 @@ def read_video(path: Path) -> Clip:
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     try:
-        frames, stride, seen = _decode(capture)
+        frames, stride, seen = _decode(capture, str(path))
         fps = float(capture.get(cv2.CAP_PROP_FPS)) / stride
     finally:
         capture.release()
@@ -59,7 +59,7 @@ def read_video(path: Path) -> Clip:
     )
 
 
-def _decode(capture: cv2.VideoCapture) -> tuple[list[np.ndarray], int, int]:
+def _decode(capture: cv2.VideoCapture, name: str) -> tuple[list[np.ndarray], int, int]:
     """Return RGB frames, their stride, and how many frames were seen.
 
     The stride doubles whenever the frames kept no longer fit: counts in headers are often wrong.
@@ -71,7 +71,7 @@ def _decode(capture: cv2.VideoCapture) -> tuple[list[np.ndarray], int, int]:
             is_decoded, image = capture.retrieve()
             if not is_decoded:
                 break
-            if len(frames) >= kept_frames(image.nbytes):
+            if len(frames) >= kept_frames(*image.shape[:2], name):
                 frames = frames[::2]
                 stride *= 2
             if seen % stride == 0:

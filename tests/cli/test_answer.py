@@ -1,28 +1,15 @@
 """`answer` prints the answer alone, notes on the side, and refuses bad clips in one sentence."""
 
-import importlib.util
 import json
 import sys
-from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
 
 from geotlm_lm.cli.main import main
-
-
-def neighbour(relative):
-    """Load a test module that is not on the import path (tests are no packages)."""
-    path = Path(__file__).parent / relative
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-fakes = neighbour("fakes.py")
-failures = neighbour("../recordings/test_failures.py")
+from tests.cli import fakes
+from tests.recordings import test_failures as failures
 
 
 @pytest.fixture

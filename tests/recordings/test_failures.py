@@ -212,6 +212,19 @@ def test_a_file_that_is_no_clip_is_refused_in_one_sentence(tmp_path, name):
     assert str(caught.value) == f"{path}: {sentence}"
 
 
+def test_frames_too_large_to_hold_are_refused_before_they_are_read(tmp_path):
+    path = tmp_path / "vast.npy"
+    with path.open("wb") as stream:
+        stream.write(header_of((2, 10_000, 10_000, 3)))
+        stream.truncate(stream.tell() + 2 * 3 * 10**8)  # a hole: takes no room on the disk
+    with pytest.raises(UnreadableClip) as caught:
+        read_clip(path)
+    assert str(caught.value) == (
+        f"{path}: frames are 10000x10000 pixels, expected at most 44 million; "
+        f"export the recording at a smaller size."
+    )
+
+
 def test_a_missing_file_is_refused(tmp_path):
     path = tmp_path / "gone.npy"
     with pytest.raises(UnreadableClip) as caught:
