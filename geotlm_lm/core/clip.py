@@ -17,7 +17,7 @@ class Clip:
     """Frames in time order, RGB, and what is known about how they were taken.
 
     Args:
-        frames: uint8, shape (t, rows, columns, 3), t >= 1.
+        frames: uint8, shape (t, rows, columns, 3), t >= 1; not copied, read-only through the clip.
         fps: Frames per second; None when unknown.
         background: The idle gel, uint8, shape (rows, columns, 3); None when unknown.
         name: What errors and answers call the clip: a path or an identifier.
@@ -26,6 +26,7 @@ class Clip:
 
     Raises:
         UnreadableClip: If the frames or the background are not of this form.
+        ValueError: If there are not as many frame numbers as frames.
     """
 
     frames: Frames
@@ -56,11 +57,21 @@ class Clip:
                 f"{self.name}: the background has shape {self.background.shape}, the frames "
                 f"{frames.shape[1:]}; give an idle frame of the same size."
             )
+        if self.background is not None and self.background.dtype != np.uint8:
+            raise UnreadableClip(
+                f"{self.name}: the background is {self.background.dtype}, expected uint8 as the "
+                f"frames are; convert the array first."
+            )
         if self.fps is not None and not 0 < self.fps < 1e5:
             object.__setattr__(self, "fps", None)
         if not self.frame_numbers:
             object.__setattr__(self, "frame_numbers", tuple(range(len(frames))))
-        frames.setflags(write=False)
+        if len(self.frame_numbers) != len(frames):
+            raise ValueError(f"{len(frames)} frames have {len(self.frame_numbers)} numbers")
+        # Only the clip's own view is locked: the caller's array may be a buffer that is used again.
+        own = frames.view()
+        own.setflags(write=False)
+        object.__setattr__(self, "frames", own)
 
     def __len__(self) -> int:
         return len(self.frames)

@@ -58,6 +58,23 @@ def test_reversing_twice_gives_the_clip_back():
     assert clip.reversed().reversed().frame_numbers == clip.frame_numbers
 
 
-def test_frames_cannot_be_written_to():
+def test_frames_cannot_be_written_to_and_the_array_they_came_in_can():
+    array = FRAMES.copy()
+    clip = Clip(array)
     with pytest.raises(ValueError, match="read-only"):
-        Clip(FRAMES.copy()).frames[0, 0, 0, 0] = 1
+        clip.frames[0, 0, 0, 0] = 1
+    array[0, 0, 0, 0] = 1
+
+
+def test_a_background_that_is_no_uint8_is_refused():
+    with pytest.raises(UnreadableClip) as caught:
+        Clip(FRAMES, background=FRAMES[0] / 255)
+    assert str(caught.value) == (
+        "clip: the background is float64, expected uint8 as the frames are; "
+        "convert the array first."
+    )
+
+
+def test_every_frame_has_one_number():
+    with pytest.raises(ValueError, match="5 frames have 2 numbers"):
+        Clip(FRAMES, frame_numbers=(0, 1))
