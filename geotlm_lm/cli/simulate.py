@@ -24,21 +24,30 @@ def simulate(
     out: Annotated[
         Path | None, typer.Option(help="Folder of the data set; a started one is continued.")
     ] = None,
-    count: Annotated[int, typer.Option(min=1, help="Clips in the data set.")] = 100,
+    count: Annotated[
+        int | None, typer.Option(min=1, help="Clips in the data set. [default: 100]")
+    ] = None,
     objects: Annotated[
-        Literal["training", "everyday"],
-        typer.Option(help="Shapes to press: those for training, or 12 everyday ones kept apart."),
-    ] = "training",
-    workers: Annotated[int, typer.Option(min=1, help="Processes that simulate.")] = 1,
+        Literal["training", "everyday"] | None,
+        typer.Option(
+            help="Shapes to press: those for training, or 12 everyday ones kept apart. "
+            "[default: training]"
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Processes that simulate. [default: 1]")
+    ] = None,
     clip: Annotated[
         Path | None, typer.Option(help="Write one clip to this .npz instead of a data set.")
     ] = None,
     motion: Annotated[
-        MotionName, typer.Option(help="With --clip: what the object does.")
-    ] = Motion.CLOCKWISE.value,
+        MotionName | None,
+        typer.Option(help="With --clip: what the object does. [default: clockwise]"),
+    ] = None,
     object_name: Annotated[
-        str, typer.Option("--object", help="With --clip: the shape that is pressed.")
-    ] = "key",
+        str | None,
+        typer.Option("--object", help="With --clip: the shape that is pressed. [default: key]"),
+    ] = None,
     seed: Seed = 0,
 ) -> None:
     """Simulate touches: contact mechanics, optics, noise, and the truth about each clip.
@@ -48,14 +57,29 @@ def simulate(
     if (out is None) == (clip is None):
         raise UsageError("Give one of --out (a data set) and --clip (a single clip).")
     if clip is not None:
-        if clip.suffix != ".npz":
-            raise UsageError(f"--clip {clip} was given, expected a name that ends in .npz.")
-        require_writable_file(clip, "--clip")
-        made = simulate_one(object_name, Motion(motion), seed)
-        write_clip(clip, made)
-        print(clip)
-        return
+        _refuse("--clip", {"--count": count, "--objects": objects, "--workers": workers})
+        _simulate_clip(clip, Motion(motion or Motion.CLOCKWISE), object_name or "key", seed)
+    else:
+        _refuse("--out", {"--motion": motion, "--object": object_name})
+        _simulate_set(out, count or 100, objects or "training", workers or 1, seed)
 
+
+def _refuse(target: str, others: dict[str, object]) -> None:
+    """Refuse options that would be ignored: what they ask for would not be in the result."""
+    given = [name for name, value in others.items() if value is not None]
+    if given:
+        raise UsageError(f"{' and '.join(given)} cannot go with {target}; leave out one of them.")
+
+
+def _simulate_clip(path: Path, motion: Motion, object_name: str, seed: int) -> None:
+    if path.suffix != ".npz":
+        raise UsageError(f"--clip {path} was given, expected a name that ends in .npz.")
+    require_writable_file(path, "--clip")
+    write_clip(path, simulate_one(object_name, motion, seed))
+    print(path)
+
+
+def _simulate_set(out: Path, count: int, objects: str, workers: int, seed: int) -> None:
     from geotlm_lm.simulation.dataset import write_dataset
     from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 

@@ -43,6 +43,14 @@ WRONG_CALLS = {
         ["simulate", "--clip", "a.npz", "--out", "b"],
         "Give one of --out (a data set) and --clip (a single clip).\n",
     ),
+    "a motion for a data set": (
+        ["simulate", "--out", "b", "--motion", "left", "--object", "key"],
+        "--motion and --object cannot go with --out; leave out one of them.\n",
+    ),
+    "a count for one clip": (
+        ["simulate", "--clip", "a.npz", "--count", "5"],
+        "--count cannot go with --clip; leave out one of them.\n",
+    ),
     "a clip that is no archive": (
         ["simulate", "--clip", "a.npy"],
         "--clip a.npy was given, expected a name that ends in .npz.\n",
