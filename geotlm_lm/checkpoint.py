@@ -88,6 +88,8 @@ def save_bundle(folder: Path, bundle: Bundle) -> None:
     save_file(stored, folder / PERCEPTION_FILE, metadata={"format": str(BUNDLE_FORMAT)})
     bundle.speaker.save(folder / LANGUAGE_DIR)
     bundle.grammar.save(folder / GRAMMAR_FILE)
+    for path in folder.rglob("*.safetensors"):
+        path.chmod(0o644)  # safetensors writes for the owner's eyes only
     config = {
         "format": BUNDLE_FORMAT,
         "backbone": asdict(model.backbone.vit.config),

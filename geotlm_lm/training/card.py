@@ -27,17 +27,6 @@ def _card(folder: Path, bundle: Bundle, scores: dict[str, Any], seconds: float) 
         f"{mode} {value:.3f}" for mode, value in made["dgr_validation_accuracy"].items()
     )
     size_mb = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
-    rows = "\n".join(
-        f"| {task} | {part['clips']} | {part['generated']:.3f} | "
-        f"{part['generated_held_out_wordings']:.3f} | {part['probe']:.3f} | "
-        f"{part['global_probe']:.3f} |"
-        for task, part in ((name, scores[name]) for name in ("rotation", "sliding"))
-    )
-    types = "\n".join(
-        f"| {name} | {value:.3f} | {scores['by_type'][name.replace('seen', 'held_out')]:.3f} |"
-        for name, value in scores["by_type"].items()
-        if name.endswith(" seen")
-    )
     return f"""---
 license: apache-2.0
 tags: [tactile, gelsight, robotics]
@@ -50,7 +39,8 @@ GelSight-like sensor. Every weight was trained on simulated clips alone.
 - Backbone: ViT, width {config.width}, {config.depth} layers, {config.heads} heads, frozen after
   pretraining on {preset["pretraining_clips"]:,} simulated clips ({preset["pretraining_draws"]:,}
   draws) with the simulator's dense displacement, contact and depth.
-- DGR: ten-way probe accuracy on objects kept from training: {modes}; the better one is stored.
+- DGR: ten-way probe accuracy on objects kept from training: {modes}, each at the epoch that was
+  best on them; the better one is stored.
 - Language model: trained from random weights, {preset["language_steps"]:,} steps of
   {preset["language_batch"]} questions.
 - Command: `{made["command"]}`, {seconds / 60:.0f} min on {machine["processor"]}
@@ -66,13 +56,13 @@ task.
 
 | task | clips | generated | generated, held-out wordings | probe on z | probe on c, no DGR |
 |---|---|---|---|---|---|
-{rows}
+{_task_rows(scores)}
 
 A direction is claimed of {100 * scores["false_directions"]:.1f} % of the clips that have none.
 
 | question type | seen wordings | held-out wordings |
 |---|---|---|
-{types}
+{_type_rows(scores)}
 
 ## Limits
 
@@ -80,3 +70,22 @@ Markerless sensors, one contact, one motion per clip. Directions are told in the
 object relative to sensor. A smooth ball turning about its own axis does not change a markerless
 image and cannot be read.
 """
+
+
+def _task_rows(scores: dict[str, Any]) -> str:
+    columns = ("generated", "generated_held_out_wordings", "probe", "global_probe")
+    return "\n".join(
+        f"| {task} | {scores[task]['clips']} | "
+        + " | ".join(f"{scores[task][column]:.3f}" for column in columns)
+        + " |"
+        for task in ("rotation", "sliding")
+    )
+
+
+def _type_rows(scores: dict[str, Any]) -> str:
+    by_type = scores["by_type"]
+    names = [name.removesuffix(" seen") for name in by_type if name.endswith(" seen")]
+    return "\n".join(
+        f"| {name} | {by_type[f'{name} seen']:.3f} | {by_type[f'{name} held_out']:.3f} |"
+        for name in names
+    )

@@ -109,7 +109,7 @@ def _ask_all(bundle: Bundle, clips: ClipSet, wordings: WORDINGS, seed: int) -> l
         for one in _asked(clips.labels[row], seed, row, wordings, None)
     ]
     # Questions of one type are of like length: the padding of a batch stays short.
-    asked.sort(key=lambda pair: pair[1].type_id)
+    asked.sort(key=lambda pair: int(pair[1].type_id.removeprefix("T")))
     rows = [row for row, _ in asked]
     texts = bundle.speaker.generate(clips.fused_tokens[rows], [one.question for _, one in asked])
     replies = []

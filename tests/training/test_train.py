@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -17,7 +18,8 @@ from geotlm_lm.training import config, examples, language, train
 from geotlm_lm.training.language import LanguageTraining
 from tests.training.in_process import InProcess
 
-TINY = config.TrainingPreset(
+TINY = replace(
+    config.SMOKE,
     name="tiny",
     pretraining_clips=20,
     head_clips=20,
@@ -25,12 +27,9 @@ TINY = config.TrainingPreset(
     test_clips=20,
     backbone_width=8,
     backbone_depth=1,
-    backbone_heads=1,
     pretraining_draws=8,
     pretraining_batch=4,
-    pretraining_rate=1e-3,
     geometry_epochs=2,
-    geometry_clips=20,
     language_steps=2,
     language_batch=4,
 )
