@@ -45,6 +45,8 @@ def answer(
     """
     if not question.strip():
         raise UsageError("The question is empty; ask for example --q 'Which way is it turning?'.")
+    if not _is_text(question):
+        raise UsageError("The question holds bytes that are no text; give it in UTF-8.")
     from geotlm_lm.recordings.read import read_clip
 
     span = span_of(frames)
@@ -63,3 +65,8 @@ def answer(
             f"{clip}: the model would not answer; see `geotlm-lm info --clip {clip}` for contact, "
             f"or give frames with more motion by --frames."
         )
+
+
+def _is_text(question: str) -> bool:
+    # Bytes the terminal could not decode arrive as lone surrogates, which no tokenizer takes.
+    return not any("\ud800" <= letter <= "\udfff" for letter in question)

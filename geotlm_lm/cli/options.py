@@ -58,8 +58,8 @@ def span_of(frames: str | None) -> tuple[int, int] | None:
     if frames is None:
         return None
     first, _, last = frames.partition(":")
-    if not (first.isdecimal() and last.isdecimal()):
-        raise UsageError(f"--frames '{frames}' was given, expected FIRST:LAST such as 40:60.")
+    if not all(number.isdecimal() and len(number) < 10 for number in (first, last)):
+        raise UsageError(f"--frames '{frames[:40]}' was given, expected FIRST:LAST such as 40:60.")
     return int(first), int(last)
 
 

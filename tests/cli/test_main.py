@@ -35,6 +35,14 @@ WRONG_CALLS = {
         ["answer", "--clip", "clip.npy", "--q", "  "],
         "The question is empty; ask for example --q 'Which way is it turning?'.\n",
     ),
+    "question that is no text": (
+        ["answer", "--clip", "clip.npy", "--q", "which \udcff way"],
+        "The question holds bytes that are no text; give it in UTF-8.\n",
+    ),
+    "frames without end": (
+        ["info", "--clip", "clip.npy", "--frames", "0:" + "9" * 5000],
+        f"--frames '0:{'9' * 38}' was given, expected FIRST:LAST such as 40:60.\n",
+    ),
     "frames that are no span": (
         ["info", "--clip", "clip.npy", "--frames", "5"],
         "--frames '5' was given, expected FIRST:LAST such as 40:60.\n",
