@@ -12,8 +12,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
@@ -181,9 +179,7 @@ class Answerer:
         log_likelihoods = self.bundle.speaker.score(
             encoded.perception.fused_token[0], question, sentences
         )
-        scaled = np.asarray(log_likelihoods, float) / self.bundle.calibration.temperature
-        probabilities = np.exp(scaled - scaled.max())
-        probabilities /= probabilities.sum()
+        probabilities = self.bundle.calibration.probabilities(log_likelihoods)
         options: dict[str, float] = {}
         for sentence, probability in zip(sentences, probabilities, strict=True):
             word = deciding_word(grammar.parse(sentence))

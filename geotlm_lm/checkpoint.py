@@ -12,7 +12,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save_file
 from torch import Tensor
@@ -52,6 +54,12 @@ class Calibration:
 
     temperature: float = 1.0
     contact_threshold: float = 0.0
+
+    def probabilities(self, log_likelihoods: NDArray[np.floating]) -> NDArray[np.float64]:
+        """Return probabilities of options from their log-likelihoods, shape (..., options)."""
+        scaled = np.asarray(log_likelihoods, dtype=np.float64) / self.temperature
+        likelihoods = np.exp(scaled - scaled.max(axis=-1, keepdims=True))
+        return likelihoods / likelihoods.sum(axis=-1, keepdims=True)
 
     def withholds(self, claim: Motion | None, contact_share: float) -> bool:
         """Tell whether a direction is claimed of a clip that shows too little contact for one."""

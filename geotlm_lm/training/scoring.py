@@ -14,6 +14,7 @@ from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.data.questions import WORDINGS, QuestionAnswer, questions_for
+from geotlm_lm.evaluation.calibration import expected_calibration_error
 from geotlm_lm.probe.linear import LinearProbe
 
 OPEN_QUESTION = "T1"
@@ -88,7 +89,7 @@ def score_bundle(bundle: Bundle, clips: ClipSet, seed: int) -> dict[str, Any]:
         for type_id in dict.fromkeys(one.type_id for one in replies)
     }
     scores["false_directions"] = _false_directions(clips, said["seen"])
-    return scores
+    return scores | _scored(bundle, clips, seed)
 
 
 @dataclass(frozen=True)
@@ -120,6 +121,17 @@ def _ask_all(bundle: Bundle, clips: ClipSet, wordings: WORDINGS, seed: int) -> l
         is_right = text == one.answer and not is_withheld
         replies.append(_Reply(row, one.type_id, is_right, None if is_withheld else claim))
     return replies
+
+
+def _scored(bundle: Bundle, clips: ClipSet, seed: int) -> dict[str, float]:
+    """Return how the most likely answer to an open question fares, and its stated probability."""
+    likelihoods, truths = true_option_likelihoods(bundle, clips, seed)
+    is_right = likelihoods.argmax(axis=1) == truths
+    confidence = bundle.calibration.probabilities(likelihoods).max(axis=1)
+    return {
+        "scored": _share(is_right.tolist()),
+        "calibration_error": expected_calibration_error(confidence, is_right),
+    }
 
 
 def _open_accuracy(replies: Sequence[_Reply], rows: Sequence[int]) -> float:

@@ -56,6 +56,9 @@ def test_true_answers_are_all_right_and_claim_nothing_false(bundle):
     assert scores["sliding"]["generated_held_out_wordings"] == 1.0
     assert (scores["by_type"]["T1 seen"], scores["by_type"]["T1 held_out"]) == (1.0, 1.0)
     assert scores["false_directions"] == 0.0
+    # The true one of ten answers is e^5 times as likely as each other one.
+    assert scores["scored"] == 1.0
+    assert scores["calibration_error"] == pytest.approx(9 / (np.e**5 + 9))
     # The sentence about direction answers no question of another kind.
     assert scores["by_type"]["T5 seen"] == 0.0
 
