@@ -14,6 +14,7 @@ import signal
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.atomic import replacing, write_text_atomically
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.labels import MotionLabel
 
 SHARD_CLIPS = 64
@@ -66,6 +67,7 @@ def write_dataset(
 
     Raises:
         UsageError: If the folder holds another or a larger data set, or the request is empty.
+        GeoTLMError: If a worker was killed.
     """
     out, wanted = Path(out), {"format": DATASET_FORMAT, "seed": seed, "objects": list(objects)}
     _check(out, count, wanted)
@@ -151,6 +153,11 @@ def _write_all(shards: list[_Shard], workers: int) -> Iterator[int]:
     try:
         for future in as_completed([pool.submit(_write_shard, shard) for shard in shards]):
             yield future.result()
+    except BrokenProcessPool as error:
+        raise GeoTLMError(
+            "A worker was ended from outside, most likely for want of memory; run this again with "
+            "fewer workers, what was finished is kept."
+        ) from error
     finally:
         pool.shutdown(cancel_futures=True)
 

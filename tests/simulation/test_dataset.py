@@ -1,9 +1,10 @@
 import json
+import os
 
 import numpy as np
 import pytest
 
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.simulation import dataset
 from geotlm_lm.simulation.dataset import read_shard, write_dataset
 
@@ -95,3 +96,14 @@ def test_the_number_of_workers_does_not_change_a_byte(tmp_path):
     write_dataset(one, 6, seed=1, objects=OBJECTS, workers=1)
     write_dataset(two, 6, seed=1, objects=OBJECTS, workers=2)
     assert contents(one) == contents(two)
+
+
+def _die(shard):
+    os._exit(9)
+
+
+@pytest.mark.slow
+def test_a_killed_worker_is_told_instead_of_waited_for(tmp_path, monkeypatch):
+    monkeypatch.setattr(dataset, "_write_shard", _die)
+    with pytest.raises(GeoTLMError, match="^A worker was ended from outside"):
+        write_dataset(tmp_path, 6, seed=1, objects=OBJECTS, workers=2)
