@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import geotlm_lm
+from geotlm_lm.core.resources import resource_dir
 
 PACKAGE = Path(geotlm_lm.__file__).parent
 
@@ -85,6 +86,20 @@ def test_rooms_import_only_downwards(path):
 def test_rooms_do_without_what_they_must_not_know(path):
     outside = {name.split(".")[0] for name in imported(path)}
     assert not outside & FORBIDDEN.get(room_of(path), set())
+
+
+@pytest.mark.parametrize("path", sorted(resource_dir("app").glob("*.py")), ids=lambda p: p.stem)
+def test_the_page_uses_public_names_and_errors_only(path):
+    tree = ast.parse(path.read_text())
+    used = {
+        f"{node.module}.{alias.name}"
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and node.level == 0
+        for alias in node.names
+    }
+    ours = {name for name in used if name.startswith("geotlm_lm")}
+    public = {f"geotlm_lm.{name}" for name in geotlm_lm.__all__}
+    assert {n for n in ours if not n.startswith("geotlm_lm.core.errors.")} <= public
 
 
 @pytest.mark.parametrize("path", sorted((PACKAGE / "cli").glob("*.py")), ids=lambda path: path.stem)
