@@ -212,7 +212,8 @@ def _read_folder(folder: Path) -> LabelledRecordings | None:
     skipped: Counter[str] = Counter()
     is_labelled = False
     for table in sorted(folder.glob("*.csv")):
-        with table.open(newline="", encoding="utf-8-sig") as stream:
+        # A letter in another encoding then spoils its own row, which is named, not the whole table.
+        with table.open(newline="", encoding="utf-8-sig", errors="replace") as stream:
             reader = csv.DictReader(stream)
             columns = reader.fieldnames or ()
             direction = next((name for name in DIRECTION_COLUMNS if name in columns), None)

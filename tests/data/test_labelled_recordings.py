@@ -91,6 +91,14 @@ def test_diagonal_and_unknown_directions_are_left_out_and_counted(folder):
     assert [row.motion for row in found.rows] == [Motion.PRESS, Motion.COUNTERCLOCKWISE]
 
 
+def test_a_table_in_another_encoding_is_read(folder):
+    header = "clip,first_frame,last_frame,direction,object"
+    rows = f"{header}\nclips/cap_0.npy,0,9,left,Schl\u00fcssel\n"
+    (folder / "windows.csv").write_bytes(rows.encode("latin-1"))
+    (row,) = only(folder).rows
+    assert (row.motion, row.object_id) == (Motion.LEFT, "Schl\ufffdssel")
+
+
 def test_a_table_of_something_else_is_not_taken_for_windows(folder):
     write_table(folder, "cap_0.npy,25", header="clip,fps", name="a_list.csv")
     assert len(only(folder).rows) == 1
