@@ -59,3 +59,18 @@ def where_solid(height_mm: HeightMap, is_solid: NDArray[np.bool_]) -> HeightMap:
 def bowl(x: HeightMap, y: HeightMap, radius_mm: float) -> HeightMap:
     """Return the height of a sphere-like underside, r^2 / 2R, that never ends."""
     return (x * x + y * y) * np.float32(0.5 / radius_mm)
+
+
+def rounded_back(
+    x: HeightMap, y: HeightMap, rng: np.random.Generator, flattest_mm: float
+) -> HeightMap:
+    """Return what a rough surface sits on: a ball, an egg or a roller of random radius."""
+    u, v = turned(x, y, rng.uniform(0, np.pi))
+    across = np.exp(rng.uniform(np.log(6), np.log(flattest_mm)))
+    along = across * rng.choice([1.0, 2.0, 8.0], p=[0.5, 0.3, 0.2])
+    return (u * u) * np.float32(0.5 / along) + (v * v) * np.float32(0.5 / across)
+
+
+def extended(formula: HeightFormula) -> Indenter:
+    """Return the body of a formula that goes on beyond the sampled square."""
+    return Indenter(formula, is_extended=True)

@@ -13,6 +13,8 @@ RASTER_SIDE = 400
 RASTER_MM = 25.6
 """Side of the height map in mm; the size of GelSight Mini's pad, finer than its camera's pixels."""
 
+PX_PER_MM = RASTER_SIDE / RASTER_MM
+
 OUTSIDE_MM = 1000.0
 """Height standing for 'no object here': far above any depth, finite so that it interpolates."""
 

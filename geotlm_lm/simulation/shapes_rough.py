@@ -8,21 +8,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.simulation.indenter import HeightMap, Indenter, bowl, turned
-from geotlm_lm.simulation.raster import RASTER_MM, RASTER_SIDE
+from geotlm_lm.simulation.indenter import (
+    HeightMap,
+    Indenter,
+    bowl,
+    extended,
+    rounded_back,
+    turned,
+)
+from geotlm_lm.simulation.raster import PX_PER_MM, RASTER_MM, RASTER_SIDE
 from geotlm_lm.simulation.smooth_field import smooth_field
-
-PX_PER_MM = RASTER_SIDE / RASTER_MM
-
-
-def rounded_back(
-    x: HeightMap, y: HeightMap, rng: np.random.Generator, flattest_mm: float
-) -> HeightMap:
-    """Return what a rough surface sits on: a ball, an egg or a roller of random radius."""
-    u, v = turned(x, y, rng.uniform(0, np.pi))
-    across = np.exp(rng.uniform(np.log(6), np.log(flattest_mm)))
-    along = across * rng.choice([1.0, 2.0, 8.0], p=[0.5, 0.3, 0.2])
-    return (u * u) * np.float32(0.5 / along) + (v * v) * np.float32(0.5 / across)
 
 
 def bumpy(
@@ -151,38 +146,34 @@ def _field(rng: np.random.Generator, scale_mm: float) -> NDArray[np.float32]:
     return smooth_field(rng, RASTER_SIDE, scale_mm * PX_PER_MM)
 
 
-def _extended(formula: partial[HeightMap]) -> Indenter:
-    return Indenter(formula, is_extended=True)
-
-
 ROUGH: dict[str, Indenter] = {
-    "peel_fine": _extended(partial(bumpy, scale_mm=0.8, rise_mm=0.03)),
-    "peel_coarse": _extended(partial(bumpy, scale_mm=1.6, rise_mm=0.08)),
-    "warts": _extended(partial(bumpy, scale_mm=1.2, rise_mm=0.18)),
-    "felt": _extended(partial(bumpy, scale_mm=0.6, rise_mm=0.03, octaves=2, flattest_mm=80.0)),
-    "sandpaper": _extended(partial(bumpy, scale_mm=0.4, rise_mm=0.04, flattest_mm=80.0)),
-    "rock": _extended(partial(bumpy, scale_mm=3.0, rise_mm=0.25, octaves=4)),
-    "plaster": _extended(partial(bumpy, scale_mm=1.0, rise_mm=0.07, octaves=3)),
-    "hills": _extended(partial(bumpy, scale_mm=4.0, rise_mm=0.35, octaves=2)),
-    "foil_crumpled": _extended(partial(creased, scale_mm=2.5, rise_mm=0.25)),
-    "paper_crumpled": _extended(partial(creased, scale_mm=5.0, rise_mm=0.35)),
-    "film_wrinkled": _extended(partial(creased, scale_mm=1.3, rise_mm=0.10)),
-    "foam_open": _extended(partial(pitted, scale_mm=1.5, depth_mm=0.8, share=0.5)),
-    "foam_fine": _extended(partial(pitted, scale_mm=0.7, depth_mm=0.4, share=0.4)),
-    "crumb": _extended(partial(pitted, scale_mm=2.5, depth_mm=1.0, share=0.35)),
-    "islands_small": _extended(partial(islands, scale_mm=1.5, share=0.3)),
-    "islands_large": _extended(partial(islands, scale_mm=3.0, share=0.4)),
-    "gravel_fine": _extended(partial(gravel, spacing_mm=1.3, radius_mm=0.6)),
-    "gravel_coarse": _extended(partial(gravel, spacing_mm=2.6, radius_mm=1.5)),
-    "beads_loose": _extended(partial(gravel, spacing_mm=4.0, radius_mm=2.0)),
-    "coral": _extended(partial(labyrinth, scale_mm=3.0, bands=3.0)),
-    "skin_folded": _extended(partial(labyrinth, scale_mm=6.0, bands=5.0)),
-    "grain_fine": _extended(partial(grain, width_mm=0.8, rise_mm=0.06)),
-    "bark": _extended(partial(grain, width_mm=2.0, rise_mm=0.22)),
-    "wires_straight": _extended(partial(fibres, count=25, radius_mm=0.5, curl=0.05)),
-    "wool_curled": _extended(partial(fibres, count=40, radius_mm=0.3, curl=0.5)),
-    "straw": _extended(partial(fibres, count=14, radius_mm=0.8, curl=0.02)),
-    "lump_small": _extended(partial(lumpy_ball, radius_mm=3.0, rise_mm=0.10)),
-    "lump_large": _extended(partial(lumpy_ball, radius_mm=9.0, rise_mm=0.20)),
+    "peel_fine": extended(partial(bumpy, scale_mm=0.8, rise_mm=0.03)),
+    "peel_coarse": extended(partial(bumpy, scale_mm=1.6, rise_mm=0.08)),
+    "warts": extended(partial(bumpy, scale_mm=1.2, rise_mm=0.18)),
+    "felt": extended(partial(bumpy, scale_mm=0.6, rise_mm=0.03, octaves=2, flattest_mm=80.0)),
+    "sandpaper": extended(partial(bumpy, scale_mm=0.4, rise_mm=0.04, flattest_mm=80.0)),
+    "rock": extended(partial(bumpy, scale_mm=3.0, rise_mm=0.25, octaves=4)),
+    "plaster": extended(partial(bumpy, scale_mm=1.0, rise_mm=0.07, octaves=3)),
+    "hills": extended(partial(bumpy, scale_mm=4.0, rise_mm=0.35, octaves=2)),
+    "foil_crumpled": extended(partial(creased, scale_mm=2.5, rise_mm=0.25)),
+    "paper_crumpled": extended(partial(creased, scale_mm=5.0, rise_mm=0.35)),
+    "film_wrinkled": extended(partial(creased, scale_mm=1.3, rise_mm=0.10)),
+    "foam_open": extended(partial(pitted, scale_mm=1.5, depth_mm=0.8, share=0.5)),
+    "foam_fine": extended(partial(pitted, scale_mm=0.7, depth_mm=0.4, share=0.4)),
+    "crumb": extended(partial(pitted, scale_mm=2.5, depth_mm=1.0, share=0.35)),
+    "islands_small": extended(partial(islands, scale_mm=1.5, share=0.3)),
+    "islands_large": extended(partial(islands, scale_mm=3.0, share=0.4)),
+    "gravel_fine": extended(partial(gravel, spacing_mm=1.3, radius_mm=0.6)),
+    "gravel_coarse": extended(partial(gravel, spacing_mm=2.6, radius_mm=1.5)),
+    "beads_loose": extended(partial(gravel, spacing_mm=4.0, radius_mm=2.0)),
+    "coral": extended(partial(labyrinth, scale_mm=3.0, bands=3.0)),
+    "skin_folded": extended(partial(labyrinth, scale_mm=6.0, bands=5.0)),
+    "grain_fine": extended(partial(grain, width_mm=0.8, rise_mm=0.06)),
+    "bark": extended(partial(grain, width_mm=2.0, rise_mm=0.22)),
+    "wires_straight": extended(partial(fibres, count=25, radius_mm=0.5, curl=0.05)),
+    "wool_curled": extended(partial(fibres, count=40, radius_mm=0.3, curl=0.5)),
+    "straw": extended(partial(fibres, count=14, radius_mm=0.8, curl=0.02)),
+    "lump_small": extended(partial(lumpy_ball, radius_mm=3.0, rise_mm=0.10)),
+    "lump_large": extended(partial(lumpy_ball, radius_mm=9.0, rise_mm=0.20)),
 }
 """Irregular surfaces by name."""

@@ -6,9 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from geotlm_lm.simulation.indenter import HeightMap, Indenter, turned
-from geotlm_lm.simulation.raster import RASTER_SIDE
-from geotlm_lm.simulation.shapes_rough import PX_PER_MM, rounded_back
+from geotlm_lm.simulation.indenter import HeightMap, Indenter, extended, rounded_back, turned
+from geotlm_lm.simulation.raster import PX_PER_MM, RASTER_SIDE
 from geotlm_lm.simulation.smooth_field import smooth_field
 
 
@@ -176,35 +175,31 @@ def _irregular(
     return u / np.float32(pitch_mm), v / np.float32(pitch_mm)
 
 
-def _extended(formula: partial[HeightMap]) -> Indenter:
-    return Indenter(formula, is_extended=True)
-
-
 WOVEN: dict[str, Indenter] = {
-    "cloth_plain": _extended(partial(weave, pitch_mm=0.8, shift=2)),
-    "cloth_coarse": _extended(partial(weave, pitch_mm=1.5, shift=2)),
-    "twill_3": _extended(partial(weave, pitch_mm=0.8, shift=3)),
-    "twill_4": _extended(partial(weave, pitch_mm=1.0, shift=4)),
-    "gauze": _extended(partial(weave, pitch_mm=1.4, shift=2, cover=0.5)),
-    "basket": _extended(partial(weave, pitch_mm=2.4, shift=2)),
-    "knit_fine": _extended(partial(knit, pitch_mm=1.2)),
-    "knit_coarse": _extended(partial(knit, pitch_mm=2.2)),
-    "corduroy": _extended(partial(ribs, pitch_mm=1.2, rise_mm=0.2)),
-    "corrugated": _extended(partial(ribs, pitch_mm=3.0, rise_mm=0.5, wobble=0.0)),
-    "waffle": _extended(partial(ribs, pitch_mm=2.5, rise_mm=0.4, across_mm=2.5)),
-    "knurl": _extended(partial(ribs, pitch_mm=1.3, rise_mm=0.3, across_mm=1.3, wobble=0.0)),
-    "net": _extended(partial(ribs, pitch_mm=3.2, rise_mm=0.7, across_mm=2.4)),
-    "quilt": _extended(partial(quilted, pitch_mm=4.0, rise_mm=0.4)),
-    "pillows": _extended(partial(quilted, pitch_mm=2.0, rise_mm=0.3)),
-    "rope_3": _extended(partial(rope, radius_mm=2.5, strands=3, lay_mm=7.0)),
-    "rope_6": _extended(partial(rope, radius_mm=3.5, strands=6, lay_mm=10.0)),
-    "thread_fine": _extended(partial(thread, radius_mm=3.0, pitch_mm=0.9, depth_mm=0.4)),
-    "thread_coarse": _extended(partial(thread, radius_mm=5.0, pitch_mm=2.0, depth_mm=0.8)),
-    "wires_parallel": _extended(partial(bundle, radius_mm=0.7, level_mm=0.3)),
-    "wires_thick": _extended(partial(bundle, radius_mm=1.5, level_mm=0.4)),
-    "seam_stitched": _extended(partial(seam, stitch_mm=1.8, rise_mm=0.35)),
-    "seam_fine": _extended(partial(seam, stitch_mm=1.1, rise_mm=0.2)),
-    "chain": _extended(partial(links, pitch_mm=4.0, radius_mm=0.8)),
-    "braid": _extended(partial(links, pitch_mm=2.2, radius_mm=0.5)),
+    "cloth_plain": extended(partial(weave, pitch_mm=0.8, shift=2)),
+    "cloth_coarse": extended(partial(weave, pitch_mm=1.5, shift=2)),
+    "twill_3": extended(partial(weave, pitch_mm=0.8, shift=3)),
+    "twill_4": extended(partial(weave, pitch_mm=1.0, shift=4)),
+    "gauze": extended(partial(weave, pitch_mm=1.4, shift=2, cover=0.5)),
+    "basket": extended(partial(weave, pitch_mm=2.4, shift=2)),
+    "knit_fine": extended(partial(knit, pitch_mm=1.2)),
+    "knit_coarse": extended(partial(knit, pitch_mm=2.2)),
+    "corduroy": extended(partial(ribs, pitch_mm=1.2, rise_mm=0.2)),
+    "corrugated": extended(partial(ribs, pitch_mm=3.0, rise_mm=0.5, wobble=0.0)),
+    "waffle": extended(partial(ribs, pitch_mm=2.5, rise_mm=0.4, across_mm=2.5)),
+    "knurl": extended(partial(ribs, pitch_mm=1.3, rise_mm=0.3, across_mm=1.3, wobble=0.0)),
+    "net": extended(partial(ribs, pitch_mm=3.2, rise_mm=0.7, across_mm=2.4)),
+    "quilt": extended(partial(quilted, pitch_mm=4.0, rise_mm=0.4)),
+    "pillows": extended(partial(quilted, pitch_mm=2.0, rise_mm=0.3)),
+    "rope_3": extended(partial(rope, radius_mm=2.5, strands=3, lay_mm=7.0)),
+    "rope_6": extended(partial(rope, radius_mm=3.5, strands=6, lay_mm=10.0)),
+    "thread_fine": extended(partial(thread, radius_mm=3.0, pitch_mm=0.9, depth_mm=0.4)),
+    "thread_coarse": extended(partial(thread, radius_mm=5.0, pitch_mm=2.0, depth_mm=0.8)),
+    "wires_parallel": extended(partial(bundle, radius_mm=0.7, level_mm=0.3)),
+    "wires_thick": extended(partial(bundle, radius_mm=1.5, level_mm=0.4)),
+    "seam_stitched": extended(partial(seam, stitch_mm=1.8, rise_mm=0.35)),
+    "seam_fine": extended(partial(seam, stitch_mm=1.1, rise_mm=0.2)),
+    "chain": extended(partial(links, pitch_mm=4.0, radius_mm=0.8)),
+    "braid": extended(partial(links, pitch_mm=2.2, radius_mm=0.5)),
 }
 """Repeating surfaces by name."""
