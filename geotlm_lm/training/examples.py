@@ -21,10 +21,17 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT, TIME_BIN_COUNT
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.seeding import generator_for
-from geotlm_lm.training.interrupts import children_end_with_it, deaf_children
+from geotlm_lm.training.interrupts import (
+    children_end_with_it,
+    deaf_children,
+    end_if_orphaned,
+)
 from geotlm_lm.training.progress import Progress
 
 CHUNK_CLIPS = 250
+
+SIMULATED_TOGETHER = 25
+"""Clips whose images are in memory at a time; they do not depend on it."""
 
 PAIR_SHARE = 0.25
 """Share of clips fed as two frames a, a, b, b, the way a frame pair is fed to four frames."""
@@ -147,8 +154,8 @@ def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:
     scenes = random_scenes(stage_seed, CHUNK_CLIPS, objects=objects, first_index=first)
     arrays: dict[str, list] = {name: [] for name in _ARRAYS}
     about = []
-    for start in range(0, len(scenes), 25):
-        part = scenes[start : start + 25]
+    for start in range(0, len(scenes), SIMULATED_TOGETHER):
+        part = scenes[start : start + SIMULATED_TOGETHER]
         for offset, simulated in enumerate(
             simulate(part, seed=stage_seed, first_index=first + start)
         ):
@@ -156,6 +163,7 @@ def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:
             for name, values in zip(_ARRAYS, _example(simulated, rng), strict=True):
                 arrays[name].append(values)
             about.append([simulated.object_name, simulated.label.to_dict()])
+        end_if_orphaned()
     stacked = {name: np.stack(values).astype(np.float16) for name, values in arrays.items()}
     temporary = path.with_name(f".{path.stem}.{os.getpid()}.npz")
     np.savez(temporary, about=np.array(json.dumps(about)), **stacked)

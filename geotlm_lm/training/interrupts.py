@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from multiprocessing import active_children
+from multiprocessing import active_children, parent_process
 
 
 @contextmanager
@@ -51,3 +52,10 @@ def children_end_with_it() -> Iterator[None]:
         for child in set(active_children()) - before:
             child.terminate()
         raise
+
+
+def end_if_orphaned() -> None:
+    """End this worker process if its parent was killed: a pool's workers would wait for ever."""
+    parent = parent_process()
+    if parent is not None and not parent.is_alive():
+        os._exit(1)

@@ -46,8 +46,9 @@ def test_an_error_in_a_step_is_told_as_it_is():
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-@pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
-def test_ctrl_c_while_simulating_ends_everything_with_one_sentence(tmp_path):
+@pytest.fixture
+def simulating(tmp_path):
+    """A training command whose workers are loading or simulating; no chunk is near its end."""
     run = subprocess.Popen(
         [sys.executable, "-c", SIMULATE, str(tmp_path)],
         stdout=subprocess.PIPE,
@@ -56,16 +57,30 @@ def test_ctrl_c_while_simulating_ends_everything_with_one_sentence(tmp_path):
         start_new_session=True,
     )
     wait_until(lambda: (tmp_path / "ready").exists())
-    time.sleep(2.0)  # the workers are loading or simulating, no chunk is near its end
-    os.killpg(run.pid, signal.SIGINT)  # as a terminal does: to every process of the command
-    out, err = run.communicate(timeout=20)
-    assert run.returncode == 130
+    time.sleep(2.0)
+    yield run
+    if is_alive(run.pid):
+        os.killpg(run.pid, signal.SIGKILL)
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
+def test_ctrl_c_while_simulating_ends_everything_with_one_sentence(simulating, tmp_path):
+    os.killpg(simulating.pid, signal.SIGINT)  # as a terminal does: to every process
+    out, err = simulating.communicate(timeout=20)
+    assert simulating.returncode == 130
     assert out == ""
     assert err.splitlines() == [
         f"training preset smoke into {tmp_path}",
         "Stopped; what was finished is kept.",
     ]
-    wait_until(lambda: not is_alive(run.pid), seconds=10)  # no worker is left behind
+    wait_until(lambda: not is_alive(simulating.pid))  # no worker is left behind
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
+def test_workers_end_when_their_parent_is_killed(simulating):
+    simulating.kill()
+    simulating.communicate(timeout=60)  # returns once no worker holds its end of the pipes
+    wait_until(lambda: not is_alive(simulating.pid))
 
 
 def is_alive(group):
