@@ -6,6 +6,7 @@ language model stores itself. Anything that is not recognised is refused.
 
 from __future__ import annotations
 
+import hashlib
 import json
 from dataclasses import asdict, dataclass
 from functools import partial
@@ -75,6 +76,16 @@ class Bundle:
     grammar: AnswerGrammar
     calibration: Calibration
     provenance: dict[str, Any]
+
+    def digest(self) -> str:
+        """Return twelve hex digits of the weights and the calibration, for run records."""
+        found = hashlib.sha256(repr(self.calibration).encode())
+        states = _perception_states(self.model) | {"language": self.speaker.model.state_dict()}
+        for part, state in states.items():
+            for name, value in state.items():
+                found.update(f"{part}.{name}".encode())
+                found.update(value.detach().cpu().contiguous().numpy().tobytes())
+        return found.hexdigest()[:12]
 
 
 def embedded_bundle_dir() -> Path:

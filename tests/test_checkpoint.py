@@ -9,7 +9,7 @@ import torch
 from safetensors.torch import load_file, save_file
 
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
-from geotlm_lm.checkpoint import load_bundle, save_bundle
+from geotlm_lm.checkpoint import Calibration, load_bundle, save_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import IncompatibleBundle
 from geotlm_lm.training.language import LanguageTraining, new_speaker
@@ -50,6 +50,18 @@ def test_saving_what_was_loaded_changes_no_byte(saved, tmp_path):
         if path.is_file():
             copy = tmp_path / "again" / path.relative_to(folder)
             assert copy.read_bytes() == path.read_bytes(), path.name
+
+
+def test_the_digest_tells_bundles_apart_by_weights_and_calibration(saved):
+    folder, _ = saved
+    one, two = load_bundle(folder), load_bundle(folder)
+    assert one.digest() == two.digest()
+    two.calibration = Calibration(temperature=3.0)
+    assert one.digest() != two.digest()
+    two = load_bundle(folder)
+    with torch.no_grad():
+        two.model.probe.head.bias[0] += 1e-3
+    assert one.digest() != two.digest()
 
 
 def test_every_file_of_a_bundle_can_be_read_by_everybody(saved):

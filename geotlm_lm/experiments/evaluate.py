@@ -65,6 +65,7 @@ def evaluate(
         numbers={"tables": tables, "minimum": minimum_accuracy(tables)},
         config={
             "model": model_name,
+            "model_digest": answerer.bundle.digest(),
             "clips_per_task": clips_per_task,
             "real": {name: len(cases.recordings.rows) for name, cases in recordings.items()},
             "threads": 1,

@@ -58,6 +58,7 @@ def test_the_record_survives_json(folder):
     again = json.loads(json.dumps(asdict(record)))
     assert again["numbers"] == record.numbers
     assert (again["config"]["model"], again["seed"]) == ("fake", 1)
+    assert again["config"]["model_digest"] == "0123456789ab"
 
 
 def test_every_contrast_is_reported(folder):
