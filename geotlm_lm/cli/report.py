@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from geotlm_lm.cli.options import require_writable_file
+
 EXAMPLE_CLIP = Path("app/examples/bottle_cap_clockwise.npz")
 EXAMPLE_QUESTION = "Which way is the cap turning?"
 
@@ -53,6 +55,7 @@ def answer(
     from geotlm_lm.cli.evaluate import command_line
     from geotlm_lm.experiments.cold_answer import cold_answer
 
+    require_writable_file(out, "--out")
     record = cold_answer(clip, question, command=command_line(sys.argv))
     record.save(out)
     seconds = record.numbers["cold_s"]

@@ -26,3 +26,18 @@ def test_the_readme_is_written_and_then_up_to_date(invoke):
 
 def test_a_stale_readme_fails_the_check(invoke):
     assert isinstance(invoke("--check").exception, UnusableReadme)
+
+
+def test_a_cold_answer_is_recorded_with_its_command_and_its_median(tmp_path, monkeypatch):
+    from geotlm_lm.experiments import cold_answer
+
+    def answered(clip, question, *, command):
+        numbers = {"answer": {"text": f"{clip} {question}"}, "cold_s": [1.0, 2.5, 9.0]}
+        return RunRecord("answer", command, 0, 1.0, numbers)
+
+    monkeypatch.setattr(cold_answer, "cold_answer", answered)
+    out = tmp_path / "deep" / "answer.json"
+    words = ["answer", "--clip", "clip.npz", "--q", "Which way?", "--out", str(out)]
+    done = CliRunner().invoke(app, words)
+    assert done.stdout == "clip.npz Which way? (cold: median 2.50 s, 1.00-9.00 s)\n"
+    assert RunRecord.load(out).command.startswith("geotlm-lm ")
