@@ -10,7 +10,9 @@ from __future__ import annotations
 import io
 import json
 import multiprocessing
+import os
 import signal
+import threading
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -168,8 +170,17 @@ def _prepare_worker() -> None:
 
     # Ctrl-C reaches every process of a command; the parent lets shards under way be finished.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
+
+
+def _end_with_parent() -> None:
+    # A worker whose parent was killed would wait for its next shard for ever.
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _write_shard(shard: _Shard) -> int:
