@@ -55,13 +55,15 @@ def estimate_background(frames: Frames) -> Frames:
     small_rows, small_columns = small.shape[1:3]
     across, down = _powers(small_columns), _powers(small_rows)
     basis = np.einsum("ri,cj->rcij", down, across).reshape(small_rows * small_columns, -1)
-    values = small.reshape(len(small), -1, 3)
+    # In float64: in float32 the guess moved by a grey level with the number of BLAS threads.
+    basis = basis.astype(np.float64)
+    values = small.reshape(len(small), -1, 3).astype(np.float64)
     target = values.mean(axis=0)
-    weight = np.ones(len(basis), np.float32)
+    weight = np.ones(len(basis))
     for _ in range(FIT_ITERATIONS):
         # Pixels share one weight over frames and channels: where the gel is touched, all are off.
         weighted = basis * weight[:, None]
-        normal = weighted.T @ basis + RIDGE * len(basis) * np.eye(basis.shape[1], dtype=np.float32)
+        normal = weighted.T @ basis + RIDGE * len(basis) * np.eye(basis.shape[1])
         shading = basis @ np.linalg.solve(normal, weighted.T @ target)
         off = np.sqrt(np.square(values - shading).mean(axis=(0, 2)))
         scale = max(float(np.quantile(off, 0.3)), FIT_SCALE)

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
@@ -115,11 +116,29 @@ def simulate_examples(folder: Path, sets: Sequence[ExampleSet], *, seed: int, wo
     # Spawned, not forked: a forked child may inherit locked thread pools.
     pool = ProcessPoolExecutor(max(workers, 1), mp_context=get_context("spawn"))
     with pool, children_end_with_it():
-        with deaf_children():
+        with deaf_children(), _one_thread_each():
             written = pool.map(_write_chunk, jobs)
         for _ in written:
             done += 1
             progress.show(done, f"chunks of {CHUNK_CLIPS} clips")
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """Start processes inside with one BLAS thread each: it is read when numpy is first imported."""
+    before = {name: os.environ.get(name) for name in THREAD_VARIABLES}
+    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def read_examples(folder: Path, wanted: ExampleSet) -> Examples:
