@@ -1,0 +1,120 @@
+"""The shipped model against truth: the simulator's fields, exact mirrors, real recordings.
+
+Thresholds lie below what `geotlm-lm evaluate` recorded, by more than the spread of so few clips.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from geotlm_lm.answering import Answerer
+from geotlm_lm.backbone.stem import FLOW_SCALE_PX
+from geotlm_lm.checkpoint import embedded_bundle_dir
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.geometry import PATCH_SIDE
+from geotlm_lm.core.labels import DIRECTED, Motion, mirror, reverse
+from geotlm_lm.data.labelled_recordings import find_labelled_recordings
+from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
+from geotlm_lm.simulation.randomise import random_scenes
+from geotlm_lm.simulation.simulate import simulate
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "app" / "examples"
+REAL = ROOT.parent / "shared" / "real" / "physiclear"
+SIZE_LIMIT_MB = 20
+QUESTION = "Which way is it moving?"
+
+
+@pytest.fixture(scope="module")
+def answerer():
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield Answerer.load()
+    torch.set_num_threads(before)
+
+
+@pytest.fixture(scope="module")
+def touches():
+    """Readable clips of everyday objects that move in a direction; other seeds than in training."""
+    scenes = random_scenes(2_718, 72, objects=EVERYDAY_OBJECTS, motions=DIRECTED)
+    return [made for made in simulate(scenes, seed=2_718) if made.label.is_readable]
+
+
+def direction(answerer, clip):
+    return answerer.ask(answerer.encode(clip), QUESTION).direction
+
+
+def test_the_bundle_is_small():
+    size = sum(path.stat().st_size for path in embedded_bundle_dir().rglob("*") if path.is_file())
+    assert size < SIZE_LIMIT_MB * 1e6
+
+
+def test_patch_tokens_carry_motion_smaller_than_a_patch(answerer, touches):
+    perception = answerer.bundle.model.perceive([made.clip for made in touches])
+    found = perception.geometry.shear_change.numpy() * FLOW_SCALE_PX
+    bins = np.stack([made.displacement_px.reshape(2, 2, 14, 14, 2).mean(1) for made in touches])
+    true = bins[:, 1] - bins[:, 0]
+    contact = np.stack([made.contact.mean(0) for made in touches])
+    counts = (contact > 0.8) & (np.linalg.norm(true, axis=-1) < PATCH_SIDE)
+    for axis in range(2):
+        correlation = np.corrcoef(found[counts][:, axis], true[counts][:, axis])[0, 1]
+        assert correlation > 0.8
+
+
+def test_directions_of_objects_never_trained_on_are_told(answerer, touches):
+    right = [direction(answerer, made.clip) == made.label.motion for made in touches]
+    assert np.mean(right) >= 0.88
+
+
+def test_a_clip_played_backwards_goes_the_other_way(answerer, touches):
+    right = [
+        direction(answerer, made.clip.reversed()) == reverse(made.label.motion) for made in touches
+    ]
+    assert np.mean(right) >= 0.85
+
+
+@pytest.mark.parametrize(
+    ("name", "motion"),
+    [
+        ("bottle_cap_clockwise", Motion.CLOCKWISE),
+        ("hex_nut_counterclockwise", Motion.COUNTERCLOCKWISE),
+        ("cable_up", Motion.UP),
+        ("coin_press", Motion.PRESS),
+    ],
+)
+def test_the_example_clips_are_answered_right(answerer, name, motion):
+    assert direction(answerer, read_clip(EXAMPLES / f"{name}.npz")) is motion
+
+
+@pytest.mark.parametrize("name", ["bottle_cap_clockwise", "hex_nut_counterclockwise"])
+def test_a_mirrored_example_turns_the_other_way(answerer, name):
+    clip = read_clip(EXAMPLES / f"{name}.npz")
+    mirrored = replace(
+        clip, frames=clip.frames[:, :, ::-1].copy(), background=clip.background[:, ::-1].copy()
+    )
+    assert direction(answerer, mirrored) is mirror(direction(answerer, clip))
+
+
+def test_an_untouched_gel_is_never_given_a_direction(answerer):
+    rng = np.random.default_rng(0)
+    for level in (30, 110, 220):
+        frames = np.clip(level + rng.normal(0, 2, (4, 240, 320, 3)), 0, 255).astype(np.uint8)
+        answer = answerer.ask(answerer.encode(Clip(frames)), QUESTION)
+        assert answer.direction not in DIRECTED
+
+
+@pytest.mark.real
+@pytest.mark.skipif(not REAL.is_dir(), reason="needs the labelled recordings of ../shared/real")
+def test_real_turns_are_told_forwards_and_backwards(answerer):
+    recordings = find_labelled_recordings(REAL)[0]
+    rows = replace(recordings, rows=recordings.rows[::9])
+    right = [
+        direction(answerer, window.clip) == window.motion
+        for window in rows.windows(frames=("four",), backwards=True)
+    ]
+    assert len(right) >= 60
+    assert np.mean(right) >= 0.85
