@@ -25,6 +25,9 @@ from geotlm_lm.recordings.idle import estimate_background
 
 MAX_QUESTION_CHARACTERS = 500
 
+NOT_UNDERSTOOD = "I found no words for that; ask how the touched object moves."
+"""Said in place of words that are none of the answers: half-right words must not look like one."""
+
 
 @dataclass(frozen=True, eq=False)
 class Encoded:
@@ -154,6 +157,7 @@ class Answerer:
         timing["total"] = sum(timing.values())
         direction = slots.direction if slots else None
         abstained = slots is None or slots.kind == "refusal"
+        text = NOT_UNDERSTOOD if slots is None else text
         if self.bundle.calibration.withholds(direction, encoded.contact_share):
             text, direction, abstained = _too_little_contact(encoded.contact_share), None, True
         return Answer(

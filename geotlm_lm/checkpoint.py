@@ -89,8 +89,18 @@ class Bundle:
 
 
 def embedded_bundle_dir() -> Path:
-    """Return the folder of the bundle that ships with the package."""
-    return resource_dir("bundle")
+    """Return the folder of the bundle that ships with the package.
+
+    Raises:
+        IncompatibleBundle: If the installation has none.
+    """
+    try:
+        return resource_dir("bundle")
+    except FileNotFoundError as error:
+        raise IncompatibleBundle(
+            "this installation has no model bundle; install geotlm-lm again, or give the folder "
+            "that `geotlm-lm train` wrote by --model."
+        ) from error
 
 
 def save_bundle(folder: Path, bundle: Bundle) -> None:

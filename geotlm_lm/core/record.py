@@ -35,7 +35,7 @@ class RunRecord:
     seconds: float
     numbers: dict[str, Any]
     config: dict[str, Any] = field(default_factory=dict)
-    commit: str = field(default_factory=lambda: _commit())
+    commit: str = field(default_factory=lambda: commit())
     machine: dict[str, Any] = field(default_factory=lambda: machine())
     made_utc: str = field(default_factory=lambda: datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ"))
     format: int = RECORD_FORMAT
@@ -82,7 +82,7 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def _commit() -> str:
+def commit() -> str:
     """Return the checkout's commit, '+' appended when files differ from it; '' outside git."""
     root = Path(__file__).resolve().parents[2]
     if not (root / ".git").exists():

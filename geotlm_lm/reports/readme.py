@@ -28,6 +28,11 @@ BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
 }
 """Block name -> the record it is made from, and how."""
 
+_COMMANDS = dict.fromkeys(BLOCKS, "geotlm-lm evaluate --out reports/recorded/evaluate.json") | {
+    "example": "geotlm-lm report answer",
+    "training": "cp geotlm_lm/bundle/scores.json reports/recorded/train.json",
+}
+
 _BEGIN = re.compile(r"^<!-- begin: (\S+) -->$", re.MULTILINE)
 
 
@@ -92,8 +97,7 @@ def _content(name: str, records: Path) -> str:
     path = records / file_name
     if not path.is_file():
         raise UnusableReadme(
-            f"{path}: the record of block '{name}' is missing; write it with `geotlm-lm evaluate "
-            f"--out {path}`."
+            f"{path}: the record of block '{name}' is missing; write it with `{_COMMANDS[name]}`."
         )
     return render(RunRecord.load(path)).strip()
 

@@ -2,20 +2,29 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 from geotlm_lm.checkpoint import CARD_FILE, Bundle
-from geotlm_lm.core.record import write_text_atomically
+from geotlm_lm.core.record import RunRecord, write_text_atomically
 
 SCORES_FILE = "scores.json"
 
 
 def write_card(folder: Path, bundle: Bundle, scores: dict[str, Any], seconds: float) -> None:
-    """Write the scores and the card into the bundle's folder."""
-    about = {"scores": scores, "seconds": round(seconds), "provenance": bundle.provenance}
-    write_text_atomically(folder / SCORES_FILE, json.dumps(about, indent=1) + "\n")
+    """Write the scores, as a run record, and the card into the bundle's folder."""
+    made = bundle.provenance
+    record = RunRecord(
+        name="train",
+        command=made["command"],
+        seed=made["seed"],
+        seconds=round(seconds),
+        numbers=scores,
+        config={name: made[name] for name in ("preset", "device", "dgr_validation_accuracy")},
+        commit=made["commit"],
+        machine=made["machine"],
+    )
+    record.save(folder / SCORES_FILE)
     write_text_atomically(folder / CARD_FILE, _card(folder, bundle, scores, seconds))
 
 
@@ -44,7 +53,8 @@ GelSight-like sensor. Every weight was trained on simulated clips alone.
 - Language model: trained from random weights, {preset["language_steps"]:,} steps of
   {preset["language_batch"]} questions.
 - Command: `{made["command"]}`, {seconds / 60:.0f} min on {machine["processor"]}
-  ({machine["cores"]} cores, {made["device"]}), torch {machine["versions"]["torch"]}.
+  ({machine["cores"]} cores, {made["device"]}), torch {machine["versions"]["torch"]}, commit
+  {made["commit"] or "unknown"}.
 - Size: {size_mb:.1f} MB, perception in half precision; computed in float32.
 
 ## Scores on simulated everyday objects never trained on

@@ -20,7 +20,7 @@ from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, save_bundle
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.record import machine, write_text_atomically
+from geotlm_lm.core.record import commit, machine, write_text_atomically
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.speak import Speaker
 from geotlm_lm.model import GeoTLM
@@ -80,6 +80,7 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
             "preset": settings.to_dict(),
             "seed": seed,
             "machine": machine(),
+            "commit": commit(),
             "device": device,
             "dgr_validation_accuracy": modes,
         }

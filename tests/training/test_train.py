@@ -68,7 +68,7 @@ def test_the_folder_is_a_bundle_that_answers(finished):
 
 def test_the_card_tells_the_scores_and_the_command_that_made_them(finished):
     about = json.loads((finished / "bundle" / "scores.json").read_text())
-    scores = about["scores"]
+    scores = about["numbers"]
     assert scores["clips"] == 20
     # Two clips of each of the ten motions; what leaves no trace is left out.
     assert scores["rotation"]["clips"] + scores["sliding"]["clips"] <= 12
@@ -108,7 +108,7 @@ def test_an_interrupted_run_is_continued_to_the_same_bytes(finished, tmp_path, m
     first, second = (
         json.loads((out / "bundle" / "scores.json").read_text()) for out in (finished, tmp_path)
     )
-    assert first["scores"] == second["scores"]
+    assert first["numbers"] == second["numbers"]
 
 
 def test_another_seed_in_the_same_folder_is_refused(finished):
