@@ -8,6 +8,7 @@ has no learned weight.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -34,15 +35,57 @@ PATCH_INPUT_DIM = 3 * CELLS**2 + 6
 """RGB residual cells, then flow x, flow y, log contrast, and the gradients' orientation (3)."""
 
 
+@dataclass(frozen=True)
+class View:
+    """The square of the image that the patch grid covers.
+
+    Seven-region pooling tells a turn from a slide only where the halves of the grid see opposite
+    sides of the contact; so the grid is laid around the imprint, wherever it is in the image.
+
+    Args:
+        centre_x_px: Column of the middle, pixels of the 224-pixel image.
+        centre_y_px: Row of the middle.
+        side_px: Side; smaller than 224 magnifies.
+    """
+
+    centre_x_px: float = IMAGE_SIDE / 2
+    centre_y_px: float = IMAGE_SIDE / 2
+    side_px: float = float(IMAGE_SIDE)
+
+    def cut(self, image: NDArray, how: int = cv2.INTER_LINEAR) -> NDArray:
+        """Return the view's part of a square image or grid at the same size; zero outside.
+
+        Args:
+            image: float32 or uint8, shape (side, side) or (side, side, channels), covering the
+                whole 224-pixel image at any resolution.
+            how: OpenCV's interpolation.
+        """
+        side = image.shape[0]
+        pixels = side / IMAGE_SIDE
+        scale = self.side_px / IMAGE_SIDE
+        corner = [
+            pixels * (centre - self.side_px / 2) + 0.5 * scale - 0.5
+            for centre in (self.centre_x_px, self.centre_y_px)
+        ]
+        matrix = np.float32([[scale, 0, corner[0]], [0, scale, corner[1]]])
+        return cv2.warpAffine(image, matrix, (side, side), flags=how | cv2.WARP_INVERSE_MAP)
+
+
 def patch_inputs(clip: Clip) -> Floats:
-    """Compute the inputs of one clip's patch tokens.
+    """Compute the inputs of one clip's patch tokens; the first part of `look`."""
+    return look(clip)[0]
+
+
+def look(clip: Clip) -> tuple[Floats, View]:
+    """Compute the inputs of one clip's patch tokens and the view they cover.
 
     Args:
         clip: Exactly four frames with a known or estimated background, any size.
 
     Returns:
-        Shape (2, 14, 14, PATCH_INPUT_DIM), early time-bin first. Flow is accumulated from the
-        clip's first frame to the mean of the bin's two frames, x right, y down.
+        Inputs, shape (2, 14, 14, PATCH_INPUT_DIM), early time-bin first; flow is accumulated from
+        the clip's first frame to the mean of the bin's two frames, x right, y down, in pixels of
+        the view. And the view.
 
     Raises:
         ValueError: If the clip is not four frames with a background.
@@ -50,13 +93,54 @@ def patch_inputs(clip: Clip) -> Floats:
     if len(clip) != FRAME_COUNT or clip.background is None:
         raise ValueError(f"the stem reads {FRAME_COUNT} frames and a background, found {len(clip)}")
     idle = _square(clip.background)
-    residual = [cv2.subtract(_square(frame), idle) for frame in clip.frames]
+    whole = [cv2.subtract(_square(frame), idle) for frame in clip.frames]
+    view = contact_view([_structure(_green(image)) for image in whole])
+    residual = [view.cut(image) for image in whole]
     green = [_green(image) for image in residual]
     structure = [_structure(image) for image in green]
     pixels = _bin_means([_cells(image) for image in residual]) / RESIDUAL_SCALE_GREY
     flow = _bin_means(_accumulated_flow(green, structure)) / FLOW_SCALE_PX
     orientation = _bin_means([_orientation(products) for products in structure])
-    return np.concatenate([np.clip(pixels, -4, 4), flow, orientation], axis=-1, dtype=np.float32)
+    parts = [np.clip(pixels, -4, 4), flow, orientation]
+    return np.concatenate(parts, axis=-1, dtype=np.float32), view
+
+
+def contact_view(structure: Sequence[Floats]) -> View:
+    """Return the view around what stands out from the idle gel in any frame.
+
+    Args:
+        structure: Products of the residual's gradients of each frame, (224, 224, 3).
+
+    Returns:
+        A view centred on the imprint, between `MIN_VIEW_PX` and the whole image large; the whole
+        image where nothing stands out.
+    """
+    side = IMAGE_SIDE // VIEW_CELL_PX
+    energy = np.max(
+        [_area_means(products[..., 0] + products[..., 2], side) for products in structure], axis=0
+    )
+    excess = np.sqrt(np.maximum(energy - 2 * np.median(energy) - CONTRAST_FLOOR_GREY2, 0))
+    mass = float(excess.sum())
+    if mass == 0:
+        return View()
+    centres = (np.arange(side) + 0.5) * VIEW_CELL_PX
+    x = float(excess.sum(axis=0) @ centres) / mass
+    y = float(excess.sum(axis=1) @ centres) / mass
+    spread = excess.sum(axis=0) @ np.square(centres - x) + excess.sum(axis=1) @ np.square(
+        centres - y
+    )
+    radius = float(np.sqrt(spread / mass))
+    return View(x, y, min(max(VIEW_RADII * radius, MIN_VIEW_PX), IMAGE_SIDE))
+
+
+VIEW_CELL_PX = 8
+"""Cells on which the imprint is located."""
+
+VIEW_RADII = 4.0
+"""Side of the view in rms radii of the imprint's contrast; a uniform disc ends at 1.41 of them."""
+
+MIN_VIEW_PX = 96.0
+"""Smallest view: 7 mm on GelSight Mini; a smaller one magnifies the camera's noise."""
 
 
 def _square(image: NDArray[np.uint8]) -> Floats:
@@ -111,13 +195,15 @@ def _orientation(structure: Floats) -> Floats:
 
 
 def _flow_solver() -> cv2.DISOpticalFlow:
-    """Return dense inverse search down to half resolution, without variational smoothing.
+    """Return dense inverse search at a quarter of the resolution, without variational smoothing.
 
-    Measured on textures shifted by 0.2 to 8 px a step: 0 to 4 % too far; the preset as it comes
-    (quarter resolution, smoothed) 11 to 25 % too far below 1 px a step.
+    Measured on 299 simulated turns and slides, direction read by a rigid fit inside the true
+    contact: patches of 12 px 0.99 and 0.94, of 8 px 0.98 and 0.93; half resolution 0.98 and 0.90.
     """
     solver = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
-    solver.setFinestScale(1)
+    solver.setFinestScale(2)
+    solver.setPatchSize(12)
+    solver.setPatchStride(4)
     solver.setVariationalRefinementIterations(0)
     return solver
 

@@ -9,8 +9,8 @@ from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.simulation.scene import Path
 
-ROTATION_DEG = (2.0, 40.0)
-SLIDE_MM = (0.15, 3.0)
+ROTATION_DEG = (3.0, 40.0)
+SLIDE_MM = (0.3, 3.0)
 DEPTH_CHANGE_MM = (0.15, 0.9)
 """Total change over a clip, from one barely visible to one a hand makes in a second."""
 
@@ -22,6 +22,9 @@ IMPURITY = 0.15
 
 CONTACT_RADIUS_MM = 2.0
 """Typical radius of a contact on GelSight Mini, where turning and sliding are compared."""
+
+DEPTH_UNEVENNESS_MM = 0.08
+"""Spread of the change of depth under a large turn or slide."""
 
 SLIDE_FAN_DEG = 25.0
 """Farthest a slide's direction lies from its axis; 45 would be ambiguous."""
@@ -53,10 +56,12 @@ def random_path(
     turn, x, y = (np.zeros(FRAME_COUNT) for _ in range(3))
     if motion in ROTATIONS:
         turn, x, y = _rotate(rng, time, motion, is_axisymmetric)
-        depth = depth + _small_depth_change(rng, time)
+        arc_mm = abs(turn[-1]) * CONTACT_RADIUS_MM
+        depth = depth + _small_depth_change(rng, time, arc_mm)
     elif motion in SLIDES:
         turn, x, y = _slide(rng, time, motion)
-        depth = depth + _small_depth_change(rng, time)
+        travel_mm = float(np.hypot(x[-1], y[-1]))
+        depth = depth + _small_depth_change(rng, time, travel_mm)
     elif motion in (Motion.PRESS, Motion.RELEASE):
         depth = _press(rng, time, depth_range_mm, motion)
         turn, x, y = _tremble(rng, turn_deg=0.5, travel_mm=0.03)
@@ -124,8 +129,10 @@ def _tremble(
     return turn, x, y
 
 
-def _small_depth_change(rng: np.random.Generator, time: PathArray) -> PathArray:
-    return rng.normal(0, 0.08) * (time - 0.5) + rng.normal(0, 0.01, FRAME_COUNT)
+def _small_depth_change(rng: np.random.Generator, time: PathArray, travel_mm: float) -> PathArray:
+    """Return a hand's unevenness, small beside the motion: it widens or narrows the imprint."""
+    total = rng.normal(0, min(IMPURITY * travel_mm, DEPTH_UNEVENNESS_MM))
+    return total * (time - 0.5) + rng.normal(0, 0.1 * DEPTH_UNEVENNESS_MM, FRAME_COUNT)
 
 
 def _log_uniform(rng: np.random.Generator, low: float, high: float) -> float:

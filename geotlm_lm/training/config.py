@@ -55,19 +55,19 @@ class TrainingPreset:
 
 DEFAULT = TrainingPreset(
     name="default",
-    pretraining_clips=12_000,
-    head_clips=8_000,
-    validation_clips=1_000,
-    test_clips=1_000,
+    pretraining_clips=8_000,
+    head_clips=5_000,
+    validation_clips=500,
+    test_clips=500,
     backbone_width=192,
     backbone_depth=4,
     backbone_heads=3,
-    pretraining_draws=40_000,
+    pretraining_draws=20_000,
     pretraining_batch=64,
     pretraining_rate=1e-3,
     geometry_epochs=30,
-    geometry_clips=6_000,
-    language_steps=4_500,
+    geometry_clips=4_000,
+    language_steps=1_800,
     language_batch=64,
 )
 

@@ -14,12 +14,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.geometry import FRAME_COUNT, TIME_BIN_COUNT
+from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, TIME_BIN_COUNT
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.training.interrupts import (
@@ -28,6 +29,10 @@ from geotlm_lm.training.interrupts import (
     end_if_orphaned,
 )
 from geotlm_lm.training.progress import Progress
+
+if TYPE_CHECKING:
+    from geotlm_lm.backbone.stem import View
+    from geotlm_lm.simulation.simulate import SimulatedClip
 
 CHUNK_CLIPS = 250
 
@@ -189,19 +194,32 @@ def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:
     os.replace(temporary, path)
 
 
-def _example(simulated, rng: np.random.Generator) -> tuple[NDArray, ...]:
+def _example(simulated: SimulatedClip, rng: np.random.Generator) -> tuple[NDArray, ...]:
     """Return the arrays of one example, in the order of `_ARRAYS`."""
     from dataclasses import replace
 
-    from geotlm_lm.backbone.stem import patch_inputs
+    from geotlm_lm.backbone.stem import look
     from geotlm_lm.recordings.idle import estimate_background
 
     order = _frame_order(rng)
     clip = simulated.clip.select(order)
     if rng.random() < UNKNOWN_BACKGROUND_SHARE:
         clip = replace(clip, background=estimate_background(clip.frames))
-    truth = (simulated.displacement_px, simulated.contact, simulated.depth_mm)
-    return patch_inputs(clip), *(_bin_means(values[order]) for values in truth)
+    inputs, view = look(clip)
+    truth = _truth_in(view, simulated)
+    return inputs, *(_bin_means(values[order]) for values in truth)
+
+
+def _truth_in(view: View, simulated: SimulatedClip) -> tuple[NDArray, NDArray, NDArray]:
+    """Return displacement, contact and depth of every frame on the view's grid."""
+    contact = np.stack([view.cut(frame) for frame in simulated.contact])
+    depth = np.stack([view.cut(frame) for frame in simulated.depth_mm])
+    # Patches without contact hold no displacement: they must not blend into their neighbours.
+    touched = (simulated.contact > 0).astype(np.float32)
+    weight = np.stack([view.cut(frame) for frame in touched])
+    moved = np.stack([view.cut(frame) for frame in simulated.displacement_px])
+    moved = moved / np.maximum(weight, 1e-3)[..., None] * (IMAGE_SIDE / view.side_px)
+    return moved * (weight > 0.25)[..., None], contact, depth
 
 
 def _frame_order(rng: np.random.Generator) -> list[int]:

@@ -17,13 +17,14 @@ from torch import Tensor, nn
 from geotlm_lm.backbone.stem import FLOW_SCALE_PX
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.dgr.encoder import DGR, Geometry
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.config import DGRMode
+from geotlm_lm.training.pretraining import DenseHeads
 from geotlm_lm.training.progress import Progress
 
 HEAD_RATE, DGR_RATE, WEIGHT_DECAY, BATCH = 1e-3, 3e-4, 0.01, 32
@@ -67,6 +68,7 @@ def train_geometry(
     validation: TokenSet,
     *,
     mode: DGRMode,
+    read_outs: DenseHeads,
     epochs: int,
     seed: int,
     path: Path,
@@ -77,6 +79,8 @@ def train_geometry(
         train: Training split; the standardisers see nothing else.
         validation: Other objects than in training.
         mode: Which losses shape DGR.
+        read_outs: The linear maps to displacement and contact that the backbone was pretrained
+            through; grounded shear and mask start from them, being the same maps.
         epochs: Epochs over the training split.
         seed: Root seed.
         path: Checkpoint, written after every epoch.
@@ -85,6 +89,8 @@ def train_geometry(
         UsageError: If the checkpoint was trained on other tokens.
     """
     model = _fresh_model(train.tokens, seed)
+    if mode == "grounded":
+        _start_from(read_outs, model)
     dgr, probe = model.dgr, model.probe
     optimiser = torch.optim.AdamW(
         [
@@ -119,6 +125,18 @@ def _fresh_model(tokens: Tokens, seed: int) -> GeometryModel:
         nn.init.normal_(layer.weight, 0, layer.in_features**-0.5, generator=generator)
         nn.init.zeros_(layer.bias)
     return GeometryModel(*fit_standardisers(tokens), dgr, probe, -1.0)
+
+
+@torch.no_grad()
+def _start_from(read_outs: DenseHeads, model: GeometryModel) -> None:
+    """Copy the backbone's read-outs into shear and mask, which see standardised tokens."""
+    mean, scale = model.patch_standardiser.mean, model.patch_standardiser.scale
+    shift, contact = read_outs.patch.weight[:2], read_outs.patch.weight[2:3]
+    offset = read_outs.patch.bias
+    model.dgr.to_shear.weight.copy_(shift * scale)
+    model.dgr.to_shear.bias.copy_(offset[:2] + shift @ mean)
+    model.dgr.to_mask.weight.copy_(contact * scale)
+    model.dgr.to_mask.bias.copy_(offset[2:3] + contact @ mean)
 
 
 def _restored(path: Path, model: GeometryModel, optimiser: torch.optim.Optimizer) -> dict[str, Any]:
@@ -171,8 +189,8 @@ def train_global_probe(
             optimiser.zero_grad(set_to_none=True)
             loss.backward()
             optimiser.step()
-        predicted = probe.probabilities(held_out).argmax(dim=-1)
-        accuracy = _accuracy(predicted, validation)
+        with torch.no_grad():
+            accuracy = _task_accuracy(probe(held_out), validation)
         if accuracy > best_accuracy:
             best, best_accuracy = _copied(probe.state_dict()), accuracy
     probe.load_state_dict(best)
@@ -181,18 +199,23 @@ def train_global_probe(
 
 @torch.no_grad()
 def readable_accuracy(model: GeometryModel, data: TokenSet) -> float:
-    """Return the probe's ten-way accuracy on clips whose motion leaves a trace."""
-    predicted = []
+    """Return the probe's accuracy on readable turns and slides; see `_task_accuracy`."""
+    logits = []
     for start in range(0, len(data.tokens), 256):
-        rows = slice(start, start + 256)
-        logits, _ = _forward(model, data, rows)
-        predicted.append(logits.argmax(dim=-1))
-    return _accuracy(torch.cat(predicted), data)
+        logits.append(_forward(model, data, slice(start, start + 256))[0])
+    return _task_accuracy(torch.cat(logits), data)
 
 
-def _accuracy(predicted: Tensor, data: TokenSet) -> float:
-    right = (predicted == data.motions)[data.is_readable]
-    return float(right.float().mean())
+def _task_accuracy(logits: Tensor, data: TokenSet) -> float:
+    """Return the mean accuracy of the paper's two tasks, each among its own motions."""
+    accuracies = []
+    for task in (ROTATIONS, SLIDES):
+        columns = torch.tensor([ALL_MOTIONS.index(motion) for motion in task])
+        rows = data.is_readable & torch.isin(data.motions, columns)
+        if rows.any():
+            found = columns[logits[rows][:, columns].argmax(dim=-1)]
+            accuracies.append(float((found == data.motions[rows]).float().mean()))
+    return sum(accuracies) / max(len(accuracies), 1)
 
 
 def _one_epoch(model, train: TokenSet, optimiser, mode: DGRMode, rng) -> None:

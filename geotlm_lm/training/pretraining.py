@@ -64,7 +64,7 @@ class DenseTruth:
 
 def pretrain(
     examples: Examples, *, preset: TrainingPreset, seed: int, device: str, folder: Path
-) -> FrozenBackbone:
+) -> tuple[FrozenBackbone, DenseHeads]:
     """Train the backbone from random weights; resumes from `folder` where a run was interrupted.
 
     Args:
@@ -73,6 +73,9 @@ def pretrain(
         seed: Root seed.
         device: Torch device.
         folder: Where the checkpoint lies.
+
+    Returns:
+        The backbone, and the linear read-outs it was trained through.
     """
     steps = max(preset.pretraining_draws // preset.pretraining_batch, 1)
     learner = _Learner(preset, steps, seed, device)
@@ -93,7 +96,7 @@ def pretrain(
                 saved_at = time.monotonic()
     finally:
         learner.store(path, done)
-    return FrozenBackbone(learner.vit)
+    return FrozenBackbone(learner.vit), learner.heads.cpu().requires_grad_(False)
 
 
 class _Learner:
@@ -176,7 +179,7 @@ def dense_loss(tokens: Tokens, heads: DenseHeads, truth: DenseTruth) -> Tensor:
     scale = (typical + MOTION_FLOOR_PX)[:, None, None, None, None]
     error = (shift * FLOW_SCALE_PX - truth.displacement) / scale
     motion_loss = (
-        F.smooth_l1_loss(error, torch.zeros_like(error), reduction="none", beta=0.3)
+        F.smooth_l1_loss(error, torch.zeros_like(error), reduction="none", beta=1.0)
     ).sum(dim=-1)
     motion_loss = (motion_loss * weight).sum() / weight.sum().clamp(min=1.0)
     contact_loss = F.binary_cross_entropy_with_logits(contact_logit, truth.contact)

@@ -37,7 +37,7 @@ from geotlm_lm.training.geometry import (
     train_global_probe,
 )
 from geotlm_lm.training.language import LanguageTraining, train_language
-from geotlm_lm.training.pretraining import pretrain
+from geotlm_lm.training.pretraining import DenseHeads, pretrain
 from geotlm_lm.training.progress import Progress
 from geotlm_lm.training.scoring import ClipSet, score_bundle, true_option_likelihoods
 
@@ -68,11 +68,15 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
     with _clock(out) as seconds:
         simulate_examples(examples, list(sets.values()), seed=seed, workers=workers)
         pretraining = read_examples(examples, sets["pretraining"])
-        backbone = pretrain(pretraining, preset=settings, seed=seed, device=device, folder=out)
+        backbone, read_outs = pretrain(
+            pretraining, preset=settings, seed=seed, device=device, folder=out
+        )
         del pretraining  # the largest set; nothing reads it again
         heads = read_examples(examples, sets["heads"])
         validation = read_examples(examples, sets["validation"])
-        model, modes = _train_perception(backbone, heads, validation, settings, seed, out)
+        model, modes = _train_perception(
+            backbone, read_outs, heads, validation, settings, seed, out
+        )
         speaker = _train_speaker(perceive_examples(model, heads), settings, seed, out)
         provenance = {
             "command": f"geotlm-lm train --preset {preset} --seed {seed} --workers {workers} "
@@ -160,6 +164,7 @@ def _clock(out: Path) -> Iterator[Callable[[], float]]:
 
 def _train_perception(
     backbone: FrozenBackbone,
+    read_outs: DenseHeads,
     heads: Examples,
     validation: Examples,
     settings: TrainingPreset,
@@ -174,6 +179,7 @@ def _train_perception(
             train_set,
             validation_set,
             mode=mode,
+            read_outs=read_outs,
             epochs=settings.geometry_epochs,
             seed=seed,
             path=out / f"dgr_{mode}.pt",
