@@ -78,7 +78,7 @@ def show_clip(
     return Shown(
         encoded=encoded,
         frames=list(zip(clip.frames, captions, strict=True)),
-        arrows=draw_arrows(clip.frames[-1], *_field(encoded)),
+        arrows=draw_arrows(_seen(encoded), *_field(encoded)),
         notes="\n".join(f"- {note}" for note in clip.notes),
     )
 
@@ -120,6 +120,15 @@ def draw_arrows(frame: Image, field: NDArray[np.float32], mask: NDArray[np.float
         ends = [tuple(int(v) for v in np.rint(end)) for end in (tail, tip)]
         cv2.arrowedLine(image, *ends, ARROW_COLOUR, 2, cv2.LINE_AA, tipLength=0.3)
     return image
+
+
+def _seen(encoded: Any) -> Image:
+    """Return the part of the last frame that the model's grid covers."""
+    return encoded.view.cut(cv2.resize(encoded.clip.frames[-1], (IMAGE_SIDE, IMAGE_SIDE)))
+
+
+IMAGE_SIDE = 224
+"""Pixels per side of the square image that views are told in."""
 
 
 def _field(encoded: Any) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

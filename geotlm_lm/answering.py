@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import re
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from geotlm_lm.backbone.stem import View
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
@@ -44,8 +45,13 @@ class Encoded:
     timing_ms: dict[str, float]
 
     @property
+    def view(self) -> View:
+        """The square of the image that was looked at, and that the geometry's grid covers."""
+        return self.perception.views[0]
+
+    @property
     def contact_share(self) -> float:
-        """Mean of the contact mask over the image, in [0, 1]."""
+        """Mean of the contact mask over the view, in [0, 1]."""
         return float(self.perception.geometry.region_mass[0, REGIONS.index("global")])
 
 
@@ -62,8 +68,8 @@ class Answer:
         abstained: Whether the model declines to say.
         frame: The frame of reference every direction is told in.
         options: Probability of each answer that was possible, by its deciding word.
-        evidence: Contact share, and per region the learned shear change (x right, y down,
-            unitless) and contact mass.
+        evidence: Contact share, the view the grid covers (pixels of a 224-pixel image), and per
+            region of it the learned shear change (x right, y down, unitless) and contact mass.
         timing_ms: Milliseconds of each stage that ran; a stage that is missing did not run.
         kind: What sort of question was understood; None when the model's words did not parse.
         frames_used: Numbers of the four frames in the recording.
@@ -247,7 +253,8 @@ def evidence(encoded: Encoded) -> dict[str, Any]:
         }
         for column, name in enumerate(REGIONS)
     }
-    return {"contact_share": round(encoded.contact_share, 4), "regions": regions}
+    view = {name: round(value, 1) for name, value in asdict(encoded.view).items()}
+    return {"contact_share": round(encoded.contact_share, 4), "view": view, "regions": regions}
 
 
 def _offered_letters(question: str) -> set[str]:
@@ -256,6 +263,4 @@ def _offered_letters(question: str) -> set[str]:
 
 
 def _too_little_contact(share: float) -> str:
-    return (
-        f"I cannot name a direction: I see next to no contact ({100 * share:.1f} % of the image)."
-    )
+    return f"I cannot name a direction: I see next to no contact (mask {share:.3f})."

@@ -11,6 +11,7 @@ import torch
 from torch import Tensor
 
 from geotlm_lm.backbone.frozen import FrozenBackbone
+from geotlm_lm.backbone.stem import View
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.dgr.encoder import DGR, Geometry
@@ -26,11 +27,13 @@ class Perception:
         global_token: Standardised global token c, shape (b, d).
         geometry: Everything DGR computed.
         fused_token: z = c + g, shape (b, d) (Eq. 9).
+        views: The square of the image each clip's grid covers.
     """
 
     global_token: Tensor
     geometry: Geometry
     fused_token: Tensor
+    views: tuple[View, ...] = ()
 
 
 @dataclass(eq=False)
@@ -63,4 +66,5 @@ class GeoTLM:
         global_token = self.global_standardiser.apply(tokens.global_token)
         patches = self.patch_standardiser.apply(tokens.patches)
         geometry = self.dgr(patches)  # Eqs. 2-8
-        return Perception(global_token, geometry, global_token + geometry.feature)  # Eq. 9
+        fused_token = global_token + geometry.feature  # Eq. 9
+        return Perception(global_token, geometry, fused_token, tokens.views)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import torch
 from torch import Tensor
 
-from geotlm_lm.backbone.stem import patch_inputs
+from geotlm_lm.backbone.stem import look
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.vit import ViT
 from geotlm_lm.core.clip import Clip
@@ -32,8 +34,9 @@ class FrozenBackbone:
 
     def encode(self, clips: list[Clip]) -> Tokens:
         """Return the tokens of clips of four frames with a background each, in float32."""
-        inputs = np.stack([patch_inputs(clip) for clip in clips])
-        return self.encode_inputs(torch.from_numpy(inputs))
+        inputs, views = zip(*(look(clip) for clip in clips), strict=True)
+        tokens = self.encode_inputs(torch.from_numpy(np.stack(inputs)))
+        return replace(tokens, views=views)
 
     @torch.inference_mode()
     def encode_inputs(self, inputs: Tensor) -> Tokens:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from torch import Tensor
 
+from geotlm_lm.backbone.stem import View
+
 
 @dataclass(frozen=True, eq=False)
 class Tokens:
@@ -14,10 +16,12 @@ class Tokens:
     Args:
         global_token: Summary c of each clip, shape (b, d).
         patches: Patch tokens F, shape (b, 2, gh, gw, d), early time-bin first (Eq. 1).
+        views: The square of the image each clip's grid covers; empty where nobody asked.
     """
 
     global_token: Tensor
     patches: Tensor
+    views: tuple[View, ...] = ()
 
     def __len__(self) -> int:
         return len(self.global_token)

@@ -168,8 +168,8 @@ def training_overview(record: RunRecord) -> str:
         [
             markdown(["simulated everyday objects", "clips", *TRAINING_COLUMNS.values()], tasks),
             f"A direction is claimed of {100 * numbers['false_directions']:.1f} % of the clips "
-            f"that have none. Ten-way probe accuracy of the two ways to train DGR, on objects kept "
-            f"from training: {modes}.",
+            f"that have none. The probe's mean accuracy on turns and slides of objects kept from "
+            f"training, for the two ways to train DGR: {modes}.",
             markdown(["question type", "seen wordings", "held-out wordings"], types),
             provenance(record),
         ]

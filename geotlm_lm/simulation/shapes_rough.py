@@ -83,7 +83,7 @@ def gravel(
     seeds = np.full((RASTER_SIDE, RASTER_SIDE), 255, np.uint8)
     inside = np.clip(points.astype(int), 0, RASTER_SIDE - 1)
     seeds[inside[:, 1], inside[:, 0]] = 0
-    distance = cv2.distanceTransform(seeds, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) / PX_PER_MM
+    distance = _distance_mm(seeds)
     grain = np.minimum(distance**2 / np.float32(2 * radius_mm), 1.5)
     return grain + 0.05 * _field(rng, 2 * spacing_mm) + rounded_back(x, y, rng, 40.0)
 
@@ -125,7 +125,7 @@ def fibres(
         steps = np.stack([np.cos(turns), np.sin(turns)], 1) * 0.6 * PX_PER_MM
         line = np.cumsum(steps, 0) + rng.uniform(0.1, 0.9, 2) * RASTER_SIDE
         cv2.polylines(canvas, [np.round(line * 16).astype(np.int32)], False, 0, 1, shift=4)
-    distance = cv2.distanceTransform(canvas, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) / PX_PER_MM
+    distance = _distance_mm(canvas)
     distance = cv2.GaussianBlur(distance, (5, 5), 1.0)
     ratio = np.minimum(distance / radius_mm, 1.0)
     level = 0.3 * np.float32(radius_mm) * _field(rng, 3.0)
@@ -140,6 +140,13 @@ def lumpy_ball(
     u, v = turned(x, y, rng.uniform(0, np.pi))
     body = bowl(u, v * np.float32(rng.uniform(0.8, 1.6)), radius_mm)
     return body + np.float32(rise_mm) * _field(rng, 2.5) + 0.3 * rise_mm * _field(rng, 0.9)
+
+
+def _distance_mm(canvas: NDArray[np.uint8]) -> HeightMap:
+    """Return the distance of every pixel from the nearest zero."""
+    distance = cv2.distanceTransform(canvas, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    # The last bit depends on how the array lies in memory; squared distances are whole numbers.
+    return np.sqrt(np.rint(np.square(distance))) / np.float32(PX_PER_MM)
 
 
 def _field(rng: np.random.Generator, scale_mm: float) -> NDArray[np.float32]:

@@ -48,8 +48,8 @@ GelSight-like sensor. Every weight was trained on simulated clips alone.
 - Backbone: ViT, width {config.width}, {config.depth} layers, {config.heads} heads, frozen after
   pretraining on {preset["pretraining_clips"]:,} simulated clips ({preset["pretraining_draws"]:,}
   draws) with the simulator's dense displacement, contact and depth.
-- DGR: ten-way probe accuracy on objects kept from training: {modes}, each at the epoch that was
-  best on them; the better one is stored.
+- DGR: the probe's mean accuracy on turns and slides of objects kept from training: {modes}, each
+  at the epoch that was best on them; the better one is stored.
 - Language model: trained from random weights, {preset["language_steps"]:,} steps of
   {preset["language_batch"]} questions.
 - Command: `{made["command"]}`, {seconds / 60:.0f} min on {machine["processor"]}

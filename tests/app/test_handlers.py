@@ -7,6 +7,7 @@ import pytest
 
 from app import handlers, ui
 from geotlm_lm import GeoTLMError
+from geotlm_lm.backbone.stem import View
 from geotlm_lm.core.errors import MissingDependency
 from geotlm_lm.recordings.choose import choose_frames
 
@@ -21,7 +22,9 @@ class FakeAnswerer:
         mask[:, :, :7] = 1
         geometry = SimpleNamespace(shear_change=field, mask=mask)
         return SimpleNamespace(
-            clip=choose_frames(clip, span=span), perception=SimpleNamespace(geometry=geometry)
+            clip=choose_frames(clip, span=span),
+            perception=SimpleNamespace(geometry=geometry),
+            view=View(),
         )
 
     def ask(self, encoded, question):
@@ -57,8 +60,8 @@ def test_an_answer_is_shown_with_its_probabilities(path):
 def test_arrows_are_drawn_only_where_there_is_contact(path):
     shown = handlers.show_clip(FakeAnswerer(), path, 3, 9)
     yellow = (np.abs(shown.arrows.astype(int) - handlers.ARROW_COLOUR) < 30).all(axis=-1)
-    assert yellow[:, :80].sum() > 500
-    assert yellow[:, 100:].sum() < 10
+    assert yellow[:, :224].sum() > 500
+    assert yellow[:, 260:].sum() < 10
 
 
 def test_a_field_of_nothing_draws_nothing():

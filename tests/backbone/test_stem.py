@@ -4,8 +4,17 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.backbone.stem import CELLS, FLOW_SCALE_PX, PATCH_INPUT_DIM, patch_inputs
+from geotlm_lm.backbone.stem import (
+    CELLS,
+    FLOW_SCALE_PX,
+    MIN_VIEW_PX,
+    PATCH_INPUT_DIM,
+    View,
+    look,
+    patch_inputs,
+)
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.geometry import IMAGE_SIDE
 
 FLOW_X, FLOW_Y, CONTRAST = 3 * CELLS**2, 3 * CELLS**2 + 1, 3 * CELLS**2 + 2
 
@@ -34,10 +43,11 @@ def centre_flow_px(inputs, time_bin):
 
 @pytest.mark.parametrize("shift", [(3.0, 0.0), (-3.0, 0.0), (0.0, 6.0), (1.0, -1.0)])
 def test_flow_is_the_mean_displacement_of_each_time_bin(shift):
-    inputs = patch_inputs(moving_clip(shift))
-    # Frames sit at 0, 1/3 | 2/3, 1 of the way: means 1/6 and 5/6. Measured error below 0.1 px.
-    assert centre_flow_px(inputs, 0) == pytest.approx(np.array(shift) / 6, abs=0.15)
-    assert centre_flow_px(inputs, 1) == pytest.approx(np.array(shift) * 5 / 6, abs=0.25)
+    inputs, view = look(moving_clip(shift))
+    shift = np.array(shift) * IMAGE_SIDE / view.side_px
+    # Frames sit at 0, 1/3 | 2/3, 1 of the way: means 1/6 and 5/6.
+    assert centre_flow_px(inputs, 0) == pytest.approx(shift / 6, abs=0.3)
+    assert centre_flow_px(inputs, 1) == pytest.approx(shift * 5 / 6, abs=0.6)
 
 
 def test_a_clockwise_turn_moves_the_top_right_and_the_right_side_down():
@@ -52,9 +62,10 @@ def test_repeated_frames_carry_no_flow():
     clip = moving_clip((4.0, 0.0))
     still = patch_inputs(clip.select([0, 0, 0, 0]))
     assert np.abs(still[..., FLOW_X : FLOW_Y + 1]).max() == 0
-    pair = patch_inputs(clip.select([0, 0, 3, 3]))
+    pair, view = look(clip.select([0, 0, 3, 3]))
     assert np.abs(pair[0, ..., FLOW_X : FLOW_Y + 1]).max() == 0
-    assert centre_flow_px(pair, 1)[0] == pytest.approx(4.0, abs=0.3)
+    travel_px = 4.0 * IMAGE_SIDE / view.side_px
+    assert centre_flow_px(pair, 1)[0] == pytest.approx(travel_px, abs=0.4)
 
 
 def test_contrast_is_higher_where_the_imprint_is():
@@ -75,3 +86,44 @@ def test_a_clip_without_background_is_refused():
     clip = Clip(np.zeros((4, 32, 32, 3), np.uint8))
     with pytest.raises(ValueError, match="the stem reads 4 frames and a background, found 4"):
         patch_inputs(clip)
+
+
+def imprint_at(x, y, sigma_px):
+    """A clip with one textured imprint around (x, y)."""
+    rng = np.random.default_rng(0)
+    texture = cv2.GaussianBlur(rng.normal(size=(224, 224)).astype(np.float32), (0, 0), 2)
+    rows, columns = np.mgrid[:224, :224]
+    window = np.exp(-((rows - y) ** 2 + (columns - x) ** 2) / (2 * sigma_px**2))
+    frame = 110 + texture / texture.std() * window * 30
+    noisy = frame[None, ..., None] + rng.normal(size=(4, 224, 224, 3))
+    background = np.full((224, 224, 3), 110, np.uint8)
+    return Clip(np.clip(noisy, 0, 255).astype(np.uint8), background=background)
+
+
+@pytest.mark.parametrize(("x", "y"), [(60, 150), (170, 70), (112, 112)])
+def test_the_view_is_laid_around_the_imprint_wherever_it_is(x, y):
+    _, view = look(imprint_at(x, y, sigma_px=12))
+    assert (view.centre_x_px, view.centre_y_px) == pytest.approx((x, y), abs=6)
+    assert MIN_VIEW_PX <= view.side_px < 130
+
+
+def test_an_untouched_gel_is_looked_at_as_a_whole():
+    rng = np.random.default_rng(0)
+    frames = (110 + rng.normal(size=(4, 224, 224, 3))).astype(np.uint8)
+    assert look(Clip(frames, background=np.full((224, 224, 3), 110, np.uint8)))[1] == View()
+
+
+def test_the_whole_view_cuts_nothing_and_a_half_view_magnifies_twice():
+    image = np.arange(224 * 224, dtype=np.float32).reshape(224, 224)
+    assert np.array_equal(View().cut(image), image)
+    quarter = View(56, 56, 112).cut(image, cv2.INTER_NEAREST)
+    assert np.array_equal(quarter[1::2, 1::2], image[:112, :112])
+
+
+def test_a_grid_and_an_image_are_cut_alike():
+    rows, columns = np.mgrid[:224, :224].astype(np.float32)
+    view = View(90, 130, 128)
+    image = view.cut(columns)
+    grid = view.cut(cv2.resize(columns, (14, 14), interpolation=cv2.INTER_AREA))
+    means = cv2.resize(image, (14, 14), interpolation=cv2.INTER_AREA)
+    assert grid == pytest.approx(means, abs=0.5)

@@ -1,6 +1,7 @@
 """Expected values: tokens that carry a known shear linearly; leak laws of standardisation."""
 
 from dataclasses import replace
+from functools import partial
 
 import pytest
 import torch
@@ -16,8 +17,13 @@ from geotlm_lm.training.geometry import (
     train_geometry,
     train_global_probe,
 )
+from geotlm_lm.training.pretraining import DenseHeads
 
 SIDE = 6
+
+torch.manual_seed(0)
+READ_OUTS = DenseHeads(6)
+trained = partial(train_geometry, read_outs=READ_OUTS)
 
 SHIFTS = {
     Motion.LEFT: lambda x, y: (-torch.ones_like(x), 0 * y),
@@ -61,8 +67,14 @@ def grounded(tmp_path_factory):
         # The tokens are noise-free: thirty times the paper's rate gets there in 80 steps.
         patch.setattr(geometry, "DGR_RATE", 1e-2)
         patch.setattr(geometry, "HEAD_RATE", 1e-2)
-        return train_geometry(
-            token_set(240, 0), token_set(120, 1), mode="grounded", epochs=10, seed=0, path=path
+        return trained(
+            token_set(240, 0),
+            token_set(120, 1),
+            mode="grounded",
+            read_outs=READ_OUTS,
+            epochs=10,
+            seed=0,
+            path=path,
         )
 
 
@@ -91,7 +103,15 @@ def test_the_standardisers_see_the_training_split_only(tmp_path):
         validation,
         tokens=Tokens(validation.tokens.global_token + 50, validation.tokens.patches * 9),
     )
-    model = train_geometry(train, shifted, mode="paper", epochs=1, seed=0, path=tmp_path / "dgr.pt")
+    model = trained(
+        train,
+        shifted,
+        mode="paper",
+        read_outs=READ_OUTS,
+        epochs=1,
+        seed=0,
+        path=tmp_path / "dgr.pt",
+    )
     torch.testing.assert_close(
         model.global_standardiser.mean, train.tokens.global_token.mean(dim=0)
     )
@@ -104,7 +124,7 @@ def test_the_standardisers_see_the_training_split_only(tmp_path):
 def test_a_batch_without_a_readable_clip_leaves_finite_weights(tmp_path, mode):
     train = replace(token_set(33, 0), is_readable=torch.arange(33) < 1)
     path = tmp_path / "dgr.pt"
-    model = train_geometry(train, token_set(12, 1), mode=mode, epochs=1, seed=0, path=path)
+    model = trained(train, token_set(12, 1), mode=mode, epochs=1, seed=0, path=path)
     probe = train_global_probe(train, train, model.global_standardiser, epochs=1, seed=0)
     for module in (model.dgr, model.probe, probe):
         assert all(bool(torch.isfinite(value).all()) for value in module.parameters())
@@ -113,7 +133,7 @@ def test_a_batch_without_a_readable_clip_leaves_finite_weights(tmp_path, mode):
 def test_a_checkpoint_of_other_tokens_is_refused(tmp_path):
     def run(seed):
         train, path = token_set(30, seed), tmp_path / "dgr.pt"
-        return train_geometry(train, token_set(12, 1), mode="paper", epochs=1, seed=0, path=path)
+        return trained(train, token_set(12, 1), mode="paper", epochs=1, seed=0, path=path)
 
     run(seed=0)
     with pytest.raises(UsageError) as caught:
@@ -128,7 +148,7 @@ def test_the_same_seed_gives_the_same_geometry_and_resumes_to_it(tmp_path):
     train, validation = token_set(96, 0), token_set(30, 1)
 
     def run(path, epochs):
-        return train_geometry(train, validation, mode="paper", epochs=epochs, seed=3, path=path)
+        return trained(train, validation, mode="paper", epochs=epochs, seed=3, path=path)
 
     straight = run(tmp_path / "straight.pt", 4)
     run(tmp_path / "resumed.pt", 2)
@@ -136,3 +156,15 @@ def test_the_same_seed_gives_the_same_geometry_and_resumes_to_it(tmp_path):
     assert straight.validation_accuracy == resumed.validation_accuracy
     for name, value in straight.dgr.state_dict().items():
         assert torch.equal(value, resumed.dgr.state_dict()[name])
+
+
+def test_grounded_training_starts_from_the_read_outs_on_raw_tokens(tmp_path):
+    train = token_set(24, 0)
+    model = trained(train, train, mode="grounded", epochs=1, seed=0, path=tmp_path / "a.pt")
+    geometry._start_from(READ_OUTS, model)
+    with torch.no_grad():
+        found = model.dgr(model.patch_standardiser.apply(train.tokens.patches))
+        expected = READ_OUTS.patch(train.tokens.patches)
+    torch.testing.assert_close(found.shear, expected[..., :2], atol=1e-4, rtol=1e-4)
+    mask = torch.sigmoid(expected[..., 2]).mean(dim=1)
+    torch.testing.assert_close(found.mask, mask, atol=1e-4, rtol=1e-4)

@@ -22,8 +22,8 @@ def _one_thread():
 
 
 def weights_after(examples, folder, seed=0):
-    vit = pretrain(examples, preset=TINY, seed=seed, device="cpu", folder=folder).vit
-    return {name: value.clone() for name, value in vit.state_dict().items()}
+    backbone, _ = pretrain(examples, preset=TINY, seed=seed, device="cpu", folder=folder)
+    return {name: value.clone() for name, value in backbone.vit.state_dict().items()}
 
 
 def test_an_interrupted_run_ends_where_an_unbroken_one_does(tiny_examples, tmp_path, monkeypatch):
