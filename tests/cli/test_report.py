@@ -36,8 +36,9 @@ def test_a_cold_answer_is_recorded_with_its_command_and_its_median(tmp_path, mon
         return RunRecord("answer", command, 0, 1.0, numbers)
 
     monkeypatch.setattr(cold_answer, "cold_answer", answered)
+    monkeypatch.setattr("sys.argv", ["geotlm-lm", "report", "answer"])
     out = tmp_path / "deep" / "answer.json"
     words = ["answer", "--clip", "clip.npz", "--q", "Which way?", "--out", str(out)]
     done = CliRunner().invoke(app, words)
     assert done.stdout == "clip.npz Which way? (cold: median 2.50 s, 1.00-9.00 s)\n"
-    assert RunRecord.load(out).command.startswith("geotlm-lm ")
+    assert RunRecord.load(out).command == "geotlm-lm report answer"
