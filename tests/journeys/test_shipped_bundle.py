@@ -1,6 +1,7 @@
 """The shipped model against truth: the simulator's fields, exact mirrors, real recordings.
 
-Thresholds lie below what `geotlm-lm evaluate` recorded, by more than the spread of so few clips.
+Two bounds stand side by side: what is asked, and, where the shipped bundle does not reach it yet, a
+floor that keeps the next one from being worse.
 """
 
 from dataclasses import replace
@@ -29,6 +30,9 @@ EXAMPLES = ROOT / "app" / "examples"
 REAL = ROOT.parent / "shared" / "real" / "physiclear"
 SIZE_LIMIT_MB = 20
 QUESTION = "Which way is it moving?"
+
+NOT_YET = pytest.mark.xfail(strict=True, reason="asked of the bundle, not reached by this one")
+"""Bounds a better bundle has to pass; strict, so that passing one is noticed."""
 
 pytestmark = pytest.mark.skipif(
     not (Path(geotlm_lm.__file__).parent / "bundle").is_dir(), reason="needs the trained bundle"
@@ -59,7 +63,8 @@ def test_the_bundle_is_small():
     assert size < SIZE_LIMIT_MB * 1e6
 
 
-def test_patch_tokens_carry_motion_smaller_than_a_patch(answerer, touches):
+@pytest.mark.parametrize("bound", [0.5, pytest.param(0.8, marks=NOT_YET)])
+def test_patch_tokens_carry_motion_smaller_than_a_patch(answerer, touches, bound):
     perception = answerer.bundle.model.perceive([made.clip for made in touches])
     found = perception.geometry.shear_change.numpy() * FLOW_SCALE_PX
     truths = [_truth_in(view, made) for view, made in zip(perception.views, touches, strict=True)]
@@ -69,21 +74,21 @@ def test_patch_tokens_carry_motion_smaller_than_a_patch(answerer, touches):
     counts = (contact > 0.8) & (np.linalg.norm(true, axis=-1) < PATCH_SIDE)
     for axis in range(2):
         correlation = np.corrcoef(found[counts][:, axis], true[counts][:, axis])[0, 1]
-        print(correlation)
-        assert correlation > 0.5
+        assert correlation > bound
 
 
-def test_directions_of_objects_never_trained_on_are_told(answerer, touches):
+@pytest.mark.parametrize("bound", [0.7, pytest.param(0.88, marks=NOT_YET)])
+def test_directions_of_objects_never_trained_on_are_told(answerer, touches, bound):
     right = [direction(answerer, made.clip) == made.label.motion for made in touches]
-    print(np.mean(right))
-    assert np.mean(right) >= 0.7
+    assert np.mean(right) >= bound
 
 
-def test_a_clip_played_backwards_goes_the_other_way(answerer, touches):
+@pytest.mark.parametrize("bound", [0.65, pytest.param(0.85, marks=NOT_YET)])
+def test_a_clip_played_backwards_goes_the_other_way(answerer, touches, bound):
     right = [
         direction(answerer, made.clip.reversed()) == reverse(made.label.motion) for made in touches
     ]
-    assert np.mean(right) >= 0.65
+    assert np.mean(right) >= bound
 
 
 @pytest.mark.parametrize(
@@ -92,7 +97,7 @@ def test_a_clip_played_backwards_goes_the_other_way(answerer, touches):
         pytest.param(
             "bottle_cap_clockwise",
             Motion.CLOCKWISE,
-            marks=pytest.mark.xfail(strict=True, reason="the bundle reads this turn as a slide"),
+            marks=NOT_YET,
         ),
         ("hex_nut_counterclockwise", Motion.COUNTERCLOCKWISE),
         ("cable_up", Motion.UP),
@@ -103,8 +108,11 @@ def test_the_example_clips_are_answered_right(answerer, name, motion):
     assert direction(answerer, read_clip(EXAMPLES / f"{name}.npz")) is motion
 
 
-def test_a_mirrored_example_turns_the_other_way(answerer):
-    clip = read_clip(EXAMPLES / "hex_nut_counterclockwise.npz")
+@pytest.mark.parametrize(
+    "name", [pytest.param("bottle_cap_clockwise", marks=NOT_YET), "hex_nut_counterclockwise"]
+)
+def test_a_mirrored_example_turns_the_other_way(answerer, name):
+    clip = read_clip(EXAMPLES / f"{name}.npz")
     mirrored = replace(
         clip, frames=clip.frames[:, :, ::-1].copy(), background=clip.background[:, ::-1].copy()
     )
@@ -129,5 +137,4 @@ def test_real_turns_are_told_forwards_and_backwards(answerer):
         for window in rows.windows(frames=("four",), backwards=True)
     ]
     assert len(right) >= 60
-    print(np.mean(right))
-    assert np.mean(right) >= 0.8
+    assert np.mean(right) >= 0.85
