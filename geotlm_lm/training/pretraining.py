@@ -1,8 +1,8 @@
 """Pretrain the embedded backbone on the simulator's dense truth, then freeze it.
 
 Patch tokens learn, through one linear map, how far the imprint moved, whether the patch is in
-contact and how deep. The global token learns how much is touched, how deep, and how much moves, but
-not which way: direction is left to the geometry read from the patches.
+contact and how deep. The global token learns how much is touched, how deep, and how much moves; no
+loss asks it which way, though attention lets it give some of that away.
 """
 
 from __future__ import annotations
