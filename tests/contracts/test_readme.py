@@ -10,13 +10,15 @@ import typer
 from geotlm_lm.cli.main import app
 
 README = Path(__file__).resolve().parents[2] / "README.md"
-FENCED = re.compile(r"^```(?:bash|console|sh)?\n(.*?)^```", re.MULTILINE | re.DOTALL)
+FENCED = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+SHELLS = ("", "bash", "console", "sh")
 
 
 def shown_commands():
     if not README.exists():
         return []
-    text = "\n".join(FENCED.findall(README.read_text())).replace("\\\n", " ")
+    blocks = [text for language, text in FENCED.findall(README.read_text()) if language in SHELLS]
+    text = "\n".join(blocks).replace("\\\n", " ")
     lines = (line.removeprefix("$ ").strip() for line in text.splitlines())
     return sorted({line for line in lines if line.startswith("geotlm-lm ")})
 
