@@ -184,9 +184,11 @@ def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:
             simulate(part, seed=stage_seed, first_index=first + start)
         ):
             rng = generator_for(stage_seed, "form", first + start + offset)
-            for name, values in zip(_ARRAYS, _example(simulated, rng), strict=True):
+            order = _frame_order(rng)
+            for name, values in zip(_ARRAYS, _example(simulated, order, rng), strict=True):
                 arrays[name].append(values)
-            about.append([simulated.object_name, simulated.label.to_dict()])
+            label = simulated.label_until(max(order))
+            about.append([simulated.object_name, label.to_dict()])
         end_if_orphaned()
     stacked = {name: np.stack(values).astype(np.float16) for name, values in arrays.items()}
     temporary = path.with_name(f".{path.stem}.{os.getpid()}.npz")
@@ -194,14 +196,15 @@ def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:
     os.replace(temporary, path)
 
 
-def _example(simulated: SimulatedClip, rng: np.random.Generator) -> tuple[NDArray, ...]:
-    """Return the arrays of one example, in the order of `_ARRAYS`."""
+def _example(
+    simulated: SimulatedClip, order: list[int], rng: np.random.Generator
+) -> tuple[NDArray, ...]:
+    """Return the arrays of one example, in the order of `_ARRAYS`, its frames in `order`."""
     from dataclasses import replace
 
     from geotlm_lm.backbone.stem import look
     from geotlm_lm.recordings.idle import estimate_background
 
-    order = _frame_order(rng)
     clip = simulated.clip.select(order)
     if rng.random() < UNKNOWN_BACKGROUND_SHARE:
         clip = replace(clip, background=estimate_background(clip.frames))
@@ -223,13 +226,14 @@ def _truth_in(view: View, simulated: SimulatedClip) -> tuple[NDArray, NDArray, N
 
 
 def _frame_order(rng: np.random.Generator) -> list[int]:
-    """Choose the four frames: all of them, or the first and a later one as a pair.
+    """Choose the four frames: all of them, or a pair one or two frames apart.
 
-    A pair starts at the first frame because the truth's displacement counts from there.
+    A pair starts at the first frame because the truth's displacement counts from there. Farther
+    apart, a turn of 40 degrees in one step is beyond any flow, and not a frame pair of a recording.
     """
     if rng.random() >= PAIR_SHARE:
         return list(range(FRAME_COUNT))
-    last = int(rng.integers(1, FRAME_COUNT))
+    last = int(rng.integers(1, FRAME_COUNT - 1))
     return [0, 0, last, last]
 
 
