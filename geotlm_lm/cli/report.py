@@ -30,7 +30,10 @@ def readme(
         "reports/recorded"
     ),
 ) -> None:
-    """Write the numbers of recorded runs into the README's blocks."""
+    """Write the numbers of recorded runs into the README's blocks.
+
+    Example: geotlm-lm report readme --check
+    """
     from geotlm_lm.reports.readme import check_readme, write_readme
 
     if check:
@@ -49,7 +52,10 @@ def answer(
         "reports/recorded/answer.json"
     ),
 ) -> None:
-    """Ask the command line in fresh processes; record the answer and the cold start."""
+    """Ask the command line in fresh processes; record the answer and the cold start.
+
+    Example: geotlm-lm report answer --clip clip.npz --q 'Which way does it turn?'
+    """
     import sys
 
     from geotlm_lm.cli.evaluate import command_line

@@ -36,9 +36,6 @@ if TYPE_CHECKING:
 
 CHUNK_CLIPS = 250
 
-SIMULATED_TOGETHER = 25
-"""Clips whose images are in memory at a time; they do not depend on it."""
-
 PAIR_SHARE = 0.25
 """Share of clips fed as two frames a, a, b, b, the way a frame pair is fed to four frames."""
 
@@ -167,28 +164,22 @@ def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:
     import cv2
     import torch
 
-    from geotlm_lm.simulation.randomise import random_scenes
-    from geotlm_lm.simulation.simulate import simulate
+    from geotlm_lm.simulation.series import simulate_series
 
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
     path, stage, chunk, objects, seed = job
     first = chunk * CHUNK_CLIPS
     stage_seed = int(generator_for(seed, "examples", stage).integers(2**62))
-    scenes = random_scenes(stage_seed, CHUNK_CLIPS, objects=objects, first_index=first)
     arrays: dict[str, list] = {name: [] for name in _ARRAYS}
     about = []
-    for start in range(0, len(scenes), SIMULATED_TOGETHER):
-        part = scenes[start : start + SIMULATED_TOGETHER]
-        for offset, simulated in enumerate(
-            simulate(part, seed=stage_seed, first_index=first + start)
-        ):
-            rng = generator_for(stage_seed, "form", first + start + offset)
-            order = _frame_order(rng)
-            for name, values in zip(_ARRAYS, _example(simulated, order, rng), strict=True):
-                arrays[name].append(values)
-            label = simulated.label_until(max(order))
-            about.append([simulated.object_name, label.to_dict()])
+    clips = simulate_series(stage_seed, CHUNK_CLIPS, objects=objects, first_index=first)
+    for index, simulated in enumerate(clips, start=first):
+        rng = generator_for(stage_seed, "form", index)
+        order = _frame_order(rng)
+        for name, values in zip(_ARRAYS, _example(simulated, order, rng), strict=True):
+            arrays[name].append(values)
+        about.append([simulated.object_name, simulated.label_until(max(order)).to_dict()])
         end_if_orphaned()
     stacked = {name: np.stack(values).astype(np.float16) for name, values in arrays.items()}
     temporary = path.with_name(f".{path.stem}.{os.getpid()}.npz")
