@@ -9,8 +9,8 @@ import typer
 
 from geotlm_lm.cli.options import require_writable_file
 
-EXAMPLE_CLIP = Path("app/examples/hex_nut_counterclockwise.npz")
-EXAMPLE_QUESTION = "Which way is the nut turning?"
+EXAMPLE_CLIP = Path("app/examples/bottle_cap_clockwise.npz")
+EXAMPLE_QUESTION = "Which way is the cap turning?"
 
 app = typer.Typer(help="Tables from recorded runs.", no_args_is_help=True)
 
