@@ -216,8 +216,10 @@ def check_question(question: str) -> str:
     """Return the question without surrounding blanks.
 
     Raises:
-        UsageError: If nothing is left, or it is too long.
+        UsageError: If nothing is left, it is too long, or it is no valid Unicode.
     """
+    if any("\ud800" <= character <= "\udfff" for character in question):
+        raise UsageError("the question holds bytes that are no text; type it as UTF-8.")
     question = " ".join(question.split())
     if not question:
         raise UsageError("the question is empty; ask for example 'Which way does it turn?'.")

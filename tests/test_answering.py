@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from geotlm_lm.answering import Answerer, deciding_word
+from geotlm_lm.answering import Answerer, check_question, deciding_word
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip, UsageError
@@ -136,6 +136,11 @@ def test_an_empty_question_is_refused(bundle, question):
     answerer = answerer_saying(bundle, CLOCKWISE)
     with pytest.raises(UsageError, match="the question is empty; ask for example"):
         answerer.ask(answerer.encode(recording()), question)
+
+
+def test_a_question_that_is_no_text_is_refused():
+    with pytest.raises(UsageError, match="holds bytes that are no text"):
+        check_question("which way \udce4?")
 
 
 def test_an_endless_question_is_refused(bundle):

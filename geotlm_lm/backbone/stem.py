@@ -1,8 +1,9 @@
 """Four frames and the idle gel -> patch inputs: what changed, and how the change moved.
 
 Sub-patch motion is a product of temporal and spatial gradients, which a small transformer trained
-from scratch on pixels did not find; so the stem hands it dense optical flow beside the pixels. It
-has no learned weight.
+from scratch on pixels did not find; so the stem hands it dense optical flow beside the pixels: of
+the residual, which keeps fine detail, and of the relief, which does not change its shade as it
+turns. It has no learned weight.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.backbone.relief import RELIEF_SCALE, as_image, reliefs
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT, GRID_SIDE, IMAGE_SIDE, TUBE_FRAMES
 
@@ -31,8 +33,14 @@ FLOW_SCALE_PX = 4.0
 CONTRAST_FLOOR_GREY2 = 4.0
 """Squared gradient at which contrast outweighs camera noise (sigma 1.2-2 grey)."""
 
-PATCH_INPUT_DIM = 3 * CELLS**2 + 6
-"""RGB residual cells, then flow x, flow y, log contrast, and the gradients' orientation (3)."""
+FLOW_CHANNELS = 6
+"""Flow x, flow y, log contrast, and the gradients' orientation (3)."""
+
+PATCH_INPUT_DIM = 3 * CELLS**2 + 2 * FLOW_CHANNELS + 1
+"""RGB residual cells, then the flow channels of the residual and of the relief, then the relief."""
+
+RELIEF_FLOW_AT = 3 * CELLS**2 + FLOW_CHANNELS
+"""Place of the relief's flow x among a patch's inputs; flow y follows."""
 
 
 @dataclass(frozen=True)
@@ -96,12 +104,13 @@ def look(clip: Clip) -> tuple[Floats, View]:
     whole = [cv2.subtract(_square(frame), idle) for frame in clip.frames]
     view = contact_view([_structure(_green(image)) for image in whole])
     residual = [view.cut(image) for image in whole]
-    green = [_green(image) for image in residual]
-    structure = [_structure(image) for image in green]
-    pixels = _bin_means([_cells(image) for image in residual]) / RESIDUAL_SCALE_GREY
-    flow = _bin_means(_accumulated_flow(green, structure)) / FLOW_SCALE_PX
-    orientation = _bin_means([_orientation(products) for products in structure])
-    parts = [np.clip(pixels, -4, 4), flow, orientation]
+    relief = reliefs(residual)
+    parts = [
+        np.clip(_bin_means([_cells(image) for image in residual]) / RESIDUAL_SCALE_GREY, -4, 4),
+        _motion([_green(image) for image in residual], RESIDUAL_FLOW),
+        _motion([as_image(frame) for frame in relief], RELIEF_FLOW),
+        _bin_means([_area_means(frame, GRID_SIDE) for frame in relief])[..., None] / RELIEF_SCALE,
+    ]
     return np.concatenate(parts, axis=-1, dtype=np.float32), view
 
 
@@ -179,7 +188,7 @@ def _bin_means(values: Sequence[Floats]) -> Floats:
 
 
 def _structure(green: NDArray[np.uint8]) -> Floats:
-    """Return the products of image gradients (xx, xy, yy), shape (224, 224, 3), grey^2 per px^2."""
+    """Return the products of image gradients (xx, xy, yy), (side, side, 3), grey^2 per px^2."""
     image = cv2.GaussianBlur(green, (5, 5), 0)
     gx = cv2.Sobel(image, cv2.CV_32F, 1, 0, scale=1 / 8)
     gy = cv2.Sobel(image, cv2.CV_32F, 0, 1, scale=1 / 8)
@@ -194,25 +203,53 @@ def _orientation(structure: Floats) -> Floats:
     return np.concatenate([log_contrast, mean / (energy + CONTRAST_FLOOR_GREY2)], axis=-1)
 
 
-def _flow_solver() -> cv2.DISOpticalFlow:
-    """Return dense inverse search at a quarter of the resolution, without variational smoothing.
+@dataclass(frozen=True)
+class FlowSettings:
+    """Dense inverse search on a quarter of the view's resolution, 56 x 56.
 
-    Measured on 299 simulated turns and slides, direction read by a rigid fit inside the true
-    contact: patches of 12 px 0.99 and 0.94, of 8 px 0.98 and 0.93; half resolution 0.98 and 0.90.
+    Args:
+        finest_scale: Halvings from the image handed in to the finest one that is searched.
+        patch_px: Side of a matched patch, pixels of the finest image.
     """
-    solver = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
-    solver.setFinestScale(2)
-    solver.setPatchSize(12)
-    solver.setPatchStride(4)
-    solver.setVariationalRefinementIterations(0)
-    return solver
+
+    finest_scale: int
+    patch_px: int
+
+    def solver(self) -> cv2.DISOpticalFlow:
+        """Return the solver; variational smoothing gained nothing and costs half as much again."""
+        solver = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
+        solver.setFinestScale(self.finest_scale)
+        solver.setPatchSize(self.patch_px)
+        solver.setPatchStride(4)
+        solver.setVariationalRefinementIterations(0)
+        return solver
 
 
-def _accumulated_flow(green: list[NDArray[np.uint8]], structure: list[Floats]) -> list[Floats]:
+RESIDUAL_FLOW = FlowSettings(finest_scale=2, patch_px=12)
+"""Measured on 299 simulated turns and slides, direction read by a rigid fit inside the true
+contact: patches of 12 px 0.99 and 0.94, of 8 px 0.98 and 0.93; half resolution 0.98 and 0.90."""
+
+RELIEF_FLOW = FlowSettings(finest_scale=1, patch_px=8)
+"""Measured as the relief was: patches of 8 px find 0.86 of a turn, of 12 px 0.83; full resolution
+finds no more and takes twice as long."""
+
+
+def _motion(images: list[NDArray[np.uint8]], settings: FlowSettings) -> Floats:
+    """Return flow, log contrast and orientation of each patch, (2, 14, 14, 6), early bin first."""
+    structure = [_structure(image) for image in images]
+    pixel = IMAGE_SIDE / len(images[0])
+    flow = _bin_means(_accumulated_flow(images, structure, settings)) * (pixel / FLOW_SCALE_PX)
+    orientation = _bin_means([_orientation(products) for products in structure])
+    return np.concatenate([flow, orientation], axis=-1)
+
+
+def _accumulated_flow(
+    images: list[NDArray[np.uint8]], structure: list[Floats], settings: FlowSettings
+) -> list[Floats]:
     """Sum each patch's contrast-weighted flow from the first frame on, (14, 14, 2) a frame, px."""
-    solver = _flow_solver()
+    solver = settings.solver()
     total = [np.zeros((GRID_SIDE, GRID_SIDE, 2), np.float32)]
-    for before, after, products in zip(green[:-1], green[1:], structure[1:], strict=True):
+    for before, after, products in zip(images[:-1], images[1:], structure[1:], strict=True):
         step = np.zeros_like(total[0])
         if not np.array_equal(before, after):
             flow = solver.calc(before, after, None)

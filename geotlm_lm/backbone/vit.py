@@ -1,7 +1,8 @@
 """A pre-norm vision transformer over patch tokens of two time-bins, in AnyTouch 2's token layout.
 
 Token order: 1 global, 5 sensor, then the patches, time slowest, rows before columns. Sensor tokens
-carry no position. Knows nothing of how patch inputs are made from frames.
+carry no position. No norm follows the last block: a token's length carries how far its patch moved.
+Knows nothing of how patch inputs are made from frames.
 """
 
 from __future__ import annotations
@@ -69,13 +70,16 @@ class ViT(nn.Module):
         self.sensor_tokens = nn.Parameter(torch.empty(SENSOR_TOKEN_COUNT, width))
         self.positions = nn.Parameter(torch.empty(1 + patch_count, width))
         self.blocks = nn.ModuleList(Block(config) for _ in range(config.depth))
-        self.norm = nn.LayerNorm(width, eps=config.norm_eps)
 
     def initialise(self, generator: torch.Generator) -> ViT:
-        """Draw every weight afresh: matrices N(0, 1/fan_in), tokens and positions N(0, 0.02)."""
+        """Draw every weight afresh: matrices N(0, 1/fan_in), tokens and positions N(0, 0.02).
+
+        What a block adds starts at zero: the first tokens are linear in the patch inputs, so that
+        learning begins from the stem's flow.
+        """
         for name, parameter in self.named_parameters():
             with torch.no_grad():
-                if name.endswith("bias"):
+                if name.endswith(("bias", "proj.weight", "fc2.weight")):
                     parameter.zero_()
                 elif "norm" in name:
                     parameter.fill_(1.0)
@@ -98,6 +102,5 @@ class ViT(nn.Module):
         tokens = torch.cat([lead.expand(b, -1, -1), patches], dim=1)
         for block in self.blocks:
             tokens = block(tokens)
-        tokens = self.norm(tokens)
         grid = tokens[:, 1 + SENSOR_TOKEN_COUNT :].view(b, TIME_BIN_COUNT, side, side, width)
         return Tokens(global_token=tokens[:, 0], patches=grid)

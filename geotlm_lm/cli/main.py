@@ -29,7 +29,7 @@ app = typer.Typer(
 INTERRUPTED = 130
 """Exit code of a command stopped by Ctrl-C (128 + SIGINT)."""
 
-STOPPED = "Stopped; what was finished is kept."
+STOPPED = "Stopped; files already complete are kept."
 
 ParseError = typer.BadParameter.__base__
 """What the option parser raises on unknown or missing options; typer names no public alias."""

@@ -9,8 +9,8 @@ import typer
 
 from geotlm_lm.cli.options import require_writable_file
 
-EXAMPLE_CLIP = Path("app/examples/hex_nut_counterclockwise.npz")
-EXAMPLE_QUESTION = "Which way is the nut turning?"
+EXAMPLE_CLIP = Path("app/examples/bottle_cap_clockwise.npz")
+EXAMPLE_QUESTION = "Which way is the cap turning?"
 
 app = typer.Typer(help="Tables from recorded runs.", no_args_is_help=True)
 
@@ -30,7 +30,10 @@ def readme(
         "reports/recorded"
     ),
 ) -> None:
-    """Write the numbers of recorded runs into the README's blocks."""
+    """Write the numbers of recorded runs into the README's blocks.
+
+    Example: geotlm-lm report readme --check
+    """
     from geotlm_lm.reports.readme import check_readme, write_readme
 
     if check:
@@ -49,7 +52,10 @@ def answer(
         "reports/recorded/answer.json"
     ),
 ) -> None:
-    """Ask the command line in fresh processes; record the answer and the cold start."""
+    """Ask the command line in fresh processes; record the answer and the cold start.
+
+    Example: geotlm-lm report answer --clip clip.npz --q 'Which way does it turn?'
+    """
     import sys
 
     from geotlm_lm.cli.evaluate import command_line

@@ -23,9 +23,6 @@ TASKS: dict[str, tuple[Motion, ...]] = {
 }
 """The simulated tasks: the paper's two, and all ten motions together."""
 
-BATCH = 16
-"""Scenes simulated at a time."""
-
 MOST_TRIES = 6
 """Scenes simulated per clip asked for, at most: a bound on a search, not an expected number."""
 
@@ -54,23 +51,23 @@ class SimulatedCases:
 
     def __iter__(self) -> Iterator[Case]:
         from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
-        from geotlm_lm.simulation.randomise import random_scenes
-        from geotlm_lm.simulation.simulate import simulate
+        from geotlm_lm.simulation.series import simulate_series
 
         self.unreadable = given = 0
-        seed = seed_for(self.seed, "evaluation", self.task)
-        for first in range(0, MOST_TRIES * self.count, BATCH):
-            scenes = random_scenes(
-                seed, BATCH, objects=EVERYDAY_OBJECTS, first_index=first, motions=self.among
-            )
-            for made in simulate(scenes, seed=seed, first_index=first):
-                if not made.label.is_readable:
-                    self.unreadable += 1
-                    continue
-                yield Case(made.clip, made.label.motion, made.object_name, made.object_name, {})
-                given += 1
-                if given == self.count:
-                    return
+        series = simulate_series(
+            seed_for(self.seed, "evaluation", self.task),
+            MOST_TRIES * self.count,
+            objects=EVERYDAY_OBJECTS,
+            motions=self.among,
+        )
+        for made in series:
+            if not made.label.is_readable:
+                self.unreadable += 1
+                continue
+            yield Case(made.clip, made.label.motion, made.object_name, made.object_name, {})
+            given += 1
+            if given == self.count:
+                return
 
 
 @dataclass(frozen=True)

@@ -184,13 +184,13 @@ def _end_with_parent() -> None:
 
 
 def _write_shard(shard: _Shard) -> int:
-    from geotlm_lm.simulation.randomise import random_scenes
-    from geotlm_lm.simulation.simulate import simulate
+    from geotlm_lm.simulation.series import simulate_series
 
-    scenes = random_scenes(
-        shard.seed, shard.count, objects=shard.objects, first_index=shard.first_index
+    clips = list(
+        simulate_series(
+            shard.seed, shard.count, objects=shard.objects, first_index=shard.first_index
+        )
     )
-    clips = simulate(scenes, seed=shard.seed, first_index=shard.first_index)
     arrays = {
         "index": np.arange(shard.first_index, shard.first_index + shard.count),
         "frames": np.stack([clip.clip.frames for clip in clips]),

@@ -40,7 +40,6 @@ def random_path(
     *,
     depth_range_mm: tuple[float, float],
     centre_mm: tuple[float, float],
-    is_axisymmetric: bool = False,
 ) -> Path:
     """Return a path that shows `motion`.
 
@@ -49,13 +48,12 @@ def random_path(
         motion: One of the ten.
         depth_range_mm: Approach that gives enough contact, least and most.
         centre_mm: Where the middle of the path lies in the gel frame.
-        is_axisymmetric: Keep a rotation's axis away from the contact's middle, else it is unseen.
     """
     time = _times(rng)
     depth = np.full(FRAME_COUNT, rng.uniform(*depth_range_mm))
     turn, x, y = (np.zeros(FRAME_COUNT) for _ in range(3))
     if motion in ROTATIONS:
-        turn, x, y = _rotate(rng, time, motion, is_axisymmetric)
+        turn, x, y = _rotate(rng, time, motion)
         arc_mm = abs(turn[-1]) * CONTACT_RADIUS_MM
         depth = depth + _small_depth_change(rng, time, arc_mm)
     elif motion in SLIDES:
@@ -85,13 +83,12 @@ def _times(rng: np.random.Generator) -> PathArray:
 
 
 def _rotate(
-    rng: np.random.Generator, time: PathArray, motion: Motion, is_axisymmetric: bool
+    rng: np.random.Generator, time: PathArray, motion: Motion
 ) -> tuple[PathArray, PathArray, PathArray]:
     total = np.radians(_log_uniform(rng, *ROTATION_DEG))
     turn = total * time * (1 if motion == Motion.CLOCKWISE else -1)
-    least = 0.6 * PIVOT_MM if is_axisymmetric else 0.0
-    arm = rng.uniform(least, PIVOT_MM)
-    if not is_axisymmetric and rng.random() < 0.5:
+    arm = rng.uniform(0, PIVOT_MM)
+    if rng.random() < 0.5:
         arm *= 0.3
     start = rng.uniform(-np.pi, np.pi)
     drift = rng.uniform(0, IMPURITY) * total * CONTACT_RADIUS_MM

@@ -89,7 +89,6 @@ def random_scene(rng: np.random.Generator, *, object_name: str, motion: Motion) 
         motion,
         depth_range_mm=(low, DEPTH_MM[1] + drop),
         centre_mm=centre,
-        is_axisymmetric=kind.is_axisymmetric,
     )
     return Scene(body, path, motion, gel, optics)
 

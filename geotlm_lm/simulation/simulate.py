@@ -13,7 +13,13 @@ from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.simulation.idle import idle_frame
-from geotlm_lm.simulation.label import image_change, label_for, patch_displacement, patch_means
+from geotlm_lm.simulation.label import (
+    Trace,
+    label_for,
+    patch_displacement,
+    patch_means,
+    trace_of,
+)
 from geotlm_lm.simulation.normal_contact import SolverStatus
 from geotlm_lm.simulation.optics import NOMINAL_VIEW_MM, lit, recorded, turned_lights
 from geotlm_lm.simulation.profile import build_profile
@@ -41,7 +47,7 @@ class SimulatedClip:
 
     Args:
         clip: Four (or the path's number of) frames of 224x224 and their idle frame.
-        label: What the object does.
+        traces: What there is to see of the motion between the first and each frame.
         object_name: Name of the body.
         scene: What was simulated.
         displacement_px: float32 (frames, 14, 14, 2), the object's travel since frame 0 at each
@@ -54,7 +60,7 @@ class SimulatedClip:
     """
 
     clip: Clip
-    label: MotionLabel
+    traces: tuple[Trace, ...]
     object_name: str
     scene: Scene
     displacement_px: NDArray[np.float32]
@@ -63,6 +69,16 @@ class SimulatedClip:
     mm_per_px: tuple[float, float]
     status: SolverStatus
     stages: tuple[str, ...]
+
+    @property
+    def label(self) -> MotionLabel:
+        """What the object does from the first frame to the last."""
+        return self.label_until(len(self.traces) - 1)
+
+    def label_until(self, last: int) -> MotionLabel:
+        """Return what the object does from the first frame to frame `last`."""
+        fraction = self.contact[: last + 1].mean(axis=(1, 2))
+        return label_for(self.scene, fraction, self.traces[last], last)
 
 
 def simulate(scenes: Sequence[Scene], *, seed: int, first_index: int = 0) -> list[SimulatedClip]:
@@ -80,7 +96,7 @@ def _simulate_one(scene: Scene, seed: int, index: int) -> SimulatedClip:
     surface = pressed_surface(scene, build_profile(scene.body)) if is_touched else None
     view = scene.optics.mm_per_px_x * IMAGE_SIDE / NOMINAL_VIEW_MM
     idle = idle_frame(scene.optics.idle, view)
-    frames, background, change = _render(scene, surface, idle, rng)
+    frames, background, traces = _render(scene, surface, idle, rng)
     count = len(scene.path)
     contact = np.zeros((count, GRID_SIDE, GRID_SIDE), np.float32)
     depth = np.zeros_like(contact)
@@ -91,7 +107,7 @@ def _simulate_one(scene: Scene, seed: int, index: int) -> SimulatedClip:
         clip=Clip(
             frames, fps=CAMERA_FPS, background=background, name=f"{scene.body.name}-{seed}-{index}"
         ),
-        label=label_for(scene, contact.mean(axis=(1, 2)), change),
+        traces=traces,
         object_name=scene.body.name,
         scene=scene,
         displacement_px=patch_displacement(scene, contact),
@@ -105,8 +121,8 @@ def _simulate_one(scene: Scene, seed: int, index: int) -> SimulatedClip:
 
 def _render(
     scene: Scene, surface: Surface | None, idle: NDArray[np.float32], rng: np.random.Generator
-) -> tuple[NDArray[np.uint8], NDArray[np.uint8], float]:
-    """Return frames (t, 224, 224, 3), the idle frame, and the noise-free change in grey levels."""
+) -> tuple[NDArray[np.uint8], NDArray[np.uint8], tuple[Trace, ...]]:
+    """Return frames (t, 224, 224, 3), the idle frame, and what each frame shows of the motion."""
     optics = scene.optics
     lights = turned_lights(optics)
     background = recorded(idle, optics, rng, noise_share=BACKGROUND_NOISE)
@@ -117,12 +133,11 @@ def _render(
             clean.append(base)
         else:
             clean.append(lit(surface.indentation_mm[frame], base, optics, lights=lights))
-    change = 0.0
+    traces = (Trace(),) * len(clean)
     if surface is not None:
-        touched = surface.touches[0] | surface.touches[-1]
-        change = image_change(clean[0], clean[-1], touched)
+        traces = tuple(trace_of(scene, clean, surface.touches, last) for last in range(len(clean)))
     frames = np.stack([_with_drift(image, optics, rng) for image in clean])
-    return frames, background, change
+    return frames, background, traces
 
 
 def _with_drift(

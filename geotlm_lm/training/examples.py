@@ -36,9 +36,6 @@ if TYPE_CHECKING:
 
 CHUNK_CLIPS = 250
 
-SIMULATED_TOGETHER = 25
-"""Clips whose images are in memory at a time; they do not depend on it."""
-
 PAIR_SHARE = 0.25
 """Share of clips fed as two frames a, a, b, b, the way a frame pair is fed to four frames."""
 
@@ -167,26 +164,22 @@ def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:
     import cv2
     import torch
 
-    from geotlm_lm.simulation.randomise import random_scenes
-    from geotlm_lm.simulation.simulate import simulate
+    from geotlm_lm.simulation.series import simulate_series
 
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
     path, stage, chunk, objects, seed = job
     first = chunk * CHUNK_CLIPS
     stage_seed = int(generator_for(seed, "examples", stage).integers(2**62))
-    scenes = random_scenes(stage_seed, CHUNK_CLIPS, objects=objects, first_index=first)
     arrays: dict[str, list] = {name: [] for name in _ARRAYS}
     about = []
-    for start in range(0, len(scenes), SIMULATED_TOGETHER):
-        part = scenes[start : start + SIMULATED_TOGETHER]
-        for offset, simulated in enumerate(
-            simulate(part, seed=stage_seed, first_index=first + start)
-        ):
-            rng = generator_for(stage_seed, "form", first + start + offset)
-            for name, values in zip(_ARRAYS, _example(simulated, rng), strict=True):
-                arrays[name].append(values)
-            about.append([simulated.object_name, simulated.label.to_dict()])
+    clips = simulate_series(stage_seed, CHUNK_CLIPS, objects=objects, first_index=first)
+    for index, simulated in enumerate(clips, start=first):
+        rng = generator_for(stage_seed, "form", index)
+        order = _frame_order(rng)
+        for name, values in zip(_ARRAYS, _example(simulated, order, rng), strict=True):
+            arrays[name].append(values)
+        about.append([simulated.object_name, simulated.label_until(max(order)).to_dict()])
         end_if_orphaned()
     stacked = {name: np.stack(values).astype(np.float16) for name, values in arrays.items()}
     temporary = path.with_name(f".{path.stem}.{os.getpid()}.npz")
@@ -194,14 +187,15 @@ def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:
     os.replace(temporary, path)
 
 
-def _example(simulated: SimulatedClip, rng: np.random.Generator) -> tuple[NDArray, ...]:
-    """Return the arrays of one example, in the order of `_ARRAYS`."""
+def _example(
+    simulated: SimulatedClip, order: list[int], rng: np.random.Generator
+) -> tuple[NDArray, ...]:
+    """Return the arrays of one example, in the order of `_ARRAYS`, its frames in `order`."""
     from dataclasses import replace
 
     from geotlm_lm.backbone.stem import look
     from geotlm_lm.recordings.idle import estimate_background
 
-    order = _frame_order(rng)
     clip = simulated.clip.select(order)
     if rng.random() < UNKNOWN_BACKGROUND_SHARE:
         clip = replace(clip, background=estimate_background(clip.frames))
@@ -223,13 +217,14 @@ def _truth_in(view: View, simulated: SimulatedClip) -> tuple[NDArray, NDArray, N
 
 
 def _frame_order(rng: np.random.Generator) -> list[int]:
-    """Choose the four frames: all of them, or the first and a later one as a pair.
+    """Choose the four frames: all of them, or a pair one or two frames apart.
 
-    A pair starts at the first frame because the truth's displacement counts from there.
+    A pair starts at the first frame because the truth's displacement counts from there. Farther
+    apart, a turn of 40 degrees in one step is beyond any flow, and not a frame pair of a recording.
     """
     if rng.random() >= PAIR_SHARE:
         return list(range(FRAME_COUNT))
-    last = int(rng.integers(1, FRAME_COUNT))
+    last = int(rng.integers(1, FRAME_COUNT - 1))
     return [0, 0, last, last]
 
 

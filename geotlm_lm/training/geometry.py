@@ -24,6 +24,7 @@ from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.config import DGRMode
+from geotlm_lm.training.motion_loss import motion_loss
 from geotlm_lm.training.pretraining import DenseHeads
 from geotlm_lm.training.progress import Progress
 
@@ -43,6 +44,7 @@ class TokenSet:
         contact: True contact, mean over bins, shape (n, 14, 14).
         motions: Index into `ALL_MOTIONS`, shape (n,).
         is_readable: Whether the motion leaves a trace, bool, shape (n,).
+        counts_motion: Whether the shear change is a target, bool, shape (n,).
     """
 
     tokens: Tokens
@@ -50,6 +52,7 @@ class TokenSet:
     contact: Tensor
     motions: Tensor
     is_readable: Tensor
+    counts_motion: Tensor
 
 
 @dataclass(eq=False)
@@ -246,10 +249,9 @@ def _forward(model: GeometryModel, data: TokenSet, rows) -> tuple[Tensor, Geomet
 def _grounding_loss(geometry: Geometry, data: TokenSet, rows) -> Tensor:
     """Hold shear change to the true displacement change, and the mask to the true contact."""
     contact = data.contact[rows].float()
-    weight = contact * data.is_readable[rows].float()[:, None, None]
-    error = geometry.shear_change - data.shear_change[rows].float() / FLOW_SCALE_PX
-    shear_loss = F.smooth_l1_loss(error, torch.zeros_like(error), reduction="none", beta=0.2)
-    shear_loss = (shear_loss.sum(dim=-1) * weight).sum() / weight.sum().clamp(min=1.0)
+    weight = contact * data.counts_motion[rows].float()[:, None, None]
+    told_px = geometry.shear_change * FLOW_SCALE_PX
+    shear_loss = motion_loss(told_px, data.shear_change[rows].float(), weight)
     mask = geometry.mask.clamp(1e-6, 1 - 1e-6)
     return shear_loss + F.binary_cross_entropy(mask, contact)
 

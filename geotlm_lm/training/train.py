@@ -37,6 +37,7 @@ from geotlm_lm.training.geometry import (
     train_global_probe,
 )
 from geotlm_lm.training.language import LanguageTraining, train_language
+from geotlm_lm.training.motion_loss import counts_motion
 from geotlm_lm.training.pretraining import DenseHeads, pretrain
 from geotlm_lm.training.progress import Progress
 from geotlm_lm.training.scoring import ClipSet, score_bundle, true_option_likelihoods
@@ -223,6 +224,7 @@ def _token_set(backbone: FrozenBackbone, examples: Examples, count: int) -> Toke
         contact=torch.from_numpy(examples.contact[:count]).float().mean(dim=1),
         motions=torch.tensor([ALL_MOTIONS.index(label.motion) for label in labels]),
         is_readable=torch.tensor([label.is_readable for label in labels]),
+        counts_motion=torch.tensor([counts_motion(label) for label in labels]),
     )
 
 

@@ -141,7 +141,7 @@ def test_ctrl_c_ends_with_code_130(capsys, monkeypatch):
     monkeypatch.setattr("geotlm_lm.recordings.read.read_clip", interrupt)
     code, out, err = run(capsys, "info", "--clip", "clip.npy")
     assert (code, out) == (130, "")
-    assert err.strip() == "Stopped; what was finished is kept."
+    assert err.strip() == "Stopped; files already complete are kept."
 
 
 def test_a_defect_keeps_its_trace(monkeypatch):

@@ -33,7 +33,6 @@ def test_a_simulated_clip_is_described_as_touched(clip, capsys):
 
 
 @needs_bundle
-@pytest.mark.xfail(strict=True, reason="asked of the bundle, not reached by this one")
 def test_a_key_that_slides_left_is_told_so(tmp_path, capsys):
     path = tmp_path / "key.npz"
     run(capsys, "simulate", "--clip", path, "--motion", "left", "--object", "key")

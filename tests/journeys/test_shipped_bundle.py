@@ -63,7 +63,7 @@ def test_the_bundle_is_small():
     assert size < SIZE_LIMIT_MB * 1e6
 
 
-@pytest.mark.parametrize("bound", [0.5, pytest.param(0.8, marks=NOT_YET)])
+@pytest.mark.parametrize("bound", [0.65, pytest.param(0.8, marks=NOT_YET)])
 def test_patch_tokens_carry_motion_smaller_than_a_patch(answerer, touches, bound):
     perception = answerer.bundle.model.perceive([made.clip for made in touches])
     found = perception.geometry.shear_change.numpy() * FLOW_SCALE_PX
@@ -77,28 +77,22 @@ def test_patch_tokens_carry_motion_smaller_than_a_patch(answerer, touches, bound
         assert correlation > bound
 
 
-@pytest.mark.parametrize("bound", [0.7, pytest.param(0.88, marks=NOT_YET)])
-def test_directions_of_objects_never_trained_on_are_told(answerer, touches, bound):
+def test_directions_of_objects_never_trained_on_are_told(answerer, touches):
     right = [direction(answerer, made.clip) == made.label.motion for made in touches]
-    assert np.mean(right) >= bound
+    assert np.mean(right) >= 0.88
 
 
-@pytest.mark.parametrize("bound", [0.65, pytest.param(0.85, marks=NOT_YET)])
-def test_a_clip_played_backwards_goes_the_other_way(answerer, touches, bound):
+def test_a_clip_played_backwards_goes_the_other_way(answerer, touches):
     right = [
         direction(answerer, made.clip.reversed()) == reverse(made.label.motion) for made in touches
     ]
-    assert np.mean(right) >= bound
+    assert np.mean(right) >= 0.85
 
 
 @pytest.mark.parametrize(
     ("name", "motion"),
     [
-        pytest.param(
-            "bottle_cap_clockwise",
-            Motion.CLOCKWISE,
-            marks=NOT_YET,
-        ),
+        ("bottle_cap_clockwise", Motion.CLOCKWISE),
         ("hex_nut_counterclockwise", Motion.COUNTERCLOCKWISE),
         ("cable_up", Motion.UP),
         ("coin_press", Motion.PRESS),
@@ -108,10 +102,10 @@ def test_the_example_clips_are_answered_right(answerer, name, motion):
     assert direction(answerer, read_clip(EXAMPLES / f"{name}.npz")) is motion
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param("bottle_cap_clockwise", marks=NOT_YET), "hex_nut_counterclockwise"]
-)
+@NOT_YET
+@pytest.mark.parametrize("name", ["bottle_cap_clockwise", "hex_nut_counterclockwise"])
 def test_a_mirrored_example_turns_the_other_way(answerer, name):
+    """A mirror swaps the lights as well, so that the stem reads the relief inside out along x."""
     clip = read_clip(EXAMPLES / f"{name}.npz")
     mirrored = replace(
         clip, frames=clip.frames[:, :, ::-1].copy(), background=clip.background[:, ::-1].copy()

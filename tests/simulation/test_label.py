@@ -2,7 +2,15 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.simulation.label import image_change, is_readable, patch_displacement, patch_means
+from geotlm_lm.simulation.label import (
+    Trace,
+    contact_paths_mm,
+    image_change,
+    is_readable,
+    label_for,
+    patch_displacement,
+    patch_means,
+)
 from geotlm_lm.simulation.scene import Body, Optics, Path, Scene
 
 TOUCHED = np.ones((2, 14, 14), np.float32)
@@ -63,14 +71,38 @@ def test_image_change_is_the_rms_over_the_contact_only():
 
 
 @pytest.mark.parametrize(
-    ("motion", "contact", "change", "expected"),
+    ("motion", "contact", "trace", "expected"),
     [
-        (Motion.CLOCKWISE, 0.1, 1.9, False),
-        (Motion.CLOCKWISE, 0.1, 2.1, True),
-        (Motion.LEFT, 0.001, 9.0, False),
-        (Motion.STILL, 0.1, 0.0, True),
-        (Motion.NONE, 0.0, 0.0, True),
+        (Motion.CLOCKWISE, 0.1, Trace(1.9, turn_mm=1.0), False),
+        (Motion.CLOCKWISE, 0.1, Trace(2.1, turn_mm=1.0), True),
+        (Motion.CLOCKWISE, 0.1, Trace(9.0, turn_mm=1.0, slide_mm=1.1), False),
+        (Motion.LEFT, 0.1, Trace(9.0, turn_mm=1.0, slide_mm=1.1), True),
+        (Motion.LEFT, 0.1, Trace(9.0, turn_mm=1.0, slide_mm=0.9), False),
+        (Motion.LEFT, 0.001, Trace(9.0, slide_mm=1.0), False),
+        (Motion.PRESS, 0.1, Trace(9.0), True),
+        (Motion.STILL, 0.1, Trace(), True),
+        (Motion.NONE, 0.0, Trace(), True),
     ],
 )
-def test_a_motion_is_readable_when_it_beats_the_noise(motion, contact, change, expected):
-    assert is_readable(motion, np.full(4, contact), change) is expected
+def test_a_motion_is_readable_when_it_beats_the_noise_and_the_lesser_one(
+    motion, contact, trace, expected
+):
+    assert is_readable(motion, np.full(4, contact), trace) is expected
+
+
+def test_a_turn_about_the_contact_turns_it_and_one_about_a_far_axis_carries_it_along():
+    contact = np.zeros((224, 224), bool)
+    contact[92:132, 102:122] = True  # 2 mm x 2 mm around the middle
+    gyration = 2 / np.sqrt(6)
+    own = contact_paths_mm(scene(rotation_rad=(0.0, 0.2)), contact, 1)
+    assert own == pytest.approx((0.2 * gyration, 0.0), abs=0.002)
+    far = contact_paths_mm(scene(x_mm=(5.0, 5.0), rotation_rad=(0.0, -0.2)), contact, 1)
+    assert far == pytest.approx((0.2 * gyration, 2 * 5 * np.sin(0.1)), abs=0.002)
+
+
+def test_a_label_until_an_earlier_frame_counts_to_that_frame():
+    path = {"x_mm": (0.0, 1.0, 2.0), "y_mm": (0, 0, 0), "rotation_rad": (0.0, 0.1, 0.2)}
+    moving = scene(depth_mm=(0.5, 0.4, 0.3), **path)
+    label = label_for(moving, np.full(2, 0.1), Trace(), last=1)
+    assert (label.slide_x_mm, label.depth_change_mm) == pytest.approx((1.0, -0.1))
+    assert label.rotation_deg == pytest.approx(np.degrees(0.1))

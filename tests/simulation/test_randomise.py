@@ -20,15 +20,11 @@ def test_a_scene_depends_only_on_its_place_in_the_series():
     assert random_scenes(2, 20, objects=TRAINING_OBJECTS) != whole
 
 
-def test_a_ball_that_rotates_gets_texture_and_an_axis_off_its_middle():
+def test_a_ball_that_rotates_gets_texture_else_its_turn_would_be_unseen():
     for seed in range(10):
         rng = np.random.default_rng(seed)
         drawn = random_scene(rng, object_name="ball_medium", motion=Motion.CLOCKWISE)
         assert drawn.body.texture_um >= 15
-        travel = np.hypot(np.diff(drawn.path.x_mm).sum(), np.diff(drawn.path.y_mm).sum())
-        turn = drawn.path.rotation_rad[-1] - drawn.path.rotation_rad[0]
-        # An axis 1.2 mm off the middle carries it along a chord; drift takes 0.3 mm / rad at most.
-        assert travel >= 2 * 1.2 * np.sin(turn / 2) - 0.3 * turn - 1e-9
 
 
 def test_few_rotations_are_unreadable_and_claimed_motions_touch():

@@ -40,6 +40,6 @@ def test_a_missing_chunk_is_made_again_byte_for_byte(tmp_path):
     assert set(first.objects) <= set(TRAINING_OBJECTS[:3])
 
 
-def test_four_frames_run_forwards_or_form_a_pair_from_the_first():
+def test_four_frames_run_forwards_or_form_a_pair_one_or_two_frames_apart():
     orders = {tuple(_frame_order(generator_for(0, index))) for index in range(200)}
-    assert orders == {(0, 1, 2, 3), (0, 0, 1, 1), (0, 0, 2, 2), (0, 0, 3, 3)}
+    assert orders == {(0, 1, 2, 3), (0, 0, 1, 1), (0, 0, 2, 2)}

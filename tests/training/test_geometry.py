@@ -57,6 +57,7 @@ def token_set(count, seed, width=6):
         contact=contact,
         motions=torch.tensor(motions),
         is_readable=torch.ones(count, dtype=torch.bool),
+        counts_motion=torch.ones(count, dtype=torch.bool),
     )
 
 

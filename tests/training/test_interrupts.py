@@ -71,7 +71,7 @@ def test_ctrl_c_while_simulating_ends_everything_with_one_sentence(simulating, t
     assert out == ""
     assert err.splitlines() == [
         f"training preset smoke into {tmp_path}",
-        "Stopped; what was finished is kept.",
+        "Stopped; files already complete are kept.",
     ]
     wait_until(lambda: not is_alive(simulating.pid))  # no worker is left behind
 

@@ -61,7 +61,7 @@ def random_case():
         displacement=random(3, 2, 14, 14, 2) * 5,
         contact=(random(3, 2, 14, 14) > 0.5).float(),
         depth=random(3, 2, 14, 14),
-        is_readable=torch.tensor([1.0, 1.0, 0.0]),
+        counts_motion=torch.tensor([1.0, 1.0, 0.0]),
     )
     torch.manual_seed(0)
     return tokens, DenseHeads(8), truth
@@ -86,6 +86,6 @@ def test_motion_that_leaves_no_trace_does_not_count():
 
 def test_the_global_target_carries_no_direction():
     tokens, heads, truth = random_case()
-    summary = pretraining._summary(truth, torch.ones(3))
+    summary = pretraining._summary(truth)
     turned = replace(truth, displacement=-truth.displacement)
-    assert torch.equal(summary, pretraining._summary(turned, torch.ones(3)))
+    assert torch.equal(summary, pretraining._summary(turned))

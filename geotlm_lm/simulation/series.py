@@ -1,0 +1,27 @@
+"""The endless series of random clips of a seed, one clip at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.simulation.randomise import random_scenes
+from geotlm_lm.simulation.simulate import SimulatedClip, simulate
+
+
+def simulate_series(
+    seed: int,
+    count: int,
+    *,
+    objects: Sequence[str],
+    first_index: int = 0,
+    motions: Sequence[Motion] | None = None,
+) -> Iterator[SimulatedClip]:
+    """Yield clips `first_index` .. of the series of `seed`; arguments as in `random_scenes`.
+
+    Each scene is drawn right before it is simulated: the profile of its body, a third of the cost,
+    is then still at hand and not built a second time.
+    """
+    for index in range(first_index, first_index + count):
+        scenes = random_scenes(seed, 1, objects=objects, first_index=index, motions=motions)
+        yield from simulate(scenes, seed=seed, first_index=index)

@@ -1,0 +1,43 @@
+"""Expected values: the shading of a known relief under the lights of GelSight Mini."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.backbone.relief import RELIEF_SIDE, SHADE_X, SHADE_Y, as_image, reliefs
+
+
+def bump(radius_px):
+    rows, columns = np.mgrid[:224, :224] - 111.5
+    return np.exp(-(rows**2 + columns**2) / (2 * radius_px**2)).astype(np.float32)
+
+
+def shaded(relief):
+    """Shade a relief as the simulator does, with slopes s = -grad d."""
+    slope_y, slope_x = (-one for one in np.gradient(relief))
+    red = -0.6 * slope_y
+    return np.stack([red, SHADE_X * slope_x, red + SHADE_Y * slope_y], axis=-1).astype(np.float32)
+
+
+@pytest.mark.parametrize("radius_px", [6, 12])
+def test_a_bump_is_integrated_from_its_shading(radius_px):
+    relief = 100 * bump(radius_px)
+    (found,) = reliefs([shaded(relief)])
+    expected = relief.reshape(RELIEF_SIDE, 2, RELIEF_SIDE, 2).mean(axis=(1, 3)) / 2
+    assert np.corrcoef(found.ravel(), expected.ravel())[0, 1] > 0.9
+    # Long waves are damped, so that a peak comes out a little lower, never of another sign.
+    assert 0.55 < found.max() / expected.max() < 1.05
+
+
+def test_shading_without_relief_does_not_integrate():
+    """A field of pure curl is the shading of no relief."""
+    slope_y, slope_x = np.gradient(100 * bump(12))
+    curl = np.stack([-SHADE_Y * slope_x, -SHADE_X * slope_y, 0 * slope_x], axis=-1)
+    (of_curl,) = reliefs([curl.astype(np.float32)])
+    (of_bump,) = reliefs([shaded(100 * bump(12))])
+    assert np.abs(of_curl).max() < 0.02 * np.abs(of_bump).max()
+
+
+def test_an_untouched_gel_is_flat_and_neutral():
+    (flat,) = reliefs([np.zeros((224, 224, 3), np.float32)])
+    assert not flat.any()
+    assert (as_image(flat) == 128).all()
