@@ -35,7 +35,7 @@ def counts_motion(label: MotionLabel) -> bool:
 def motion_loss(told_px: Tensor, true_px: Tensor, weight: Tensor) -> Tensor:
     """Return the mean loss of the clips that have something to learn.
 
-    Errors count relative to the clip's RMS displacement, told or true, so that a still clip whose
+    Errors count relative to the clip's RMS displacement, told plus true, so that a still clip whose
     flow feigns motion counts no more than a large turn.
 
     Args:

@@ -17,7 +17,7 @@ def field(x_px, clips=1):
 
 
 @pytest.mark.parametrize(("told", "true"), [(0.0, 5.0), (5.0, 0.0), (4.0, 5.0), (5.0, 5.0)])
-def test_an_error_counts_relative_to_the_displacement_told_or_true(told, true):
+def test_an_error_counts_relative_to_the_displacement_told_plus_true(told, true):
     error = MOTION_SHARPNESS * abs(told - true) / (MOTION_FLOOR_PX + told + true)
     expected = error - 0.25 if error >= 0.5 else error**2
     loss = motion_loss(field(told), field(true), torch.ones(1, 3, 3))
