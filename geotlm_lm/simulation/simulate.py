@@ -135,7 +135,8 @@ def _render(
             clean.append(lit(surface.indentation_mm[frame], base, optics, lights=lights))
     traces = (Trace(),) * len(clean)
     if surface is not None:
-        traces = tuple(trace_of(scene, clean, surface.touches, last) for last in range(len(clean)))
+        later = range(1, len(clean))
+        traces = (Trace(), *(trace_of(scene, clean, surface.touches, last) for last in later))
     frames = np.stack([_with_drift(image, optics, rng) for image in clean])
     return frames, background, traces
 
