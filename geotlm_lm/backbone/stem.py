@@ -82,11 +82,6 @@ class View:
         return cv2.warpAffine(image, matrix, (side, side), flags=how | cv2.WARP_INVERSE_MAP)
 
 
-def patch_inputs(clip: Clip) -> Floats:
-    """Compute the inputs of one clip's patch tokens; the first part of `look`."""
-    return look(clip)[0]
-
-
 def look(clip: Clip) -> tuple[Floats, View]:
     """Compute the inputs of one clip's patch tokens and the view they cover.
 

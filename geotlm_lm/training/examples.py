@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, TIME_BIN_COUNT
 from geotlm_lm.core.labels import MotionLabel
@@ -189,9 +190,8 @@ def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:
         about.append([simulated.object_name, label.to_dict()])
         end_if_orphaned()
     stacked = {name: np.stack(values).astype(np.float16) for name, values in arrays.items()}
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.npz")
-    np.savez(temporary, about=np.array(json.dumps(about)), **stacked)
-    os.replace(temporary, path)
+    with replacing(path) as stream:
+        np.savez(stream, about=np.array(json.dumps(about)), **stacked)
 
 
 def _example(
@@ -208,7 +208,7 @@ def _example(
     if rng.random() < UNKNOWN_BACKGROUND_SHARE:
         clip = replace(clip, background=estimate_background(clip.frames))
     inputs, view = look(clip)
-    truth = _truth_in(view, simulated)
+    truth = truth_in(view, simulated)
     return inputs, *(_bin_means(values[order]) for values in truth)
 
 
@@ -232,7 +232,7 @@ def mirrored(simulated: SimulatedClip) -> SimulatedClip:
     )
 
 
-def _truth_in(view: View, simulated: SimulatedClip) -> tuple[NDArray, NDArray, NDArray]:
+def truth_in(view: View, simulated: SimulatedClip) -> tuple[NDArray, NDArray, NDArray]:
     """Return displacement, contact and depth of every frame on the view's grid."""
     contact = np.stack([view.cut(frame) for frame in simulated.contact])
     depth = np.stack([view.cut(frame) for frame in simulated.depth_mm])
