@@ -1,9 +1,18 @@
 """Laws of the rigid alignment: it finds what moved an image, over turns, shifts and channels."""
 
+import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.backbone.alignment import CHANNELS, SIDE, Rigid, align, alignment
+from geotlm_lm.backbone.alignment import (
+    CHANNELS,
+    LEAST_WEIGHT,
+    SIDE,
+    Rigid,
+    align,
+    alignment,
+    changed_weight,
+)
 
 AXIS = np.arange(SIDE) - (SIDE - 1) / 2
 X, Y = np.meshgrid(AXIS, AXIS)
@@ -75,3 +84,22 @@ def test_blank_and_extreme_images_give_finite_channels(level):
     rng = np.random.default_rng(0)
     frames = [level * rng.normal(size=(SIDE, SIDE)).astype(np.float32) for _ in range(4)]
     assert np.isfinite(alignment(frames, frames)).all()
+
+
+def test_an_outline_that_stands_still_does_not_hold_back_a_turn():
+    """A flat object on a domed pad: its contact's outline is the pad's, its face turns."""
+    rng = np.random.default_rng(3)
+    outline = (1.2 / (1 + np.exp((np.hypot(X, Y) - 16) / 1.5))).astype(np.float32)
+    face = cv2.GaussianBlur(rng.normal(0, 2.5, (SIDE, SIDE)).astype(np.float32), (0, 0), 2.5)
+    turn = Rigid(0.1)
+    before = outline * (1 + face) + sensor_noise(4)
+    after = outline * (1 + turn.moved(face)) + sensor_noise(5)
+    assert align(before, after).turn_rad == pytest.approx(0.1, rel=0.2)
+
+
+def test_pixels_count_by_how_much_they_changed():
+    after = IMPRINT.copy()
+    after[:, : SIDE // 2] += 1.0
+    weight = changed_weight(IMPRINT, after)
+    assert weight[:, :20].min() > 0.95
+    assert weight[:, -20:].max() == pytest.approx(LEAST_WEIGHT)
