@@ -23,9 +23,9 @@ from torch import Tensor
 from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.vit import ViT, ViTConfig
+from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import IncompatibleBundle
 from geotlm_lm.core.labels import DIRECTED, Motion
-from geotlm_lm.core.record import write_text_atomically
 from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import GeoTLM

@@ -1,9 +1,9 @@
 """Four frames and the idle gel -> patch inputs: what changed, and how the change moved.
 
 Sub-patch motion is a product of temporal and spatial gradients, which a small transformer trained
-from scratch on pixels did not find; so the stem hands it dense optical flow beside the pixels: of
-the residual, which keeps fine detail, and of the relief, which does not change its shade as it
-turns. It has no learned weight.
+from scratch on pixels did not find; so the stem hands it motion beside the pixels: dense optical
+flow of the residual, which keeps fine detail, and of the relief, which does not change its shade as
+it turns; and the one rigid motion of the whole imprint, for both. It has no learned weight.
 """
 
 from __future__ import annotations
@@ -15,6 +15,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.backbone.alignment import CHANNELS as ALIGNMENT_CHANNELS
+from geotlm_lm.backbone.alignment import alignment
 from geotlm_lm.backbone.relief import RELIEF_SCALE, as_image, reliefs
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT, GRID_SIDE, IMAGE_SIDE, TUBE_FRAMES
@@ -36,11 +38,12 @@ CONTRAST_FLOOR_GREY2 = 4.0
 FLOW_CHANNELS = 6
 """Flow x, flow y, log contrast, and the gradients' orientation (3)."""
 
-PATCH_INPUT_DIM = 3 * CELLS**2 + 2 * FLOW_CHANNELS + 1
-"""RGB residual cells, then the flow channels of the residual and of the relief, then the relief."""
+PATCH_INPUT_DIM = 3 * CELLS**2 + 2 * FLOW_CHANNELS + 1 + 2 * ALIGNMENT_CHANNELS
+"""RGB residual cells, then the flow channels of the residual and of the relief, then the relief,
+then the alignment channels of the relief and of the residual."""
 
-RELIEF_FLOW_AT = 3 * CELLS**2 + FLOW_CHANNELS
-"""Place of the relief's flow x among a patch's inputs; flow y follows."""
+ALIGNED_AT = PATCH_INPUT_DIM - 2 * ALIGNMENT_CHANNELS
+"""Place of the aligned relief's displacement x among a patch's inputs; displacement y follows."""
 
 
 @dataclass(frozen=True)
@@ -79,11 +82,6 @@ class View:
         return cv2.warpAffine(image, matrix, (side, side), flags=how | cv2.WARP_INVERSE_MAP)
 
 
-def patch_inputs(clip: Clip) -> Floats:
-    """Compute the inputs of one clip's patch tokens; the first part of `look`."""
-    return look(clip)[0]
-
-
 def look(clip: Clip) -> tuple[Floats, View]:
     """Compute the inputs of one clip's patch tokens and the view they cover.
 
@@ -110,6 +108,7 @@ def look(clip: Clip) -> tuple[Floats, View]:
         _motion([_green(image) for image in residual], RESIDUAL_FLOW),
         _motion([as_image(frame) for frame in relief], RELIEF_FLOW),
         _bin_means([_area_means(frame, GRID_SIDE) for frame in relief])[..., None] / RELIEF_SCALE,
+        _alignment(residual, relief),
     ]
     return np.concatenate(parts, axis=-1, dtype=np.float32), view
 
@@ -241,6 +240,19 @@ def _motion(images: list[NDArray[np.uint8]], settings: FlowSettings) -> Floats:
     flow = _bin_means(_accumulated_flow(images, structure, settings)) * (pixel / FLOW_SCALE_PX)
     orientation = _bin_means([_orientation(products) for products in structure])
     return np.concatenate([flow, orientation], axis=-1)
+
+
+def _alignment(residual: Sequence[Floats], relief: Sequence[Floats]) -> Floats:
+    """Return the alignment channels of each patch, (2, 14, 14, 8), early bin first."""
+    frames = alignment(
+        [frame / RELIEF_SCALE for frame in relief],
+        [image[..., 1] / RESIDUAL_SCALE_GREY for image in residual],
+    )
+    for start in range(0, frames.shape[-1], ALIGNMENT_CHANNELS):
+        moved = frames[..., start : start + 2]
+        # Far from the middle a wrong turn moves a patch right out of the view.
+        moved[:] = moved.clip(-IMAGE_SIDE, IMAGE_SIDE) / FLOW_SCALE_PX
+    return _bin_means(frames)
 
 
 def _accumulated_flow(

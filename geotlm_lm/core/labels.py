@@ -7,7 +7,7 @@ of the object relative to the sensor, in the camera image, unless a `FrameSpec` 
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from typing import Any
 
@@ -95,8 +95,9 @@ class MotionLabel:
         slide_y_mm: Travel of the object down the image.
         depth_change_mm: Change of the indentation depth, positive when pressing in.
         contact_fraction: Share of the image in contact, one number per frame, in [0, 1].
-        is_readable: Whether the motion changes the image more than the sensor's noise, as a smooth
-            ball spinning about its own axis does not, and is the greater one at the contact.
+        is_readable: Whether the image tells this motion from rest and from motions of other names;
+            that of a smooth ball spinning about its own axis, or of an edge sliding along itself,
+            does not.
     """
 
     motion: Motion
@@ -106,6 +107,15 @@ class MotionLabel:
     depth_change_mm: float = 0.0
     contact_fraction: tuple[float, ...] = ()
     is_readable: bool = True
+
+    def mirrored(self) -> MotionLabel:
+        """Return the label of the clip flipped left to right."""
+        return replace(
+            self,
+            motion=mirror(self.motion),
+            rotation_deg=-self.rotation_deg,
+            slide_x_mm=-self.slide_x_mm,
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the label as plain JSON values."""

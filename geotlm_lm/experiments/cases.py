@@ -23,6 +23,9 @@ TASKS: dict[str, tuple[Motion, ...]] = {
 }
 """The simulated tasks: the paper's two, and all ten motions together."""
 
+UNREADABLE = {"readable": "no"}
+"""Tag of a clip whose images do not tell the motion its label names."""
+
 MOST_TRIES = 6
 """Scenes simulated per clip asked for, at most: a bound on a search, not an expected number."""
 
@@ -35,13 +38,16 @@ class SimulatedCases:
         task: One of `TASKS`.
         count: How many clips to give.
         seed: Root of the scenes.
-        unreadable: How many clips were left out because their images do not show the motion;
-            filled while iterating.
+        with_unreadable: Also give the unreadable clips that come up on the way, tagged; they do not
+            count as asked for.
+        unreadable: How many clips came up whose images do not tell the motion; filled while
+            iterating.
     """
 
     task: str
     count: int
     seed: int
+    with_unreadable: bool = False
     unreadable: int = field(default=0)
 
     @property
@@ -61,11 +67,12 @@ class SimulatedCases:
             motions=self.among,
         )
         for made in series:
-            if not made.label.is_readable:
-                self.unreadable += 1
-                continue
-            yield Case(made.clip, made.label.motion, made.object_name, made.object_name, {})
-            given += 1
+            is_readable = made.label.is_readable
+            self.unreadable += not is_readable
+            given += is_readable
+            if is_readable or self.with_unreadable:
+                tags = {} if is_readable else UNREADABLE
+                yield Case(made.clip, made.label.motion, made.object_name, made.object_name, tags)
             if given == self.count:
                 return
 

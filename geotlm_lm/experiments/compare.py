@@ -88,7 +88,14 @@ class Replies:
 
     def where(self, **tags: str) -> Replies:
         """Return the replies to the cases that carry all of `tags`."""
-        rows = [i for i, own in enumerate(self.tags) if tags.items() <= dict(own).items()]
+        return self._rows(lambda own: tags.items() <= own.items())
+
+    def without(self, **tags: str) -> Replies:
+        """Return the replies to the cases that lack one of `tags` or more."""
+        return self._rows(lambda own: not tags.items() <= own.items())
+
+    def _rows(self, wanted: Callable[[dict[str, str]], bool]) -> Replies:
+        rows = [i for i, own in enumerate(self.tags) if wanted(dict(own))]
 
         def pick(values: list) -> list:
             return [values[row] for row in rows]

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm.core.record import RunRecord
-from geotlm_lm.experiments.cases import TASKS, RealCases, SimulatedCases, real_cases
+from geotlm_lm.experiments.cases import TASKS, UNREADABLE, RealCases, SimulatedCases, real_cases
 from geotlm_lm.experiments.compare import Method, Replies, ask_all, summarise
 from geotlm_lm.experiments.methods import CONTRASTS, GENERATED, all_methods
 
@@ -53,7 +53,7 @@ def evaluate(
     tables: dict[str, Any] = {}
     with one_thread():
         for task in TASKS if clips_per_task else ():
-            cases = SimulatedCases(task, clips_per_task, seed)
+            cases = SimulatedCases(task, clips_per_task, seed, with_unreadable=True)
             tables[f"simulated {task}"] = judge_simulated(methods, cases, seed, progress)
         for name, real in recordings.items():
             tables |= judge_real(methods, name, real, seed, progress)
@@ -76,13 +76,17 @@ def evaluate(
 def judge_simulated(
     methods: Mapping[str, Method], cases: SimulatedCases, seed: int, progress: Progress
 ) -> dict[str, Any]:
-    """Return the table of one simulated task."""
+    """Return the table of one simulated task, and how many clips left out of it were named."""
 
     def tell(done: int) -> None:
-        progress(f"simulated {cases.task}", done, cases.count)
+        progress(f"simulated {cases.task}", done - cases.unreadable, cases.count)
 
     replies = ask_all(methods, cases, cases.among, tell)
-    return _table(replies, seed) | {"unreadable_left_out": cases.unreadable}
+    left_out = replies.where(**UNREADABLE)
+    return _table(replies.without(**UNREADABLE), seed) | {
+        "unreadable_left_out": cases.unreadable,
+        "unreadable_right": int(left_out.right(GENERATED).sum()) if len(left_out) else 0,
+    }
 
 
 def judge_real(

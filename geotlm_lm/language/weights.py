@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
 from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load_file, save
 
+from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import IncompatibleBundle
-from geotlm_lm.core.record import write_text_atomically
 from geotlm_lm.language.decoder import RMS_EPSILON, ROPE_THETA, LanguageSize, TactileDecoder
 
 FORMAT = 1
@@ -20,11 +19,9 @@ FORMAT = 1
 
 def save_decoder(decoder: TactileDecoder, folder: Path, *, eos_id: int, pad_id: int) -> None:
     """Write config.json, generation_config.json and model.safetensors, each atomically."""
-    folder.mkdir(parents=True, exist_ok=True)
-    temporary = folder / ".model.safetensors.partial"
     tensors = {name: value.detach().contiguous() for name, value in decoder.state_dict().items()}
-    save_file(tensors, temporary, metadata={"format": "pt"})
-    os.replace(temporary, folder / "model.safetensors")
+    with replacing(folder / "model.safetensors") as stream:
+        stream.write(save(tensors, metadata={"format": "pt"}))
     config = config_values(decoder, eos_id=eos_id, pad_id=pad_id)
     write_text_atomically(folder / "config.json", json.dumps(config, indent=2) + "\n")
     ending = {"eos_token_id": eos_id, "pad_token_id": pad_id, "do_sample": False}

@@ -71,6 +71,12 @@ def _decode(capture: cv2.VideoCapture, name: str) -> tuple[list[np.ndarray], int
             is_decoded, image = capture.retrieve()
             if not is_decoded:
                 break
+            if frames and image.shape != frames[0].shape:
+                raise UnreadableClip(
+                    f"{name}: frame {seen} is {image.shape[1]} x {image.shape[0]} pixels after "
+                    f"{frames[0].shape[1]} x {frames[0].shape[0]}, expected one size; export the "
+                    f"recording at one size."
+                )
             if len(frames) >= kept_frames(*image.shape[:2], name):
                 frames = frames[::2]
                 stride *= 2

@@ -9,8 +9,9 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError
-from geotlm_lm.core.record import RunRecord, write_text_atomically
+from geotlm_lm.core.record import RunRecord
 from geotlm_lm.reports.tables import (
     accuracy_overview,
     answer_example,

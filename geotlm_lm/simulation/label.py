@@ -2,49 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE, PATCH_SIDE
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
+from geotlm_lm.core.labels import DIRECTED, Motion, MotionLabel
 from geotlm_lm.simulation.scene import Scene
-
-READABLE_GREY = 2.0
-"""RMS change of the noise-free image over the contact, in grey levels, below which a motion drowns:
-one frame's noise has a standard deviation of 1.2 to 2.0 grey levels, measured."""
+from geotlm_lm.simulation.trace import Trace
 
 READABLE_CONTACT = 0.005
 """Share of the view that must be in contact for a motion to be read at all: one patch of 14x14."""
-
-
-@dataclass(frozen=True)
-class Trace:
-    """What there is to see of a motion between the first frame and a later one.
-
-    Args:
-        change_grey: RMS change of the noise-free image over the contact, grey levels.
-        turn_mm: Path of the object by turning, at the contact's radius of gyration.
-        slide_mm: Travel of the object at the contact's centre.
-    """
-
-    change_grey: float = 0.0
-    turn_mm: float = 0.0
-    slide_mm: float = 0.0
-
-    def shows(self, motion: Motion) -> bool:
-        """Tell whether a camera could see `motion`, and whether it is the greater one.
-
-        A turn about an axis far beside the contact carries the contact along farther than it turns
-        it: its picture is a slide's, whatever the hand did.
-        """
-        is_greater = True
-        if motion in ROTATIONS:
-            is_greater = self.turn_mm >= self.slide_mm
-        elif motion in SLIDES:
-            is_greater = self.slide_mm >= self.turn_mm
-        return is_greater and self.change_grey >= READABLE_GREY
 
 
 def label_for(
@@ -76,57 +43,6 @@ def is_readable(motion: Motion, contact_fraction: NDArray[np.floating], trace: T
         return True
     touched = contact_fraction if motion in DIRECTED else [np.max(contact_fraction)]
     return bool(np.min(touched) >= READABLE_CONTACT and trace.shows(motion))
-
-
-def trace_of(
-    scene: Scene, clean: list[NDArray[np.float32]], touches: NDArray[np.bool_], last: int
-) -> Trace:
-    """Return what there is to see between frame 0 and frame `last`.
-
-    Args:
-        scene: Poses and pixel sizes.
-        clean: Noise-free planar frames.
-        touches: Where the object is against the gel, (frames, 224, 224).
-        last: The later frame.
-    """
-    change = image_change(clean[0], clean[last], touches[0] | touches[last])
-    contact = touches[last] if touches[last].any() else touches[0]
-    return Trace(change, *contact_paths_mm(scene, contact, last))
-
-
-def contact_paths_mm(scene: Scene, contact: NDArray[np.bool_], last: int) -> tuple[float, float]:
-    """Return how far the object turned and travelled at the contact since frame 0, both in mm.
-
-    Args:
-        scene: Poses and pixel sizes.
-        contact: Where the object is against the gel in frame `last`, (224, 224).
-        last: The later frame.
-    """
-    count = contact.sum()
-    if count == 0:
-        return 0.0, 0.0
-    path, optics = scene.path, scene.optics
-    axis = np.arange(IMAGE_SIDE) - (IMAGE_SIDE - 1) / 2
-    x, by_column = axis * optics.mm_per_px_x, contact.sum(axis=0) / count
-    y, by_row = axis * optics.mm_per_px_y, contact.sum(axis=1) / count
-    middle_x, middle_y = float(by_column @ x), float(by_row @ y)
-    gyration = np.sqrt(by_column @ (x - middle_x) ** 2 + by_row @ (y - middle_y) ** 2)
-    turn = path.rotation_rad[last] - path.rotation_rad[0]
-    # The point now at the middle stood at c0 + R(-turn)(middle - c).
-    from_x, from_y = middle_x - path.x_mm[last], middle_y - path.y_mm[last]
-    moved_x = middle_x - (path.x_mm[0] + np.cos(turn) * from_x + np.sin(turn) * from_y)
-    moved_y = middle_y - (path.y_mm[0] - np.sin(turn) * from_x + np.cos(turn) * from_y)
-    return float(abs(turn) * gyration), float(np.hypot(moved_x, moved_y))
-
-
-def image_change(
-    first: NDArray[np.float32], last: NDArray[np.float32], touches: NDArray[np.bool_]
-) -> float:
-    """Return the RMS difference of two planar images over `touches`, 0 where nothing touches."""
-    if not touches.any():
-        return 0.0
-    square = np.square(last - first).sum(axis=0)
-    return float(np.sqrt(square[touches].mean() / len(first)))
 
 
 def patch_means(images: NDArray[np.generic]) -> NDArray[np.float32]:

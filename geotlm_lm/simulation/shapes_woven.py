@@ -116,7 +116,6 @@ def bundle(
 ) -> HeightMap:
     """Return wires side by side at uneven heights, slightly bent."""
     bend = y + rng.uniform(-0.02, 0.02) * x * x
-    index = np.floor(bend / (2 * radius_mm) + rng.uniform())
     levels = rng.uniform(0, level_mm, 256).astype(np.float32)
     off = (bend / (2 * radius_mm) + 0.5) % 1.0 * 2 - 1
     wire = np.float32(radius_mm) * (1 - np.sqrt(np.maximum(1 - off * off, 0)))

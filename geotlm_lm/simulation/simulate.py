@@ -13,18 +13,13 @@ from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.simulation.idle import idle_frame
-from geotlm_lm.simulation.label import (
-    Trace,
-    label_for,
-    patch_displacement,
-    patch_means,
-    trace_of,
-)
+from geotlm_lm.simulation.label import label_for, patch_displacement, patch_means
 from geotlm_lm.simulation.normal_contact import SolverStatus
 from geotlm_lm.simulation.optics import NOMINAL_VIEW_MM, lit, recorded, turned_lights
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Optics, Scene
 from geotlm_lm.simulation.surface import Surface, pressed_surface
+from geotlm_lm.simulation.trace import Trace, trace_of
 
 IMAGE_STAGES = ("profile", "normal_contact", "optics", "truth")
 """What a touched clip runs; the frictional problem is left out, since the imprint of a rigid object
@@ -135,7 +130,8 @@ def _render(
             clean.append(lit(surface.indentation_mm[frame], base, optics, lights=lights))
     traces = (Trace(),) * len(clean)
     if surface is not None:
-        traces = tuple(trace_of(scene, clean, surface.touches, last) for last in range(len(clean)))
+        later = range(1, len(clean))
+        traces = (Trace(), *(trace_of(scene, clean, surface.touches, last) for last in later))
     frames = np.stack([_with_drift(image, optics, rng) for image in clean])
     return frames, background, traces
 

@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from geotlm_lm.checkpoint import CARD_FILE, Bundle
-from geotlm_lm.core.record import RunRecord, write_text_atomically
+from geotlm_lm.core.atomic import write_text_atomically
+from geotlm_lm.core.record import RunRecord
 
 SCORES_FILE = "scores.json"
 
@@ -59,10 +60,10 @@ GelSight-like sensor. Every weight was trained on simulated clips alone.
 
 ## Scores on simulated everyday objects never trained on
 
-{scores["clips"]} clips, {scores["unreadable_clips"]} left out because their motion changes the
-image by less than the camera's noise or is the lesser one in it. Generated answers are
-free text over all ten motions, and a direction withheld for want of contact counts as wrong; the
-probes choose among the motions of the task.
+{scores["clips"]} clips, {scores["unreadable_clips"]} left out because their picture
+differs by less than the camera's noise from that of rest or of a motion with another name.
+Generated answers are free text over all ten motions, and a direction withheld for want of contact
+counts as wrong; the probes choose among the motions of the task.
 
 | task | clips | generated | generated, held-out wordings | probe on z | probe on c, no DGR |
 |---|---|---|---|---|---|

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, TIME_BIN_COUNT
 from geotlm_lm.core.labels import MotionLabel
@@ -41,6 +42,9 @@ PAIR_SHARE = 0.25
 
 UNKNOWN_BACKGROUND_SHARE = 0.3
 """Share of clips whose idle gel is estimated from the clip, as for a recording without one."""
+
+MIRRORED_SHARE = 0.15
+"""Share of clips flipped left to right, label and all: optics with a mirror in them."""
 
 _ARRAYS = ("inputs", "displacement_px", "contact", "depth_mm")
 
@@ -177,18 +181,21 @@ def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:
     for index, simulated in enumerate(clips, start=first):
         rng = generator_for(stage_seed, "form", index)
         order = _frame_order(rng)
-        for name, values in zip(_ARRAYS, _example(simulated, order, rng), strict=True):
+        is_mirrored = rng.random() < MIRRORED_SHARE
+        example = _example(simulated, order, rng, is_mirrored=is_mirrored)
+        for name, values in zip(_ARRAYS, example, strict=True):
             arrays[name].append(values)
-        about.append([simulated.object_name, simulated.label_until(max(order)).to_dict()])
+        label = simulated.label_until(max(order))
+        label = label.mirrored() if is_mirrored else label
+        about.append([simulated.object_name, label.to_dict()])
         end_if_orphaned()
     stacked = {name: np.stack(values).astype(np.float16) for name, values in arrays.items()}
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.npz")
-    np.savez(temporary, about=np.array(json.dumps(about)), **stacked)
-    os.replace(temporary, path)
+    with replacing(path) as stream:
+        np.savez(stream, about=np.array(json.dumps(about)), **stacked)
 
 
 def _example(
-    simulated: SimulatedClip, order: list[int], rng: np.random.Generator
+    simulated: SimulatedClip, order: list[int], rng: np.random.Generator, *, is_mirrored: bool
 ) -> tuple[NDArray, ...]:
     """Return the arrays of one example, in the order of `_ARRAYS`, its frames in `order`."""
     from dataclasses import replace
@@ -196,15 +203,36 @@ def _example(
     from geotlm_lm.backbone.stem import look
     from geotlm_lm.recordings.idle import estimate_background
 
+    simulated = mirrored(simulated) if is_mirrored else simulated
     clip = simulated.clip.select(order)
     if rng.random() < UNKNOWN_BACKGROUND_SHARE:
         clip = replace(clip, background=estimate_background(clip.frames))
     inputs, view = look(clip)
-    truth = _truth_in(view, simulated)
+    truth = truth_in(view, simulated)
     return inputs, *(_bin_means(values[order]) for values in truth)
 
 
-def _truth_in(view: View, simulated: SimulatedClip) -> tuple[NDArray, NDArray, NDArray]:
+def mirrored(simulated: SimulatedClip) -> SimulatedClip:
+    """Return what a camera behind a mirror records, and the dense truth in its image.
+
+    The scene and its label stay those of the object; `MotionLabel.mirrored` flips the words.
+    """
+    from dataclasses import replace
+
+    clip = simulated.clip
+    flipped = np.ascontiguousarray(clip.frames[:, :, ::-1])
+    background = np.ascontiguousarray(clip.background[:, ::-1])
+    displacement = simulated.displacement_px[:, :, ::-1] * np.array([-1, 1], np.float32)
+    return replace(
+        simulated,
+        clip=replace(clip, frames=flipped, background=background),
+        displacement_px=displacement,
+        contact=simulated.contact[:, :, ::-1],
+        depth_mm=simulated.depth_mm[:, :, ::-1],
+    )
+
+
+def truth_in(view: View, simulated: SimulatedClip) -> tuple[NDArray, NDArray, NDArray]:
     """Return displacement, contact and depth of every frame on the view's grid."""
     contact = np.stack([view.cut(frame) for frame in simulated.contact])
     depth = np.stack([view.cut(frame) for frame in simulated.depth_mm])

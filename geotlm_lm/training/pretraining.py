@@ -18,7 +18,7 @@ import torch.nn.functional as F
 from torch import Tensor, nn
 
 from geotlm_lm.backbone.frozen import FrozenBackbone
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX, PATCH_INPUT_DIM, RELIEF_FLOW_AT
+from geotlm_lm.backbone.stem import ALIGNED_AT, FLOW_SCALE_PX, PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.vit import ViT, ViTConfig
 from geotlm_lm.core.seeding import generator_for, seed_for
@@ -49,15 +49,15 @@ class DenseHeads(nn.Module):
         self.summary = nn.Linear(width, GLOBAL_TARGET_COUNT)
 
     @torch.no_grad()
-    def start_from_flow(self, embed: nn.Linear) -> None:
-        """Let displacement begin as the stem's flow of the relief, which is linear in the tokens.
+    def start_from_alignment(self, embed: nn.Linear) -> None:
+        """Let displacement begin as the stem's alignment of the relief, linear in the tokens.
 
         Measured: a read-out that starts at random had not found a turn again after 500 steps.
         """
         back = torch.linalg.pinv(embed.weight.double()).to(embed.weight.dtype)
         nn.init.zeros_(self.patch.weight)
         nn.init.zeros_(self.patch.bias)
-        self.patch.weight[:2] = back[RELIEF_FLOW_AT : RELIEF_FLOW_AT + 2]
+        self.patch.weight[:2] = back[ALIGNED_AT : ALIGNED_AT + 2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +122,7 @@ class _Learner:
         self.heads = DenseHeads(config.width)
         nn.init.normal_(self.heads.summary.weight, 0, config.width**-0.5, generator=generator)
         nn.init.zeros_(self.heads.summary.bias)
-        self.heads.start_from_flow(self.vit.embed)
+        self.heads.start_from_alignment(self.vit.embed)
         self.vit.to(device)
         self.heads.to(device)
         self._parameters = [*self.vit.parameters(), *self.heads.parameters()]

@@ -18,9 +18,10 @@ import torch
 from geotlm_lm.backbone.frozen import ENCODE_BATCH, FrozenBackbone
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, save_bundle
+from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.record import commit, machine, write_text_atomically
+from geotlm_lm.core.record import commit, machine
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.speak import Speaker
 from geotlm_lm.model import GeoTLM

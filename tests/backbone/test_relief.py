@@ -41,3 +41,12 @@ def test_an_untouched_gel_is_flat_and_neutral():
     (flat,) = reliefs([np.zeros((224, 224, 3), np.float32)])
     assert not flat.any()
     assert (as_image(flat) == 128).all()
+
+
+def test_a_mirrored_sensor_shows_the_mirrored_relief():
+    """The mirror swaps the lights too; the relief must not turn inside out."""
+    y, x = np.mgrid[:224, :224] - 111.5
+    ridge = 100 * np.exp(-((x - y) ** 2) / 200 - (x + y) ** 2 / 3000)
+    (plain,) = reliefs([shaded(ridge)])
+    (mirrored,) = reliefs([np.ascontiguousarray(shaded(ridge)[:, ::-1])])
+    assert np.abs(mirrored - plain[:, ::-1]).max() < 0.05 * np.abs(plain).max()

@@ -11,7 +11,6 @@ from geotlm_lm.backbone.stem import (
     PATCH_INPUT_DIM,
     View,
     look,
-    patch_inputs,
 )
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import IMAGE_SIDE
@@ -51,7 +50,7 @@ def test_flow_is_the_mean_displacement_of_each_time_bin(shift):
 
 
 def test_a_clockwise_turn_moves_the_top_right_and_the_right_side_down():
-    flow = patch_inputs(moving_clip(turn_deg=6.0))[1]
+    flow = look(moving_clip(turn_deg=6.0))[0][1]
     assert flow[4, 6:8, FLOW_X].mean() > 0.3
     assert flow[9, 6:8, FLOW_X].mean() < -0.3
     assert flow[6:8, 9, FLOW_Y].mean() > 0.3
@@ -60,7 +59,7 @@ def test_a_clockwise_turn_moves_the_top_right_and_the_right_side_down():
 
 def test_repeated_frames_carry_no_flow():
     clip = moving_clip((4.0, 0.0))
-    still = patch_inputs(clip.select([0, 0, 0, 0]))
+    still = look(clip.select([0, 0, 0, 0]))[0]
     assert np.abs(still[..., FLOW_X : FLOW_Y + 1]).max() == 0
     pair, view = look(clip.select([0, 0, 3, 3]))
     assert np.abs(pair[0, ..., FLOW_X : FLOW_Y + 1]).max() == 0
@@ -69,7 +68,7 @@ def test_repeated_frames_carry_no_flow():
 
 
 def test_contrast_is_higher_where_the_imprint_is():
-    contrast = patch_inputs(moving_clip())[..., CONTRAST]
+    contrast = look(moving_clip())[0][..., CONTRAST]
     assert contrast[:, 6:8, 6:8].min() > contrast[:, 0, 0].max() + 0.5
 
 
@@ -77,7 +76,7 @@ def test_inputs_do_not_depend_on_the_recorded_size_beyond_resampling():
     clip = moving_clip((3.0, 0.0), noise_grey=0.0)
     twice = [cv2.resize(frame, (448, 448)) for frame in clip.frames]
     large = Clip(np.stack(twice), background=np.full((448, 448, 3), 110, np.uint8))
-    small, large = patch_inputs(clip), patch_inputs(large)
+    small, large = look(clip)[0], look(large)[0]
     assert small.shape == large.shape == (2, 14, 14, PATCH_INPUT_DIM)
     assert centre_flow_px(large, 1) == pytest.approx(centre_flow_px(small, 1), abs=0.2)
 
@@ -85,7 +84,7 @@ def test_inputs_do_not_depend_on_the_recorded_size_beyond_resampling():
 def test_a_clip_without_background_is_refused():
     clip = Clip(np.zeros((4, 32, 32, 3), np.uint8))
     with pytest.raises(ValueError, match="the stem reads 4 frames and a background, found 4"):
-        patch_inputs(clip)
+        look(clip)[0]
 
 
 def imprint_at(x, y, sigma_px):

@@ -6,7 +6,7 @@ import pytest
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion, MotionLabel
-from geotlm_lm.experiments.cases import SimulatedCases, real_cases
+from geotlm_lm.experiments.cases import UNREADABLE, SimulatedCases, real_cases
 
 
 @pytest.fixture
@@ -34,6 +34,12 @@ def test_unreadable_clips_are_replaced_and_counted(fake_simulator):
     assert len(list(cases)) == 20
     # Of the numbers 0..28 every third is unreadable: 2, 5, ..., 26.
     assert cases.unreadable == 9
+
+
+def test_unreadable_clips_can_be_had_too_and_do_not_count(fake_simulator):
+    cases = list(SimulatedCases("rotation", 20, seed=0, with_unreadable=True))
+    assert len(cases) == 29
+    assert [case.tags == UNREADABLE for case in cases] == [n % 3 == 2 for n in range(29)]
 
 
 def test_simulation_stops_once_enough_clips_are_there(fake_simulator):

@@ -97,6 +97,22 @@ def test_the_simulated_tasks_report_what_was_left_out(monkeypatch):
     assert record.numbers["minimum"] == 1.0
 
 
+def test_clips_that_do_not_tell_their_motion_stay_out_of_the_scores(monkeypatch):
+    from geotlm_lm.experiments import cases
+    from tests.experiments.test_methods import clip_of
+
+    def right_and_wrong(self):
+        motion, other = self.among[:2]
+        yield cases.Case(clip_of(motion), motion, "a", "a", {})
+        for said in (motion, other, motion):
+            self.unreadable += 1
+            yield cases.Case(clip_of(said), motion, "a", "a", cases.UNREADABLE)
+
+    monkeypatch.setattr(cases.SimulatedCases, "__iter__", right_and_wrong)
+    table = evaluate(FakeAnswerer(), clips_per_task=1, seed=0).numbers["tables"]["simulated all"]
+    assert (table["clips"], table["unreadable_left_out"], table["unreadable_right"]) == (1, 3, 2)
+
+
 def test_thread_counts_come_back():
     before = (torch.get_num_threads(), cv2.getNumThreads())
     with one_thread():

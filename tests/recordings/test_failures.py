@@ -10,6 +10,7 @@ import pytest
 
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.recordings.video import _decode
 
 FRAMES = np.zeros((4, 16, 20, 3), np.uint8)
 
@@ -311,3 +312,22 @@ def test_a_background_of_another_size_is_refused(tmp_path):
     np.save(tmp_path / "idle.npy", np.zeros((9, 9, 3), np.uint8))
     with pytest.raises(UnreadableClip, match="the background has shape"):
         read_clip(tmp_path / "clip.npy", background=tmp_path / "idle.npy")
+
+
+class SizeChanges:
+    """A video whose picture shrinks from the third frame on."""
+
+    def __init__(self):
+        self.seen = 0
+
+    def grab(self):
+        self.seen += 1
+        return self.seen <= 4
+
+    def retrieve(self):
+        return True, np.zeros((48, 64, 3) if self.seen < 3 else (24, 32, 3), np.uint8)
+
+
+def test_a_video_that_changes_its_size_is_refused_in_one_sentence():
+    with pytest.raises(UnreadableClip, match=r"frame 2 is 32 x 24 pixels after 64 x 48"):
+        _decode(SizeChanges(), "clip.mkv")

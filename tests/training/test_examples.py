@@ -3,12 +3,16 @@
 import numpy as np
 import pytest
 
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
+from geotlm_lm.simulation.randomise import random_scenes
+from geotlm_lm.simulation.simulate import simulate
 from geotlm_lm.training import examples
 from geotlm_lm.training.examples import (
     ExampleSet,
     _frame_order,
+    mirrored,
     read_examples,
     simulate_examples,
 )
@@ -43,3 +47,29 @@ def test_a_missing_chunk_is_made_again_byte_for_byte(tmp_path):
 def test_four_frames_run_forwards_or_form_a_pair_one_or_two_frames_apart():
     orders = {tuple(_frame_order(generator_for(0, index))) for index in range(200)}
     assert orders == {(0, 1, 2, 3), (0, 0, 1, 1), (0, 0, 2, 2)}
+
+
+def test_a_mirrored_clip_has_mirrored_truth_and_the_same_image_flipped():
+    scenes = random_scenes(8, 1, objects=("key",), motions=(Motion.LEFT,))
+    (made,) = simulate(scenes, seed=8)
+    flipped = mirrored(made)
+    assert np.array_equal(flipped.clip.frames[:, :, ::-1], made.clip.frames)
+    assert np.array_equal(flipped.clip.background[:, ::-1], made.clip.background)
+    assert np.array_equal(flipped.contact[..., ::-1], made.contact)
+    there, here = flipped.displacement_px[:, :, ::-1], made.displacement_px
+    assert np.array_equal(there[..., 0], -here[..., 0])
+    assert np.array_equal(there[..., 1], here[..., 1])
+    label = made.label.mirrored()
+    assert (label.motion, label.slide_x_mm) == (Motion.RIGHT, -made.label.slide_x_mm)
+    assert label.slide_y_mm == made.label.slide_y_mm
+
+
+@pytest.mark.usefixtures("_small_chunks")
+def test_some_clips_are_mirrored_with_their_labels(tmp_path, monkeypatch):
+    """All of them here: every displacement must agree with its label's sign."""
+    monkeypatch.setattr(examples, "MIRRORED_SHARE", 1.0)
+    flipped = made_in(tmp_path / "flipped")
+    monkeypatch.setattr(examples, "MIRRORED_SHARE", 0.0)
+    plain = made_in(tmp_path / "plain")
+    assert [label.mirrored() for label in flipped.labels] == list(plain.labels)
+    assert not np.array_equal(flipped.inputs, plain.inputs)

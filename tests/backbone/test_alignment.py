@@ -1,0 +1,105 @@
+"""Laws of the rigid alignment: it finds what moved an image, over turns, shifts and channels."""
+
+import cv2
+import numpy as np
+import pytest
+
+from geotlm_lm.backbone.alignment import (
+    CHANNELS,
+    LEAST_WEIGHT,
+    SIDE,
+    Rigid,
+    align,
+    alignment,
+    changed_weight,
+)
+
+AXIS = np.arange(SIDE) - (SIDE - 1) / 2
+X, Y = np.meshgrid(AXIS, AXIS)
+IMPRINT = (
+    np.exp(-((X - 4) ** 2 + 3 * (Y + 2) ** 2) / 60)
+    + 0.5 * np.exp(-((X + 7) ** 2 + (Y - 6) ** 2) / 8)
+).astype(np.float32)
+
+
+def sensor_noise(seed, grey=0.02):
+    return np.random.default_rng(seed).normal(0, grey, (SIDE, SIDE)).astype(np.float32)
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        Rigid(0.02, 0.3, -0.2),
+        Rigid(-0.15, 2.0, 1.0),
+        Rigid(0.6, 0.0, 0.0),
+        Rigid(-0.5, -5, 4),
+        Rigid(0.0, 9.4, 0.0),
+    ],
+)
+def test_a_known_motion_is_found_again(motion):
+    after = 0.9 * motion.moved(IMPRINT) + 0.05 + sensor_noise(1)
+    found = align(IMPRINT + sensor_noise(2), after)
+    assert found.turn_rad == pytest.approx(motion.turn_rad, abs=0.02)
+    assert (found.x_px, found.y_px) == pytest.approx((motion.x_px, motion.y_px), abs=0.15)
+
+
+def test_motions_follow_each_other_as_the_images_do():
+    first, second = Rigid(0.3, 2.0, -1.0), Rigid(-0.1, 1.0, 3.0)
+    twice = second.moved(first.moved(IMPRINT))
+    once = second.after(first).moved(IMPRINT)
+    assert np.abs(once - twice)[8:-8, 8:-8].max() < 0.05
+
+
+def test_displacement_is_how_far_the_point_under_a_patch_has_come():
+    moved = Rigid(0.1).displacement()
+    assert moved[0, :, 0].min() > 0  # clockwise: the top goes right
+    assert moved[:, -1, 1].min() > 0  # and the right side down
+    shifted = Rigid(0.0, 3.0, -2.0).displacement()
+    assert shifted.reshape(-1, 2) == pytest.approx(np.tile([3.0, -2.0], (196, 1)))
+
+
+def test_the_same_image_twice_has_not_moved():
+    assert align(IMPRINT, IMPRINT.copy()) == Rigid()
+
+
+def test_of_two_equal_matches_the_shorter_way_is_taken():
+    stripes = np.tile(np.sin(2 * np.pi * X / 8), 1).astype(np.float32)
+    moved = np.sin(2 * np.pi * (X - 1) / 8).astype(np.float32)
+    assert align(stripes, moved).x_px == pytest.approx(1, abs=0.1)
+
+
+def test_channels_tell_the_motion_from_the_first_frame_and_what_it_explains():
+    frames = [Rigid(0.0, 2.0 * k, 0.0).moved(IMPRINT) for k in range(3)]
+    told = alignment(frames, [5 * frame for frame in frames])
+    assert told.shape == (3, 14, 14, 2 * CHANNELS)
+    assert not told[0, ..., :3].any()
+    for start in (0, CHANNELS):
+        assert told[2, ..., start] == pytest.approx(np.full((14, 14), 4.0 * 4), abs=0.5)
+        assert told[1:, 4:10, 4:10, start + 2].mean() > 0.3
+        assert told[1:, ..., start + 3].min() > 0.98
+
+
+@pytest.mark.parametrize("level", [0.0, 1e-20, 1e4])
+def test_blank_and_extreme_images_give_finite_channels(level):
+    rng = np.random.default_rng(0)
+    frames = [level * rng.normal(size=(SIDE, SIDE)).astype(np.float32) for _ in range(4)]
+    assert np.isfinite(alignment(frames, frames)).all()
+
+
+def test_an_outline_that_stands_still_does_not_hold_back_a_turn():
+    """A flat object on a domed pad: its contact's outline is the pad's, its face turns."""
+    rng = np.random.default_rng(3)
+    outline = (1.2 / (1 + np.exp((np.hypot(X, Y) - 16) / 1.5))).astype(np.float32)
+    face = cv2.GaussianBlur(rng.normal(0, 2.5, (SIDE, SIDE)).astype(np.float32), (0, 0), 2.5)
+    turn = Rigid(0.1)
+    before = outline * (1 + face) + sensor_noise(4)
+    after = outline * (1 + turn.moved(face)) + sensor_noise(5)
+    assert align(before, after).turn_rad == pytest.approx(0.1, rel=0.2)
+
+
+def test_pixels_count_by_how_much_they_changed():
+    after = IMPRINT.copy()
+    after[:, : SIDE // 2] += 1.0
+    weight = changed_weight(IMPRINT, after)
+    assert weight[:, :20].min() > 0.95
+    assert weight[:, -20:].max() == pytest.approx(LEAST_WEIGHT)
