@@ -10,7 +10,7 @@ import torch
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
-from geotlm_lm.simulation.elastic import grid_compliance
+from geotlm_lm.simulation.elastic import LayerOperator
 from geotlm_lm.simulation.normal_contact import SolverStatus, solve_normal_contact
 from geotlm_lm.simulation.profile import HeightMap, Profile
 from geotlm_lm.simulation.scene import Gel, Scene
@@ -53,8 +53,8 @@ def pressed_surface(scene: Scene, profile: Profile) -> Surface:
     for frame, (pose, depth) in enumerate(zip(poses, path.depth_mm, strict=True)):
         if depth > 0:
             overlap[frame] = depth - dome - profile.on_cells(pose, BOX_MM, GRID_CELLS)
-    compliance = _compliance(scene.gel.thickness_mm, scene.gel.poisson_ratio)
-    contact = solve_normal_contact(torch.from_numpy(overlap), compliance)
+    response = _layer(scene.gel.thickness_mm, scene.gel.poisson_ratio)
+    contact = solve_normal_contact(torch.from_numpy(overlap), response)
     mm_per_px = (optics.mm_per_px_x, optics.mm_per_px_y)
     dome = _dome(scene.gel, mm_per_px, IMAGE_SIDE)
     rows, columns = _cubic_weights(mm_per_px[1]), _cubic_weights(mm_per_px[0])
@@ -72,11 +72,8 @@ def pressed_surface(scene: Scene, profile: Profile) -> Surface:
 
 
 @lru_cache(maxsize=64)
-def _compliance(thickness_mm: float, poisson_ratio: float) -> torch.Tensor:
-    values = grid_compliance(
-        GRID_CELLS, BOX_MM, thickness_mm=thickness_mm, poisson_ratio=poisson_ratio
-    )
-    return torch.from_numpy(values.astype(np.float32))
+def _layer(thickness_mm: float, poisson_ratio: float) -> LayerOperator:
+    return LayerOperator(GRID_CELLS, BOX_MM, thickness_mm=thickness_mm, poisson_ratio=poisson_ratio)
 
 
 def dome_drop_mm(gel: Gel, x_mm: float, y_mm: float) -> float:
