@@ -48,12 +48,23 @@ class SolverStatus:
     Args:
         penetration_um: Largest overlap left anywhere in any frame.
         iterations: Conjugate-gradient steps spent on the hardest frame.
-        is_converged: Whether the penetration is below `PENETRATION_LIMIT_UM`.
+        is_converged: Whether every residual is acceptable; running out of steps is not.
+        preset: The preset that gave the result: the one asked for, or a harder one.
+        gradient_share: Projected gradient of the frictional problem relative to the increment.
+        cone_excess: How far a traction leaves its friction disc, relative to the widest one.
+        friction_iterations: Steps spent on the hardest frictional increment.
+        dissipated_share: Work turned into heat by slip, relative to all work; never below 0 but for
+            the time steps' error.
     """
 
     penetration_um: float
     iterations: int
     is_converged: bool
+    preset: str = "fast"
+    gradient_share: float = 0.0
+    cone_excess: float = 0.0
+    friction_iterations: int = 0
+    dissipated_share: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -10,12 +10,12 @@ import numpy as np
 from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.core.labels import ROTATIONS, Motion
 from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.simulation.contact import dome_drop_mm
 from geotlm_lm.simulation.indenters import INDENTERS
 from geotlm_lm.simulation.motions import random_path
 from geotlm_lm.simulation.optics import LIGHTS
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Body, Gel, Optics, Scene
-from geotlm_lm.simulation.surface import dome_drop_mm
 
 DEPTH_MM = (0.2, 1.2)
 """Approach a hand gives a GelSight Mini; a measured ball press has a contact radius of 2 mm."""

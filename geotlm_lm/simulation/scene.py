@@ -19,11 +19,14 @@ class Gel:
         thickness_mm: Thickness at the centre; 4.0 for GelSight Mini (FEATS, arXiv 2411.03315).
         poisson_ratio: Dimensionless, at most 0.5.
         dome: Height of the pad's crown relative to GelSight Mini's; 0 is a flat pad.
+        friction: Coulomb's coefficient between object and gel; 1.0 in FEATS and Taccel. It moves
+            the gel's surface, not the imprint.
     """
 
     thickness_mm: float = 4.0
     poisson_ratio: float = 0.48
     dome: float = 1.0
+    friction: float = 1.0
 
 
 @dataclass(frozen=True)
