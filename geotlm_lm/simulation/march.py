@@ -28,7 +28,10 @@ class Effort:
     Args:
         normal_rounds: Iteration budgets of the normal problem.
         friction_iterations: Steps of the frictional problem, at most.
-        passes: Alternations of the two problems; one changes the height by at most 1 um more.
+        passes: Alternations of the two problems, at least; on a pad as thick as a GelSight's a
+            third changes the height by 1 um at most.
+        most_passes: Alternations at most, spent while drag lifts the surface off its solution: thin
+            incompressible layers couple strongly.
         penetration_um: Penetration at which the normal problem is solved.
         gradient_share: Projected gradient at which the frictional problem is solved.
     """
@@ -36,6 +39,7 @@ class Effort:
     normal_rounds: Sequence[int] = ROUNDS
     friction_iterations: int = 400
     passes: int = 2
+    most_passes: int = 24
     penetration_um: float = PENETRATION_LIMIT_UM
     gradient_share: float = 1e-4
 
@@ -133,10 +137,11 @@ def _advance(
     last: Step, increment: Increment, response: Response, mu: Tensor, effort: Effort
 ) -> Step:
     traction, pressure = last.traction, last.pressure
+    free = increment.overlap_mm - response.bulge(traction)
     normal_spent = friction_spent = 0
-    for _ in range(effort.passes):
+    for done in range(1, effort.most_passes + 1):
         contact = solve_normal_contact(
-            increment.overlap_mm - response.bulge(traction),
+            free,
             response,
             guess=pressure,
             rounds=effort.normal_rounds,
@@ -155,6 +160,10 @@ def _advance(
         traction = friction.traction
         normal_spent += int(contact.iterations.max())
         friction_spent += friction.iterations
+        free = increment.overlap_mm - response.bulge(traction)
+        left_um = 1e3 * (free - contact.indentation_mm).amax()
+        if done >= effort.passes and bool(left_um <= effort.penetration_um):
+            break
     return _step_from(
         last, increment, response, contact, friction, mu, normal_spent, friction_spent
     )

@@ -8,7 +8,7 @@ from typing import Literal
 import torch
 
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.simulation.march import TIGHT, Effort
+from geotlm_lm.simulation.march import Effort
 from geotlm_lm.simulation.normal_contact import ROUNDS
 
 PresetName = Literal["draft", "fast", "good", "accurate", "reference"]
@@ -39,7 +39,11 @@ class Preset:
 
 
 _LADDER = (
-    Preset("draft", 32, Effort((6, 12, 40), friction_iterations=15, passes=1, gradient_share=0.1)),
+    Preset(
+        "draft",
+        32,
+        Effort((6, 12, 40), friction_iterations=15, passes=1, most_passes=8, gradient_share=0.1),
+    ),
     Preset("fast", 48, Effort(ROUNDS, friction_iterations=40, gradient_share=3e-2)),
     Preset("good", 64, Effort((12, 24, 60, 150), friction_iterations=100, gradient_share=1e-2)),
     Preset(
@@ -48,7 +52,12 @@ _LADDER = (
         Effort((50, 100, 400), 1000, passes=3, penetration_um=0.1, gradient_share=1e-4),
         torch.float64,
     ),
-    Preset("reference", 256, TIGHT, torch.float64),
+    Preset(
+        "reference",
+        256,
+        Effort((100, 200, 400, 1000), 1000, penetration_um=0.01, gradient_share=1e-5),
+        torch.float64,
+    ),
 )
 
 PRESETS: dict[str, Preset] = {preset.name: preset for preset in _LADDER}

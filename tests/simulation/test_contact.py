@@ -85,7 +85,7 @@ def starved(name, harder):
         def harder(self):
             return harder
 
-    return Starved(name, 32, Effort((1,), friction_iterations=1, passes=1))
+    return Starved(name, 32, Effort((1,), friction_iterations=1, passes=1, most_passes=1))
 
 
 def test_a_bad_residual_is_answered_by_the_next_preset_which_is_named():
