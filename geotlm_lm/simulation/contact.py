@@ -15,9 +15,11 @@ import torch
 from torch import Tensor
 
 from geotlm_lm.simulation.elastic import LayerOperator
+from geotlm_lm.simulation.half_space import HalfSpaceOperator
 from geotlm_lm.simulation.march import Increment, Step, cell_centres, march, rigid_travel
 from geotlm_lm.simulation.normal_contact import (
     PENETRATION_LIMIT_UM,
+    Response,
     SolverStatus,
     solve_normal_contact,
 )
@@ -186,7 +188,11 @@ def _substeps(poses: list[Pose]) -> Iterator[tuple[Pose, bool]]:
             yield (after if part == count else pose), part == count
 
 
-def _layer(gel: Gel, preset: Preset) -> LayerOperator:
+def _layer(gel: Gel, preset: Preset) -> Response:
+    if preset.is_half_space:
+        return HalfSpaceOperator(
+            preset.cells, BOX_MM, poisson_ratio=gel.poisson_ratio, dtype=preset.dtype
+        )
     return _cached_layer(gel.thickness_mm, gel.poisson_ratio, preset.cells, preset.dtype)
 
 

@@ -23,12 +23,14 @@ class Preset:
         cells: Cells per side of the contact grid, over the pad's 25.6 mm.
         effort: How hard every increment is solved.
         dtype: Precision; fields converge to 1e-5 in single precision as in double.
+        is_half_space: Take the pad for infinitely thick, for comparison only.
     """
 
     name: PresetName
     cells: int
     effort: Effort
     dtype: torch.dtype = torch.float32
+    is_half_space: bool = False
 
     @property
     def harder(self) -> Preset | None:
