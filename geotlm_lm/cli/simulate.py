@@ -15,6 +15,7 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
 
 if TYPE_CHECKING:
+    from geotlm_lm.simulation.presets import PresetName
     from geotlm_lm.simulation.simulate import SimulatedClip
 
 MotionName = Literal[tuple(motion.value for motion in Motion)]
@@ -37,6 +38,14 @@ def simulate(
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes that simulate. [default: 1]")
     ] = None,
+    preset: Annotated[
+        Literal["draft", "fast", "good", "accurate", "reference"],
+        typer.Option(help="How finely and tightly the contact is solved."),
+    ] = "fast",
+    drift: Annotated[
+        bool,
+        typer.Option("--drift", help="Also solve friction: the gel's own tangential travel."),
+    ] = False,
     clip: Annotated[
         Path | None, typer.Option(help="Write one clip to this .npz instead of a data set.")
     ] = None,
@@ -58,10 +67,19 @@ def simulate(
         raise UsageError("Give one of --out (a data set) and --clip (a single clip).")
     if clip is not None:
         _refuse("--clip", {"--count": count, "--objects": objects, "--workers": workers})
-        _simulate_clip(clip, Motion(motion or Motion.CLOCKWISE), object_name or "key", seed)
+        _require_clip_name(clip)
+        name, named = object_name or "key", Motion(motion or Motion.CLOCKWISE)
+        write_clip(clip, simulate_one(name, named, seed, preset=preset, with_drift=drift))
+        print(clip)
     else:
+        from geotlm_lm.simulation.dataset import write_dataset
+
         _refuse("--out", {"--motion": motion, "--object": object_name})
-        _simulate_set(out, count or 100, objects or "training", workers or 1, seed)
+        require_writable(out, "--out")
+        names = _bodies(objects or "training")
+        settings = {"seed": seed, "workers": workers or 1, "preset": preset, "with_drift": drift}
+        write_dataset(out, count or 100, objects=names, progress=_show, **settings)
+        print(out)
 
 
 def _refuse(target: str, others: dict[str, object]) -> None:
@@ -71,26 +89,27 @@ def _refuse(target: str, others: dict[str, object]) -> None:
         raise UsageError(f"{' and '.join(given)} cannot go with {target}; leave out one of them.")
 
 
-def _simulate_clip(path: Path, motion: Motion, object_name: str, seed: int) -> None:
+def _require_clip_name(path: Path) -> None:
     if path.suffix != ".npz":
         raise UsageError(f"--clip {path} was given, expected a name that ends in .npz.")
     require_writable_file(path, "--clip")
-    write_clip(path, simulate_one(object_name, motion, seed))
-    print(path)
 
 
-def _simulate_set(out: Path, count: int, objects: str, workers: int, seed: int) -> None:
-    from geotlm_lm.simulation.dataset import write_dataset
+def _bodies(which: str) -> tuple[str, ...]:
     from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 
-    require_writable(out, "--out")
-    names = TRAINING_OBJECTS if objects == "training" else EVERYDAY_OBJECTS
-    write_dataset(out, count, seed=seed, objects=names, workers=workers, progress=_show)
-    print(out)
+    return TRAINING_OBJECTS if which == "training" else EVERYDAY_OBJECTS
 
 
-def simulate_one(object_name: str, motion: Motion, seed: int) -> SimulatedClip:
-    """Return one simulated clip.
+def simulate_one(
+    object_name: str,
+    motion: Motion,
+    seed: int,
+    *,
+    preset: PresetName = "fast",
+    with_drift: bool = False,
+) -> SimulatedClip:
+    """Return one simulated clip; options as in `simulation.simulate.simulate`.
 
     Raises:
         UsageError: If there is no such shape.
@@ -106,17 +125,20 @@ def simulate_one(object_name: str, motion: Motion, seed: int) -> SimulatedClip:
         )
     rng = generator_for(seed, "single clip", object_name, motion.value)
     scene = random_scene(rng, object_name=object_name, motion=motion)
-    return simulate_scenes([scene], seed=seed)[0]
+    made = simulate_scenes([scene], seed=seed, preset=preset, with_drift=with_drift)
+    return made[0]
 
 
 def write_clip(path: Path, made: SimulatedClip) -> None:
-    """Write frames, background, frame rate and label (JSON) to a .npz file, atomically."""
+    """Write frames, background, frame rate, label (JSON) and drift, if solved, to a .npz file."""
     import numpy as np
 
     label = json.dumps(made.label.to_dict() | {"object": made.object_name})
     arrays = {"frames": made.clip.frames, "label": np.array(label)}
     if made.clip.background is not None:
         arrays["background"] = made.clip.background
+    if made.drift_px is not None:
+        arrays["drift_px"] = made.drift_px
     if made.clip.fps is not None:
         arrays["fps"] = np.array(made.clip.fps)
     with replacing(path) as stream:
