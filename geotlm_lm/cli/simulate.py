@@ -15,6 +15,7 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
 
 if TYPE_CHECKING:
+    from geotlm_lm.simulation.indenter import Indenter
     from geotlm_lm.simulation.presets import PresetName
     from geotlm_lm.simulation.simulate import SimulatedClip
 
@@ -57,6 +58,20 @@ def simulate(
         str | None,
         typer.Option("--object", help="With --clip: the shape that is pressed. [default: key]"),
     ] = None,
+    height_map: Annotated[
+        Path | None,
+        typer.Option(
+            help="With --clip: your own object, a .npy of heights in mm or a grey .png; what is "
+            "highest touches first."
+        ),
+    ] = None,
+    mm_per_px: Annotated[
+        float | None, typer.Option(help="With --height-map: the size of one sample.")
+    ] = None,
+    relief_mm: Annotated[
+        float | None,
+        typer.Option(help="With a .png height map: how far white is above black. [default: 1]"),
+    ] = None,
     seed: Seed = 0,
 ) -> None:
     """Simulate touches: contact mechanics, optics, noise, and the truth about each clip.
@@ -68,13 +83,21 @@ def simulate(
     if clip is not None:
         _refuse("--clip", {"--count": count, "--objects": objects, "--workers": workers})
         _require_clip_name(clip)
-        name, named = object_name or "key", Motion(motion or Motion.CLOCKWISE)
-        write_clip(clip, simulate_one(name, named, seed, preset=preset, with_drift=drift))
+        indenter = _own_body(height_map, mm_per_px, relief_mm, object_name)
+        made = simulate_one(
+            object_name or ("key" if height_map is None else height_map.stem),
+            Motion(motion or Motion.CLOCKWISE),
+            seed,
+            preset=preset,
+            with_drift=drift,
+            indenter=indenter,
+        )
+        write_clip(clip, made)
         print(clip)
     else:
         from geotlm_lm.simulation.dataset import write_dataset
 
-        _refuse("--out", {"--motion": motion, "--object": object_name})
+        _refuse("--out", {"--motion": motion, "--object": object_name, "--height-map": height_map})
         require_writable(out, "--out")
         names = _bodies(objects or "training")
         settings = {"seed": seed, "workers": workers or 1, "preset": preset, "with_drift": drift}
@@ -95,6 +118,27 @@ def _require_clip_name(path: Path) -> None:
     require_writable_file(path, "--clip")
 
 
+def _own_body(
+    height_map: Path | None,
+    mm_per_px: float | None,
+    relief_mm: float | None,
+    object_name: str | None,
+) -> Indenter | None:
+    if height_map is None:
+        if mm_per_px is not None or relief_mm is not None:
+            raise UsageError(
+                "--mm-per-px and --relief-mm say how to read a --height-map; give one."
+            )
+        return None
+    if object_name is not None:
+        raise UsageError("--object and --height-map both name the object; leave out one of them.")
+    if mm_per_px is None:
+        raise UsageError("--height-map needs --mm-per-px, the size of one sample in mm.")
+    from geotlm_lm.simulation.height_map import read_height_map
+
+    return read_height_map(height_map, mm_per_px, relief_mm=1.0 if relief_mm is None else relief_mm)
+
+
 def _bodies(which: str) -> tuple[str, ...]:
     from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 
@@ -108,8 +152,11 @@ def simulate_one(
     *,
     preset: PresetName = "fast",
     with_drift: bool = False,
+    indenter: Indenter | None = None,
 ) -> SimulatedClip:
-    """Return one simulated clip; options as in `simulation.simulate.simulate`.
+    """Return one simulated clip of a built-in shape or of an `indenter` of one's own.
+
+    Options are those of `simulation.simulate.simulate`.
 
     Raises:
         UsageError: If there is no such shape.
@@ -119,12 +166,12 @@ def simulate_one(
     from geotlm_lm.simulation.randomise import random_scene
     from geotlm_lm.simulation.simulate import simulate as simulate_scenes
 
-    if object_name not in INDENTERS:
+    if indenter is None and object_name not in INDENTERS:
         raise UsageError(
             f"There is no shape '{object_name}', expected one of {', '.join(sorted(INDENTERS))}."
         )
     rng = generator_for(seed, "single clip", object_name, motion.value)
-    scene = random_scene(rng, object_name=object_name, motion=motion)
+    scene = random_scene(rng, object_name=object_name, motion=motion, indenter=indenter)
     made = simulate_scenes([scene], seed=seed, preset=preset, with_drift=with_drift)
     return made[0]
 

@@ -133,7 +133,7 @@ def _pool_rows(fine: HeightMap, per_cell: int) -> HeightMap:
 @lru_cache(maxsize=32)
 def build_profile(body: Body) -> Profile:
     """Return the profile of `body`; the same body always gives the same samples."""
-    indenter = INDENTERS[body.name]
+    indenter = body.indenter or INDENTERS[body.name]
     rng = np.random.default_rng(body.variant)
     x, y = object_grid()
     scale = np.float32(body.size)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from geotlm_lm.core.labels import Motion
+from geotlm_lm.simulation.indenter import Indenter
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,7 @@ class Body:
         tilt_y: Slope of the object about the image's x axis, mm per mm.
         texture_um: Standard deviation of the surface texture in micrometres.
         texture_scale_mm: Correlation length of that texture.
+        indenter: The shape itself, where it is none of `indenters.INDENTERS`.
     """
 
     name: str
@@ -59,6 +61,7 @@ class Body:
     tilt_y: float = 0.0
     texture_um: float = 0.0
     texture_scale_mm: float = 0.5
+    indenter: Indenter | None = None
 
 
 @dataclass(frozen=True)
