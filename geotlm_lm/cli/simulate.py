@@ -97,7 +97,8 @@ def simulate(
     else:
         from geotlm_lm.simulation.dataset import write_dataset
 
-        _refuse("--out", {"--motion": motion, "--object": object_name, "--height-map": height_map})
+        own = {"--height-map": height_map, "--mm-per-px": mm_per_px, "--relief-mm": relief_mm}
+        _refuse("--out", {"--motion": motion, "--object": object_name} | own)
         require_writable(out, "--out")
         names = _bodies(objects or "training")
         settings = {"seed": seed, "workers": workers or 1, "preset": preset, "with_drift": drift}
@@ -132,6 +133,8 @@ def _own_body(
         return None
     if object_name is not None:
         raise UsageError("--object and --height-map both name the object; leave out one of them.")
+    if relief_mm is not None and height_map.suffix.lower() == ".npy":
+        raise UsageError("--relief-mm is of a .png; the heights of a .npy are in mm already.")
     if mm_per_px is None:
         raise UsageError("--height-map needs --mm-per-px, the size of one sample in mm.")
     from geotlm_lm.simulation.height_map import read_height_map

@@ -130,7 +130,7 @@ def simulator_stability(
 
 
 def _outcome(case: Case, preset: Preset) -> dict[str, Any]:
-    row: dict[str, Any] = {"precision": str(preset.dtype).removeprefix("torch.")}
+    row: dict[str, Any] = {"precision": _name(preset.dtype)}
     try:
         scene = case.scene()
     except ValueError as error:
@@ -141,7 +141,11 @@ def _outcome(case: Case, preset: Preset) -> dict[str, Any]:
     milliseconds = 1e3 * (time.perf_counter() - begun)
     fields = (contact.indentation_mm, contact.drift_mm)
     status = contact.status
-    outcome = "solved" if status.preset == preset.name else f"solved as {status.preset}"
+    outcome = (
+        "solved"
+        if status.preset == preset.name
+        else f"solved as {status.preset}, {_name(fields[0].dtype)}"
+    )
     if not all(bool(torch.isfinite(field).all()) for field in fields):
         outcome = "not finite"
     elif not status.is_converged:
@@ -158,3 +162,7 @@ def _outcome(case: Case, preset: Preset) -> dict[str, Any]:
         "farthest_drift_mm": float(np.hypot(*fields[1].numpy().transpose(1, 0, 2, 3)).max()),
         "milliseconds": milliseconds,
     }
+
+
+def _name(precision: torch.dtype) -> str:
+    return str(precision).removeprefix("torch.")

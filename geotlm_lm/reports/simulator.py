@@ -23,15 +23,18 @@ def error_table(record: RunRecord) -> str:
     for variant, own in _by_variant(record).items():
         times = [median(row["ms"]) for row in own]
         converged = sum(row["is_converged"] for row in own)
+        harder = sum(row["preset"] != row["asked"] for row in own)
         rows.append(
             [
                 variant,
                 f"{median(times):.1f} ({min(times):.1f}-{max(times):.1f})",
                 *(_range([row[name] for row in own]) for name in MEASURES),
                 f"{converged} of {len(own)}",
+                f"{harder} of {len(own)}",
             ]
         )
-    header = ["variant", "ms per clip, median (range)", *MEASURES.values(), "converged"]
+    header = ["variant", "ms per clip, median (range)", *MEASURES.values()]
+    header += ["converged", "escalated"]
     return markdown(header, rows) + "\n\n" + provenance(record)
 
 
@@ -73,10 +76,10 @@ def draw_error(record: RunRecord, path: Path) -> None:
     for axes, (name, title) in zip(
         figure.subplots(1, len(MEASURES)), MEASURES.items(), strict=True
     ):
-        for variant, rows in variants.items():
+        for number, (variant, rows) in enumerate(variants.items()):
             points = [(median(row["ms"]), row[name]) for row in rows if row[name]]
             if points:
-                axes.loglog(*zip(*points, strict=True), "o", label=variant, alpha=0.7)
+                axes.loglog(*zip(*points, strict=True), "o", color=f"C{number}", label=variant)
         axes.set(xlabel="ms per clip of four frames", ylabel=f"error in {title}")
         axes.grid(alpha=0.3)
     axes.legend(fontsize="small", loc="center left", bbox_to_anchor=(1, 0.5))

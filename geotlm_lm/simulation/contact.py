@@ -18,7 +18,6 @@ from geotlm_lm.simulation.elastic import LayerOperator
 from geotlm_lm.simulation.half_space import HalfSpaceOperator
 from geotlm_lm.simulation.march import Increment, Step, cell_centres, march, rigid_travel
 from geotlm_lm.simulation.normal_contact import (
-    PENETRATION_LIMIT_UM,
     Response,
     SolverStatus,
     solve_normal_contact,
@@ -33,12 +32,13 @@ BOX_MM = 25.6
 DOME_RADII_MM = (188.0, 114.0)
 """Radii of the pad's crown along x and y: 0.25 mm sag at 9.7 and 7.5 mm (FEATS CAD model)."""
 
-GRADIENT_LIMIT = 0.1
-"""Projected gradient of the frictional problem, as a share of the increment, that is acceptable."""
-
 TURN_STEP_RAD = np.radians(3.0)
 TRAVEL_STEP_MM = 0.3
-"""Farthest an object goes in one increment: the error of a step grows in proportion (measured)."""
+"""Farthest an object goes in one increment, along the gel or into it: the error of a step grows in
+proportion (measured)."""
+
+LEAST_WORK = 1e-9
+"""Work, in mm^3 per shear modulus, of which no share is told: rounding."""
 
 Pose = tuple[float, float, float, float]
 """Depth in mm, x and y in mm, rotation in radians."""
@@ -71,10 +71,10 @@ def solve_contact(
         scene: Gel and path.
         profile: The body.
         preset: Where to begin.
-        with_drift: Whether the surface's tangential displacement is wanted. A path without travel
-            drags nothing: its drift is what the pressure spreads.
+        with_drift: Whether the surface's tangential displacement is wanted. Without friction it is
+            what the pressure spreads; with it the object holds the gel, in a press too.
     """
-    drags = with_drift and is_dragged(scene.path)
+    drags = with_drift and scene.gel.friction > 0
     trying: Preset | None = preset
     while trying is not None:
         solved = (_dragged if drags else _pressed)(scene, profile, trying, with_drift)
@@ -92,9 +92,8 @@ def _pressed(scene: Scene, profile: Profile, preset: Preset, with_drift: bool) -
     contact = solve_normal_contact(
         overlap, response, rounds=preset.effort.normal_rounds, limit_um=preset.effort.penetration_um
     )
-    status = replace(
-        contact.status(), is_converged=float(contact.penetration_um.max()) <= PENETRATION_LIMIT_UM
-    )
+    status = contact.status()
+    status = replace(status, is_converged=status.penetration_um <= preset.acceptable_um)
     drift = response.spread(contact.pressure) if with_drift else None
     touches = contact.touches.flatten(1).any(1)
     return GridContact(contact.indentation_mm, drift, touches, status)
@@ -115,24 +114,25 @@ def _dragged(scene: Scene, profile: Profile, preset: Preset, with_drift: bool) -
     )
     kept: list[Step] = []
     worst = SolverStatus(0.0, 0, True)
-    rubbed = energy = 0.0
+    spent = rubbed = energy = 0.0
     for step, (_, ends_frame) in zip(steps, substeps, strict=True):
         rubbed += float(step.work) - (float(step.energy) - energy)
-        energy = float(step.energy)
-        worst = _worse(worst, step, scene.gel.friction)
+        spent, energy = spent + max(float(step.work), 0.0), float(step.energy)
+        worst = _worse(worst, step, scene.gel.friction, preset)
         if ends_frame:
             kept.append(step)
     return GridContact(
         torch.cat([step.indentation_mm for step in kept]),
         torch.cat([step.drift_mm for step in kept]),
         torch.cat([(step.pressure > 0).flatten(1).any(1) for step in kept]),
-        replace(worst, dissipated_share=rubbed / max(energy, rubbed, 1e-12)),
+        replace(worst, dissipated_share=rubbed / spent if spent > LEAST_WORK else 0.0),
     )
 
 
-def _worse(status: SolverStatus, step: Step, friction: float) -> SolverStatus:
-    penetration = max(status.penetration_um, float(step.penetration_um))
-    gradient = max(status.gradient_share, float(step.gradient_share))
+def _worse(status: SolverStatus, step: Step, friction: float, preset: Preset) -> SolverStatus:
+    # numpy's maximum keeps a NaN, so that no solution that is not finite counts as converged.
+    penetration = float(np.maximum(status.penetration_um, float(step.penetration_um)))
+    gradient = float(np.maximum(status.gradient_share, float(step.gradient_share)))
     limit = friction * step.pressure
     excess = (step.traction.norm(dim=1) - limit).amax() / limit.amax().clamp_min(1e-12)
     return replace(
@@ -142,7 +142,7 @@ def _worse(status: SolverStatus, step: Step, friction: float) -> SolverStatus:
         cone_excess=max(status.cone_excess, float(excess)),
         iterations=max(status.iterations, step.iterations[0]),
         friction_iterations=max(status.friction_iterations, step.iterations[1]),
-        is_converged=penetration <= PENETRATION_LIMIT_UM and gradient <= GRADIENT_LIMIT,
+        is_converged=penetration <= preset.acceptable_um and gradient <= preset.acceptable_share,
     )
 
 
@@ -170,16 +170,13 @@ def _poses(path: Path) -> Iterator[Pose]:
     return zip(path.depth_mm, path.x_mm, path.y_mm, path.rotation_rad, strict=True)
 
 
-def is_dragged(path: Path) -> bool:
-    """Tell whether the object moves along the gel at all."""
-    return any(np.ptp(values) > 1e-9 for values in (path.x_mm, path.y_mm, path.rotation_rad))
-
-
 def _substeps(poses: list[Pose]) -> Iterator[tuple[Pose, bool]]:
     """Yield the poses to march through, and whether each is a frame's; small steps stay whole."""
     yield poses[0], True
     for before, after in zip(poses[:-1], poses[1:], strict=True):
-        travel = np.hypot(after[1] - before[1], after[2] - before[2])
+        travel = max(
+            np.hypot(after[1] - before[1], after[2] - before[2]), abs(after[0] - before[0])
+        )
         turn = abs(after[3] - before[3])
         count = max(int(np.ceil(max(turn / TURN_STEP_RAD, travel / TRAVEL_STEP_MM))), 1)
         for part in range(1, count + 1):

@@ -35,6 +35,8 @@ SHARD_CLIPS = 64
 
 DATASET_FORMAT = 2
 
+DRIFT_IN_CARD = "`drift_px` (clips, 4, 14, 14, 2) the gel's own displacement from rest in pixels,"
+
 Progress = Callable[[int, int], None]
 
 
@@ -65,7 +67,8 @@ def write_dataset(
     Args:
         out: Folder; created when absent, resumed when it holds part of the same data set.
         count: Number of clips.
-        seed: Root seed; clip i is the same in every data set of this seed and these objects.
+        seed: Root seed; clip i is the same in every data set of this seed, these objects
+            and these settings.
         objects: Names from `indenters.INDENTERS`.
         workers: Processes, one thread each; the result does not depend on it.
         preset: How finely and tightly the contact is solved.
@@ -275,7 +278,7 @@ def _card(out: Path, count: int, wanted: dict[str, Any]) -> str:
             "Per shard: `frames` uint8 (clips, 4, 224, 224, 3) RGB, `backgrounds` the idle gel,",
             "`displacement_px` (clips, 4, 14, 14, 2) travel of the object since frame 0 at each",
             "patch (x right, y down, pixels), `contact` and `depth_mm` (clips, 4, 14, 14),",
-            *(["`drift_px` (clips, 4, 14, 14, 2) the gel's own travel,"] * wanted["with_drift"]),
+            *([DRIFT_IN_CARD] if wanted["with_drift"] else []),
             "`mm_per_px`, `object_names`, `index`, and `labels` as JSON. Positive rotation is",
             "clockwise in the image. Directions are the object's relative to the sensor.",
             "",

@@ -16,13 +16,18 @@ from torch import Tensor
 
 from geotlm_lm.simulation.normal_contact import TINY, Response
 
+LEAST_INCREMENT_MM = 1e-6
+"""Increment below which nothing needs to be solved: a nanometre."""
+
 
 @dataclass(frozen=True)
 class Friction:
     """Solution of a batch of increments; tractions in units of the shear modulus.
 
-    traction: (n, 2, side, side); gradient_share, iterations: (n,). The gradient share is the RMS of
-    the projected gradient over the contact, relative to that of the increment asked for.
+    traction: (n, 2, side, side); gradient_share: (n,). The gradient share is the RMS of the
+    projected gradient over the contact relative to what the increment asks for, or to what the
+    discs allow where that is less: otherwise a small increment after a large one, or little
+    friction, would count as solved before the first step.
     """
 
     traction: Tensor
@@ -52,9 +57,10 @@ def solve_friction(
     """
     natural = 1.0 / response.shear_diagonal
     touched = (limit > 0)[:, None]
-    asked = _rms(torch.where(touched, target_mm, 0.0), touched).clamp_min(TINY)
     traction = onto_discs(guess, limit)
     gradient = torch.where(touched, response.shear(traction) - target_mm, 0.0)
+    allowed = _rms(limit[:, None], touched) / natural
+    asked = torch.minimum(_rms(gradient, touched), allowed).clamp_min(LEAST_INCREMENT_MM)
     length = torch.full_like(asked, natural)
     iteration = 0
     share = _gradient_share(traction, gradient, limit, natural, touched, asked)

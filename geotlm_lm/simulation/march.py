@@ -17,6 +17,7 @@ from geotlm_lm.simulation.normal_contact import (
     PENETRATION_LIMIT_UM,
     ROUNDS,
     Response,
+    misfit_um,
     solve_normal_contact,
 )
 
@@ -64,7 +65,7 @@ class Step:
         indentation_mm: (n, side, side).
         drift_mm: Tangential displacement of the surface, (n, 2, side, side).
         sticks: Cells in contact inside their friction disc, bool (n, side, side).
-        penetration_um: Largest overlap left, (n,).
+        penetration_um: Largest overlap left, or gap under a cell that presses, (n,).
         gradient_share: Projected gradient of the frictional problem, (n,).
         work: Work the object did in this increment, energy per shear modulus, mm^3, (n,).
         energy: Elastic energy stored, mm^3, (n,).
@@ -161,8 +162,8 @@ def _advance(
         normal_spent += int(contact.iterations.max())
         friction_spent += friction.iterations
         free = increment.overlap_mm - response.bulge(traction)
-        left_um = 1e3 * (free - contact.indentation_mm).amax()
-        if done >= effort.passes and bool(left_um <= effort.penetration_um):
+        left_um = misfit_um(free, contact.indentation_mm, pressure)
+        if done >= effort.passes and bool((left_um <= effort.penetration_um).all()):
             break
     return _step_from(
         last, increment, response, contact, friction, mu, normal_spent, friction_spent
@@ -188,7 +189,7 @@ def _step_from(
         indentation_mm=indentation,
         drift_mm=drift,
         sticks=touched & (traction.norm(dim=1) < (1 - 1e-6) * limit),
-        penetration_um=1e3 * (increment.overlap_mm - indentation).flatten(1).amax(1).clamp_min(0),
+        penetration_um=misfit_um(increment.overlap_mm, indentation, pressure),
         gradient_share=friction.gradient_share,
         work=(pressed.sum((1, 2)) + dragged.sum((1, 2, 3))) * cell,
         energy=stored / 2 * cell,

@@ -46,21 +46,22 @@ class SolverStatus:
     """How well a clip's contact problem was solved.
 
     Args:
-        penetration_um: Largest overlap left anywhere in any frame.
+        penetration_um: Largest overlap left in any frame, or gap under a cell that presses.
         iterations: Conjugate-gradient steps spent on the hardest frame.
         is_converged: Whether every residual is acceptable; running out of steps is not.
-        preset: The preset that gave the result: the one asked for, or a harder one.
+        preset: The preset that gave the result, the one asked for or a harder one; empty for a
+            problem solved outside of any.
         gradient_share: Projected gradient of the frictional problem relative to the increment.
         cone_excess: How far a traction leaves its friction disc, relative to the widest one.
         friction_iterations: Steps spent on the hardest frictional increment.
-        dissipated_share: Work turned into heat by slip, relative to all work; never below 0 but for
-            the time steps' error.
+        dissipated_share: Work turned into heat by slip, relative to all the work put in; never
+            below 0 but for the time steps' error.
     """
 
     penetration_um: float
     iterations: int
     is_converged: bool
-    preset: str = "fast"
+    preset: str = ""
     gradient_share: float = 0.0
     cone_excess: float = 0.0
     friction_iterations: int = 0
@@ -168,5 +169,11 @@ def _conjugate_gradients(
         restart = (moved < 0).flatten(1).any(1)[:, None, None]
         pressure = moved.clamp_min(0.0)
         old_square = square
-    residual = overlap_mm - response.press(pressure)
-    return pressure, 1e3 * residual.flatten(1).amax(1).clamp_min(0.0)
+    return pressure, misfit_um(overlap_mm, response.press(pressure), pressure)
+
+
+def misfit_um(overlap_mm: Tensor, indentation_mm: Tensor, pressure: Tensor) -> Tensor:
+    """Return the largest penetration, or gap under a cell that presses, in micrometres, (n,)."""
+    penetration = overlap_mm - indentation_mm
+    wrong = torch.where(pressure > 0, penetration.abs(), penetration.clamp_min(0.0))
+    return 1e3 * wrong.flatten(1).amax(1)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import torch
 
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.simulation.march import Effort
-from geotlm_lm.simulation.normal_contact import ROUNDS
+from geotlm_lm.simulation.normal_contact import PENETRATION_LIMIT_UM, ROUNDS
 
 PresetName = Literal["draft", "fast", "good", "accurate", "reference"]
 
@@ -24,6 +24,8 @@ class Preset:
         effort: How hard every increment is solved.
         dtype: Precision; fields converge to 1e-5 in single precision as in double.
         is_half_space: Take the pad for infinitely thick, for comparison only.
+        acceptable_um: Penetration up to which the result counts as converged.
+        acceptable_share: Projected gradient of the frictional problem, likewise.
     """
 
     name: PresetName
@@ -31,13 +33,18 @@ class Preset:
     effort: Effort
     dtype: torch.dtype = torch.float32
     is_half_space: bool = False
+    acceptable_um: float = PENETRATION_LIMIT_UM
+    acceptable_share: float = 0.1
 
     @property
     def harder(self) -> Preset | None:
-        """The next preset up; None above the reference."""
+        """The next preset up, for the same body and no less precise; None above the reference."""
         names = list(PRESETS)
         above = names[names.index(self.name) + 1 :]
-        return PRESETS[above[0]] if above else None
+        if not above:
+            return None
+        wider = torch.promote_types(self.dtype, PRESETS[above[0]].dtype)
+        return replace(PRESETS[above[0]], dtype=wider, is_half_space=self.is_half_space)
 
 
 _LADDER = (
@@ -53,12 +60,16 @@ _LADDER = (
         128,
         Effort((50, 100, 400), 1000, passes=3, penetration_um=0.1, gradient_share=1e-4),
         torch.float64,
+        acceptable_um=1.0,
+        acceptable_share=1e-3,
     ),
     Preset(
         "reference",
         256,
         Effort((100, 200, 400, 1000), 1000, penetration_um=0.01, gradient_share=1e-5),
         torch.float64,
+        acceptable_um=0.1,
+        acceptable_share=1e-4,
     ),
 )
 

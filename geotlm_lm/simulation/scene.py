@@ -20,8 +20,8 @@ class Gel:
         thickness_mm: Thickness at the centre; 4.0 for GelSight Mini (FEATS, arXiv 2411.03315).
         poisson_ratio: Dimensionless, from 0 to 0.5.
         dome: Height of the pad's crown relative to GelSight Mini's; 0 is a flat pad.
-        friction: Coulomb's coefficient between object and gel; 1.0 in FEATS and Taccel. It moves
-            the gel's surface, not the imprint.
+        friction: Coulomb's coefficient between object and gel; 1.0 in FEATS and Taccel. It drags
+            the gel's surface along; the imprint hardly changes.
 
     Raises:
         ValueError: If a number is not finite or outside its range.
@@ -52,6 +52,9 @@ class Body:
         texture_um: Standard deviation of the surface texture in micrometres.
         texture_scale_mm: Correlation length of that texture.
         indenter: The shape itself, where it is none of `indenters.INDENTERS`.
+
+    Raises:
+        ValueError: If a number is not finite or outside its range.
     """
 
     name: str
@@ -62,6 +65,13 @@ class Body:
     texture_um: float = 0.0
     texture_scale_mm: float = 0.5
     indenter: Indenter | None = None
+
+    def __post_init__(self) -> None:
+        _require("body's size", self.size, 1e-3, 1e3)
+        for name in ("tilt_x", "tilt_y"):
+            _require(f"body's {name}", getattr(self, name), -10.0, 10.0)
+        _require("texture", self.texture_um, 0.0, 1e4, "um")
+        _require("texture's scale", self.texture_scale_mm, 1e-3, 1e3, "mm")
 
 
 @dataclass(frozen=True)

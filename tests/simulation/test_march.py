@@ -252,7 +252,8 @@ def test_shorter_steps_converge_with_order_one():
         turns = [turning(centres, 0.16 / count)] * count
         ends.append(marched(layer, uneven(centres), *turns)[-1].drift_mm)
     errors = [float((end - ends[-1]).norm() / ends[-1].norm()) for end in ends[:-1]]
-    assert errors[0] > errors[1] > errors[2]
+    # Half a step halves the error; the finest one, no more than a reference, adds a little.
+    assert order(errors) > 0.8
 
 
 def test_a_cell_that_leaves_the_contact_is_released():

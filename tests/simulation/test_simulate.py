@@ -135,7 +135,7 @@ def test_a_clip_runs_only_the_stages_it_needs():
     assert plain.drift_px is None
     dragged = simulate([scene(Motion.RIGHT, x=(0.0, 0.3))], seed=1, with_drift=True)[0]
     assert dragged.stages == ("profile", "frictional_contact", "optics", "truth")
-    pressed = simulate([scene(Motion.PRESS, depth=(0.3, 0.6))], seed=1, with_drift=True)[0]
+    pressed = simulate([scene(Motion.PRESS, depth=(0.3, 0.6))], seed=1)[0]
     assert pressed.stages == plain.stages
     idle = simulate([scene(Motion.NONE, depth=-1.0)], seed=1, with_drift=True)[0]
     assert idle.stages == ("optics", "truth")
