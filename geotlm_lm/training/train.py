@@ -147,8 +147,8 @@ def _claim(out: Path, settings: TrainingPreset, seed: int) -> None:
     about |= {"series": SERIES_VERSION, "inputs": PATCH_INPUT_DIM}
     if path.exists() and json.loads(path.read_text()) != about:
         raise UsageError(
-            f"{out} holds a run of another preset or seed, or of another version; give an empty "
-            f"folder, or the same preset and seed to continue it."
+            f"{out} holds a run of another preset or seed; give an empty folder, or the same "
+            f"preset and seed to continue it."
         )
     write_text_atomically(path, json.dumps(about, indent=1) + "\n")
 
