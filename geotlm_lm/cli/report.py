@@ -69,3 +69,80 @@ def answer(
         f"{record.numbers['answer']['text']} "
         f"(cold: median {seconds[len(seconds) // 2]:.2f} s, {seconds[0]:.2f}-{seconds[-1]:.2f} s)"
     )
+
+
+@app.command()
+def simulator(
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/simulator.json"
+    ),
+    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
+        "reports/simulator.md"
+    ),
+    figure: Annotated[
+        Path | None, typer.Option(help="Also draw the figure here; needs matplotlib.")
+    ] = None,
+) -> None:
+    """Hold every preset's error against its run time, beside what a user might take instead.
+
+    Example: geotlm-lm report simulator --figure reports/simulator.png
+    """
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.core.atomic import write_text_atomically
+    from geotlm_lm.experiments.evaluate import one_thread
+    from geotlm_lm.experiments.simulator_error import simulator_error
+    from geotlm_lm.reports.simulator import draw_error, error_table
+
+    for path, name in ((out, "--out"), (table, "--table"), (figure, "--figure")):
+        if path is not None:
+            require_writable_file(path, name)
+    with one_thread():
+        record = simulator_error(command=command_line(sys.argv), progress=_show)
+    record.save(out)
+    write_text_atomically(table, f"# Simulator: error against run time\n\n{error_table(record)}\n")
+    if figure is not None:
+        draw_error(record, figure)
+    typer.echo(error_table(record))
+
+
+@app.command()
+def stability(
+    is_simulator: Annotated[
+        bool, typer.Option("--simulator", help="Stiff and extreme scenes of the simulator.")
+    ] = False,
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/simulator_stability.json"
+    ),
+    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
+        "reports/simulator_stability.md"
+    ),
+) -> None:
+    """Run stiff and extreme cases and write down what came of each.
+
+    Example: geotlm-lm report stability --simulator
+    """
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.core.atomic import write_text_atomically
+    from geotlm_lm.core.errors import UsageError
+    from geotlm_lm.experiments.evaluate import one_thread
+    from geotlm_lm.experiments.simulator_stability import simulator_stability
+    from geotlm_lm.reports.simulator import stability_table
+
+    if not is_simulator:
+        raise UsageError("say what to test; --simulator runs its stiff and extreme scenes.")
+    for path, name in ((out, "--out"), (table, "--table")):
+        require_writable_file(path, name)
+    with one_thread():
+        record = simulator_stability(command=command_line(sys.argv), progress=_show)
+    record.save(out)
+    title = "# Simulator: stiff and extreme scenes"
+    write_text_atomically(table, f"{title}\n\n{stability_table(record)}\n")
+    typer.echo(stability_table(record))
+
+
+def _show(what: str, done: int, total: int) -> None:
+    typer.echo(f"{what}: {done} of {total}", err=True)

@@ -15,6 +15,8 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
 
 if TYPE_CHECKING:
+    from geotlm_lm.simulation.indenter import Indenter
+    from geotlm_lm.simulation.presets import PresetName
     from geotlm_lm.simulation.simulate import SimulatedClip
 
 MotionName = Literal[tuple(motion.value for motion in Motion)]
@@ -37,6 +39,14 @@ def simulate(
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes that simulate. [default: 1]")
     ] = None,
+    preset: Annotated[
+        Literal["draft", "fast", "good", "accurate", "reference"],
+        typer.Option(help="How finely and tightly the contact is solved."),
+    ] = "fast",
+    drift: Annotated[
+        bool,
+        typer.Option("--drift", help="Also solve friction: the gel's own tangential travel."),
+    ] = False,
     clip: Annotated[
         Path | None, typer.Option(help="Write one clip to this .npz instead of a data set.")
     ] = None,
@@ -48,6 +58,20 @@ def simulate(
         str | None,
         typer.Option("--object", help="With --clip: the shape that is pressed. [default: key]"),
     ] = None,
+    height_map: Annotated[
+        Path | None,
+        typer.Option(
+            help="With --clip: your own object, a .npy of heights in mm or a grey .png; what is "
+            "highest touches first."
+        ),
+    ] = None,
+    mm_per_px: Annotated[
+        float | None, typer.Option(help="With --height-map: the size of one sample.")
+    ] = None,
+    relief_mm: Annotated[
+        float | None,
+        typer.Option(help="With a .png height map: how far white is above black. [default: 1]"),
+    ] = None,
     seed: Seed = 0,
 ) -> None:
     """Simulate touches: contact mechanics, optics, noise, and the truth about each clip.
@@ -58,10 +82,28 @@ def simulate(
         raise UsageError("Give one of --out (a data set) and --clip (a single clip).")
     if clip is not None:
         _refuse("--clip", {"--count": count, "--objects": objects, "--workers": workers})
-        _simulate_clip(clip, Motion(motion or Motion.CLOCKWISE), object_name or "key", seed)
+        _require_clip_name(clip)
+        indenter = _own_body(height_map, mm_per_px, relief_mm, object_name)
+        made = simulate_one(
+            object_name or ("key" if height_map is None else height_map.stem),
+            Motion(motion or Motion.CLOCKWISE),
+            seed,
+            preset=preset,
+            with_drift=drift,
+            indenter=indenter,
+        )
+        write_clip(clip, made)
+        print(clip)
     else:
-        _refuse("--out", {"--motion": motion, "--object": object_name})
-        _simulate_set(out, count or 100, objects or "training", workers or 1, seed)
+        from geotlm_lm.simulation.dataset import write_dataset
+
+        own = {"--height-map": height_map, "--mm-per-px": mm_per_px, "--relief-mm": relief_mm}
+        _refuse("--out", {"--motion": motion, "--object": object_name} | own)
+        require_writable(out, "--out")
+        names = _bodies(objects or "training")
+        settings = {"seed": seed, "workers": workers or 1, "preset": preset, "with_drift": drift}
+        write_dataset(out, count or 100, objects=names, progress=_show, **settings)
+        print(out)
 
 
 def _refuse(target: str, others: dict[str, object]) -> None:
@@ -71,26 +113,53 @@ def _refuse(target: str, others: dict[str, object]) -> None:
         raise UsageError(f"{' and '.join(given)} cannot go with {target}; leave out one of them.")
 
 
-def _simulate_clip(path: Path, motion: Motion, object_name: str, seed: int) -> None:
+def _require_clip_name(path: Path) -> None:
     if path.suffix != ".npz":
         raise UsageError(f"--clip {path} was given, expected a name that ends in .npz.")
     require_writable_file(path, "--clip")
-    write_clip(path, simulate_one(object_name, motion, seed))
-    print(path)
 
 
-def _simulate_set(out: Path, count: int, objects: str, workers: int, seed: int) -> None:
-    from geotlm_lm.simulation.dataset import write_dataset
+def _own_body(
+    height_map: Path | None,
+    mm_per_px: float | None,
+    relief_mm: float | None,
+    object_name: str | None,
+) -> Indenter | None:
+    if height_map is None:
+        if mm_per_px is not None or relief_mm is not None:
+            raise UsageError(
+                "--mm-per-px and --relief-mm say how to read a --height-map; give one."
+            )
+        return None
+    if object_name is not None:
+        raise UsageError("--object and --height-map both name the object; leave out one of them.")
+    if relief_mm is not None and height_map.suffix.lower() == ".npy":
+        raise UsageError("--relief-mm is of a .png; the heights of a .npy are in mm already.")
+    if mm_per_px is None:
+        raise UsageError("--height-map needs --mm-per-px, the size of one sample in mm.")
+    from geotlm_lm.simulation.height_map import read_height_map
+
+    return read_height_map(height_map, mm_per_px, relief_mm=1.0 if relief_mm is None else relief_mm)
+
+
+def _bodies(which: str) -> tuple[str, ...]:
     from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 
-    require_writable(out, "--out")
-    names = TRAINING_OBJECTS if objects == "training" else EVERYDAY_OBJECTS
-    write_dataset(out, count, seed=seed, objects=names, workers=workers, progress=_show)
-    print(out)
+    return TRAINING_OBJECTS if which == "training" else EVERYDAY_OBJECTS
 
 
-def simulate_one(object_name: str, motion: Motion, seed: int) -> SimulatedClip:
-    """Return one simulated clip.
+def simulate_one(
+    object_name: str,
+    motion: Motion,
+    seed: int,
+    *,
+    preset: PresetName = "fast",
+    with_drift: bool = False,
+    indenter: Indenter | None = None,
+) -> SimulatedClip:
+    """Return one simulated clip of a built-in shape or of an `indenter` of one's own.
+
+    Options are those of `simulation.simulate.simulate`.
 
     Raises:
         UsageError: If there is no such shape.
@@ -100,23 +169,26 @@ def simulate_one(object_name: str, motion: Motion, seed: int) -> SimulatedClip:
     from geotlm_lm.simulation.randomise import random_scene
     from geotlm_lm.simulation.simulate import simulate as simulate_scenes
 
-    if object_name not in INDENTERS:
+    if indenter is None and object_name not in INDENTERS:
         raise UsageError(
             f"There is no shape '{object_name}', expected one of {', '.join(sorted(INDENTERS))}."
         )
     rng = generator_for(seed, "single clip", object_name, motion.value)
-    scene = random_scene(rng, object_name=object_name, motion=motion)
-    return simulate_scenes([scene], seed=seed)[0]
+    scene = random_scene(rng, object_name=object_name, motion=motion, indenter=indenter)
+    made = simulate_scenes([scene], seed=seed, preset=preset, with_drift=with_drift)
+    return made[0]
 
 
 def write_clip(path: Path, made: SimulatedClip) -> None:
-    """Write frames, background, frame rate and label (JSON) to a .npz file, atomically."""
+    """Write frames, background, frame rate, label (JSON) and drift, if solved, to a .npz file."""
     import numpy as np
 
     label = json.dumps(made.label.to_dict() | {"object": made.object_name})
     arrays = {"frames": made.clip.frames, "label": np.array(label)}
     if made.clip.background is not None:
         arrays["background"] = made.clip.background
+    if made.drift_px is not None:
+        arrays["drift_px"] = made.drift_px
     if made.clip.fps is not None:
         arrays["fps"] = np.array(made.clip.fps)
     with replacing(path) as stream:

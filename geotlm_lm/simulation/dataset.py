@@ -27,11 +27,15 @@ from numpy.typing import NDArray
 from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.simulation.presets import PresetName, preset_named
+from geotlm_lm.simulation.series import SERIES_VERSION, simulate_series
 
 SHARD_CLIPS = 64
 """Clips per shard: about 50 MB of frames, a few seconds of work to lose in a kill."""
 
-DATASET_FORMAT = 1
+DATASET_FORMAT = 2
+
+DRIFT_IN_CARD = "`drift_px` (clips, 4, 14, 14, 2) the gel's own displacement from rest in pixels,"
 
 Progress = Callable[[int, int], None]
 
@@ -43,6 +47,8 @@ class _Shard:
     count: int
     seed: int
     objects: tuple[str, ...]
+    preset: str
+    with_drift: bool
 
 
 def write_dataset(
@@ -52,6 +58,8 @@ def write_dataset(
     seed: int,
     objects: Sequence[str],
     workers: int = 1,
+    preset: PresetName = "fast",
+    with_drift: bool = False,
     progress: Progress | None = None,
 ) -> Path:
     """Write `count` clips of `objects` into the folder `out`, or finish writing them.
@@ -59,9 +67,12 @@ def write_dataset(
     Args:
         out: Folder; created when absent, resumed when it holds part of the same data set.
         count: Number of clips.
-        seed: Root seed; clip i is the same in every data set of this seed and these objects.
+        seed: Root seed; clip i is the same in every data set of this seed, these objects
+            and these settings.
         objects: Names from `indenters.INDENTERS`.
         workers: Processes, one thread each; the result does not depend on it.
+        preset: How finely and tightly the contact is solved.
+        with_drift: Whether the gel's tangential displacement is part of the truth.
         progress: Called with (clips done, clips asked for) after every shard.
 
     Returns:
@@ -71,11 +82,19 @@ def write_dataset(
         UsageError: If the folder holds another or a larger data set, or the request is empty.
         GeoTLMError: If a worker was killed.
     """
-    out, wanted = Path(out), {"format": DATASET_FORMAT, "seed": seed, "objects": list(objects)}
+    out = Path(out)
+    wanted = {
+        "format": DATASET_FORMAT,
+        "series": SERIES_VERSION,
+        "seed": seed,
+        "objects": list(objects),
+        "preset": preset_named(preset).name,
+        "with_drift": with_drift,
+    }
     _check(out, count, wanted)
     out.mkdir(parents=True, exist_ok=True)
     write_text_atomically(out / "dataset.json", json.dumps(wanted | {"count": count}) + "\n")
-    shards = _shards(out, count, seed, tuple(objects))
+    shards = _shards(out, count, wanted)
     missing = [shard for shard in shards if _clips_in(Path(shard.path)) != shard.count]
     done = count - sum(shard.count for shard in missing)
     for written in _write_all(missing, workers):
@@ -109,7 +128,7 @@ def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
     if {name: found.get(name) for name in wanted} != wanted:
         raise UsageError(
             f"{out} holds another data set (seed {found.get('seed')}, expected "
-            f"{wanted['seed']}, or other objects); choose an empty folder."
+            f"{wanted['seed']}, or other objects or settings); choose an empty folder."
         )
     if found_count > count:
         raise UsageError(
@@ -118,15 +137,17 @@ def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
         )
 
 
-def _shards(out: Path, count: int, seed: int, objects: tuple[str, ...]) -> list[_Shard]:
+def _shards(out: Path, count: int, wanted: dict[str, Any]) -> list[_Shard]:
     starts = range(0, count, SHARD_CLIPS)
     return [
         _Shard(
             str(out / f"shard-{number:05d}.npz"),
             start,
             min(SHARD_CLIPS, count - start),
-            seed,
-            objects,
+            wanted["seed"],
+            tuple(wanted["objects"]),
+            wanted["preset"],
+            wanted["with_drift"],
         )
         for number, start in enumerate(starts)
     ]
@@ -184,11 +205,14 @@ def _end_with_parent() -> None:
 
 
 def _write_shard(shard: _Shard) -> int:
-    from geotlm_lm.simulation.series import simulate_series
-
     clips = list(
         simulate_series(
-            shard.seed, shard.count, objects=shard.objects, first_index=shard.first_index
+            shard.seed,
+            shard.count,
+            objects=shard.objects,
+            first_index=shard.first_index,
+            preset=shard.preset,
+            with_drift=shard.with_drift,
         )
     )
     arrays = {
@@ -203,6 +227,8 @@ def _write_shard(shard: _Shard) -> int:
         "object_names": np.array([clip.object_name for clip in clips]),
         "labels": np.array(json.dumps([clip.label.to_dict() for clip in clips])),
     }
+    if shard.with_drift:
+        arrays["drift_px"] = np.stack([clip.drift_px for clip in clips])
     _save_atomically(Path(shard.path), arrays)
     return shard.count
 
@@ -238,7 +264,8 @@ def _card(out: Path, count: int, wanted: dict[str, Any]) -> str:
             "---",
             "# Simulated touch clips",
             "",
-            f"{count} clips of {len(wanted['objects'])} bodies, seed {wanted['seed']}, made by",
+            f"{count} clips of {len(wanted['objects'])} bodies, seed {wanted['seed']}, preset",
+            f"{wanted['preset']}, series {wanted['series']}, made by",
             "`geotlm_lm.simulation`: a rigid body on a bonded elastic layer, seen by a camera",
             "under three coloured lights. Everything is simulated; nothing was recorded.",
             "",
@@ -251,6 +278,7 @@ def _card(out: Path, count: int, wanted: dict[str, Any]) -> str:
             "Per shard: `frames` uint8 (clips, 4, 224, 224, 3) RGB, `backgrounds` the idle gel,",
             "`displacement_px` (clips, 4, 14, 14, 2) travel of the object since frame 0 at each",
             "patch (x right, y down, pixels), `contact` and `depth_mm` (clips, 4, 14, 14),",
+            *([DRIFT_IN_CARD] if wanted["with_drift"] else []),
             "`mm_per_px`, `object_names`, `index`, and `labels` as JSON. Positive rotation is",
             "clockwise in the image. Directions are the object's relative to the sensor.",
             "",

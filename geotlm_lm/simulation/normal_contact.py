@@ -7,7 +7,9 @@ programme) by conjugate gradients on the active cells, restarted per sample when
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import torch
 from torch import Tensor
@@ -26,19 +28,44 @@ TINY = 1e-30
 """Keeps 0 / 0 at 0 where a sample has nothing left to solve."""
 
 
+class Response(Protocol):
+    """What a body's surface does under tractions: `LayerOperator` or `HalfSpaceOperator`."""
+
+    side: int
+    cell_mm: float
+    shear_diagonal: float
+
+    def press(self, pressure: Tensor) -> Tensor: ...  # noqa: D102
+    def bulge(self, traction: Tensor) -> Tensor: ...  # noqa: D102
+    def spread(self, pressure: Tensor) -> Tensor: ...  # noqa: D102
+    def shear(self, traction: Tensor) -> Tensor: ...  # noqa: D102
+
+
 @dataclass(frozen=True)
 class SolverStatus:
     """How well a clip's contact problem was solved.
 
     Args:
-        penetration_um: Largest overlap left anywhere in any frame.
+        penetration_um: Largest overlap left in any frame, or gap under a cell that presses.
         iterations: Conjugate-gradient steps spent on the hardest frame.
-        is_converged: Whether the penetration is below `PENETRATION_LIMIT_UM`.
+        is_converged: Whether every residual is acceptable; running out of steps is not.
+        preset: The preset that gave the result, the one asked for or a harder one; empty for a
+            problem solved outside of any.
+        gradient_share: Projected gradient of the frictional problem relative to the increment.
+        cone_excess: How far a traction leaves its friction disc, relative to the widest one.
+        friction_iterations: Steps spent on the hardest frictional increment.
+        dissipated_share: Work turned into heat by slip, relative to all the work put in; never
+            below 0 but for the time steps' error.
     """
 
     penetration_um: float
     iterations: int
     is_converged: bool
+    preset: str = ""
+    gradient_share: float = 0.0
+    cone_excess: float = 0.0
+    friction_iterations: int = 0
+    dissipated_share: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -53,82 +80,100 @@ class Contact:
     touches: Tensor
     penetration_um: Tensor
     iterations: Tensor
+    limit_um: float = PENETRATION_LIMIT_UM
 
     def status(self) -> SolverStatus:
         """Return the worst sample's residual and effort."""
         worst = float(self.penetration_um.max())
-        return SolverStatus(worst, int(self.iterations.max()), worst <= PENETRATION_LIMIT_UM)
+        return SolverStatus(worst, int(self.iterations.max()), worst <= self.limit_um)
 
 
-def solve_normal_contact(overlap_mm: Tensor, compliance: Tensor) -> Contact:
+def solve_normal_contact(
+    overlap_mm: Tensor,
+    response: Response,
+    *,
+    guess: Tensor | None = None,
+    rounds: Sequence[int] | None = None,
+    limit_um: float = PENETRATION_LIMIT_UM,
+) -> Contact:
     """Solve the contact of every sample; samples never influence each other.
 
     Args:
-        overlap_mm: delta - f, float32 (n, side, side); -inf or very negative outside the object.
-        compliance: S_zz on the half spectrum, float32, broadcastable to (n, side, side // 2 + 1).
+        overlap_mm: delta - f, (n, side, side); very negative outside the object. Less the bulge of
+            tangential tractions, where there are any.
+        response: The elastic body.
+        guess: Pressure to start from; by default one made from the overlap.
+        rounds: Iteration budgets, by default `ROUNDS`; the later ones are spent only where the
+            penetration is too large.
+        limit_um: Penetration at which a sample is solved.
 
     Returns:
         The contact, exact zeros where nothing overlaps. `penetration_um` says how good it is; when
         it stays above the limit after the last round, the status is not converged.
     """
-    count, side, _ = overlap_mm.shape
-    compliance = compliance.expand(count, side, side // 2 + 1)
     pressure = torch.zeros_like(overlap_mm)
-    penetration = torch.zeros(count)
-    iterations = torch.zeros(count, dtype=torch.int64)
+    penetration = overlap_mm.new_zeros(len(overlap_mm))
+    iterations = torch.zeros(len(overlap_mm), dtype=torch.int64)
     pending = (overlap_mm.flatten(1).amax(1) > 0).nonzero().flatten()
     if len(pending):
-        pressure[pending] = _first_guess(overlap_mm[pending], compliance[pending])
-    for budget in ROUNDS:
+        start = None if guess is None else guess[pending]
+        pressure[pending] = _first_guess(overlap_mm[pending], response, start)
+    for budget in ROUNDS if rounds is None else rounds:
         if len(pending) == 0:
             break
         pressure[pending], left = _conjugate_gradients(
-            pressure[pending], overlap_mm[pending], compliance[pending], budget
+            pressure[pending], overlap_mm[pending], response, budget
         )
         penetration[pending] = left
         iterations[pending] += budget
-        pending = pending[left > PENETRATION_LIMIT_UM]
+        pending = pending[left > limit_um]
     indentation = torch.zeros_like(pressure)
     if iterations.any():
-        indentation = apply_compliance(pressure, compliance)
-    return Contact(pressure, indentation, pressure > 0, penetration, iterations)
+        indentation = response.press(pressure)
+    return Contact(pressure, indentation, pressure > 0, penetration, iterations, limit_um)
 
 
-def apply_compliance(pressure: Tensor, compliance: Tensor) -> Tensor:
-    """Return the indentation S p of a pressure, shape (n, side, side)."""
-    spectrum = torch.fft.rfft2(pressure) * compliance
-    return torch.fft.irfft2(spectrum, s=pressure.shape[-2:])
+def _first_guess(overlap_mm: Tensor, response: Response, start: Tensor | None) -> Tensor:
+    """Return c * max(overlap - GUESS_LEVEL * peak, 0), with the c that minimises the energy.
 
-
-def _first_guess(overlap_mm: Tensor, compliance: Tensor) -> Tensor:
-    """Return c * max(overlap - GUESS_LEVEL * peak, 0), with the c that minimises the energy."""
+    A sample of `start` that presses at all is taken as it is.
+    """
     peak = overlap_mm.flatten(1).amax(1)[:, None, None]
     shape = (overlap_mm - GUESS_LEVEL * peak).clamp_min(0.0)
     work = (shape * overlap_mm.clamp_min(-1e3)).sum((1, 2), keepdim=True)
-    energy = (shape * apply_compliance(shape, compliance)).sum((1, 2), keepdim=True)
-    return shape * (work / energy.clamp_min(TINY))
+    energy = (shape * response.press(shape)).sum((1, 2), keepdim=True)
+    fresh = shape * (work / energy.clamp_min(TINY))
+    if start is None:
+        return fresh
+    return torch.where(start.flatten(1).any(1)[:, None, None], start, fresh)
 
 
 def _conjugate_gradients(
-    pressure: Tensor, overlap_mm: Tensor, compliance: Tensor, budget: int
+    pressure: Tensor, overlap_mm: Tensor, response: Response, budget: int
 ) -> tuple[Tensor, Tensor]:
     """Spend `budget` steps; return the pressure and the penetration left in micrometres (n,)."""
     direction = torch.zeros_like(pressure)
     old_square = torch.ones(len(pressure), 1, 1)
     restart = torch.ones(len(pressure), 1, 1, dtype=torch.bool)
     for _ in range(budget):
-        residual = overlap_mm - apply_compliance(pressure, compliance)
+        residual = overlap_mm - response.press(pressure)
         active = (pressure > 0) | (residual > 0)
         residual = torch.where(active, residual, 0.0)
         square = residual.square().sum((1, 2), keepdim=True)
         keep = torch.where(restart, 0.0, square / old_square.clamp_min(TINY))
         direction = torch.where(active, residual + keep * direction, 0.0)
-        image = apply_compliance(direction, compliance)
+        image = response.press(direction)
         curvature = (direction * image).sum((1, 2), keepdim=True)
         step = (residual * direction).sum((1, 2), keepdim=True) / curvature.clamp_min(TINY)
         moved = pressure + step * direction
         restart = (moved < 0).flatten(1).any(1)[:, None, None]
         pressure = moved.clamp_min(0.0)
         old_square = square
-    residual = overlap_mm - apply_compliance(pressure, compliance)
-    return pressure, 1e3 * residual.flatten(1).amax(1).clamp_min(0.0)
+    return pressure, misfit_um(overlap_mm, response.press(pressure), pressure)
+
+
+def misfit_um(overlap_mm: Tensor, indentation_mm: Tensor, pressure: Tensor) -> Tensor:
+    """Return the largest penetration, or gap under a cell that presses, in micrometres, (n,)."""
+    penetration = overlap_mm - indentation_mm
+    wrong = torch.where(pressure > 0, penetration.abs(), penetration.clamp_min(0.0))
+    return 1e3 * wrong.flatten(1).amax(1)

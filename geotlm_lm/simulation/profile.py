@@ -133,7 +133,7 @@ def _pool_rows(fine: HeightMap, per_cell: int) -> HeightMap:
 @lru_cache(maxsize=32)
 def build_profile(body: Body) -> Profile:
     """Return the profile of `body`; the same body always gives the same samples."""
-    indenter = INDENTERS[body.name]
+    indenter = body.indenter or INDENTERS[body.name]
     rng = np.random.default_rng(body.variant)
     x, y = object_grid()
     scale = np.float32(body.size)
@@ -142,6 +142,8 @@ def build_profile(body: Body) -> Profile:
         texture = smooth_field(rng, RASTER_SIDE, body.texture_scale_mm / (RASTER_MM / RASTER_SIDE))
         height = height + np.float32(body.texture_um * 1e-3) * texture
     height = np.ascontiguousarray(np.minimum(height, OUTSIDE_MM), dtype=np.float32)
+    if not np.isfinite(height).all():
+        raise ValueError(f"the shape of '{body.name}' has heights that are not finite")
     # A body that bends away everywhere only shows another spot when tilted; a finite one leans.
     tilt = (0.0, 0.0) if indenter.is_extended else (body.tilt_x, body.tilt_y)
     whole = height + np.float32(tilt[0]) * x + np.float32(tilt[1]) * y

@@ -10,12 +10,13 @@ import numpy as np
 from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.core.labels import ROTATIONS, Motion
 from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.simulation.contact import dome_drop_mm
+from geotlm_lm.simulation.indenter import Indenter
 from geotlm_lm.simulation.indenters import INDENTERS
 from geotlm_lm.simulation.motions import random_path
 from geotlm_lm.simulation.optics import LIGHTS
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Body, Gel, Optics, Scene
-from geotlm_lm.simulation.surface import dome_drop_mm
 
 DEPTH_MM = (0.2, 1.2)
 """Approach a hand gives a GelSight Mini; a measured ball press has a contact radius of 2 mm."""
@@ -59,8 +60,17 @@ def random_scenes(
     return scenes
 
 
-def random_scene(rng: np.random.Generator, *, object_name: str, motion: Motion) -> Scene:
-    """Return a scene of `object_name` doing `motion`, everything else drawn from `rng`."""
+def random_scene(
+    rng: np.random.Generator, *, object_name: str, motion: Motion, indenter: Indenter | None = None
+) -> Scene:
+    """Return a scene of an object doing `motion`, everything else drawn from `rng`.
+
+    Args:
+        rng: Source of everything random.
+        object_name: A name in `indenters.INDENTERS`, or any name beside an `indenter`.
+        motion: What the object does.
+        indenter: A shape of the caller's own; it keeps its size.
+    """
     optics = random_optics(rng)
     gel = Gel(
         thickness_mm=rng.uniform(3.0, 4.8),
@@ -68,7 +78,9 @@ def random_scene(rng: np.random.Generator, *, object_name: str, motion: Motion) 
         dome=rng.uniform(0.0, 1.3),
     )
     body = random_body(rng, object_name)
-    kind = INDENTERS[object_name]
+    kind = indenter or INDENTERS[object_name]
+    if indenter is not None:
+        body = replace(body, indenter=indenter, size=1.0)
     if kind.is_axisymmetric and motion in ROTATIONS:
         body = replace(body, texture_um=rng.uniform(15, 40), texture_scale_mm=rng.uniform(0.3, 0.8))
     half_x, half_y = (side * IMAGE_SIDE / 2 for side in (optics.mm_per_px_x, optics.mm_per_px_y))

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from geotlm_lm.core.labels import Motion
+from geotlm_lm.simulation.indenter import Indenter
 
 
 @dataclass(frozen=True)
@@ -17,13 +18,25 @@ class Gel:
 
     Args:
         thickness_mm: Thickness at the centre; 4.0 for GelSight Mini (FEATS, arXiv 2411.03315).
-        poisson_ratio: Dimensionless, at most 0.5.
+        poisson_ratio: Dimensionless, from 0 to 0.5.
         dome: Height of the pad's crown relative to GelSight Mini's; 0 is a flat pad.
+        friction: Coulomb's coefficient between object and gel; 1.0 in FEATS and Taccel. It drags
+            the gel's surface along; the imprint hardly changes.
+
+    Raises:
+        ValueError: If a number is not finite or outside its range.
     """
 
     thickness_mm: float = 4.0
     poisson_ratio: float = 0.48
     dome: float = 1.0
+    friction: float = 1.0
+
+    def __post_init__(self) -> None:
+        _require("gel thickness", self.thickness_mm, 0.01, 1e3, "mm")
+        _require("Poisson ratio", self.poisson_ratio, 0.0, 0.5)
+        _require("dome", self.dome, 0.0, 10.0)
+        _require("friction coefficient", self.friction, 0.0, 1e9)
 
 
 @dataclass(frozen=True)
@@ -38,6 +51,10 @@ class Body:
         tilt_y: Slope of the object about the image's x axis, mm per mm.
         texture_um: Standard deviation of the surface texture in micrometres.
         texture_scale_mm: Correlation length of that texture.
+        indenter: The shape itself, where it is none of `indenters.INDENTERS`.
+
+    Raises:
+        ValueError: If a number is not finite or outside its range.
     """
 
     name: str
@@ -47,6 +64,14 @@ class Body:
     tilt_y: float = 0.0
     texture_um: float = 0.0
     texture_scale_mm: float = 0.5
+    indenter: Indenter | None = None
+
+    def __post_init__(self) -> None:
+        _require("body's size", self.size, 1e-3, 1e3)
+        for name in ("tilt_x", "tilt_y"):
+            _require(f"body's {name}", getattr(self, name), -10.0, 10.0)
+        _require("texture", self.texture_um, 0.0, 1e4, "um")
+        _require("texture's scale", self.texture_scale_mm, 1e-3, 1e3, "mm")
 
 
 @dataclass(frozen=True)
@@ -58,6 +83,9 @@ class Path:
         x_mm: Position of the object's centre to the right of the view's middle.
         y_mm: Position of the object's centre below the view's middle.
         rotation_rad: Turn of the object, positive clockwise in the image.
+
+    Raises:
+        ValueError: If the lengths differ, or a number is not finite or beyond 1000.
     """
 
     depth_mm: tuple[float, ...]
@@ -69,6 +97,9 @@ class Path:
         lengths = {len(self.depth_mm), len(self.x_mm), len(self.y_mm), len(self.rotation_rad)}
         if len(lengths) != 1 or 0 in lengths:
             raise ValueError(f"a path needs equally many poses of each kind, found {lengths}")
+        for name in ("depth_mm", "x_mm", "y_mm", "rotation_rad"):
+            for value in getattr(self, name):
+                _require(f"path's {name}", value, -1e3, 1e3)
 
     def __len__(self) -> int:
         return len(self.depth_mm)
@@ -127,3 +158,12 @@ class Scene:
     motion: Motion
     gel: Gel = field(default_factory=Gel)
     optics: Optics = field(default_factory=Optics)
+
+
+def _require(name: str, value: float, low: float, high: float, unit: str = "") -> None:
+    # A NaN fails every comparison, so that this refuses it too.
+    if not low <= value <= high:
+        raise ValueError(
+            f"the {name} is {value:g}, expected {low:g} to {high:g}{unit and ' ' + unit}; a scene "
+            f"with it cannot be simulated."
+        )

@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from geotlm_lm.core.labels import Motion
+from geotlm_lm.simulation.presets import PresetName
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.simulate import SimulatedClip, simulate
+
+SERIES_VERSION = 3
+"""Raised when the same seed gives other clips than before."""
 
 
 def simulate_series(
@@ -16,12 +20,18 @@ def simulate_series(
     objects: Sequence[str],
     first_index: int = 0,
     motions: Sequence[Motion] | None = None,
+    preset: PresetName = "fast",
+    with_drift: bool = False,
 ) -> Iterator[SimulatedClip]:
-    """Yield clips `first_index` .. of the series of `seed`; arguments as in `random_scenes`.
+    """Yield clips `first_index` .. of the series of `seed`.
+
+    Arguments are those of `random_scenes` and `simulate`.
 
     Each scene is drawn right before it is simulated: the profile of its body, a third of the cost,
     is then still at hand and not built a second time.
     """
     for index in range(first_index, first_index + count):
         scenes = random_scenes(seed, 1, objects=objects, first_index=index, motions=motions)
-        yield from simulate(scenes, seed=seed, first_index=index)
+        yield from simulate(
+            scenes, seed=seed, first_index=index, preset=preset, with_drift=with_drift
+        )

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,18 +19,11 @@ from geotlm_lm.simulation.idle import idle_frame
 from geotlm_lm.simulation.label import label_for, patch_displacement, patch_means
 from geotlm_lm.simulation.normal_contact import SolverStatus
 from geotlm_lm.simulation.optics import NOMINAL_VIEW_MM, lit, recorded, turned_lights
+from geotlm_lm.simulation.presets import Preset, PresetName, preset_named
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Optics, Scene
 from geotlm_lm.simulation.surface import Surface, pressed_surface
 from geotlm_lm.simulation.trace import Trace, trace_of
-
-IMAGE_STAGES = ("profile", "normal_contact", "optics", "truth")
-"""What a touched clip runs; the frictional problem is left out, since the imprint of a rigid object
-moves with it whether it sticks or slips, and shear changes a markerless image by less than noise
-(at most 0.7 grey levels RMS, measured)."""
-
-IDLE_STAGES = ("optics", "truth")
-"""What a clip without contact runs."""
 
 BACKGROUND_NOISE = 0.45
 """Noise of an idle frame averaged over about five frames, relative to one frame's."""
@@ -49,9 +45,12 @@ class SimulatedClip:
             patch centre in pixels of the image (x right, y down), 0 without contact.
         contact: float32 (frames, 14, 14), share of each patch in contact.
         depth_mm: float32 (frames, 14, 14), mean indentation of the surface.
+        drift_px: float32 (frames, 14, 14, 2), mean tangential displacement of the gel's surface
+            from rest in pixels (x right, y down); None where it was not asked for.
         mm_per_px: Pixel size (x, y).
         status: The contact solver's account.
-        stages: What ran, in order.
+        timing_ms: Milliseconds of each stage that ran, in order; a stage that is missing was not
+            needed.
     """
 
     clip: Clip
@@ -61,9 +60,15 @@ class SimulatedClip:
     displacement_px: NDArray[np.float32]
     contact: NDArray[np.float32]
     depth_mm: NDArray[np.float32]
+    drift_px: NDArray[np.float32] | None
     mm_per_px: tuple[float, float]
     status: SolverStatus
-    stages: tuple[str, ...]
+    timing_ms: dict[str, float]
+
+    @property
+    def stages(self) -> tuple[str, ...]:
+        """What ran, in order."""
+        return tuple(self.timing_ms)
 
     @property
     def label(self) -> MotionLabel:
@@ -76,48 +81,100 @@ class SimulatedClip:
         return label_for(self.scene, fraction, self.traces[last], last)
 
 
-def simulate(scenes: Sequence[Scene], *, seed: int, first_index: int = 0) -> list[SimulatedClip]:
-    """Return one clip per scene; clip i depends only on (seed, first_index + i, its scene).
+def simulate(
+    scenes: Sequence[Scene],
+    *,
+    seed: int,
+    first_index: int = 0,
+    preset: PresetName = "fast",
+    with_drift: bool = False,
+) -> list[SimulatedClip]:
+    """Return one clip per scene.
+
+    Clip i depends only on (seed, first_index + i, its scene), the preset, and whether drift is
+    wanted: drag lifts and sinks the surface a little, by up to 27 um in a slide of 0.5 mm.
 
     A clip's frames are solved as one batch of fixed size, never together with another clip's:
     float32 transforms round differently in differently sized batches.
+
+    Args:
+        scenes: What to simulate.
+        seed: Root of the noise.
+        first_index: Number of the first scene in the seed's series.
+        preset: How finely and tightly the contact is solved.
+        with_drift: Whether the gel's tangential displacement is wanted. Frictional contact is left
+            out otherwise: the imprint of a rigid object moves with it whether it sticks or slips,
+            and drag changes a markerless image by less than noise (at most 0.7 grey levels RMS,
+            measured).
+
+    Raises:
+        UsageError: If there is no such preset.
     """
-    return [_simulate_one(scene, seed, first_index + i) for i, scene in enumerate(scenes)]
+    effort = preset_named(preset)
+    return [
+        _simulate_one(scene, seed, first_index + i, effort, with_drift)
+        for i, scene in enumerate(scenes)
+    ]
 
 
-def _simulate_one(scene: Scene, seed: int, index: int) -> SimulatedClip:
-    rng = generator_for(seed, "clip", index)
-    is_touched = max(scene.path.depth_mm) > 0
-    surface = pressed_surface(scene, build_profile(scene.body)) if is_touched else None
-    view = scene.optics.mm_per_px_x * IMAGE_SIDE / NOMINAL_VIEW_MM
-    idle = idle_frame(scene.optics.idle, view)
-    frames, background, traces = _render(scene, surface, idle, rng)
-    count = len(scene.path)
-    contact = np.zeros((count, GRID_SIDE, GRID_SIDE), np.float32)
-    depth = np.zeros_like(contact)
-    if surface is not None:
-        contact = patch_means(surface.touches)
-        depth = patch_means(surface.indentation_mm)
+def _simulate_one(
+    scene: Scene, seed: int, index: int, preset: Preset, with_drift: bool
+) -> SimulatedClip:
+    rng, watch = generator_for(seed, "clip", index), Stopwatch()
+    surface = None
+    if max(scene.path.depth_mm) > 0:
+        with watch("profile"):
+            profile = build_profile(scene.body)
+        drags = with_drift and scene.gel.friction > 0
+        with watch("frictional_contact" if drags else "normal_contact"):
+            surface = pressed_surface(scene, profile, preset, with_drift=with_drift)
+    with watch("optics"):
+        view = scene.optics.mm_per_px_x * IMAGE_SIDE / NOMINAL_VIEW_MM
+        idle = idle_frame(scene.optics.idle, view)
+        frames, background, clean = _render(scene, surface, idle, rng)
+    with watch("truth"):
+        truth = _truth(scene, surface, clean, with_drift)
+    name = f"{scene.body.name}-{seed}-{index}"
     return SimulatedClip(
-        clip=Clip(
-            frames, fps=CAMERA_FPS, background=background, name=f"{scene.body.name}-{seed}-{index}"
-        ),
-        traces=traces,
+        clip=Clip(frames, fps=CAMERA_FPS, background=background, name=name),
         object_name=scene.body.name,
         scene=scene,
-        displacement_px=patch_displacement(scene, contact),
-        contact=contact,
-        depth_mm=depth,
         mm_per_px=(scene.optics.mm_per_px_x, scene.optics.mm_per_px_y),
-        status=surface.status if surface is not None else SolverStatus(0.0, 0, True),
-        stages=IMAGE_STAGES if is_touched else IDLE_STAGES,
+        status=surface.status if surface is not None else SolverStatus(0.0, 0, True, preset.name),
+        timing_ms=watch.milliseconds,
+        **truth,
     )
+
+
+def _truth(
+    scene: Scene, surface: Surface | None, clean: list[NDArray[np.float32]], with_drift: bool
+) -> dict[str, Any]:
+    """Return the dense truth of every frame, and what each frame shows of the motion."""
+    count = len(scene.path)
+    contact = np.zeros((count, GRID_SIDE, GRID_SIDE), np.float32)
+    depth, drift = np.zeros_like(contact), np.zeros((count, GRID_SIDE, GRID_SIDE, 2), np.float32)
+    traces = (Trace(),) * count
+    if surface is not None:
+        contact, depth = patch_means(surface.touches), patch_means(surface.indentation_mm)
+        later = range(1, count)
+        traces = (Trace(), *(trace_of(scene, clean, surface.touches, last) for last in later))
+        if with_drift:
+            pixel = (scene.optics.mm_per_px_x, scene.optics.mm_per_px_y)
+            for axis in range(2):
+                drift[..., axis] = patch_means(surface.drift_mm[:, axis]) / pixel[axis]
+    return {
+        "traces": traces,
+        "displacement_px": patch_displacement(scene, contact),
+        "contact": contact,
+        "depth_mm": depth,
+        "drift_px": drift if with_drift else None,
+    }
 
 
 def _render(
     scene: Scene, surface: Surface | None, idle: NDArray[np.float32], rng: np.random.Generator
-) -> tuple[NDArray[np.uint8], NDArray[np.uint8], tuple[Trace, ...]]:
-    """Return frames (t, 224, 224, 3), the idle frame, and what each frame shows of the motion."""
+) -> tuple[NDArray[np.uint8], NDArray[np.uint8], list[NDArray[np.float32]]]:
+    """Return frames (t, 224, 224, 3), the idle frame, and planar frames without noise."""
     optics = scene.optics
     lights = turned_lights(optics)
     background = recorded(idle, optics, rng, noise_share=BACKGROUND_NOISE)
@@ -128,16 +185,26 @@ def _render(
             clean.append(base)
         else:
             clean.append(lit(surface.indentation_mm[frame], base, optics, lights=lights))
-    traces = (Trace(),) * len(clean)
-    if surface is not None:
-        later = range(1, len(clean))
-        traces = (Trace(), *(trace_of(scene, clean, surface.touches, last) for last in later))
-    frames = np.stack([_with_drift(image, optics, rng) for image in clean])
-    return frames, background, traces
+    frames = np.stack([_as_recorded(image, optics, rng) for image in clean])
+    return frames, background, clean
 
 
-def _with_drift(
+def _as_recorded(
     image: NDArray[np.float32], optics: Optics, rng: np.random.Generator
 ) -> NDArray[np.uint8]:
     drift = np.clip(rng.normal(0, optics.drift_grey, 3), -1, 1).astype(np.float32)
     return recorded(image + drift[:, None, None], optics, rng)
+
+
+class Stopwatch:
+    """Milliseconds of named stages, in the order they ran."""
+
+    def __init__(self) -> None:
+        self.milliseconds: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, stage: str) -> Iterator[None]:
+        """Time what happens inside."""
+        started = time.perf_counter()
+        yield
+        self.milliseconds[stage] = 1e3 * (time.perf_counter() - started)

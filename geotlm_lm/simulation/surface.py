@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
-from geotlm_lm.simulation.elastic import grid_compliance
-from geotlm_lm.simulation.normal_contact import SolverStatus, solve_normal_contact
-from geotlm_lm.simulation.profile import HeightMap, Profile
-from geotlm_lm.simulation.scene import Gel, Scene
-
-GRID_CELLS = 48
-"""Cells per side of the contact grid in the fast setting."""
-
-BOX_MM = 25.6
-"""Side of the periodic box; doubling it changes the indentation by at most 2.7 um, measured."""
-
-DOME_RADII_MM = (188.0, 114.0)
-"""Radii of the pad's crown along x and y: 0.25 mm sag at 9.7 and 7.5 mm (FEATS CAD model)."""
+from geotlm_lm.simulation.contact import BOX_MM, dome_mm, solve_contact
+from geotlm_lm.simulation.normal_contact import SolverStatus
+from geotlm_lm.simulation.presets import FAST, Preset
+from geotlm_lm.simulation.profile import Profile
+from geotlm_lm.simulation.scene import Scene
 
 TOUCH_TOLERANCE_MM = 0.020
 """Gap that still counts as contact at image resolution: with it the touched area of nine bodies is
@@ -36,73 +27,62 @@ class Surface:
     Args:
         indentation_mm: float32 (frames, 224, 224).
         touches: bool (frames, 224, 224), where the object is against the gel.
+        drift_mm: Tangential displacement of the surface from rest, float32 (frames, 2, 224, 224), x
+            before y; None where it was not asked for.
         status: The solver's account.
     """
 
     indentation_mm: NDArray[np.float32]
     touches: NDArray[np.bool_]
+    drift_mm: NDArray[np.float32] | None
     status: SolverStatus
 
 
-def pressed_surface(scene: Scene, profile: Profile) -> Surface:
-    """Return the gel's surface under `profile` in every frame of `scene`."""
+def pressed_surface(
+    scene: Scene, profile: Profile, preset: Preset = FAST, *, with_drift: bool = False
+) -> Surface:
+    """Return the gel's surface under `profile` in every frame of `scene`.
+
+    Args:
+        scene: Gel, path and pixel sizes.
+        profile: The body.
+        preset: How finely and tightly the contact is solved.
+        with_drift: Whether the tangential displacement is wanted; an image without markers does
+            not need it.
+    """
     path, optics = scene.path, scene.optics
-    poses = list(zip(path.x_mm, path.y_mm, path.rotation_rad, strict=True))
-    dome = _dome(scene.gel, (BOX_MM / GRID_CELLS,) * 2, GRID_CELLS)
-    overlap = np.full((len(path), GRID_CELLS, GRID_CELLS), -1.0, np.float32)
-    for frame, (pose, depth) in enumerate(zip(poses, path.depth_mm, strict=True)):
-        if depth > 0:
-            overlap[frame] = depth - dome - profile.on_cells(pose, BOX_MM, GRID_CELLS)
-    compliance = _compliance(scene.gel.thickness_mm, scene.gel.poisson_ratio)
-    contact = solve_normal_contact(torch.from_numpy(overlap), compliance)
+    contact = solve_contact(scene, profile, preset, with_drift=with_drift)
     mm_per_px = (optics.mm_per_px_x, optics.mm_per_px_y)
-    dome = _dome(scene.gel, mm_per_px, IMAGE_SIDE)
-    rows, columns = _cubic_weights(mm_per_px[1]), _cubic_weights(mm_per_px[0])
-    fine = (rows @ contact.indentation_mm @ columns.T).numpy()
+    dome = dome_mm(scene.gel, mm_per_px, IMAGE_SIDE)
+    cells = contact.indentation_mm.shape[-1]
+    rows, columns = (_cubic_weights(size, cells) for size in mm_per_px[::-1])
+    fine = (rows @ contact.indentation_mm.float() @ columns.T).numpy()
+    drift = None
+    if contact.drift_mm is not None:
+        drift = (rows @ contact.drift_mm.float() @ columns.T).numpy()
     indentation = np.zeros((len(path), IMAGE_SIDE, IMAGE_SIDE), np.float32)
     touches = np.zeros(indentation.shape, bool)
-    for frame in np.flatnonzero(contact.touches.flatten(1).any(1).numpy()):
+    poses = list(zip(path.x_mm, path.y_mm, path.rotation_rad, strict=True))
+    for frame in np.flatnonzero(contact.touches.numpy()):
         elastic = fine[frame]
         rigid = profile.sample(poses[frame], mm_per_px, IMAGE_SIDE)
         np.subtract(np.float32(path.depth_mm[frame]) - dome, rigid, out=rigid)
         # Detail finer than a cell prints through wherever the object reaches below the solution.
         touches[frame] = rigid > elastic - np.float32(TOUCH_TOLERANCE_MM)
         np.maximum(elastic, rigid, out=indentation[frame])
-    return Surface(indentation, touches, contact.status())
+    return Surface(indentation, touches, drift, contact.status)
 
 
-@lru_cache(maxsize=64)
-def _compliance(thickness_mm: float, poisson_ratio: float) -> torch.Tensor:
-    values = grid_compliance(
-        GRID_CELLS, BOX_MM, thickness_mm=thickness_mm, poisson_ratio=poisson_ratio
-    )
-    return torch.from_numpy(values.astype(np.float32))
-
-
-def dome_drop_mm(gel: Gel, x_mm: float, y_mm: float) -> float:
-    """Return how far the crowned pad lies below its top at one point."""
-    return gel.dome * (x_mm**2 / (2 * DOME_RADII_MM[0]) + y_mm**2 / (2 * DOME_RADII_MM[1]))
-
-
-def _dome(gel: Gel, mm_per_px: tuple[float, float], side: int) -> HeightMap:
-    """Return how far the crowned pad lies below its top, (side, side) in mm."""
-    axis = np.arange(side) - (side - 1) / 2
-    x = (axis * mm_per_px[0]) ** 2 * gel.dome / (2 * DOME_RADII_MM[0])
-    y = (axis * mm_per_px[1]) ** 2 * gel.dome / (2 * DOME_RADII_MM[1])
-    return (x[None, :] + y[:, None]).astype(np.float32)
-
-
-def _cubic_weights(mm_per_px: float) -> torch.Tensor:
-    """Return weights (224, 48) of cubic convolution (Keys, a = -1/2) from cells to pixels."""
-    cell = BOX_MM / GRID_CELLS
-    where = (np.arange(IMAGE_SIDE) - (IMAGE_SIDE - 1) / 2) * mm_per_px / cell
-    where = where + (GRID_CELLS - 1) / 2
+def _cubic_weights(mm_per_px: float, cells: int) -> torch.Tensor:
+    """Return weights (224, cells) of cubic convolution (Keys, a = -1/2) from cells to pixels."""
+    where = (np.arange(IMAGE_SIDE) - (IMAGE_SIDE - 1) / 2) * mm_per_px * cells / BOX_MM
+    where = where + (cells - 1) / 2
     left = np.floor(where).astype(int)
-    weights = np.zeros((IMAGE_SIDE, GRID_CELLS), np.float32)
+    weights = np.zeros((IMAGE_SIDE, cells), np.float32)
     for offset in range(-1, 3):
         s = np.abs(where - left - offset)
         near = 1.5 * s**3 - 2.5 * s**2 + 1
         far = -0.5 * s**3 + 2.5 * s**2 - 4 * s + 2
         values = np.where(s <= 1, near, np.where(s < 2, far, 0))
-        np.add.at(weights, (np.arange(IMAGE_SIDE), (left + offset) % GRID_CELLS), values)
+        np.add.at(weights, (np.arange(IMAGE_SIDE), (left + offset) % cells), values)
     return torch.from_numpy(weights)

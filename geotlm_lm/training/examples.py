@@ -223,12 +223,14 @@ def mirrored(simulated: SimulatedClip) -> SimulatedClip:
     flipped = np.ascontiguousarray(clip.frames[:, :, ::-1])
     background = np.ascontiguousarray(clip.background[:, ::-1])
     displacement = simulated.displacement_px[:, :, ::-1] * np.array([-1, 1], np.float32)
+    drift = simulated.drift_px
     return replace(
         simulated,
         clip=replace(clip, frames=flipped, background=background),
         displacement_px=displacement,
         contact=simulated.contact[:, :, ::-1],
         depth_mm=simulated.depth_mm[:, :, ::-1],
+        drift_px=None if drift is None else drift[:, :, ::-1] * np.array([-1, 1], np.float32),
     )
 
 

@@ -16,6 +16,7 @@ import numpy as np
 import torch
 
 from geotlm_lm.backbone.frozen import ENCODE_BATCH, FrozenBackbone
+from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, save_bundle
 from geotlm_lm.core.atomic import write_text_atomically
@@ -26,6 +27,7 @@ from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.speak import Speaker
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
+from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.calibration import fit_contact_threshold, fit_temperature
 from geotlm_lm.training.card import write_card
 from geotlm_lm.training.config import TrainingPreset, preset_named
@@ -140,7 +142,9 @@ def perceive_examples(model: GeoTLM, examples: Examples) -> ClipSet:
 
 def _claim(out: Path, settings: TrainingPreset, seed: int) -> None:
     """Mark `out` as the folder of this run, or refuse a folder of another."""
-    path, about = out / RUN_FILE, {"preset": settings.to_dict(), "seed": seed}
+    path = out / RUN_FILE
+    about = {"preset": settings.to_dict(), "seed": seed}
+    about |= {"series": SERIES_VERSION, "inputs": PATCH_INPUT_DIM}
     if path.exists() and json.loads(path.read_text()) != about:
         raise UsageError(
             f"{out} holds a run of another preset or seed; give an empty folder, or the same "

@@ -50,3 +50,26 @@ def test_a_data_set_is_written_with_its_card_and_progress_on_the_side(tmp_path, 
     assert printed.out == f"{folder}\n"
     assert printed.err.splitlines()[-1] == "simulated 2 of 2 clips"
     assert (folder / "README.md").exists()
+
+
+def test_a_height_map_of_ones_own_is_pressed(tmp_path, capsys):
+    axis = (np.arange(60) - 29.5) * 0.1
+    np.save(tmp_path / "star.npy", 0.5 * np.cos(3 * np.arctan2(*np.meshgrid(axis, axis))))
+    path, mine = tmp_path / "clip.npz", ("--height-map", tmp_path / "star.npy")
+    assert run("simulate", "--clip", path, *mine, "--mm-per-px", 0.1, "--drift") == 0
+    with np.load(path) as stored:
+        assert json.loads(str(stored["label"]))["object"] == "star"
+        assert stored["drift_px"].shape == (4, 14, 14, 2)
+    capsys.readouterr()
+    assert run("simulate", "--clip", path, *mine) == 2
+    assert "--height-map needs --mm-per-px" in capsys.readouterr().err
+    assert run("simulate", "--clip", path, *mine, "--mm-per-px", 0.1, "--object", "key") == 2
+    assert "both name the object" in capsys.readouterr().err
+    assert run("simulate", "--clip", path, "--mm-per-px", 0.1) == 2
+    assert "--height-map" in capsys.readouterr().err
+    assert run("simulate", "--out", tmp_path / "set", *mine) == 2
+
+
+def test_a_preset_can_be_chosen(tmp_path, capsys):
+    assert run("simulate", "--clip", tmp_path / "a.npz", "--preset", "draft") == 0
+    assert run("simulate", "--clip", tmp_path / "a.npz", "--preset", "best") == 2

@@ -107,3 +107,20 @@ def test_a_killed_worker_is_told_instead_of_waited_for(tmp_path, monkeypatch):
     monkeypatch.setattr(dataset, "_write_shard", _die)
     with pytest.raises(GeoTLMError, match="^A worker was ended from outside"):
         write_dataset(tmp_path, 6, seed=1, objects=OBJECTS, workers=2)
+
+
+def test_drift_is_kept_where_it_was_asked_for(tmp_path):
+    write_dataset(tmp_path, 2, seed=1, objects=OBJECTS, preset="draft", with_drift=True)
+    arrays, _ = read_shard(tmp_path / "shard-00000.npz")
+    assert arrays["drift_px"].shape == (2, 4, 14, 14, 2)
+    assert "preset\ndraft" in (tmp_path / "README.md").read_text()
+    about = json.loads((tmp_path / "dataset.json").read_text())
+    assert (about["preset"], about["with_drift"]) == ("draft", True)
+
+
+def test_a_folder_of_another_preset_is_not_mixed_up(tmp_path):
+    write_dataset(tmp_path, 2, seed=1, objects=OBJECTS)
+    before = contents(tmp_path)
+    with pytest.raises(UsageError, match="or other objects or settings"):
+        write_dataset(tmp_path, 2, seed=1, objects=OBJECTS, preset="good")
+    assert contents(tmp_path) == before

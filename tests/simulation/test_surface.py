@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.labels import Motion
+from geotlm_lm.simulation.contact import BOX_MM
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Body, Gel, Optics, Path, Scene
-from geotlm_lm.simulation.surface import BOX_MM, GRID_CELLS, _cubic_weights, pressed_surface
+from geotlm_lm.simulation.surface import _cubic_weights, pressed_surface
 
 OPTICS = Optics()
 
@@ -54,10 +55,11 @@ def test_a_crowned_pad_is_touched_less_away_from_its_crown():
     assert crowned < 0.9 * flat
 
 
+@pytest.mark.parametrize("count", [32, 48, 129])
 @pytest.mark.parametrize("power", [0, 1, 2])
-def test_from_cells_to_pixels_a_parabola_stays_exact(power):
+def test_from_cells_to_pixels_a_parabola_stays_exact(power, count):
     # Cubic convolution with a = -1/2 reproduces polynomials up to the second degree (Keys 1981).
-    cells = (np.arange(GRID_CELLS) - (GRID_CELLS - 1) / 2) * BOX_MM / GRID_CELLS
+    cells = (np.arange(count) - (count - 1) / 2) * BOX_MM / count
     pixels = (np.arange(224) - 111.5) * OPTICS.mm_per_px_x
-    values = _cubic_weights(OPTICS.mm_per_px_x).numpy() @ cells**power
+    values = _cubic_weights(OPTICS.mm_per_px_x, count).numpy() @ cells**power
     assert values == pytest.approx(pixels**power, abs=1e-4)

@@ -1,0 +1,100 @@
+"""Run records of the simulator -> tables and the figure of error against run time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from geotlm_lm.core.record import RunRecord
+from geotlm_lm.reports.tables import markdown, provenance
+
+MEASURES = {
+    "height_um": "height, um RMS",
+    "drift_share": "drift, relative L2",
+    "image_grey": "image, grey RMS",
+}
+"""Keys of a row -> what the figure and the table call them."""
+
+
+def error_table(record: RunRecord) -> str:
+    """Return one row per variant: milliseconds, and each error's range over the scenes."""
+    rows = []
+    for variant, own in _by_variant(record).items():
+        times = [median(row["ms"]) for row in own]
+        converged = sum(row["is_converged"] for row in own)
+        harder = sum(row["preset"] != row["asked"] for row in own)
+        rows.append(
+            [
+                variant,
+                f"{median(times):.1f} ({min(times):.1f}-{max(times):.1f})",
+                *(_range([row[name] for row in own]) for name in MEASURES),
+                f"{converged} of {len(own)}",
+                f"{harder} of {len(own)}",
+            ]
+        )
+    header = ["variant", "ms per clip, median (range)", *MEASURES.values()]
+    header += ["converged", "escalated"]
+    return markdown(header, rows) + "\n\n" + provenance(record)
+
+
+def stability_table(record: RunRecord) -> str:
+    """Return one row per case and precision."""
+    rows = []
+    for row in record.numbers["rows"]:
+        if row["outcome"] == "refused":
+            rows.append([row["case"], row["precision"], f"refused: {row['says']}", *("-",) * 5])
+            continue
+        rows.append(
+            [
+                row["case"],
+                row["precision"],
+                row["outcome"],
+                f"{row['penetration_um']:.2g}",
+                f"{row['gradient_share']:.1g}",
+                f"{row['cone_excess']:.1g}",
+                f"{row['normal_iterations']} / {row['friction_iterations']}",
+                f"{row['milliseconds']:.0f}",
+            ]
+        )
+    header = ["case", "precision", "outcome", "penetration um", "gradient share", "cone excess"]
+    header += ["iterations, normal / friction", "ms"]
+    return markdown(header, rows) + "\n\n" + provenance(record)
+
+
+def draw_error(record: RunRecord, path: Path) -> None:
+    """Draw each error against run time, one panel per measure, both axes logarithmic.
+
+    Args:
+        record: From `simulator_error`.
+        path: The .png or .svg to write.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(12, 4), layout="constrained")
+    variants = _by_variant(record)
+    for axes, (name, title) in zip(
+        figure.subplots(1, len(MEASURES)), MEASURES.items(), strict=True
+    ):
+        for number, (variant, rows) in enumerate(variants.items()):
+            points = [(median(row["ms"]), row[name]) for row in rows if row[name]]
+            if points:
+                axes.loglog(*zip(*points, strict=True), "o", color=f"C{number}", label=variant)
+        axes.set(xlabel="ms per clip of four frames", ylabel=f"error in {title}")
+        axes.grid(alpha=0.3)
+    axes.legend(fontsize="small", loc="center left", bbox_to_anchor=(1, 0.5))
+    figure.savefig(path, dpi=120)
+
+
+def _by_variant(record: RunRecord) -> dict[str, list[dict[str, Any]]]:
+    found: dict[str, list[dict[str, Any]]] = {}
+    for row in record.numbers["rows"]:
+        found.setdefault(row["variant"], []).append(row)
+    return found
+
+
+def _range(values: list[float | None]) -> str:
+    known = [value for value in values if value is not None]
+    if not known:
+        return "-"
+    return f"{median(known):.3g} ({min(known):.2g}-{max(known):.2g})"

@@ -1,0 +1,215 @@
+"""A scene's contact on the gel's grid, frame by frame: pressed only, or dragged with history.
+
+A residual that is too large is answered by the next harder preset, and the result says so; what
+even the hardest does not solve is never called converged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from geotlm_lm.simulation.elastic import LayerOperator
+from geotlm_lm.simulation.half_space import HalfSpaceOperator
+from geotlm_lm.simulation.march import Increment, Step, cell_centres, march, rigid_travel
+from geotlm_lm.simulation.normal_contact import (
+    Response,
+    SolverStatus,
+    solve_normal_contact,
+)
+from geotlm_lm.simulation.presets import Preset
+from geotlm_lm.simulation.profile import HeightMap, Profile
+from geotlm_lm.simulation.scene import Gel, Path, Scene
+
+BOX_MM = 25.6
+"""Side of the periodic box; doubling it changes the indentation by at most 2.7 um, measured."""
+
+DOME_RADII_MM = (188.0, 114.0)
+"""Radii of the pad's crown along x and y: 0.25 mm sag at 9.7 and 7.5 mm (FEATS CAD model)."""
+
+TURN_STEP_RAD = np.radians(3.0)
+TRAVEL_STEP_MM = 0.3
+"""Farthest an object goes in one increment, along the gel or into it: the error of a step grows in
+proportion (measured)."""
+
+LEAST_WORK = 1e-9
+"""Work, in mm^3 per shear modulus, of which no share is told: rounding."""
+
+Pose = tuple[float, float, float, float]
+"""Depth in mm, x and y in mm, rotation in radians."""
+
+
+@dataclass(frozen=True, eq=False)
+class GridContact:
+    """The gel on the contact grid in every frame.
+
+    Args:
+        indentation_mm: (frames, cells, cells).
+        drift_mm: Tangential displacement of the surface from rest, (frames, 2, cells, cells); None
+            where it was not asked for.
+        touches: Whether anything presses in a frame, (frames,).
+        status: The solver's account.
+    """
+
+    indentation_mm: Tensor
+    drift_mm: Tensor | None
+    touches: Tensor
+    status: SolverStatus
+
+
+def solve_contact(
+    scene: Scene, profile: Profile, preset: Preset, *, with_drift: bool = False
+) -> GridContact:
+    """Solve every frame of a scene; escalates until the residuals are acceptable.
+
+    Args:
+        scene: Gel and path.
+        profile: The body.
+        preset: Where to begin.
+        with_drift: Whether the surface's tangential displacement is wanted. Without friction it is
+            what the pressure spreads; with it the object holds the gel, in a press too.
+    """
+    drags = with_drift and scene.gel.friction > 0
+    trying: Preset | None = preset
+    while trying is not None:
+        solved = (_dragged if drags else _pressed)(scene, profile, trying, with_drift)
+        solved = replace(solved, status=replace(solved.status, preset=trying.name))
+        if solved.status.is_converged:
+            break
+        trying = trying.harder
+    return solved
+
+
+def _pressed(scene: Scene, profile: Profile, preset: Preset, with_drift: bool) -> GridContact:
+    """Solve all frames at once, without friction: each depends on its own pose only."""
+    overlap = torch.stack([_overlap(scene, profile, preset, pose) for pose in _poses(scene.path)])
+    response = _layer(scene.gel, preset)
+    contact = solve_normal_contact(
+        overlap, response, rounds=preset.effort.normal_rounds, limit_um=preset.effort.penetration_um
+    )
+    status = contact.status()
+    status = replace(status, is_converged=status.penetration_um <= preset.acceptable_um)
+    drift = response.spread(contact.pressure) if with_drift else None
+    touches = contact.touches.flatten(1).any(1)
+    return GridContact(contact.indentation_mm, drift, touches, status)
+
+
+def _dragged(scene: Scene, profile: Profile, preset: Preset, with_drift: bool) -> GridContact:
+    """March through the frames with friction and history."""
+    response = _layer(scene.gel, preset)
+    poses = list(_poses(scene.path))
+    substeps = list(_substeps(poses))
+    starts = [poses[0], *(pose for pose, _ in substeps[:-1])]
+    increments = [
+        _increment(scene, profile, preset, before, after)
+        for before, (after, _) in zip(starts, substeps, strict=True)
+    ]
+    steps = march(
+        increments, response, friction_coefficient=scene.gel.friction, effort=preset.effort
+    )
+    kept: list[Step] = []
+    worst = SolverStatus(0.0, 0, True)
+    spent = rubbed = energy = 0.0
+    for step, (_, ends_frame) in zip(steps, substeps, strict=True):
+        rubbed += float(step.work) - (float(step.energy) - energy)
+        spent, energy = spent + max(float(step.work), 0.0), float(step.energy)
+        worst = _worse(worst, step, scene.gel.friction, preset)
+        if ends_frame:
+            kept.append(step)
+    return GridContact(
+        torch.cat([step.indentation_mm for step in kept]),
+        torch.cat([step.drift_mm for step in kept]),
+        torch.cat([(step.pressure > 0).flatten(1).any(1) for step in kept]),
+        replace(worst, dissipated_share=rubbed / spent if spent > LEAST_WORK else 0.0),
+    )
+
+
+def _worse(status: SolverStatus, step: Step, friction: float, preset: Preset) -> SolverStatus:
+    # numpy's maximum keeps a NaN, so that no solution that is not finite counts as converged.
+    penetration = float(np.maximum(status.penetration_um, float(step.penetration_um)))
+    gradient = float(np.maximum(status.gradient_share, float(step.gradient_share)))
+    limit = friction * step.pressure
+    excess = (step.traction.norm(dim=1) - limit).amax() / limit.amax().clamp_min(1e-12)
+    return replace(
+        status,
+        penetration_um=penetration,
+        gradient_share=gradient,
+        cone_excess=max(status.cone_excess, float(excess)),
+        iterations=max(status.iterations, step.iterations[0]),
+        friction_iterations=max(status.friction_iterations, step.iterations[1]),
+        is_converged=penetration <= preset.acceptable_um and gradient <= preset.acceptable_share,
+    )
+
+
+def _increment(
+    scene: Scene, profile: Profile, preset: Preset, before: Pose, after: Pose
+) -> Increment:
+    centres = cell_centres(preset.cells, BOX_MM / preset.cells, preset.dtype)
+    old, new = (torch.tensor([pose[1:3]], dtype=preset.dtype) for pose in (before, after))
+    turn = torch.tensor([after[3] - before[3]], dtype=preset.dtype)
+    travel = rigid_travel(centres, old, turn, new - old)
+    return Increment(_overlap(scene, profile, preset, after)[None], travel)
+
+
+def _overlap(scene: Scene, profile: Profile, preset: Preset, pose: Pose) -> Tensor:
+    """Return the approach less the profile and the pad's crown; negative all over out of touch."""
+    depth, *place = pose
+    if depth <= 0:
+        return torch.full((preset.cells, preset.cells), -1.0, dtype=preset.dtype)
+    dome = dome_mm(scene.gel, (BOX_MM / preset.cells,) * 2, preset.cells)
+    height = profile.on_cells(tuple(place), BOX_MM, preset.cells)
+    return torch.from_numpy(depth - dome - height).to(preset.dtype)
+
+
+def _poses(path: Path) -> Iterator[Pose]:
+    return zip(path.depth_mm, path.x_mm, path.y_mm, path.rotation_rad, strict=True)
+
+
+def _substeps(poses: list[Pose]) -> Iterator[tuple[Pose, bool]]:
+    """Yield the poses to march through, and whether each is a frame's; small steps stay whole."""
+    yield poses[0], True
+    for before, after in zip(poses[:-1], poses[1:], strict=True):
+        travel = max(
+            np.hypot(after[1] - before[1], after[2] - before[2]), abs(after[0] - before[0])
+        )
+        turn = abs(after[3] - before[3])
+        count = max(int(np.ceil(max(turn / TURN_STEP_RAD, travel / TRAVEL_STEP_MM))), 1)
+        for part in range(1, count + 1):
+            share = part / count
+            pose = tuple((1 - share) * a + share * b for a, b in zip(before, after, strict=True))
+            yield (after if part == count else pose), part == count
+
+
+def _layer(gel: Gel, preset: Preset) -> Response:
+    if preset.is_half_space:
+        return HalfSpaceOperator(
+            preset.cells, BOX_MM, poisson_ratio=gel.poisson_ratio, dtype=preset.dtype
+        )
+    return _cached_layer(gel.thickness_mm, gel.poisson_ratio, preset.cells, preset.dtype)
+
+
+@lru_cache(maxsize=16)
+def _cached_layer(
+    thickness_mm: float, poisson_ratio: float, cells: int, dtype: torch.dtype
+) -> LayerOperator:
+    return LayerOperator(
+        cells, BOX_MM, thickness_mm=thickness_mm, poisson_ratio=poisson_ratio, dtype=dtype
+    )
+
+
+def dome_drop_mm(gel: Gel, x_mm: float, y_mm: float) -> float:
+    """Return how far the crowned pad lies below its top at one point."""
+    return gel.dome * (x_mm**2 / (2 * DOME_RADII_MM[0]) + y_mm**2 / (2 * DOME_RADII_MM[1]))
+
+
+def dome_mm(gel: Gel, mm_per_px: tuple[float, float], side: int) -> HeightMap:
+    """Return how far the crowned pad lies below its top, (side, side) in mm."""
+    axis = np.arange(side) - (side - 1) / 2
+    x = (axis * mm_per_px[0]) ** 2 * gel.dome / (2 * DOME_RADII_MM[0])
+    y = (axis * mm_per_px[1]) ** 2 * gel.dome / (2 * DOME_RADII_MM[1])
+    return (x[None, :] + y[:, None]).astype(np.float32)

@@ -1,0 +1,83 @@
+"""The simulator's own reports on a few scenes: the presets' order, and every outcome's name."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.core.record import RunRecord
+from geotlm_lm.experiments.simulator_error import (
+    overlap_surface,
+    scenes,
+    simulator_error,
+    variants,
+)
+from geotlm_lm.experiments.simulator_stability import CASES, simulator_stability
+from geotlm_lm.reports.simulator import draw_error, error_table, stability_table
+from geotlm_lm.simulation.profile import build_profile
+
+
+@pytest.fixture(scope="module")
+def record() -> RunRecord:
+    chosen = {name: scenes()[name] for name in ("ball, slide", "key, press")}
+    names = ("good", "draft", "draft, no friction", "half-space, 64 cells", "geometric overlap")
+    asked = {name: variants()[name] for name in names}
+    return simulator_error(chosen=chosen, asked=asked, reference="accurate", repeats=1)
+
+
+def row(record, scene, variant):
+    return next(
+        one for one in record.numbers["rows"] if (one["scene"], one["variant"]) == (scene, variant)
+    )
+
+
+def test_the_reference_has_no_error_against_itself(record):
+    own = row(record, "ball, slide", "accurate")
+    assert own["height_um"] == own["drift_share"] == own["image_grey"] == 0
+
+
+def test_finer_presets_err_less_and_what_leaves_out_physics_more(record):
+    def errors(variant, measure):
+        return row(record, "ball, slide", variant)[measure]
+
+    for measure in ("height_um", "drift_share"):
+        assert errors("good", measure) < errors("draft", measure)
+        assert errors("draft", measure) < errors("geometric overlap", measure)
+    assert errors("good", "height_um") < 0.2 * errors("half-space, 64 cells", "height_um")
+
+
+def test_what_was_not_asked_for_has_no_error(record):
+    assert row(record, "ball, slide", "draft, no friction")["drift_share"] is None
+
+
+def test_the_overlap_goes_along_with_the_object():
+    scene = scenes()["key, slide"]
+    surface = overlap_surface(scene, build_profile(scene.body))
+    touched = surface.touches[-1]
+    assert surface.drift_mm[-1, 0][touched] == pytest.approx(0.9, abs=1e-5)
+    assert not surface.drift_mm[-1, 1][touched].any()
+    assert not surface.drift_mm[0].any()
+
+
+def test_the_table_and_the_figure_hold_every_variant(record, tmp_path):
+    text = error_table(record)
+    for variant in ("good", "half-space, 64 cells", "geometric overlap"):
+        assert f"| {variant} " in text
+    draw_error(record, tmp_path / "errors.png")
+    assert (tmp_path / "errors.png").stat().st_size > 10_000
+
+
+def test_a_case_is_solved_or_refused_in_both_precisions():
+    names = ("key, 9 degree turn", "depth -0.5 mm", "depth NaN", "friction 1e6")
+    rows = simulator_stability(cases={name: CASES[name] for name in names}).numbers["rows"]
+    assert [one["precision"] for one in rows] == ["float32", "float64"] * 4
+    outcomes = {one["case"]: one["outcome"] for one in rows}
+    assert outcomes == dict.fromkeys(names, "solved") | {"depth NaN": "refused"}
+    single, double = (one["farthest_drift_mm"] for one in rows[:2])
+    assert single == pytest.approx(double, rel=1e-3)
+    assert np.isfinite([one.get("deepest_mm", 0) for one in rows]).all()
+
+
+def test_the_stability_table_says_why_a_case_was_refused():
+    asked = {name: CASES[name] for name in ("depth 0", "friction NaN")}
+    text = stability_table(simulator_stability(cases=asked))
+    assert "refused: the friction coefficient is nan, expected 0 to 1e+09" in text
+    assert text.count("| depth 0 ") == 2

@@ -1,0 +1,198 @@
+"""A scene on the grid: what is left out, what is dragged along, what a bad residual leads to."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.simulation import contact
+from geotlm_lm.simulation.contact import BOX_MM, solve_contact
+from geotlm_lm.simulation.march import Effort
+from geotlm_lm.simulation.normal_contact import misfit_um
+from geotlm_lm.simulation.presets import FAST, PRESETS, Preset
+from geotlm_lm.simulation.profile import build_profile
+from geotlm_lm.simulation.scene import Body, Gel, Path, Scene
+
+
+def scene(body="letter_l", *, depth=(0.5, 0.5), x=(0, 0), y=(0, 0), turn=(0.3, 0.3), gel=None):
+    path = Path(depth, x, y, turn)
+    return Scene(Body(body, variant=2), path, Motion.STILL, gel or Gel(poisson_ratio=0.48))
+
+
+def solved(one, preset=FAST, **options):
+    return solve_contact(one, build_profile(one.body), preset, **options)
+
+
+def test_without_being_asked_nothing_tangential_is_solved():
+    answer = solved(scene(x=(0, 0.4)))
+    assert answer.drift_mm is None
+    assert answer.status.friction_iterations == 0
+
+
+def test_without_friction_nothing_tangential_is_solved():
+    answer = solved(scene(depth=(0.2, 0.6), gel=Gel(friction=0.0)), with_drift=True)
+    assert answer.status.friction_iterations == 0
+    assert answer.drift_mm.shape == (2, 2, FAST.cells, FAST.cells)
+
+
+def test_friction_holds_the_gel_that_a_press_would_spread():
+    gel = {"poisson_ratio": 0.48}
+    free, held = (
+        solved(scene("block", gel=Gel(friction=mu, **gel)), with_drift=True).drift_mm[1]
+        for mu in (0.0, 1.0)
+    )
+    middle = slice(FAST.cells // 2 - 5, FAST.cells // 2 + 5)
+    free, held = (float(one[:, middle, middle].norm()) for one in (free, held))
+    assert held < 0.5 * free
+
+
+def test_a_press_does_not_depend_on_a_travel_of_nanometres():
+    still, moved = (
+        solved(scene("block", x=(0, x)), with_drift=True).drift_mm[1] for x in (0.0, 2e-9)
+    )
+    assert float((still - moved).abs().max()) < 1e-5
+
+
+def test_many_small_steps_carry_the_gel_as_far_as_a_large_one():
+    x = (0.0, 0.3, *(0.3 + 0.008 * k for k in range(1, 13)))
+    still = (0.0,) * len(x)
+    path = Path((0.5,) * len(x), x, still, still)
+    crawling = replace(scene("block"), path=path)
+    answer = solved(crawling, with_drift=True)
+    middle = FAST.cells // 2
+    went = answer.drift_mm[[1, -1], 0, middle, middle]
+    assert float(went[1] - went[0]) == pytest.approx(0.096, rel=0.1)
+
+
+def test_little_friction_is_solved_and_not_skipped():
+    one = scene(x=(0, 0.3), gel=Gel(friction=0.02))
+    quick, tight = (solved(one, PRESETS[name], with_drift=True) for name in ("good", "accurate"))
+    free = solved(scene(x=(0.3, 0.3), gel=Gel(friction=0.0)), with_drift=True)
+    assert float((quick.drift_mm[1] - quick.drift_mm[0]).abs().max()) == pytest.approx(
+        float((tight.drift_mm[1] - tight.drift_mm[0]).abs().max()), rel=0.3
+    )
+    assert free.status.is_converged
+
+
+@pytest.mark.parametrize("preset", ["draft", "fast", "good"])
+def test_friction_carries_the_surface_along_inside_its_cone(preset):
+    answer = solved(scene(x=(0, 0.2)), PRESETS[preset], with_drift=True)
+    status = answer.status
+    assert status.is_converged
+    assert status.preset == preset
+    assert status.friction_iterations > 0
+    assert status.cone_excess < 1e-5
+    assert status.dissipated_share > -0.02
+    moved = (answer.drift_mm[1] - answer.drift_mm[0])[0]
+    assert 0.15 < float(moved.max()) < 0.21
+    # The layer is dragged along around the contact and stands still far away.
+    assert abs(float(moved[:, :2].mean())) < 0.02
+
+
+def test_on_a_slippery_gel_nothing_is_carried_along():
+    answer = solved(scene(x=(0, 0.2), gel=Gel(friction=0.0)), with_drift=True)
+    spread = solved(scene(x=(0.2, 0.2), gel=Gel(friction=0.0)), with_drift=True)
+    assert float((answer.drift_mm[1] - spread.drift_mm[1]).abs().max()) < 1e-6
+
+
+def test_a_twist_clockwise_turns_the_gel_clockwise():
+    answer = solved(scene("prism_6", turn=(0.0, 0.08)), with_drift=True)
+    x, y = (answer.drift_mm[1] - answer.drift_mm[0]).numpy()
+    axis = (np.arange(FAST.cells) - (FAST.cells - 1) / 2) * BOX_MM / FAST.cells
+    across, along = np.meshgrid(axis, axis)
+    near = np.hypot(across, along) < 4
+    assert (x * -along)[near].mean() > 0
+    assert (y * across)[near].mean() > 0
+
+
+def test_finer_presets_come_closer_to_the_reference():
+    one = scene("prism_6", turn=(0.0, 0.1))
+    volumes = [
+        float(solved(one, PRESETS[name], with_drift=True).indentation_mm[1].clamp_min(0).mean())
+        for name in ("draft", "good", "accurate")
+    ]
+    assert abs(volumes[1] - volumes[2]) < abs(volumes[0] - volumes[2])
+
+
+def starved(name, harder):
+    """Return a preset that has no steps to spend, in front of `harder`."""
+
+    class Starved(Preset):
+        @property
+        def harder(self):
+            return harder
+
+    return Starved(name, 32, Effort((1,), friction_iterations=1, passes=1, most_passes=1))
+
+
+def test_a_bad_residual_is_answered_by_the_next_preset_which_is_named():
+    hard = scene("letter_l", depth=(2.5, 2.5), gel=Gel(thickness_mm=0.5, poisson_ratio=0.5))
+    answer = solved(hard, starved("draft", PRESETS["good"]))
+    assert answer.status.is_converged
+    assert answer.status.preset == "good"
+    assert answer.indentation_mm.shape[-1] == PRESETS["good"].cells
+
+
+def test_running_out_of_steps_is_never_called_converged():
+    hard = scene("letter_l", depth=(2.5, 2.5), gel=Gel(thickness_mm=0.5, poisson_ratio=0.5))
+    status = solved(hard, starved("draft", None)).status
+    assert not status.is_converged
+    assert status.penetration_um > 30
+    slid = replace(hard, path=replace(hard.path, x_mm=(0.0, 0.2)))
+    assert not solved(slid, starved("draft", None), with_drift=True).status.is_converged
+
+
+def test_large_steps_are_marched_in_small_ones(monkeypatch):
+    counts = []
+    real = contact.march
+
+    def counting(increments, *args, **options):
+        counts.append(len(increments))
+        return real(increments, *args, **options)
+
+    monkeypatch.setattr(contact, "march", counting)
+    solved(scene(x=(0, 0.2)), with_drift=True)
+    solved(scene(x=(0, 0.8)), with_drift=True)
+    solved(scene(turn=(0.0, np.radians(9.5))), with_drift=True)
+    assert counts == [2, 1 + 3, 1 + 4]
+
+
+def test_a_gel_out_of_touch_is_at_rest():
+    answer = solved(scene(depth=(-0.1, -0.2), x=(0, 1)), with_drift=True)
+    assert not answer.indentation_mm.any()
+    assert not answer.drift_mm.any()
+    assert not answer.touches.any()
+    assert answer.status.is_converged
+
+
+def test_what_slip_rubs_away_is_a_share_of_the_work():
+    lifted = scene(depth=(0.5, 0.5, -0.1), x=(0, 0.2, 0.2), y=(0, 0, 0), turn=(0.3,) * 3)
+    slippery = replace(lifted, gel=Gel(friction=1e-9))
+    assert abs(solved(slippery, with_drift=True).status.dissipated_share) < 0.05
+    assert 0 <= solved(lifted, with_drift=True).status.dissipated_share <= 1
+
+
+def test_a_harder_preset_keeps_the_body_and_the_precision():
+    flat = replace(PRESETS["good"], is_half_space=True, dtype=torch.float64)
+    assert flat.harder.is_half_space
+    assert flat.harder.name == "accurate"
+    assert replace(PRESETS["draft"], dtype=torch.float64).harder.dtype == torch.float64
+    assert PRESETS["reference"].harder is None
+
+
+def test_pressing_where_there_is_a_gap_is_not_converged():
+    overlap = torch.tensor([[[0.1, -0.2]]])
+    pressure = torch.tensor([[[1.0, 1.0]]])
+    assert float(misfit_um(overlap, torch.tensor([[[0.1, 0.0]]]), pressure)) == pytest.approx(200)
+    assert float(misfit_um(overlap, torch.tensor([[[0.1, 0.0]]]), pressure * 0)) == 0
+
+
+@pytest.mark.parametrize(
+    "bad", [{"size": math.nan}, {"tilt_x": math.nan}, {"texture_um": math.inf}]
+)
+def test_a_body_that_is_not_finite_is_refused(bad):
+    with pytest.raises(ValueError, match="expected"):
+        Body("block", **bad)
