@@ -95,9 +95,8 @@ class MotionLabel:
         slide_y_mm: Travel of the object down the image.
         depth_change_mm: Change of the indentation depth, positive when pressing in.
         contact_fraction: Share of the image in contact, one number per frame, in [0, 1].
-        is_readable: Whether the image tells this motion from rest and from motions of other names;
-            that of a smooth ball spinning about its own axis, or of an edge sliding along itself,
-            does not.
+        is_readable: Whether the motion changes the image more than the sensor's noise, as a smooth
+            ball spinning about its own axis does not, and is the greater one at the contact.
     """
 
     motion: Motion

@@ -6,6 +6,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.reports.tables import markdown, provenance
 
@@ -83,7 +84,8 @@ def draw_error(record: RunRecord, path: Path) -> None:
         axes.set(xlabel="ms per clip of four frames", ylabel=f"error in {title}")
         axes.grid(alpha=0.3)
     axes.legend(fontsize="small", loc="center left", bbox_to_anchor=(1, 0.5))
-    figure.savefig(path, dpi=120)
+    with replacing(path) as stream:
+        figure.savefig(stream, dpi=120, format=path.suffix.removeprefix("."))
 
 
 def _by_variant(record: RunRecord) -> dict[str, list[dict[str, Any]]]:

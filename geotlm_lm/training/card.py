@@ -60,10 +60,10 @@ GelSight-like sensor. Every weight was trained on simulated clips alone.
 
 ## Scores on simulated everyday objects never trained on
 
-{scores["clips"]} clips, {scores["unreadable_clips"]} left out because their picture
-differs by less than the camera's noise from that of rest or of a motion with another name.
-Generated answers are free text over all ten motions, and a direction withheld for want of contact
-counts as wrong; the probes choose among the motions of the task.
+{scores["clips"]} clips, {scores["unreadable_clips"]} left out because their motion changes the
+image by less than the camera's noise or is the lesser one in it. Generated answers are free text
+over all ten motions, and a direction withheld for want of contact counts as wrong; the probes
+choose among the motions of the task.
 
 | task | clips | generated | generated, held-out wordings | probe on z | probe on c, no DGR |
 |---|---|---|---|---|---|

@@ -62,8 +62,6 @@ def test_patch_means_average_sixteen_by_sixteen():
         (Motion.LEFT, 0.1, Trace(9.0, turn_mm=1.0, slide_mm=1.1), True),
         (Motion.LEFT, 0.1, Trace(9.0, turn_mm=1.0, slide_mm=0.9), False),
         (Motion.LEFT, 0.001, Trace(9.0, slide_mm=1.0), False),
-        (Motion.LEFT, 0.1, Trace(9.0, slide_mm=1.0, margin_grey=0.9), False),
-        (Motion.LEFT, 0.1, Trace(9.0, slide_mm=1.0, margin_grey=1.1), True),
         (Motion.PRESS, 0.1, Trace(9.0), True),
         (Motion.STILL, 0.1, Trace(), True),
         (Motion.NONE, 0.0, Trace(), True),
