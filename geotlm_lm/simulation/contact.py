@@ -207,9 +207,12 @@ def dome_drop_mm(gel: Gel, x_mm: float, y_mm: float) -> float:
     return gel.dome * (x_mm**2 / (2 * DOME_RADII_MM[0]) + y_mm**2 / (2 * DOME_RADII_MM[1]))
 
 
+@lru_cache(maxsize=4)
 def dome_mm(gel: Gel, mm_per_px: tuple[float, float], side: int) -> HeightMap:
-    """Return how far the crowned pad lies below its top, (side, side) in mm."""
+    """Return how far the crowned pad lies below its top, (side, side) in mm, read-only."""
     axis = np.arange(side) - (side - 1) / 2
     x = (axis * mm_per_px[0]) ** 2 * gel.dome / (2 * DOME_RADII_MM[0])
     y = (axis * mm_per_px[1]) ** 2 * gel.dome / (2 * DOME_RADII_MM[1])
-    return (x[None, :] + y[:, None]).astype(np.float32)
+    drop = (x[None, :] + y[:, None]).astype(np.float32)
+    drop.setflags(write=False)
+    return drop

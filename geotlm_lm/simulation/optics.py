@@ -78,7 +78,7 @@ def recorded(
     frame: Planar, optics: Optics, rng: np.random.Generator, *, noise_share: float = 1.0
 ) -> NDArray[np.uint8]:
     """Return what the recording holds: noise added, 8 bit, perhaps lossy; (224, 224, 3) RGB."""
-    image = np.empty((IMAGE_SIDE, IMAGE_SIDE, 3), np.uint8)
+    planes = []
     for channel in range(3):
         noise = unit_noise(rng)
         sign = noise_share if rng.random() < 0.5 else -noise_share
@@ -86,7 +86,8 @@ def recorded(
         level = noise * np.float32(sign * optics.noise_grey[channel])
         level += frame[channel]
         level += 0.5
-        image[..., channel] = np.clip(level, 0, 255, out=level)
+        planes.append(np.clip(level, 0, 255, out=level).astype(np.uint8))
+    image = cv2.merge(planes)
     if optics.jpeg_quality is None:
         return image
     code = cv2.imencode(".jpg", image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, optics.jpeg_quality])

@@ -58,10 +58,10 @@ def trace_of(
         touches: Where the object is against the gel, (frames, 224, 224).
         last: The later frame.
     """
-    change = image_change(clean[0], clean[last], touches[0] | touches[last])
     contact = touches[last] if touches[last].any() else touches[0]
-    if not contact.any():
-        return Trace(change)
+    if last == 0 or not contact.any():
+        return Trace()
+    change = image_change(clean[0], clean[last], touches[0] | touches[last])
     x, y, turn_mm = motion_at_contact_mm(scene, contact, last)
     return Trace(change, abs(turn_mm), float(np.hypot(x, y)))
 
