@@ -57,8 +57,9 @@ def idle_frame(seed: int, view: float = 1.0) -> NDArray[np.float32]:
     frame *= 1 - rng.uniform(0, 0.25) * _vignette()
     frame *= _specks(rng)[None]
     for channel, sigma in enumerate(FIXED_PATTERN_GREY):
-        frame[channel] += np.float32(sigma * rng.uniform(0.3, 1.2)) * unit_noise(rng)
-    return np.clip(frame, 2, 250)
+        strength = sigma * rng.uniform(0.3, 1.2)
+        cv2.scaleAdd(unit_noise(rng), strength, frame[channel], dst=frame[channel])
+    return np.clip(frame, 2, 250, out=frame)
 
 
 def _pixel_axis() -> NDArray[np.float64]:
@@ -67,10 +68,7 @@ def _pixel_axis() -> NDArray[np.float64]:
 
 def _lagrange(points: NDArray[np.float64]) -> torch.Tensor:
     """Return the weights (points, 5) of polynomial interpolation through the table's nodes."""
-    weights = np.ones((len(points), len(_NODES)))
-    for node, here in enumerate(_NODES):
-        for other in np.delete(_NODES, node):
-            weights[:, node] *= (points - other) / (here - other)
+    weights = np.vander(points, len(_NODES)) @ np.linalg.inv(np.vander(_NODES))
     return torch.from_numpy(weights.astype(np.float32))
 
 

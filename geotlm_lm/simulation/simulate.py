@@ -192,8 +192,8 @@ def _render(
 def _as_recorded(
     image: NDArray[np.float32], optics: Optics, rng: np.random.Generator
 ) -> NDArray[np.uint8]:
-    drift = np.clip(rng.normal(0, optics.drift_grey, 3), -1, 1).astype(np.float32)
-    return recorded(image + drift[:, None, None], optics, rng)
+    drift = np.clip(rng.normal(0, optics.drift_grey, 3), -1, 1)
+    return recorded(image, optics, rng, drift_grey=drift)
 
 
 class Stopwatch:
