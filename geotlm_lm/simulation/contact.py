@@ -77,7 +77,10 @@ def solve_contact(
     drags = with_drift and scene.gel.friction > 0
     trying: Preset | None = preset
     while trying is not None:
-        solved = (_dragged if drags else _pressed)(scene, profile, trying, with_drift)
+        if drags:
+            solved = _dragged(scene, profile, trying)
+        else:
+            solved = _pressed(scene, profile, trying, with_drift)
         solved = replace(solved, status=replace(solved.status, preset=trying.name))
         if solved.status.is_converged:
             break
@@ -99,7 +102,7 @@ def _pressed(scene: Scene, profile: Profile, preset: Preset, with_drift: bool) -
     return GridContact(contact.indentation_mm, drift, touches, status)
 
 
-def _dragged(scene: Scene, profile: Profile, preset: Preset, with_drift: bool) -> GridContact:
+def _dragged(scene: Scene, profile: Profile, preset: Preset) -> GridContact:
     """March through the frames with friction and history."""
     response = _layer(scene.gel, preset)
     poses = list(_poses(scene.path))
