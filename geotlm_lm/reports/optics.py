@@ -12,9 +12,9 @@ HEADER = ("unit", "real, median (spread)", "simulated, median (spread)", "simula
 
 READING = """\
 Statistics of images brought to 224 x 224 pixels, the same code for real and simulated ones. A
-spread runs from the {low:.0f}th to the {high:.0f}th percentile over recordings, contacts over
-touched frames; each real source weighs the same. *simulated inside*: share of simulated clips
-inside the real spread; *real covered*: share of real ones inside the simulated spread.
+spread runs from the {low:.0f}th to the {high:.0f}th percentile over recordings, or over touched
+frames where a contact is measured; each real source weighs the same. *simulated inside*: share of
+simulated clips inside the real spread; *real covered*: share of real ones inside the simulated one.
 
 - The real videos are lossy (MPEG-4): between two frames stored whole their noise stands still, so
   their noise between frames is the codec's, not the camera's. Only the fine residual beside the
@@ -22,12 +22,13 @@ inside the real spread; *real covered*: share of real ones inside the simulated 
 - Where the object touches is found from what changed, real and simulated alike. Shapes and depths
   differ between the two, so that a contact's strength and sharpness are the object's as well; the
   balls at the end are the same bodies on both sides, pressed to depths nobody measured.
+- A median can be inside although many real values are not covered: read the last column as well.
 - The mean of a contact and the direction of each light are measured on imprints wholly in view,
-  where shading cancels in the mean and the depth term is left."""
+  where shading cancels in the mean and the depth term is left, less what steep flanks lose."""
 
 BALLS = """\
-Smooth balls of {sizes} mm diameter. The cap is the part of the ball below the plane of the touched
-region, known from the region's area: the real pixel size is the sensor's nominal one."""
+Smooth balls of {sizes} mm diameter. The cap is the part of the ball below the plane of the
+touched region, known from the region's area: the real pixel size is the sensor's nominal one."""
 
 
 def optics_report(record: RunRecord) -> str:

@@ -1,7 +1,11 @@
+from pathlib import Path
+
 import pytest
 
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.reports.optics import comparison_table, optics_report, source_table, verdict
+
+REPORTS = Path(__file__).resolve().parents[2] / "reports"
 
 SUMMARY = {"median": 2.0, "low": 1.0, "high": 12.0, "count": 9}
 
@@ -57,3 +61,9 @@ def test_without_balls_none_are_spoken_of(record):
     record.numbers["balls"] = []
     assert "balls'" not in verdict(record)
     assert "## Balls" not in optics_report(record)
+
+
+@pytest.mark.skipif(not REPORTS.is_dir(), reason="needs the checkout's reports/")
+def test_the_table_in_the_checkout_is_the_recorded_runs():
+    record = RunRecord.load(REPORTS / "recorded" / "optics.json")
+    assert (REPORTS / "optics.md").read_text() == optics_report(record)
