@@ -130,7 +130,7 @@ def _rows(problem: Problem) -> list[dict[str, Any]]:
             "errors": errors,
             "order": measured_order(problem.sizes, errors),
             "expected_order": quantity.order,
-            "is_least": quantity.is_least,
+            "reading": quantity.reading,
         }
         rows.append(own | shared)
     return rows

@@ -18,11 +18,17 @@ MEASURES = {
 """Keys of a row -> what the figure and the table call them."""
 
 
+READINGS = {"exactly": "", "at least": ">= ", "about": "~ "}
+"""How an expected order is to be read -> what the table puts before it."""
+
 CLOSED_FORMS_NOTE = """\
-The order is minus the slope of log |error| over log size; `>=` marks errors whose sign changes from
-grid to grid, so that they cancel now and then. The half-space is taken without the cross terms that
-its formulas leave out, and a disc is held against one as large as the cells it touches. Residuals
-are the worst of all sizes and steps, in double precision; the record holds more of them."""
+The order is minus the slope of log |error| over log size. `>=`: coarse grids resolve the slipping
+ring by a cell or two, and err more than the order of finer ones tells. `~`: the rim is a staircase
+of cells, and its error scatters within half a cell. Thin layers and short increments come to their
+order from below, as they are limits themselves. The half-space is taken without the cross terms
+that its formulas leave out, and a disc is held against one as large as the cells it touches.
+Residuals are the worst of all sizes and steps, in double precision; the record holds more of them.
+One solution serves all quantities of a problem."""
 
 
 def error_table(record: RunRecord) -> str:
@@ -82,7 +88,7 @@ def closed_forms_table(record: RunRecord) -> str:
                 f"{', '.join(map(str, row['sizes']))} {row['unit']}",
                 ", ".join(f"{error:.1e}" for error in row["errors"]),
                 f"{row['order']:.2f}",
-                f"{'>= ' if row['is_least'] else ''}{row['expected_order']:g}",
+                f"{READINGS[row['reading']]}{row['expected_order']:g}",
                 f"{worst['penetration_um']:.0e} / {worst['gradient_share']:.0e}",
                 f"{sum(row['ms']):.0f}",
             ]

@@ -20,7 +20,9 @@ from geotlm_lm.reports.simulator import closed_forms_table
 
 PROBLEMS = problems()
 QUANTITIES = [(name, one) for name, problem in PROBLEMS.items() for one in problem.quantities]
-LARGEST = {"cells per side": 64, "contact radii per thickness": 64, "increments": 16}
+LARGEST = {"cells per side": 64, "contact radii per thickness": 64, "increments": 32}
+MARGINS = {"exactly": (-0.3, 0.3), "at least": (-0.1, math.inf), "about": (-0.5, 1.0)}
+"""Room for the order, by how the expected one is to be read; two thirds are used, measured."""
 
 
 @pytest.fixture(scope="module")
@@ -40,11 +42,8 @@ def row(record, problem, quantity):
 @pytest.mark.parametrize(("problem", "quantity"), QUANTITIES)
 def test_every_closed_form_is_met_at_the_expected_order(record, problem, quantity):
     own = row(record, problem, quantity)
-    if own["is_least"]:
-        # Staircase noise: errors of both signs cancel on some grids, not on others.
-        assert own["order"] > own["expected_order"] - 0.5
-    else:
-        assert own["order"] == pytest.approx(own["expected_order"], abs=0.2)
+    low, high = MARGINS[own["reading"]]
+    assert low < own["order"] - own["expected_order"] < high
 
 
 @pytest.mark.parametrize("problem", PROBLEMS)
