@@ -53,8 +53,9 @@ class Quantity:
     Args:
         error_of: Solution -> signed relative error.
         order: Expected order of convergence; negative for what grows without bound.
-        reading: The order is exactly that; at least that, where coarse grids resolve a slipping
-            ring by a cell or two; or about that, where a rim's staircase scatters the errors.
+        reading: The order is exactly that; at least that, where coarse grids are ruled by the rim's
+            staircase, whose part scatters from grid to grid and falls with order 2.5, measured; or
+            about that, where nothing but this scatter is left.
     """
 
     error_of: Callable[[Solved], float]

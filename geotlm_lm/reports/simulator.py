@@ -22,13 +22,13 @@ READINGS = {"exactly": "", "at least": ">= ", "about": "~ "}
 """How an expected order is to be read -> what the table puts before it."""
 
 CLOSED_FORMS_NOTE = """\
-The order is minus the slope of log |error| over log size. `>=`: coarse grids resolve the slipping
-ring by a cell or two, and err more than the order of finer ones tells. `~`: the rim is a staircase
-of cells, and its error scatters within half a cell. Thin layers and short increments come to their
-order from below, as they are limits themselves. The half-space is taken without the cross terms
-that its formulas leave out, and a disc is held against one as large as the cells it touches.
-Residuals are the worst of all sizes and steps, in double precision; the record holds more of them.
-One solution serves all quantities of a problem."""
+The order is minus the slope of log |error| over log size. Rims are staircases of cells: `~` marks
+radii, whose error scatters within half a cell, and `>=` forces and moments whose scatter from grid
+to grid falls faster than the order, and rules the coarse grids. Thin layers and short increments
+come to their order from below, as they are limits themselves. The half-space is taken without the
+cross terms that its formulas leave out, and a disc is held against one as large as the cells it
+touches. Residuals are the worst of all sizes and steps, in double precision; the record holds more
+of them. One solution serves all quantities of a problem."""
 
 
 def error_table(record: RunRecord) -> str:

@@ -20,7 +20,7 @@ from geotlm_lm.reports.simulator import closed_forms_table
 
 PROBLEMS = problems()
 QUANTITIES = [(name, one) for name, problem in PROBLEMS.items() for one in problem.quantities]
-LARGEST = {"cells per side": 64, "contact radii per thickness": 64, "increments": 32}
+LARGEST = {"cells per side": 64, "contact radii per thickness": 64, "increments": 16}
 MARGINS = {"exactly": (-0.3, 0.3), "at least": (-0.1, math.inf), "about": (-0.5, 1.0)}
 """Room for the order, by how the expected one is to be read; two thirds are used, measured."""
 
