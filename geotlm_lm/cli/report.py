@@ -185,5 +185,36 @@ def optics(
     typer.echo(verdict(record))
 
 
+@app.command()
+def closed_forms(
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/closed_forms.json"
+    ),
+    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
+        "reports/closed_forms.md"
+    ),
+) -> None:
+    """Hold the contact solver against every closed form, with its order of convergence.
+
+    Example: geotlm-lm report closed-forms
+    """
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.core.atomic import write_text_atomically
+    from geotlm_lm.experiments import closed_forms as experiment
+    from geotlm_lm.experiments.evaluate import one_thread
+    from geotlm_lm.reports.simulator import closed_forms_table
+
+    for path, name in ((out, "--out"), (table, "--table")):
+        require_writable_file(path, name)
+    with one_thread():
+        record = experiment.closed_forms(command=command_line(sys.argv), progress=_show)
+    record.save(out)
+    title = "# Simulator: closed forms and orders of convergence"
+    write_text_atomically(table, f"{title}\n\n{closed_forms_table(record)}\n")
+    typer.echo(closed_forms_table(record))
+
+
 def _show(what: str, done: int, total: int) -> None:
     typer.echo(f"{what}: {done} of {total}", err=True)

@@ -61,3 +61,20 @@ def test_optics_are_recorded_and_tabled(tmp_path, monkeypatch):
     assert RunRecord.load(out).config["clips"] == 7
     assert RunRecord.load(out).seed == 3
     assert table.read_text().startswith("# Simulator: its images beside real ones\n")
+
+
+def test_closed_forms_are_recorded_and_tabled_with_their_command(tmp_path, monkeypatch):
+    from geotlm_lm.experiments import closed_forms
+
+    def solved(*, command, progress):
+        return RunRecord("closed_forms", command, 0, 1.0, {"rows": [], "laws": {"mirror": 1e-12}})
+
+    monkeypatch.setattr(closed_forms, "closed_forms", solved)
+    monkeypatch.setattr("sys.argv", ["geotlm-lm", "report", "closed-forms"])
+    out, table = tmp_path / "deep" / "forms.json", tmp_path / "forms.md"
+    words = ["closed-forms", "--out", str(out), "--table", str(table)]
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0
+    assert RunRecord.load(out).command == "geotlm-lm report closed-forms"
+    assert "| mirror |" in table.read_text()
+    assert table.read_text().startswith("# Simulator: closed forms and orders of convergence\n")
