@@ -135,3 +135,9 @@ def test_clips_of_objects_kept_for_another_set_are_refused(finished):
     wanted = examples.ExampleSet("validation", 20, objects=("ball",))
     with pytest.raises(UsageError, match="the validation clips touch .*, expected only objects"):
         examples.read_examples(folder, wanted)
+
+
+def test_the_physical_shear_is_kept_unless_the_other_answers_better():
+    assert train.better_mode({"paper": 0.970, "grounded": 0.968}) == "grounded"
+    assert train.better_mode({"paper": 0.960, "grounded": 0.968}) == "grounded"
+    assert train.better_mode({"paper": 0.985, "grounded": 0.968}) == "paper"
