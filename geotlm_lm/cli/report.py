@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import require_writable_file
+from geotlm_lm.cli.options import Seed, require_writable_file
 
 EXAMPLE_CLIP = Path("app/examples/bottle_cap_clockwise.npz")
 EXAMPLE_QUESTION = "Which way is the cap turning?"
@@ -142,6 +142,78 @@ def stability(
     title = "# Simulator: stiff and extreme scenes"
     write_text_atomically(table, f"{title}\n\n{stability_table(record)}\n")
     typer.echo(stability_table(record))
+
+
+@app.command()
+def optics(
+    real: Annotated[
+        Path, typer.Option(help="Folder of real images: calibration/ and physiclear/.")
+    ],
+    clips: Annotated[int, typer.Option(min=1, help="Simulated clips.")] = 600,
+    seed: Seed = 0,
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/optics.json"
+    ),
+    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
+        "reports/optics.md"
+    ),
+) -> None:
+    """Hold the simulator's images against real ones, statistic by statistic.
+
+    Example: geotlm-lm report optics --real DIR
+    """
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line, progress_on_stderr
+    from geotlm_lm.core.atomic import write_text_atomically
+    from geotlm_lm.experiments.evaluate import one_thread
+    from geotlm_lm.experiments.optics import compare_optics
+    from geotlm_lm.reports.optics import optics_report, verdict
+
+    for path, name in ((out, "--out"), (table, "--table")):
+        require_writable_file(path, name)
+    with one_thread():
+        record = compare_optics(
+            real,
+            clips=clips,
+            seed=seed,
+            command=command_line(sys.argv),
+            progress=progress_on_stderr(),
+        )
+    record.save(out)
+    write_text_atomically(table, optics_report(record))
+    typer.echo(verdict(record))
+
+
+@app.command()
+def closed_forms(
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/closed_forms.json"
+    ),
+    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
+        "reports/closed_forms.md"
+    ),
+) -> None:
+    """Hold the contact solver against every closed form, with its order of convergence.
+
+    Example: geotlm-lm report closed-forms
+    """
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.core.atomic import write_text_atomically
+    from geotlm_lm.experiments import closed_forms as experiment
+    from geotlm_lm.experiments.evaluate import one_thread
+    from geotlm_lm.reports.simulator import closed_forms_table
+
+    for path, name in ((out, "--out"), (table, "--table")):
+        require_writable_file(path, name)
+    with one_thread():
+        record = experiment.closed_forms(command=command_line(sys.argv), progress=_show)
+    record.save(out)
+    title = "# Simulator: closed forms and orders of convergence"
+    write_text_atomically(table, f"{title}\n\n{closed_forms_table(record)}\n")
+    typer.echo(closed_forms_table(record))
 
 
 def _show(what: str, done: int, total: int) -> None:

@@ -18,6 +18,19 @@ MEASURES = {
 """Keys of a row -> what the figure and the table call them."""
 
 
+READINGS = {"exactly": "", "at least": ">= ", "about": "~ "}
+"""How an expected order is to be read -> what the table puts before it."""
+
+CLOSED_FORMS_NOTE = """\
+The order is minus the slope of log |error| over log size. Rims are staircases of cells: `~` marks
+radii, whose error scatters within half a cell, and `>=` forces and moments whose scatter from grid
+to grid falls faster than the order, and rules the coarse grids. Thin layers and short increments
+come to their order from below, as they are limits themselves. The half-space is taken without the
+cross terms that its formulas leave out, and a disc is held against one as large as the cells it
+touches. Residuals are the worst of all sizes and steps, in double precision; the record holds more
+of them. One solution serves all quantities of a problem."""
+
+
 def error_table(record: RunRecord) -> str:
     """Return one row per variant: milliseconds, and each error's range over the scenes."""
     rows = []
@@ -61,6 +74,30 @@ def stability_table(record: RunRecord) -> str:
     header = ["case", "precision", "outcome", "penetration um", "gradient share", "cone excess"]
     header += ["iterations, normal / friction", "ms"]
     return markdown(header, rows) + "\n\n" + provenance(record)
+
+
+def closed_forms_table(record: RunRecord) -> str:
+    """Return one row per quantity with a closed form, then one per law."""
+    rows = []
+    for row in record.numbers["rows"]:
+        worst = row["residuals"]
+        rows.append(
+            [
+                f"{row['problem']}: {row['quantity']}",
+                row["source"],
+                f"{', '.join(map(str, row['sizes']))} {row['unit']}",
+                ", ".join(f"{error:.1e}" for error in row["errors"]),
+                f"{row['order']:.2f}",
+                f"{READINGS[row['reading']]}{row['expected_order']:g}",
+                f"{worst['penetration_um']:.0e} / {worst['gradient_share']:.0e}",
+                f"{sum(row['ms']):.0f}",
+            ]
+        )
+    header = ["problem: quantity", "formula", "sizes", "relative error at each", "order"]
+    header += ["expected", "residual: penetration um / gradient share", "ms, all sizes"]
+    laws = [[name, f"{deviation:.0e}"] for name, deviation in record.numbers["laws"].items()]
+    parts = [markdown(header, rows), markdown(["law", "relative deviation"], laws)]
+    return "\n\n".join([*parts, CLOSED_FORMS_NOTE, provenance(record)])
 
 
 def draw_error(record: RunRecord, path: Path) -> None:

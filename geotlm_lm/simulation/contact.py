@@ -77,7 +77,10 @@ def solve_contact(
     drags = with_drift and scene.gel.friction > 0
     trying: Preset | None = preset
     while trying is not None:
-        solved = (_dragged if drags else _pressed)(scene, profile, trying, with_drift)
+        if drags:
+            solved = _dragged(scene, profile, trying)
+        else:
+            solved = _pressed(scene, profile, trying, with_drift)
         solved = replace(solved, status=replace(solved.status, preset=trying.name))
         if solved.status.is_converged:
             break
@@ -99,7 +102,7 @@ def _pressed(scene: Scene, profile: Profile, preset: Preset, with_drift: bool) -
     return GridContact(contact.indentation_mm, drift, touches, status)
 
 
-def _dragged(scene: Scene, profile: Profile, preset: Preset, with_drift: bool) -> GridContact:
+def _dragged(scene: Scene, profile: Profile, preset: Preset) -> GridContact:
     """March through the frames with friction and history."""
     response = _layer(scene.gel, preset)
     poses = list(_poses(scene.path))
@@ -207,9 +210,12 @@ def dome_drop_mm(gel: Gel, x_mm: float, y_mm: float) -> float:
     return gel.dome * (x_mm**2 / (2 * DOME_RADII_MM[0]) + y_mm**2 / (2 * DOME_RADII_MM[1]))
 
 
+@lru_cache(maxsize=4)
 def dome_mm(gel: Gel, mm_per_px: tuple[float, float], side: int) -> HeightMap:
-    """Return how far the crowned pad lies below its top, (side, side) in mm."""
+    """Return how far the crowned pad lies below its top, (side, side) in mm, read-only."""
     axis = np.arange(side) - (side - 1) / 2
     x = (axis * mm_per_px[0]) ** 2 * gel.dome / (2 * DOME_RADII_MM[0])
     y = (axis * mm_per_px[1]) ** 2 * gel.dome / (2 * DOME_RADII_MM[1])
-    return (x[None, :] + y[:, None]).astype(np.float32)
+    drop = (x[None, :] + y[:, None]).astype(np.float32)
+    drop.setflags(write=False)
+    return drop

@@ -7,7 +7,6 @@ seed's series, whoever wrote it and whenever; a resumed run only writes the miss
 
 from __future__ import annotations
 
-import io
 import json
 import multiprocessing
 import os
@@ -29,6 +28,7 @@ from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.simulation.presets import PresetName, preset_named
 from geotlm_lm.simulation.series import SERIES_VERSION, simulate_series
+from geotlm_lm.simulation.simulate import SimulatedClip
 
 SHARD_CLIPS = 64
 """Clips per shard: about 50 MB of frames, a few seconds of work to lose in a kill."""
@@ -205,42 +205,49 @@ def _end_with_parent() -> None:
 
 
 def _write_shard(shard: _Shard) -> int:
-    clips = list(
-        simulate_series(
-            shard.seed,
-            shard.count,
-            objects=shard.objects,
-            first_index=shard.first_index,
-            preset=shard.preset,
-            with_drift=shard.with_drift,
-        )
+    made: dict[str, list[Any]] = {}
+    series = simulate_series(
+        shard.seed,
+        shard.count,
+        objects=shard.objects,
+        first_index=shard.first_index,
+        preset=shard.preset,
+        with_drift=shard.with_drift,
     )
-    arrays = {
-        "index": np.arange(shard.first_index, shard.first_index + shard.count),
-        "frames": np.stack([clip.clip.frames for clip in clips]),
-        "backgrounds": np.stack([clip.clip.background for clip in clips]),
-        "displacement_px": np.stack([clip.displacement_px for clip in clips]),
-        "contact": np.stack([clip.contact for clip in clips]),
-        "depth_mm": np.stack([clip.depth_mm for clip in clips]),
-        "mm_per_px": np.array([clip.mm_per_px for clip in clips], np.float32),
-        "penetration_um": np.array([clip.status.penetration_um for clip in clips], np.float32),
-        "object_names": np.array([clip.object_name for clip in clips]),
-        "labels": np.array(json.dumps([clip.label.to_dict() for clip in clips])),
-    }
-    if shard.with_drift:
-        arrays["drift_px"] = np.stack([clip.drift_px for clip in clips])
+    for index, clip in enumerate(series, start=shard.first_index):
+        # What a clip keeps besides, to tell its trace, is three times its size.
+        for name, value in _stored(clip, shard.with_drift).items():
+            made.setdefault(name, []).append(value)
+        made.setdefault("index", []).append(index)
+    arrays = {name: np.array(values) for name, values in made.items()}
+    arrays["labels"] = np.array(json.dumps(made["labels"]))
     _save_atomically(Path(shard.path), arrays)
     return shard.count
+
+
+def _stored(clip: SimulatedClip, with_drift: bool) -> dict[str, Any]:
+    """Return what a data set keeps of one clip."""
+    kept = {
+        "frames": clip.clip.frames,
+        "backgrounds": clip.clip.background,
+        "displacement_px": clip.displacement_px,
+        "contact": clip.contact,
+        "depth_mm": clip.depth_mm,
+        "mm_per_px": np.array(clip.mm_per_px, np.float32),
+        "penetration_um": np.float32(clip.status.penetration_um),
+        "object_names": clip.object_name,
+        "labels": clip.label.to_dict(),
+    }
+    return kept | {"drift_px": clip.drift_px} if with_drift else kept
 
 
 def _save_atomically(path: Path, arrays: dict[str, NDArray[Any]]) -> None:
     """Write an uncompressed npz with a fixed date inside, so that equal clips are equal bytes."""
     with replacing(path) as stream, zipfile.ZipFile(stream, "w") as archive:
         for name, array in arrays.items():
-            buffer = io.BytesIO()
-            np.lib.format.write_array(buffer, np.asarray(array), allow_pickle=False)
             entry = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
-            archive.writestr(entry, buffer.getvalue())
+            with archive.open(entry, "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, array, allow_pickle=False)
 
 
 def _card(out: Path, count: int, wanted: dict[str, Any]) -> str:

@@ -9,10 +9,11 @@ from geotlm_lm.simulation.everyday import EVERYDAY
 from geotlm_lm.simulation.indenter import Indenter
 from geotlm_lm.simulation.shapes_outline import OUTLINES
 from geotlm_lm.simulation.shapes_rough import ROUGH
+from geotlm_lm.simulation.shapes_round import ROUND
 from geotlm_lm.simulation.shapes_solid import SOLIDS
 from geotlm_lm.simulation.shapes_woven import WOVEN
 
-_TRAINING: dict[str, Indenter] = SOLIDS | OUTLINES | ROUGH | WOVEN
+_TRAINING: dict[str, Indenter] = SOLIDS | OUTLINES | ROUGH | WOVEN | ROUND
 
 TRAINING_OBJECTS: tuple[str, ...] = tuple(_TRAINING)
 """Names a model may be trained on."""

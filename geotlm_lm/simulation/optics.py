@@ -7,6 +7,9 @@ which fits a GelSight Mini better (R^2 0.88 / 0.85 / 0.74 in R, G, B) than addit
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import lru_cache
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -44,24 +47,32 @@ def lit(
         slope_x /= soft
         slope_y /= soft
     # Flanks see less of the lit inside of the sensor: a loss common to all channels.
-    common = np.float32(-2 * optics.steep_darkening) * (steep / (1 + steep))
-    axis = np.linspace(-1, 1, IMAGE_SIDE, dtype=np.float32)
+    unlit = 1 - np.float32(2 * optics.steep_darkening) * (steep / (1 + steep))
+    reach = _reach(optics.light_slope_x, optics.light_slope_y)
     frames = np.empty_like(base)
     for channel in range(3):
-        light_x, light_y = lights[channel].astype(np.float32)
-        shade = light_x * slope_x
-        shade += light_y * slope_y
+        light_x, light_y = (float(value) for value in lights[channel])
+        shade = cv2.addWeighted(slope_x, light_x, slope_y, light_y, 0)
         if optics.shadow > 0:
-            shade -= np.float32(optics.shadow) * _shadow(height_mm, lights[channel], optics)
-        # A light's own reach over the pad is not the idle frame's: it also falls on the markerless
-        # coat at another angle, so each shading may grow towards one side.
-        shade *= 1 + np.float32(optics.light_slope_x[channel]) * axis[None, :]
-        shade *= 1 + np.float32(optics.light_slope_y[channel]) * axis[:, None]
-        shade += np.float32(optics.depth_gain[channel]) * height_mm
-        shade += common
-        shade += 1
+            shadow = _shadow(height_mm, lights[channel], optics)
+            cv2.scaleAdd(shadow, -optics.shadow, shade, dst=shade)
+        shade *= reach[channel]
+        cv2.scaleAdd(height_mm, optics.depth_gain[channel], shade, dst=shade)
+        shade += unlit
         np.multiply(base[channel], np.maximum(shade, 0.05, out=shade), out=frames[channel])
     return frames
+
+
+@lru_cache(maxsize=2)
+def _reach(slope_x: tuple[float, ...], slope_y: tuple[float, ...]) -> Planar:
+    """Return each light's strength over the pad, (3, 224, 224).
+
+    A light's own reach is not the idle frame's: it also falls on the markerless coat at another
+    angle, so each shading may grow towards one side.
+    """
+    axis = np.linspace(-1, 1, IMAGE_SIDE, dtype=np.float32)
+    across, down = (1 + np.float32(slopes)[:, None] * axis for slopes in (slope_x, slope_y))
+    return across[:, None, :] * down[:, :, None]
 
 
 def turned_lights(optics: Optics) -> NDArray[np.float64]:
@@ -75,22 +86,34 @@ def turned_lights(optics: Optics) -> NDArray[np.float64]:
 
 
 def recorded(
-    frame: Planar, optics: Optics, rng: np.random.Generator, *, noise_share: float = 1.0
+    frame: Planar,
+    optics: Optics,
+    rng: np.random.Generator,
+    *,
+    noise_share: float = 1.0,
+    drift_grey: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> NDArray[np.uint8]:
-    """Return what the recording holds: noise added, 8 bit, perhaps lossy; (224, 224, 3) RGB."""
-    image = np.empty((IMAGE_SIDE, IMAGE_SIDE, 3), np.uint8)
+    """Return what the recording holds: noise added, 8 bit, perhaps lossy; (224, 224, 3) RGB.
+
+    Args:
+        frame: Planar frame without noise, (3, 224, 224).
+        optics: Noise and compression.
+        rng: Source of the noise.
+        noise_share: Strength of the noise relative to one frame's.
+        drift_grey: Brightness added to each channel.
+    """
+    planes = []
     for channel in range(3):
         noise = unit_noise(rng)
         sign = noise_share if rng.random() < 0.5 else -noise_share
-        # 0.5 turns truncation into rounding.
-        level = noise * np.float32(sign * optics.noise_grey[channel])
-        level += frame[channel]
-        level += 0.5
-        image[..., channel] = np.clip(level, 0, 255, out=level)
+        share, level = sign * optics.noise_grey[channel], float(drift_grey[channel])
+        # One pass for sum, rounding and clipping: a third of the time of five.
+        planes.append(cv2.addWeighted(noise, share, frame[channel], 1.0, level, dtype=cv2.CV_8U))
     if optics.jpeg_quality is None:
-        return image
-    code = cv2.imencode(".jpg", image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, optics.jpeg_quality])
-    return np.ascontiguousarray(cv2.imdecode(code[1], cv2.IMREAD_COLOR)[..., ::-1])
+        return cv2.merge(planes)
+    bgr = cv2.merge(planes[::-1])
+    code = cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, optics.jpeg_quality])
+    return cv2.imdecode(code[1], cv2.IMREAD_COLOR_RGB)
 
 
 def _shadow(height_mm: Planar, light: NDArray[np.float64], optics: Optics) -> Planar:

@@ -32,8 +32,8 @@ def plate(
     fillet_mm: float,
 ) -> HeightMap:
     """Return a rectangular plate with round corners."""
-    half = np.array(half_mm) * rng.uniform(0.8, 1.2, 2)
-    return extrude(_box(x, y, half[0], half[1], corner_mm), fillet_mm)
+    half_x, half_y = (np.array(half_mm) * rng.uniform(0.8, 1.2, 2)).tolist()
+    return extrude(_box(x, y, half_x, half_y, corner_mm), fillet_mm)
 
 
 def disc_ring(
@@ -86,7 +86,7 @@ def gear(
     """Return a wheel whose rim waves `teeth` times, sharper by chance."""
     angle, radius = np.arctan2(y, x), np.hypot(x, y)
     sharp = rng.uniform(1.0, 4.0)
-    rim = radius_mm + tooth_mm * np.tanh(sharp * np.cos(teeth * angle)) / np.tanh(sharp)
+    rim = radius_mm + tooth_mm * np.tanh(sharp * np.cos(teeth * angle)) / float(np.tanh(sharp))
     inside = (rim - radius) * 0.8
     if rng.random() < 0.4:
         inside = np.minimum(inside, radius - 0.4 * radius_mm)
@@ -152,7 +152,7 @@ def dots(
 
 def _polygon(x: HeightMap, y: HeightMap, sides: int, apothem_mm: float) -> HeightMap:
     angles = 2 * np.pi * np.arange(sides) / sides
-    faces = [(np.cos(a) * x + np.sin(a) * y).astype(np.float32) for a in angles]
+    faces = [turned(x, y, angle)[0] for angle in angles]
     return np.float32(apothem_mm) - np.maximum.reduce(faces)
 
 

@@ -88,7 +88,7 @@ def rope(
     """Return a twisted rope: strands winding about a lying rod, either way."""
     radius = radius_mm * rng.uniform(0.8, 1.2)
     around = np.arcsin(np.clip(y / radius, -0.98, 0.98))
-    handed = rng.choice([-1, 1])
+    handed = int(rng.choice([-1, 1]))
     phase = strands * around + handed * 2 * np.pi * x / lay_mm + rng.uniform(0, 6.28)
     bulge = np.abs(np.cos(phase / 2)) * 0.18 * radius
     bend = rng.uniform(0.0, 0.02) * x * x
@@ -106,7 +106,7 @@ def thread(
 ) -> HeightMap:
     """Return a threaded rod: a triangular groove winding about it."""
     around = np.arcsin(np.clip(y / radius_mm, -0.98, 0.98))
-    turns = x / pitch_mm + rng.choice([-1, 1]) * around / (2 * np.pi) + rng.uniform()
+    turns = x / pitch_mm + int(rng.choice([-1, 1])) * around / (2 * np.pi) + rng.uniform()
     groove = np.abs(turns % 1.0 - 0.5) * 2
     return _lying_rod(y, radius_mm) + np.float32(depth_mm) * groove.astype(np.float32)
 
@@ -160,7 +160,7 @@ def _threads(u: HeightMap, v: HeightMap, shift: int, cover: float) -> HeightMap:
     row = np.floor(v)
     off = ((v - row) * 2 - 1) / cover
     wave = np.cos(2 * np.pi * (u - row) / shift)
-    return 0.5 * wave + np.sqrt(np.maximum(1 - off * off, 0)) - 0.5 * (np.abs(off) > 1)
+    return 0.5 * wave + np.sqrt(np.maximum(1 - off * off, 0)) - np.float32(0.5) * (np.abs(off) > 1)
 
 
 def _irregular(

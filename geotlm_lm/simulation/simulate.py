@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -38,7 +39,8 @@ class SimulatedClip:
 
     Args:
         clip: Four (or the path's number of) frames of 224x224 and their idle frame.
-        traces: What there is to see of the motion between the first and each frame.
+        trace_until: Frame number -> what there is to see of the motion since the first frame; only
+            what is asked for is worked out.
         object_name: Name of the body.
         scene: What was simulated.
         displacement_px: float32 (frames, 14, 14, 2), the object's travel since frame 0 at each
@@ -54,7 +56,7 @@ class SimulatedClip:
     """
 
     clip: Clip
-    traces: tuple[Trace, ...]
+    trace_until: Callable[[int], Trace]
     object_name: str
     scene: Scene
     displacement_px: NDArray[np.float32]
@@ -73,12 +75,12 @@ class SimulatedClip:
     @property
     def label(self) -> MotionLabel:
         """What the object does from the first frame to the last."""
-        return self.label_until(len(self.traces) - 1)
+        return self.label_until(len(self.clip) - 1)
 
     def label_until(self, last: int) -> MotionLabel:
         """Return what the object does from the first frame to frame `last`."""
         fraction = self.contact[: last + 1].mean(axis=(1, 2))
-        return label_for(self.scene, fraction, self.traces[last], last)
+        return label_for(self.scene, fraction, self.trace_until(last), last)
 
 
 def simulate(
@@ -153,17 +155,15 @@ def _truth(
     count = len(scene.path)
     contact = np.zeros((count, GRID_SIDE, GRID_SIDE), np.float32)
     depth, drift = np.zeros_like(contact), np.zeros((count, GRID_SIDE, GRID_SIDE, 2), np.float32)
-    traces = (Trace(),) * count
+    touches = np.zeros((count, 1, 1), bool) if surface is None else surface.touches
     if surface is not None:
         contact, depth = patch_means(surface.touches), patch_means(surface.indentation_mm)
-        later = range(1, count)
-        traces = (Trace(), *(trace_of(scene, clean, surface.touches, last) for last in later))
         if with_drift:
             pixel = (scene.optics.mm_per_px_x, scene.optics.mm_per_px_y)
             for axis in range(2):
                 drift[..., axis] = patch_means(surface.drift_mm[:, axis]) / pixel[axis]
     return {
-        "traces": traces,
+        "trace_until": partial(trace_of, scene, clean, touches),
         "displacement_px": patch_displacement(scene, contact),
         "contact": contact,
         "depth_mm": depth,
@@ -192,8 +192,8 @@ def _render(
 def _as_recorded(
     image: NDArray[np.float32], optics: Optics, rng: np.random.Generator
 ) -> NDArray[np.uint8]:
-    drift = np.clip(rng.normal(0, optics.drift_grey, 3), -1, 1).astype(np.float32)
-    return recorded(image + drift[:, None, None], optics, rng)
+    drift = np.clip(rng.normal(0, optics.drift_grey, 3), -1, 1)
+    return recorded(image, optics, rng, drift_grey=drift)
 
 
 class Stopwatch:

@@ -84,5 +84,5 @@ def _cubic_weights(mm_per_px: float, cells: int) -> torch.Tensor:
         near = 1.5 * s**3 - 2.5 * s**2 + 1
         far = -0.5 * s**3 + 2.5 * s**2 - 4 * s + 2
         values = np.where(s <= 1, near, np.where(s < 2, far, 0))
-        np.add.at(weights, (np.arange(IMAGE_SIDE), (left + offset) % cells), values)
+        weights[np.arange(IMAGE_SIDE), (left + offset) % cells] += values
     return torch.from_numpy(weights)

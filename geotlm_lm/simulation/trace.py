@@ -58,10 +58,10 @@ def trace_of(
         touches: Where the object is against the gel, (frames, 224, 224).
         last: The later frame.
     """
-    change = image_change(clean[0], clean[last], touches[0] | touches[last])
     contact = touches[last] if touches[last].any() else touches[0]
-    if not contact.any():
-        return Trace(change)
+    if last == 0 or not contact.any():
+        return Trace()
+    change = image_change(clean[0], clean[last], touches[0] | touches[last])
     x, y, turn_mm = motion_at_contact_mm(scene, contact, last)
     return Trace(change, abs(turn_mm), float(np.hypot(x, y)))
 
@@ -80,11 +80,11 @@ def motion_at_contact_mm(
         Travel of the contact's middle to the right and down, and path by turning at its radius of
         gyration, clockwise positive; in mm.
     """
-    count = contact.sum()
     path, optics = scene.path, scene.optics
     axis = np.arange(IMAGE_SIDE) - (IMAGE_SIDE - 1) / 2
-    x, by_column = axis * optics.mm_per_px_x, contact.sum(axis=0) / count
-    y, by_row = axis * optics.mm_per_px_y, contact.sum(axis=1) / count
+    x, by_column = axis * optics.mm_per_px_x, contact.mean(axis=0, dtype=np.float32)
+    y, by_row = axis * optics.mm_per_px_y, contact.mean(axis=1, dtype=np.float32)
+    by_column, by_row = by_column / by_column.sum(), by_row / by_row.sum()
     middle_x, middle_y = float(by_column @ x), float(by_row @ y)
     gyration = np.sqrt(by_column @ (x - middle_x) ** 2 + by_row @ (y - middle_y) ** 2)
     turn = path.rotation_rad[last] - path.rotation_rad[0]
@@ -101,5 +101,5 @@ def image_change(
     """Return the RMS difference of two planar images over `touches`, 0 where nothing touches."""
     if not touches.any():
         return 0.0
-    square = np.square(last - first).sum(axis=0)
-    return float(np.sqrt(square[touches].mean() / len(first)))
+    change = last[:, touches] - first[:, touches]
+    return float(np.sqrt(np.square(change).mean()))

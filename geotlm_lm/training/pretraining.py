@@ -1,8 +1,9 @@
 """Pretrain the embedded backbone on the simulator's dense truth, then freeze it.
 
 Patch tokens learn, through one linear map, how far the imprint moved, whether the patch is in
-contact and how deep. The global token learns how much is touched, how deep, and how much moves; no
-loss asks it which way, though attention lets it give some of that away.
+contact and how deep. The global token learns how much is touched, how deep, how much moves, and
+what kind of motion it is: turning or sliding, pressing or letting go. No loss asks it which way,
+though attention lets it give some of that away.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.stem import ALIGNED_AT, FLOW_SCALE_PX, PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.vit import ViT, ViTConfig
+from geotlm_lm.core.labels import MotionClass, MotionLabel, motion_class
 from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.config import TrainingPreset
@@ -35,6 +37,14 @@ WARMUP_SHARE = 0.05
 GLOBAL_TARGET_COUNT = 5
 DEPTH_SCALE_MM = 0.3
 
+KIND_SHARE = 0.5
+"""Weight of the loss that asks for the kind of motion."""
+
+UNSEEN = -1
+"""Stands for the kind of a motion that leaves no trace."""
+
+_KINDS = tuple(MotionClass)
+
 
 class DenseHeads(nn.Module):
     """Linear read-outs used only while pretraining.
@@ -47,6 +57,7 @@ class DenseHeads(nn.Module):
         super().__init__()
         self.patch = nn.Linear(width, 4)
         self.summary = nn.Linear(width, GLOBAL_TARGET_COUNT)
+        self.kind = nn.Linear(width, len(MotionClass))
 
     @torch.no_grad()
     def start_from_alignment(self, embed: nn.Linear) -> None:
@@ -64,13 +75,15 @@ class DenseHeads(nn.Module):
 class DenseTruth:
     """One batch of truth on the device, float32; shapes as in `Examples`.
 
-    `counts_motion` is 1 for the clips whose displacement is a target.
+    `counts_motion` is 1 for the clips whose displacement is a target; `kind` is the place of the
+    motion's kind in `MotionClass`, `UNSEEN` where the motion leaves no trace.
     """
 
     displacement: Tensor
     contact: Tensor
     depth: Tensor
     counts_motion: Tensor
+    kind: Tensor
 
 
 def pretrain(
@@ -120,8 +133,9 @@ class _Learner:
         generator = torch.Generator().manual_seed(seed_for(seed, "weights", "backbone"))
         self.vit = ViT(config).initialise(generator)
         self.heads = DenseHeads(config.width)
-        nn.init.normal_(self.heads.summary.weight, 0, config.width**-0.5, generator=generator)
-        nn.init.zeros_(self.heads.summary.bias)
+        for head in (self.heads.summary, self.heads.kind):
+            nn.init.normal_(head.weight, 0, config.width**-0.5, generator=generator)
+            nn.init.zeros_(head.bias)
         self.heads.start_from_alignment(self.vit.embed)
         self.vit.to(device)
         self.heads.to(device)
@@ -185,7 +199,10 @@ def dense_loss(tokens: Tokens, heads: DenseHeads, truth: DenseTruth) -> Tensor:
     contact = F.binary_cross_entropy_with_logits(contact_logit, truth.contact)
     deep = F.smooth_l1_loss(depth, truth.depth / DEPTH_SCALE_MM)
     summary = F.smooth_l1_loss(heads.summary(tokens.global_token), _summary(truth))
-    return moved + contact + 0.3 * deep + summary
+    kind = F.cross_entropy(
+        heads.kind(tokens.global_token), truth.kind, ignore_index=UNSEEN, reduction="sum"
+    ) / (truth.kind != UNSEEN).sum().clamp(min=1)
+    return moved + contact + 0.3 * deep + summary + KIND_SHARE * kind
 
 
 def _summary(truth: DenseTruth) -> Tensor:
@@ -207,8 +224,13 @@ def _batch(examples: Examples, rows: np.ndarray, device: str) -> tuple[Tensor, D
         contact=moved(examples.contact),
         depth=moved(examples.depth_mm),
         counts_motion=torch.from_numpy(counts).to(device),
+        kind=torch.tensor([_kind(examples.labels[row]) for row in rows], device=device),
     )
     return moved(examples.inputs), truth
+
+
+def _kind(label: MotionLabel) -> int:
+    return _KINDS.index(motion_class(label.motion)) if label.is_readable else UNSEEN
 
 
 def _rate(step: int, steps: int) -> float:

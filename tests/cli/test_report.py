@@ -42,3 +42,39 @@ def test_a_cold_answer_is_recorded_with_its_command_and_its_median(tmp_path, mon
     done = CliRunner().invoke(app, words)
     assert done.stdout == "clip.npz Which way? (cold: median 2.50 s, 1.00-9.00 s)\n"
     assert RunRecord.load(out).command == "geotlm-lm report answer"
+
+
+def test_optics_are_recorded_and_tabled(tmp_path, monkeypatch):
+    from geotlm_lm.experiments import optics
+
+    def compared(real, *, clips, seed, command, progress):
+        numbers = {"rows": [], "balls": [], "touches": {}}
+        config = {"real": str(real), "clips": clips, "spread": [0.1, 0.9]}
+        return RunRecord("optics", command, seed, 1.0, numbers, config)
+
+    monkeypatch.setattr(optics, "compare_optics", compared)
+    monkeypatch.setattr("sys.argv", ["geotlm-lm", "report", "optics"])
+    out, table = tmp_path / "deep" / "optics.json", tmp_path / "optics.md"
+    words = ["optics", "--real", "real", "--clips", "7", "--seed", "3"]
+    done = CliRunner().invoke(app, [*words, "--out", str(out), "--table", str(table)])
+    assert done.stdout == "0 of 0 simulated medians lie inside the real spread.\n"
+    assert RunRecord.load(out).config["clips"] == 7
+    assert RunRecord.load(out).seed == 3
+    assert table.read_text().startswith("# Simulator: its images beside real ones\n")
+
+
+def test_closed_forms_are_recorded_and_tabled_with_their_command(tmp_path, monkeypatch):
+    from geotlm_lm.experiments import closed_forms
+
+    def solved(*, command, progress):
+        return RunRecord("closed_forms", command, 0, 1.0, {"rows": [], "laws": {"mirror": 1e-12}})
+
+    monkeypatch.setattr(closed_forms, "closed_forms", solved)
+    monkeypatch.setattr("sys.argv", ["geotlm-lm", "report", "closed-forms"])
+    out, table = tmp_path / "deep" / "forms.json", tmp_path / "forms.md"
+    words = ["closed-forms", "--out", str(out), "--table", str(table)]
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0
+    assert RunRecord.load(out).command == "geotlm-lm report closed-forms"
+    assert "| mirror |" in table.read_text()
+    assert table.read_text().startswith("# Simulator: closed forms and orders of convergence\n")

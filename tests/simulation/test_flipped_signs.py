@@ -6,6 +6,7 @@ import types
 
 import pytest
 
+from geotlm_lm.experiments import contact_problems
 from tests.simulation import test_elastic, test_friction, test_half_space, test_march
 
 FLIPS = {
@@ -74,7 +75,8 @@ def test_a_flipped_sign_or_constant_fails_its_test(flip, monkeypatch):
     getattr(tests, test)(*arguments)  # it passes as the source stands
     changed = with_source_changed(module_name, old, new)
     for name, value in vars(changed).items():
-        if not name.startswith("__") and hasattr(tests, name):
-            monkeypatch.setattr(tests, name, value)
+        for user in (tests, contact_problems):
+            if not name.startswith("__") and hasattr(user, name):
+                monkeypatch.setattr(user, name, value)
     with pytest.raises(AssertionError):
         getattr(tests, test)(*arguments)

@@ -25,6 +25,7 @@ def test_a_body_is_finite_and_has_something_to_touch(name):
     x, y = object_grid() if INDENTERS[name].is_extended else (x, y)
     height = INDENTERS[name].height(x, y, np.random.default_rng(7))
     assert height.shape == x.shape
+    assert height.dtype == np.float32  # an accidental double slows every later pass
     assert np.all(np.isfinite(height))
     reachable = height < height.min() + 1.2
     assert reachable.mean() > 0.002

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
@@ -42,6 +42,17 @@ def test_a_missing_chunk_is_made_again_byte_for_byte(tmp_path):
     assert first.labels == again.labels
     assert len(first) == 8
     assert set(first.objects) <= set(TRAINING_OBJECTS[:3])
+
+
+@pytest.mark.usefixtures("_small_chunks")
+def test_as_many_examples_turn_as_slide(tmp_path, monkeypatch):
+    monkeypatch.setattr(examples, "CHUNK_CLIPS", 12)
+    wanted = ExampleSet("check", 12, TRAINING_OBJECTS[:3])
+    simulate_examples(tmp_path, [wanted], seed=5, workers=1)
+    motions = [label.motion for label in read_examples(tmp_path, wanted).labels]
+    assert sum(motion in ROTATIONS for motion in motions) == 4
+    assert sum(motion in SLIDES for motion in motions) == 4
+    assert set(motions) == set(Motion)
 
 
 def test_four_frames_run_forwards_or_form_a_pair_one_or_two_frames_apart():

@@ -6,6 +6,7 @@ import pytest
 import torch
 
 from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionClass, MotionLabel
 from geotlm_lm.training import pretraining
 from geotlm_lm.training.config import SMOKE
 from geotlm_lm.training.pretraining import DenseHeads, DenseTruth, dense_loss, pretrain
@@ -62,6 +63,7 @@ def random_case():
         contact=(random(3, 2, 14, 14) > 0.5).float(),
         depth=random(3, 2, 14, 14),
         counts_motion=torch.tensor([1.0, 1.0, 0.0]),
+        kind=torch.tensor([0, 1, pretraining.UNSEEN]),
     )
     torch.manual_seed(0)
     return tokens, DenseHeads(8), truth
@@ -89,3 +91,23 @@ def test_the_global_target_carries_no_direction():
     summary = pretraining._summary(truth)
     turned = replace(truth, displacement=-truth.displacement)
     assert torch.equal(summary, pretraining._summary(turned))
+
+
+def test_the_kind_asked_of_the_global_token_is_the_same_for_every_direction():
+    for label in (MotionLabel(motion) for motion in Motion):
+        assert pretraining._kind(label) == pretraining._kind(label.mirrored())
+    asked = {motion: pretraining._kind(MotionLabel(motion)) for motion in Motion}
+    assert len({asked[motion] for motion in ROTATIONS}) == 1
+    assert len({asked[motion] for motion in SLIDES}) == 1
+    assert len(set(asked.values())) == len(MotionClass)
+
+
+def test_the_kind_of_a_motion_that_leaves_no_trace_is_not_asked():
+    assert pretraining._kind(MotionLabel(Motion.PRESS, is_readable=False)) == pretraining.UNSEEN
+    tokens, heads, truth = random_case()
+    unseen = replace(truth, kind=torch.full_like(truth.kind, pretraining.UNSEEN))
+    dense_loss(tokens, heads, unseen).backward()
+    assert heads.kind.weight.grad.abs().max() == 0
+    assert heads.summary.weight.grad.abs().max() > 0
+    dense_loss(tokens, heads, truth).backward()
+    assert heads.kind.weight.grad.abs().max() > 0

@@ -70,8 +70,9 @@ def test_the_card_tells_the_scores_and_the_command_that_made_them(finished):
     about = json.loads((finished / "bundle" / "scores.json").read_text())
     scores = about["numbers"]
     assert scores["clips"] == 20
-    # Two clips of each of the ten motions; what leaves no trace is left out.
-    assert scores["rotation"]["clips"] + scores["sliding"]["clips"] <= 12
+    # Of twelve clips four turn and four slide; what leaves no trace is left out.
+    assert scores["rotation"]["clips"] <= 8
+    assert scores["sliding"]["clips"] <= 8
     assert {name.split()[1] for name in scores["by_type"]} == {"seen", "held_out"}
     card = (finished / "bundle" / "README.md").read_text()
     command = "geotlm-lm train --preset tiny --seed 3 --workers 1 --out RUN_FOLDER"
@@ -135,3 +136,9 @@ def test_clips_of_objects_kept_for_another_set_are_refused(finished):
     wanted = examples.ExampleSet("validation", 20, objects=("ball",))
     with pytest.raises(UsageError, match="the validation clips touch .*, expected only objects"):
         examples.read_examples(folder, wanted)
+
+
+def test_the_physical_shear_is_kept_unless_the_other_answers_better():
+    assert train.better_mode({"paper": 0.970, "grounded": 0.968}) == "grounded"
+    assert train.better_mode({"paper": 0.960, "grounded": 0.968}) == "grounded"
+    assert train.better_mode({"paper": 0.985, "grounded": 0.968}) == "paper"
