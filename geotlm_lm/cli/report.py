@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from geotlm_lm.cli.options import Seed, require_writable_file
+
+if TYPE_CHECKING:
+    from geotlm_lm.core.record import RunRecord
 
 EXAMPLE_CLIP = Path("app/examples/bottle_cap_clockwise.npz")
 EXAMPLE_QUESTION = "Which way is the cap turning?"
@@ -90,21 +93,18 @@ def simulator(
     import sys
 
     from geotlm_lm.cli.evaluate import command_line
-    from geotlm_lm.core.atomic import write_text_atomically
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.experiments.simulator_error import simulator_error
     from geotlm_lm.reports.simulator import draw_error, error_table
 
-    for path, name in ((out, "--out"), (table, "--table"), (figure, "--figure")):
-        if path is not None:
-            require_writable_file(path, name)
+    _require_writable(out, table)
+    if figure is not None:
+        require_writable_file(figure, "--figure")
     with one_thread():
         record = simulator_error(command=command_line(sys.argv), progress=_show)
-    record.save(out)
-    write_text_atomically(table, f"# Simulator: error against run time\n\n{error_table(record)}\n")
+    _save(record, out, table, "# Simulator: error against run time", error_table(record))
     if figure is not None:
         draw_error(record, figure)
-    typer.echo(error_table(record))
 
 
 @app.command()
@@ -126,7 +126,6 @@ def stability(
     import sys
 
     from geotlm_lm.cli.evaluate import command_line
-    from geotlm_lm.core.atomic import write_text_atomically
     from geotlm_lm.core.errors import UsageError
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.experiments.simulator_stability import simulator_stability
@@ -134,14 +133,10 @@ def stability(
 
     if not is_simulator:
         raise UsageError("say what to test; --simulator runs its stiff and extreme scenes.")
-    for path, name in ((out, "--out"), (table, "--table")):
-        require_writable_file(path, name)
+    _require_writable(out, table)
     with one_thread():
         record = simulator_stability(command=command_line(sys.argv), progress=_show)
-    record.save(out)
-    title = "# Simulator: stiff and extreme scenes"
-    write_text_atomically(table, f"{title}\n\n{stability_table(record)}\n")
-    typer.echo(stability_table(record))
+    _save(record, out, table, "# Simulator: stiff and extreme scenes", stability_table(record))
 
 
 @app.command()
@@ -170,8 +165,7 @@ def optics(
     from geotlm_lm.experiments.optics import compare_optics
     from geotlm_lm.reports.optics import optics_report, verdict
 
-    for path, name in ((out, "--out"), (table, "--table")):
-        require_writable_file(path, name)
+    _require_writable(out, table)
     with one_thread():
         record = compare_optics(
             real,
@@ -201,19 +195,34 @@ def closed_forms(
     import sys
 
     from geotlm_lm.cli.evaluate import command_line
-    from geotlm_lm.core.atomic import write_text_atomically
     from geotlm_lm.experiments import closed_forms as experiment
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.reports.simulator import closed_forms_table
 
-    for path, name in ((out, "--out"), (table, "--table")):
-        require_writable_file(path, name)
+    _require_writable(out, table)
     with one_thread():
         record = experiment.closed_forms(command=command_line(sys.argv), progress=_show)
+    _save(
+        record,
+        out,
+        table,
+        "# Simulator: closed forms and orders of convergence",
+        closed_forms_table(record),
+    )
+
+
+def _require_writable(out: Path, table: Path) -> None:
+    require_writable_file(out, "--out")
+    require_writable_file(table, "--table")
+
+
+def _save(record: RunRecord, out: Path, table: Path, title: str, text: str) -> None:
+    """Write the record and, under its title, the table; print the table."""
+    from geotlm_lm.core.atomic import write_text_atomically
+
     record.save(out)
-    title = "# Simulator: closed forms and orders of convergence"
-    write_text_atomically(table, f"{title}\n\n{closed_forms_table(record)}\n")
-    typer.echo(closed_forms_table(record))
+    write_text_atomically(table, f"{title}\n\n{text}\n")
+    typer.echo(text)
 
 
 def _show(what: str, done: int, total: int) -> None:

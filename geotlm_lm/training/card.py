@@ -8,6 +8,7 @@ from typing import Any
 from geotlm_lm.checkpoint import CARD_FILE, Bundle
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.record import RunRecord
+from geotlm_lm.training.geometry import EQUAL_ACCURACY
 
 SCORES_FILE = "scores.json"
 
@@ -50,7 +51,8 @@ GelSight-like sensor. Every weight was trained on simulated clips alone.
   pretraining on {preset["pretraining_clips"]:,} simulated clips ({preset["pretraining_draws"]:,}
   draws) with the simulator's dense displacement, contact and depth.
 - DGR: the probe's mean accuracy on turns and slides of objects kept from training: {modes}, each
-  at the epoch that was best on them; `grounded` is stored unless `paper` leads by more than 0.01.
+  at the epoch that was best on them; `grounded` is stored unless `paper` leads by more than
+  {EQUAL_ACCURACY:g}.
 - Language model: trained from random weights, {preset["language_steps"]:,} steps of
   {preset["language_batch"]} questions.
 - Command: `{made["command"]}`, {seconds / 60:.0f} min on {machine["processor"]}

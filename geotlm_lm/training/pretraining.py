@@ -3,7 +3,7 @@
 Patch tokens learn, through one linear map, how far the imprint moved, whether the patch is in
 contact and how deep. The global token learns how much is touched, how deep, how much moves, and
 what kind of motion it is: turning or sliding, pressing or letting go. No loss asks it which way,
-though attention lets it give some of that away.
+though attention lets it give most of that away.
 """
 
 from __future__ import annotations

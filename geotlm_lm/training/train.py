@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -36,6 +36,7 @@ from geotlm_lm.training.geometry import (
     ALL_MOTIONS,
     GeometryModel,
     TokenSet,
+    better_mode,
     train_geometry,
     train_global_probe,
 )
@@ -49,10 +50,6 @@ RUN_FILE = "run.json"
 SECONDS_FILE = "seconds.txt"
 VALIDATION_EVERY = 7
 """Every seventh training object is kept from all weights, for mode choice and calibration."""
-
-EQUAL_ACCURACY = 0.01
-"""Lead in validation accuracy that says nothing: one and a half standard errors of the 600 clips
-that turn or slide."""
 
 
 def train(preset: str, out: Path, seed: int, workers: int) -> Path:
@@ -151,8 +148,8 @@ def _claim(out: Path, settings: TrainingPreset, seed: int) -> None:
     about |= {"series": SERIES_VERSION, "inputs": PATCH_INPUT_DIM}
     if path.exists() and json.loads(path.read_text()) != about:
         raise UsageError(
-            f"{out} holds a run of another preset or seed; give an empty folder, or the same "
-            f"preset and seed to continue it."
+            f"{out} holds a run of another preset, seed or version of this program; give an empty "
+            f"folder, or continue the run as it began."
         )
     write_text_atomically(path, json.dumps(about, indent=1) + "\n")
 
@@ -217,12 +214,6 @@ def _train_perception(
         global_probe=global_probe.eval().requires_grad_(False),
     )
     return model, accuracies
-
-
-def better_mode(accuracies: Mapping[str, float]) -> str:
-    """Return the mode that answers better; between equals the one whose shear is physical."""
-    lead = accuracies["paper"] - accuracies["grounded"]
-    return "paper" if lead > EQUAL_ACCURACY else "grounded"
 
 
 def _token_set(backbone: FrozenBackbone, examples: Examples, count: int) -> TokenSet:

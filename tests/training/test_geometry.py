@@ -14,6 +14,7 @@ from geotlm_lm.training import geometry
 from geotlm_lm.training.geometry import (
     ALL_MOTIONS,
     TokenSet,
+    better_mode,
     train_geometry,
     train_global_probe,
 )
@@ -167,3 +168,9 @@ def test_grounded_training_starts_from_the_read_outs_on_raw_tokens(tmp_path):
     torch.testing.assert_close(found.shear, expected[..., :2], atol=1e-4, rtol=1e-4)
     mask = torch.sigmoid(expected[..., 2]).mean(dim=1)
     torch.testing.assert_close(found.mask, mask, atol=1e-4, rtol=1e-4)
+
+
+def test_the_physical_shear_is_kept_unless_the_other_answers_better():
+    assert better_mode({"paper": 0.970, "grounded": 0.968}) == "grounded"
+    assert better_mode({"paper": 0.960, "grounded": 0.968}) == "grounded"
+    assert better_mode({"paper": 0.985, "grounded": 0.968}) == "paper"
