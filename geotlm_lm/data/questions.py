@@ -5,6 +5,7 @@ Knows the label and the templates; never sees a frame or a model.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
@@ -29,6 +30,9 @@ UPPER_CASE_SHARE = 0.03
 NO_FINAL_MARK_SHARE = 0.25
 OPENER_SHARE = 0.08
 CLOSER_SHARE = 0.08
+
+TYPO_MIN_LETTERS = 5
+"""Shorter words are left alone: one wrong letter makes another word of "left" or "cw"."""
 
 
 @dataclass(frozen=True)
@@ -134,6 +138,24 @@ def as_typed(question: str, templates: Templates, rng: np.random.Generator) -> s
     elif uppers:
         question = question.upper()
     return question
+
+
+def with_typo(question: str, rng: np.random.Generator) -> str:
+    """Return `question` with one letter of one longer word dropped, doubled or swapped.
+
+    The first and the last letter stay. A question without a longer word is returned as it is.
+    """
+    words = [match.span() for match in re.finditer(r"[A-Za-z]+", question)]
+    words = [(start, end) for start, end in words if end - start >= TYPO_MIN_LETTERS]
+    if not words:
+        return question
+    start, end = words[int(rng.integers(len(words)))]
+    at = int(rng.integers(start + 1, end - 2))
+    letter, following = question[at], question[at + 1]
+    slips = [following, letter + letter + following]  # dropped, doubled
+    if letter != following:
+        slips.append(following + letter)
+    return question[:at] + slips[int(rng.integers(len(slips)))] + question[at + 2 :]
 
 
 _Content = tuple[str, Slots, list[Slots]]

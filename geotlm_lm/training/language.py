@@ -20,7 +20,7 @@ from torch.nn.functional import cross_entropy
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.core.seeding import generator_for, seed_for
-from geotlm_lm.data.questions import askable_types, questions_for, training_corpus
+from geotlm_lm.data.questions import askable_types, questions_for, training_corpus, with_typo
 from geotlm_lm.language.decoder import LanguageSize, TactileDecoder
 from geotlm_lm.language.prompt import PromptEncoder
 from geotlm_lm.language.speak import Speaker
@@ -38,6 +38,11 @@ CHECKPOINT_EVERY_S = 30.0
 TYPE_WEIGHTS = {"T1": 2.0, "T2": 4.0, "T3": 6.0, "T17": 2.0}
 """How often a type is asked against 1 for the others: verifying and choosing compare the clip with
 words of the question and are learned last; refusals have the widest vocabulary."""
+
+
+TYPO_SHARE = 0.15
+"""Share of training questions with a mistyped word: words are also read from their pieces, so that
+neither a slip of the finger nor a noun never seen looks like a word that asks for a refusal."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +156,9 @@ def _step(
     prompts, answers = [], []
     for index in chosen:
         (asked,) = questions_for(labels[index], rng, types=[draw_type(labels[index], rng)])
-        prompts.append(speaker.processor.prompt(asked.question))
+        mistyped = rng.random() < TYPO_SHARE
+        question = with_typo(asked.question, rng) if mistyped else asked.question
+        prompts.append(speaker.processor.prompt(question))
         answers.append(speaker.processor.answer(asked.answer))
     model = speaker.model
     token = model.projector.standardise(fused_tokens[torch.from_numpy(chosen)])

@@ -6,7 +6,7 @@ from sklearn.feature_extraction.text import TfidfVectorizer
 from sklearn.linear_model import LogisticRegression
 
 from geotlm_lm.core.labels import Motion, MotionClass, MotionLabel
-from geotlm_lm.data.questions import questions_for
+from geotlm_lm.data.questions import questions_for, with_typo
 from geotlm_lm.data.rivals import PAIRS, SECOND_PAIR, draw_option_set
 
 ROUNDS = 120
@@ -156,3 +156,19 @@ def test_the_same_generator_asks_the_same_questions():
     label = MotionLabel(Motion.LEFT)
     once, twice = (questions_for(label, np.random.default_rng(5)) for _ in range(2))
     assert once == twice
+
+
+def test_a_typo_changes_one_longer_word_between_its_first_and_last_letter():
+    question, changed = "is my battery moving left", set()
+    for seed in range(40):
+        words = with_typo(question, np.random.default_rng(seed)).split()
+        (at,) = [i for i, (a, b) in enumerate(zip(question.split(), words, strict=True)) if a != b]
+        was, now = question.split()[at], words[at]
+        assert (was[0], was[-1]) == (now[0], now[-1])
+        assert abs(len(was) - len(now)) <= 1
+        changed.add(was)
+    assert changed == {"battery", "moving"}
+
+
+def test_words_too_short_to_be_mistyped_unambiguously_stay():
+    assert with_typo("is it cw or left?", np.random.default_rng(0)) == "is it cw or left?"
