@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from geotlm_lm.simulation.everyday import EVERYDAY
 from geotlm_lm.simulation.indenter import Indenter
+from geotlm_lm.simulation.shapes_free import FREE
 from geotlm_lm.simulation.shapes_outline import OUTLINES
 from geotlm_lm.simulation.shapes_rough import ROUGH
 from geotlm_lm.simulation.shapes_round import ROUND
 from geotlm_lm.simulation.shapes_solid import SOLIDS
 from geotlm_lm.simulation.shapes_woven import WOVEN
 
-_TRAINING: dict[str, Indenter] = SOLIDS | OUTLINES | ROUGH | WOVEN | ROUND
+_TRAINING: dict[str, Indenter] = SOLIDS | OUTLINES | ROUGH | WOVEN | ROUND | FREE
 
 TRAINING_OBJECTS: tuple[str, ...] = tuple(_TRAINING)
 """Names a model may be trained on."""

@@ -9,30 +9,28 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-import cv2
 import numpy as np
 
 from geotlm_lm.simulation.indenter import HeightMap, Indenter, bowl, extrude
-from geotlm_lm.simulation.raster import PX_PER_MM, RASTER_SIDE
-from geotlm_lm.simulation.smooth_field import smooth_field
+from geotlm_lm.simulation.relief import picture, polar, strokes, to_nearest, within
 
 Random = np.random.Generator
 
 
 def button(x: HeightMap, y: HeightMap, rng: Random, *, holes: int) -> HeightMap:
     """Return a sewn button: raised border, sunken middle, a few holes."""
-    size, (angle, radius) = rng.uniform(4.0, 7.5), _polar(x, y)
-    middle = rng.uniform(0.1, 0.4) * _within(radius, 0.7 * size, 0.6)
-    off = _to_nearest(angle, holes)
+    size, (angle, radius) = rng.uniform(4.0, 7.5), polar(x, y)
+    middle = rng.uniform(0.1, 0.4) * within(radius, 0.7 * size, 0.6)
+    off = to_nearest(angle, holes)
     away = np.hypot(radius * np.cos(off) - 0.25 * size, radius * np.sin(off))
-    return extrude(size - radius, 0.4) + middle + 0.8 * _within(away, 0.11 * size, 0.1)
+    return extrude(size - radius, 0.4) + middle + 0.8 * within(away, 0.11 * size, 0.1)
 
 
 def medal(x: HeightMap, y: HeightMap, rng: Random, *, least_mm: float, most_mm: float) -> HeightMap:
     """Return a disc with a picture in low relief, within a border by chance."""
     size, radius = rng.uniform(least_mm, most_mm), np.hypot(x, y)
-    picture = smooth_field(rng, RASTER_SIDE, rng.uniform(0.7, 2.5) * PX_PER_MM)[_like(x), _like(x)]
-    height = rng.uniform(0.03, 0.12) * picture
+    drawn = picture(x, rng, scale_mm=rng.uniform(0.7, 2.5))
+    height = rng.uniform(0.03, 0.12) * drawn
     if rng.random() < 0.6:
         border = rng.uniform(0.5, 1.5)
         height = np.where(radius < size - border, height + rng.uniform(0.0, 0.25), 0.0)
@@ -41,19 +39,19 @@ def medal(x: HeightMap, y: HeightMap, rng: Random, *, least_mm: float, most_mm: 
 
 def lid(x: HeightMap, y: HeightMap, rng: Random, *, least_mm: float, most_mm: float) -> HeightMap:
     """Return a jar's lid: steps between circles, a few raised strokes, ribs on its edge."""
-    size, (angle, radius) = rng.uniform(least_mm, most_mm), _polar(x, y)
+    size, (angle, radius) = rng.uniform(least_mm, most_mm), polar(x, y)
     ribs = rng.integers(0, 50)
     edge = size + rng.uniform(0.05, 0.2) * np.cos(ribs * angle) * (ribs > 10)
     height = extrude(edge - radius, rng.uniform(0.3, 1.0))
     for share in rng.uniform(0.5, 0.95, rng.integers(1, 3)):
-        height = height + rng.uniform(-0.1, 0.3) * _within(radius, share * size, 0.3)
-    writing = _strokes(x, y, rng, count=int(rng.integers(2, 7)), reach_mm=0.5 * size)
+        height = height + rng.uniform(-0.1, 0.3) * within(radius, share * size, 0.3)
+    writing = strokes(x, y, rng, count=int(rng.integers(2, 7)), reach_mm=0.5 * size)
     return (height - rng.uniform(0.05, 0.2) * writing).astype(np.float32)
 
 
 def knob(x: HeightMap, y: HeightMap, rng: Random, *, flutes: Sequence[int]) -> HeightMap:
     """Return a handle's end: hollows around its edge, a crowned top, a mark by chance."""
-    size, (angle, radius) = rng.uniform(4.0, 9.0), _polar(x, y)
+    size, (angle, radius) = rng.uniform(4.0, 9.0), polar(x, y)
     count = int(rng.choice(flutes))
     hollow = rng.uniform(0.4, 1.6) * size / count * np.abs(np.cos(count * angle / 2)) ** 3
     crown = bowl(x, y, rng.uniform(30, 150))
@@ -64,7 +62,7 @@ def knob(x: HeightMap, y: HeightMap, rng: Random, *, flutes: Sequence[int]) -> H
 
 def toothed_washer(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return a ring whose face is cut into radial teeth."""
-    outer, (angle, radius) = rng.uniform(4.0, 8.0), _polar(x, y)
+    outer, (angle, radius) = rng.uniform(4.0, 8.0), polar(x, y)
     inside = np.minimum(outer - radius, radius - rng.uniform(0.45, 0.7) * outer)
     saw = (rng.integers(8, 30) * angle / (2 * np.pi) + rng.uniform()) % 1.0
     return extrude(inside, 0.2) + np.float32(rng.uniform(0.1, 0.35)) * saw.astype(np.float32)
@@ -72,10 +70,10 @@ def toothed_washer(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
 
 def bolt(x: HeightMap, y: HeightMap, rng: Random, *, sides: int) -> HeightMap:
     """Return a bolt's head of `sides` sides, chamfered, with strokes that tell its grade."""
-    size, (angle, radius) = rng.uniform(3.5, 6.0), _polar(x, y)
-    across = radius * np.cos(_to_nearest(angle, sides))
+    size, (angle, radius) = rng.uniform(3.5, 6.0), polar(x, y)
+    across = radius * np.cos(to_nearest(angle, sides))
     chamfer = rng.uniform(0.3, 0.7) * np.maximum(radius - 0.95 * size, 0)
-    writing = _strokes(x, y, rng, count=int(rng.integers(0, 5)), reach_mm=0.7 * size)
+    writing = strokes(x, y, rng, count=int(rng.integers(0, 5)), reach_mm=0.7 * size)
     height = extrude(size - across, 0.15) + chamfer - rng.uniform(0.05, 0.2) * writing
     return height.astype(np.float32)
 
@@ -89,7 +87,7 @@ def slotted_plug(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
 
 def dial(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return a scale: raised radial ticks over a part of the circle, every few a long one."""
-    size, (angle, radius) = rng.uniform(5.0, 11.0), _polar(x, y)
+    size, (angle, radius) = rng.uniform(5.0, 11.0), polar(x, y)
     count, sweep = int(rng.integers(12, 50)), rng.uniform(0.6, 1.0) * np.pi
     place = angle * count / (2 * np.pi)
     off_mm = np.abs(place - np.round(place)) * 2 * np.pi / count * radius
@@ -103,30 +101,30 @@ def dial(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
 
 def chip(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return a gaming chip: blocks along its border, a ring and a small picture inside."""
-    size, (angle, radius) = rng.uniform(6.0, 11.0), _polar(x, y)
+    size, (angle, radius) = rng.uniform(6.0, 11.0), polar(x, y)
     blocks = np.cos(rng.integers(4, 12) * angle) > rng.uniform(-0.5, 0.5)
     border = (radius > 0.78 * size) * blocks * rng.uniform(0.08, 0.25)
     ring = rng.uniform(0.05, 0.2) * (np.abs(radius - 0.6 * size) < 0.3)
-    writing = _strokes(x, y, rng, count=3, reach_mm=0.35 * size)
+    writing = strokes(x, y, rng, count=3, reach_mm=0.35 * size)
     height = border - ring - rng.uniform(0.05, 0.15) * writing
     return extrude(size - radius, 0.25) + height.astype(np.float32)
 
 
 def grate(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return a drain's cover: holes on circles about its middle."""
-    size, pitch, (angle, radius) = rng.uniform(5.0, 10.0), rng.uniform(1.6, 2.6), _polar(x, y)
+    size, pitch, (angle, radius) = rng.uniform(5.0, 10.0), rng.uniform(1.6, 2.6), polar(x, y)
     circle = np.round(radius / pitch)
-    off = _to_nearest(angle, np.maximum(np.round(rng.uniform(3.0, 6.0) * circle), 1))
+    off = to_nearest(angle, np.maximum(np.round(rng.uniform(3.0, 6.0) * circle), 1))
     away = np.hypot(radius * np.cos(off) - circle * pitch, radius * np.sin(off))
-    holes = _within(away, 0.5, 0.15) * (circle * pitch < 0.85 * size)
+    holes = within(away, 0.5, 0.15) * (circle * pitch < 0.85 * size)
     return extrude(size - radius, 0.4) + 0.6 * holes.astype(np.float32)
 
 
 def spoked_wheel(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return a valve's wheel: a rim, spokes and a hub; the spokes lie lower by chance."""
-    size, (angle, radius) = rng.uniform(4.5, 9.0), _polar(x, y)
+    size, (angle, radius) = rng.uniform(4.5, 9.0), polar(x, y)
     spokes = int(rng.integers(2, 7))
-    off = np.abs(np.sin(_to_nearest(angle, spokes))) * radius
+    off = np.abs(np.sin(to_nearest(angle, spokes))) * radius
     spoke = np.minimum(rng.uniform(0.4, 0.8) - off, size - radius)
     rim = np.minimum(size - radius, radius - rng.uniform(0.75, 0.88) * size)
     hub = rng.uniform(0.2, 0.35) * size - radius
@@ -136,12 +134,12 @@ def spoked_wheel(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
 
 def seal(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return a round ring with moulding nubs and a parting line that leaves the circle."""
-    ring, tube, (angle, radius) = rng.uniform(3.0, 9.0), rng.uniform(0.5, 1.4), _polar(x, y)
+    ring, tube, (angle, radius) = rng.uniform(3.0, 9.0), rng.uniform(0.5, 1.4), polar(x, y)
     off = radius - ring
     height = tube - np.sqrt(np.maximum(tube**2 - off**2, 0)) + 3 * np.maximum(np.abs(off) - tube, 0)
     for place in rng.uniform(-np.pi, np.pi, rng.integers(1, 4)):
-        away = np.hypot(off, ring * _to_nearest(angle - np.float32(place), 1))
-        height = height - rng.uniform(0.05, 0.2) * _within(away, rng.uniform(0.3, 0.8), 0.2)
+        away = np.hypot(off, ring * to_nearest(angle - np.float32(place), 1))
+        height = height - rng.uniform(0.05, 0.2) * within(away, rng.uniform(0.3, 0.8), 0.2)
     return height.astype(np.float32)
 
 
@@ -152,42 +150,6 @@ def notched_shaft(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     keyway = np.minimum(rng.uniform(0.3, 0.9) - np.abs(y), -x - rng.uniform(0.5, 0.8) * size)
     rings = rng.uniform(0, 0.02) * np.cos(2 * np.pi * radius / rng.uniform(0.4, 0.8))
     return extrude(np.minimum(inside, -keyway), 0.2) + rings.astype(np.float32)
-
-
-def _polar(x: HeightMap, y: HeightMap) -> tuple[HeightMap, HeightMap]:
-    return np.arctan2(y, x), np.hypot(x, y)
-
-
-def _to_nearest(angle: HeightMap, count: int | HeightMap) -> HeightMap:
-    """Return the angle from the nearest of `count` even directions, the first along x."""
-    step = np.float32(2 * np.pi) / count
-    return angle - np.round(angle / step) * step
-
-
-def _within(distance_mm: HeightMap, radius_mm: float, ramp_mm: float) -> HeightMap:
-    """Return 1 inside `radius_mm`, 0 outside, with a ramp between."""
-    return np.clip((radius_mm - distance_mm) / np.float32(ramp_mm), 0, 1)
-
-
-def _strokes(x: HeightMap, y: HeightMap, rng: Random, *, count: int, reach_mm: float) -> HeightMap:
-    """Return 1 along a few random straight strokes, as of stamped letters, and 0 elsewhere."""
-    drawn, px_per_mm = np.zeros(x.shape, np.uint8), 1 / float(x[0, 1] - x[0, 0])
-    for _ in range(count):
-        middle, angle = rng.uniform(-reach_mm, reach_mm, 2), rng.uniform(0, np.pi)
-        half = rng.uniform(0.5, 2.0) * np.array([np.cos(angle), np.sin(angle)])
-        ends = (np.stack([middle - half, middle + half]) - (x[0, 0], y[0, 0])) * px_per_mm
-        first, last = np.round(ends * 2**_SUBPIXEL_BITS).astype(int).tolist()
-        width = max(round(rng.uniform(0.5, 1.0) * px_per_mm), 1)
-        cv2.line(drawn, first, last, 255, width, cv2.LINE_AA, _SUBPIXEL_BITS)
-    return drawn.astype(np.float32) / 255
-
-
-_SUBPIXEL_BITS = 4
-
-
-def _like(x: HeightMap) -> slice:
-    """Return the slice that thins a full raster to the size of `x`."""
-    return slice(None, None, RASTER_SIDE // len(x))
 
 
 ROUND: dict[str, Indenter] = {
