@@ -67,7 +67,7 @@ DEFAULT = TrainingPreset(
     pretraining_rate=1e-3,
     geometry_epochs=30,
     geometry_clips=6_000,
-    language_steps=7_000,
+    language_steps=9_000,
     language_batch=64,
 )
 

@@ -35,7 +35,7 @@ CORPUS_ROUNDS = 40
 
 CHECKPOINT_EVERY_S = 30.0
 
-TYPE_WEIGHTS = {"T1": 2.0, "T2": 4.0, "T3": 6.0, "T17": 2.0}
+TYPE_WEIGHTS = {"T1": 2.0, "T2": 4.0, "T3": 8.0, "T17": 2.0}
 """How often a type is asked against 1 for the others: verifying and choosing compare the clip with
 words of the question and are learned last; refusals have the widest vocabulary."""
 
