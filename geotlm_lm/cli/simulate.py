@@ -47,6 +47,10 @@ def simulate(
         bool,
         typer.Option("--drift", help="Also solve friction: the gel's own tangential travel."),
     ] = False,
+    markers: Annotated[
+        bool,
+        typer.Option("--markers", help="Print dots on the gel; friction, solved, carries them."),
+    ] = False,
     clip: Annotated[
         Path | None, typer.Option(help="Write one clip to this .npz instead of a data set.")
     ] = None,
@@ -91,6 +95,7 @@ def simulate(
             preset=preset,
             with_drift=drift,
             indenter=indenter,
+            marker_share=float(markers),
         )
         write_clip(clip, made)
         print(clip)
@@ -102,6 +107,7 @@ def simulate(
         require_writable(out, "--out")
         names = _bodies(objects or "training")
         settings = {"seed": seed, "workers": workers or 1, "preset": preset, "with_drift": drift}
+        settings["marker_share"] = float(markers)
         write_dataset(out, count or 100, objects=names, progress=_show, **settings)
         print(out)
 
@@ -156,10 +162,11 @@ def simulate_one(
     preset: PresetName = "fast",
     with_drift: bool = False,
     indenter: Indenter | None = None,
+    marker_share: float = 0.0,
 ) -> SimulatedClip:
     """Return one simulated clip of a built-in shape or of an `indenter` of one's own.
 
-    Options are those of `simulation.simulate.simulate`.
+    Options are those of `simulation.simulate.simulate` and `simulation.randomise.random_scene`.
 
     Raises:
         UsageError: If there is no such shape.
@@ -174,7 +181,13 @@ def simulate_one(
             f"There is no shape '{object_name}', expected one of {', '.join(sorted(INDENTERS))}."
         )
     rng = generator_for(seed, "single clip", object_name, motion.value)
-    scene = random_scene(rng, object_name=object_name, motion=motion, indenter=indenter)
+    scene = random_scene(
+        rng,
+        object_name=object_name,
+        motion=motion,
+        indenter=indenter,
+        marker_share=marker_share,
+    )
     made = simulate_scenes([scene], seed=seed, preset=preset, with_drift=with_drift)
     return made[0]
 

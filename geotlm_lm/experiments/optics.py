@@ -113,7 +113,9 @@ def measured(
     found: dict[str, Values] = {}
     for done, one in enumerate(recordings, start=1):
         values = found.setdefault(one.source, {"area": [], UNTOUCHED: []})
-        parts = [idle_statistics(one.idle), camera_statistics(one.series)]
+        parts = [idle_statistics(one.idle)]
+        if one.is_video:
+            parts.append(camera_statistics(one.series))
         if one.halves is not None:
             parts.append(pattern_statistics(*one.halves))
         for number, frame in enumerate(one.touched):

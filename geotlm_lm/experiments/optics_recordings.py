@@ -66,6 +66,7 @@ class Touches:
         touched: Touched frames, (n, 224, 224, 3).
         mm_per_px: Size of a pixel (x, y); real ones are a GelSight Mini's nominal size.
         balls_mm: Diameter of the ball in each touched frame; empty where it is no ball.
+        is_video: Whether the series comes out of a lossy video, as every real one does.
     """
 
     source: str
@@ -76,6 +77,7 @@ class Touches:
     touched: Floats
     mm_per_px: tuple[float, float] = REAL_MM_PER_PX
     balls_mm: tuple[float, ...] = ()
+    is_video: bool = True
 
 
 def find_real(folder: Path) -> list[Path]:
@@ -168,8 +170,11 @@ def simulated_touch(
         preset: How finely the contact is solved.
     """
     made = simulate([scene], seed=seed, first_index=index, preset=preset)[0]
-    away = replace(scene.path, depth_mm=(0.0,) * len(scene.path))
-    lifted = [replace(scene, path=away, motion=Motion.NONE)]
+    away, optics = replace(scene.path, depth_mm=(0.0,) * len(scene.path)), scene.optics
+    if optics.video is not None:
+        # Successive frames, like those that are measured of a real video.
+        optics = replace(optics, video=replace(optics.video, frames_apart=1))
+    lifted = [replace(scene, path=away, motion=Motion.NONE, optics=optics)]
     # Another seed: the two clips' noise would be the same crops.
     series = simulate(lifted, seed=seed + 1, first_index=index)[0].clip.frames.astype(np.float32)
     idle = made.clip.background.astype(np.float32)
@@ -178,9 +183,11 @@ def simulated_touch(
         name=made.clip.name,
         idle=idle,
         series=series,
-        halves=(series[:2].mean(axis=0), series[2:].mean(axis=0)),
+        # A video's noise stands still over the series: the idle frame has noise of its own.
+        halves=(idle, series.mean(axis=0)),
         touched=strongest(made.clip.frames.astype(np.float32), idle)[None],
         mm_per_px=made.mm_per_px,
+        is_video=optics.video is not None,
     )
 
 

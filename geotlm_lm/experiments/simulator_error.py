@@ -98,7 +98,7 @@ def overlap_surface(scene: Scene, profile: Profile) -> Surface:
     """
     path, optics = scene.path, scene.optics
     size = (optics.mm_per_px_x, optics.mm_per_px_y)
-    dome = dome_mm(scene.gel, size, IMAGE_SIDE)
+    dome = dome_mm(scene.gel, size, IMAGE_SIDE, optics.mounting)
     axis = np.arange(IMAGE_SIDE) - (IMAGE_SIDE - 1) / 2
     x, y = np.meshgrid(axis * size[0], axis * size[1])
     depth = np.zeros((len(path), IMAGE_SIDE, IMAGE_SIDE), np.float32)

@@ -17,8 +17,10 @@ frames where a contact is measured; each real source weighs the same. *simulated
 simulated clips inside the real spread; *real covered*: share of real ones inside the simulated one.
 
 - The real videos are lossy (MPEG-4): between two frames stored whole their noise stands still, so
-  their noise between frames is the codec's, not the camera's. Only the fine residual beside the
-  contact is also measured on stills.
+  their noise between frames is the codec's, not the camera's. It is held against that of the
+  simulated clips that come out of a video too, frame after frame; the simulated camera's own noise
+  has no real counterpart here. Only the fine residual beside the contact is also measured on
+  stills.
 - Where the object touches is found from what changed, real and simulated alike. Shapes and depths
   differ between the two, so that a contact's strength and sharpness are the object's as well; the
   balls at the end are the same bodies on both sides, pressed to depths nobody measured.

@@ -24,7 +24,7 @@ from geotlm_lm.simulation.normal_contact import (
 )
 from geotlm_lm.simulation.presets import Preset
 from geotlm_lm.simulation.profile import HeightMap, Profile
-from geotlm_lm.simulation.scene import Gel, Path, Scene
+from geotlm_lm.simulation.scene import Gel, Mounting, Path, Scene
 
 BOX_MM = 25.6
 """Side of the periodic box; doubling it changes the indentation by at most 2.7 um, measured."""
@@ -106,8 +106,8 @@ def _dragged(scene: Scene, profile: Profile, preset: Preset) -> GridContact:
     """March through the frames with friction and history."""
     response = _layer(scene.gel, preset)
     poses = list(_poses(scene.path))
-    substeps = list(_substeps(poses))
-    starts = [poses[0], *(pose for pose, _ in substeps[:-1])]
+    substeps = list(_substeps(poses, _before(scene.path)))
+    starts = [substeps[0][0], *(pose for pose, _ in substeps[:-1])]
     increments = [
         _increment(scene, profile, preset, before, after)
         for before, (after, _) in zip(starts, substeps, strict=True)
@@ -164,7 +164,8 @@ def _overlap(scene: Scene, profile: Profile, preset: Preset, pose: Pose) -> Tens
     depth, *place = pose
     if depth <= 0:
         return torch.full((preset.cells, preset.cells), -1.0, dtype=preset.dtype)
-    dome = dome_mm(scene.gel, (BOX_MM / preset.cells,) * 2, preset.cells)
+    size = (BOX_MM / preset.cells,) * 2
+    dome = dome_mm(scene.gel, size, preset.cells, scene.optics.mounting)
     height = profile.on_cells(tuple(place), BOX_MM, preset.cells)
     return torch.from_numpy(depth - dome - height).to(preset.dtype)
 
@@ -173,10 +174,20 @@ def _poses(path: Path) -> Iterator[Pose]:
     return zip(path.depth_mm, path.x_mm, path.y_mm, path.rotation_rad, strict=True)
 
 
-def _substeps(poses: list[Pose]) -> Iterator[tuple[Pose, bool]]:
+def _before(path: Path) -> Pose | None:
+    """Return the pose from which the object was dragged to the first frame's, if it was."""
+    (slide_x, slide_y), turn = path.pre_slide_mm, path.pre_turn_rad
+    if not (slide_x or slide_y or turn):
+        return None
+    depth, x, y, angle = next(_poses(path))
+    return depth, x - slide_x, y - slide_y, angle - turn
+
+
+def _substeps(poses: list[Pose], start: Pose | None = None) -> Iterator[tuple[Pose, bool]]:
     """Yield the poses to march through, and whether each is a frame's; small steps stay whole."""
-    yield poses[0], True
-    for before, after in zip(poses[:-1], poses[1:], strict=True):
+    stops = [start, *poses] if start is not None else poses
+    yield stops[0], start is None
+    for before, after in zip(stops[:-1], stops[1:], strict=True):
         travel = max(
             np.hypot(after[1] - before[1], after[2] - before[2]), abs(after[0] - before[0])
         )
@@ -205,17 +216,37 @@ def _cached_layer(
     )
 
 
-def dome_drop_mm(gel: Gel, x_mm: float, y_mm: float) -> float:
-    """Return how far the crowned pad lies below its top at one point."""
-    return gel.dome * (x_mm**2 / (2 * DOME_RADII_MM[0]) + y_mm**2 / (2 * DOME_RADII_MM[1]))
+def dome_drop_mm(gel: Gel, x_mm: float, y_mm: float, mounting: Mounting | None = None) -> float:
+    """Return how far the crowned pad lies below its top at one point of the view."""
+    xx, xy, yy = _crown(gel, mounting)
+    x, y = (x_mm - mounting.x_mm, y_mm - mounting.y_mm) if mounting else (x_mm, y_mm)
+    return float(xx * x * x + xy * x * y + yy * y * y)
 
 
 @lru_cache(maxsize=4)
-def dome_mm(gel: Gel, mm_per_px: tuple[float, float], side: int) -> HeightMap:
+def dome_mm(
+    gel: Gel, mm_per_px: tuple[float, float], side: int, mounting: Mounting | None = None
+) -> HeightMap:
     """Return how far the crowned pad lies below its top, (side, side) in mm, read-only."""
+    mounting = mounting or Mounting()
     axis = np.arange(side) - (side - 1) / 2
-    x = (axis * mm_per_px[0]) ** 2 * gel.dome / (2 * DOME_RADII_MM[0])
-    y = (axis * mm_per_px[1]) ** 2 * gel.dome / (2 * DOME_RADII_MM[1])
-    drop = (x[None, :] + y[:, None]).astype(np.float32)
+    x, y = axis * mm_per_px[0] - mounting.x_mm, axis * mm_per_px[1] - mounting.y_mm
+    xx, xy, yy = _crown(gel, mounting)
+    drop = (xx * x * x)[None, :] + (yy * y * y)[:, None]
+    if xy:
+        drop += np.outer(xy * y, x)
+    drop = drop.astype(np.float32)
     drop.setflags(write=False)
     return drop
+
+
+def _crown(gel: Gel, mounting: Mounting | None) -> tuple[float, float, float]:
+    """Return the curvatures of the crown in the view: of x^2, x y and y^2, per mm."""
+    along, across = (gel.dome / (2 * radius) for radius in DOME_RADII_MM)
+    turn = mounting.turn_rad if mounting else 0.0
+    cos, sin = np.cos(turn), np.sin(turn)
+    return (
+        along * cos**2 + across * sin**2,
+        2 * (along - across) * cos * sin,
+        along * sin**2 + across * cos**2,
+    )

@@ -27,6 +27,7 @@ from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.simulation.presets import PresetName, preset_named
+from geotlm_lm.simulation.randomise import MARKER_SHARE
 from geotlm_lm.simulation.series import SERIES_VERSION, simulate_series
 from geotlm_lm.simulation.simulate import SimulatedClip
 
@@ -49,6 +50,7 @@ class _Shard:
     objects: tuple[str, ...]
     preset: str
     with_drift: bool
+    marker_share: float
 
 
 def write_dataset(
@@ -60,6 +62,7 @@ def write_dataset(
     workers: int = 1,
     preset: PresetName = "fast",
     with_drift: bool = False,
+    marker_share: float = MARKER_SHARE,
     progress: Progress | None = None,
 ) -> Path:
     """Write `count` clips of `objects` into the folder `out`, or finish writing them.
@@ -73,6 +76,7 @@ def write_dataset(
         workers: Processes, one thread each; the result does not depend on it.
         preset: How finely and tightly the contact is solved.
         with_drift: Whether the gel's tangential displacement is part of the truth.
+        marker_share: Share of clips on a gel with markers.
         progress: Called with (clips done, clips asked for) after every shard.
 
     Returns:
@@ -90,6 +94,7 @@ def write_dataset(
         "objects": list(objects),
         "preset": preset_named(preset).name,
         "with_drift": with_drift,
+        "marker_share": marker_share,
     }
     _check(out, count, wanted)
     out.mkdir(parents=True, exist_ok=True)
@@ -148,6 +153,7 @@ def _shards(out: Path, count: int, wanted: dict[str, Any]) -> list[_Shard]:
             tuple(wanted["objects"]),
             wanted["preset"],
             wanted["with_drift"],
+            wanted["marker_share"],
         )
         for number, start in enumerate(starts)
     ]
@@ -213,6 +219,7 @@ def _write_shard(shard: _Shard) -> int:
         first_index=shard.first_index,
         preset=shard.preset,
         with_drift=shard.with_drift,
+        marker_share=shard.marker_share,
     )
     for index, clip in enumerate(series, start=shard.first_index):
         # What a clip keeps besides, to tell its trace, is three times its size.
@@ -272,7 +279,8 @@ def _card(out: Path, count: int, wanted: dict[str, Any]) -> str:
             "# Simulated touch clips",
             "",
             f"{count} clips of {len(wanted['objects'])} bodies, seed {wanted['seed']}, preset",
-            f"{wanted['preset']}, series {wanted['series']}, made by",
+            f"{wanted['preset']}, series {wanted['series']}, markers on the gel in a share of",
+            f"{wanted['marker_share']:g}, made by",
             "`geotlm_lm.simulation`: a rigid body on a bonded elastic layer, seen by a camera",
             "under three coloured lights. Everything is simulated; nothing was recorded.",
             "",

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.simulation.noise import unit_noise
+from geotlm_lm.simulation.scene import Mounting
 
 MEASURED_IDLE = np.array(
     [
@@ -28,55 +29,137 @@ MEASURED_IDLE = np.array(
 FIXED_PATTERN_GREY = (0.85, 0.7, 1.0)
 """Standard deviation of the pixel-fine pattern that two sessions share, measured (R, G, B)."""
 
+CHANNEL_GAIN = ((0.75, 1.12), (0.87, 1.15), (0.87, 1.15))
+"""Brightness of each channel relative to the measured unit, R, G, B: mean levels of four real units
+and sessions are 56 to 83, 95 to 104 and 105 to 119."""
+
+OFFSET_GREY = ((-6.5, 3.5), (-5.0, 5.0), (-3.5, 6.5))
+"""Offset of each channel, R, G, B; corners are 20 to 28, 61 to 71 and 47 to 52 % of the middle."""
+
+USUAL_TILT = ((0.0, 0.0, 0.01), (0.0, 0.02, 0.04))
+"""Relative growth of R, G, B per half view to the right and downwards, from the unit whose levels
+are tabled to the usual one: the blue of four sources falls by 17 to 21 % from the upper to the
+lower half and by 0 to 5 % from left to right."""
+
+SMOOTH_CHANGE = 0.08
+"""Spread of the coefficients of the relative change of each channel, a quadratic over the view;
+real units and sessions differ by less."""
+
+PATTERN_SHARE = (0.3, 0.8)
+"""Strength of the fixed pattern relative to `FIXED_PATTERN_GREY`; resizing wears it down."""
+
+CROP = (0.93, 1.0)
+"""Share of the lit field that is in view, along each axis; readers of one sensor crop differently.
+
+It does not follow the pixel size: lights stand at the rim of a sensor's own view."""
+
+VIGNETTE = (0.0, 0.4)
+"""Share of the light that the lens loses in the corners, all channels alike."""
+
+FINER_FIELD_GREY = ((1.0, 5.5), (0.6, 2.0), (0.7, 3.0))
+"""RMS of the field of degrees 5 and 6 of each channel, R, G, B; measured on 30 recordings and two
+sets of stills: 2.5 to 6.1, 1.0 to 1.5 and 1.9 to 4.3."""
+
+FINEST_FIELD_SHARE = (0.3, 0.6)
+"""RMS of the field of degrees 7 and 8 relative to degrees 5 and 6: measured 0.4 to 1."""
+
 _NODES = np.linspace(-1, 1, 5)
+
+_FIELD_NODES = np.cos(np.pi * (np.arange(9) + 0.5) / 9)
+"""Points per axis that carry a field of degree 8 exactly."""
+
+_HALF_VIEW_MM = (10.15, 7.6)
+"""Half the view (x, y) that the idle frame was measured on."""
 
 _SPECK_REACH_PX = 16
 """Farthest a speck changes the image from its middle: its radius and the reach of its blur."""
 
 
-def idle_frame(seed: int, view: float = 1.0) -> NDArray[np.float32]:
+def idle_frame(seed: int, mounting: Mounting | None = None) -> NDArray[np.float32]:
     """Return an idle frame, float32 planar (3, 224, 224) RGB grey levels, without temporal noise.
 
-    A degree-4 polynomial per axis through randomly changed measured levels; never mirrored, since
-    which colour lights which side tells directions apart.
+    Randomly changed measured levels, a polynomial of degree 4 per axis, and a random field of
+    degrees 5 to 8; never mirrored, since which colour lights which side tells directions apart.
 
     Args:
         seed: Chooses everything random about the frame.
-        view: Size of the view relative to the nominal one; a smaller view sees the middle.
+        mounting: How the lit pad lies under the camera.
     """
     rng = np.random.default_rng(seed)
-    gain = rng.uniform(0.85, 1.15, (3, 1, 1))
-    offset = rng.uniform(-8, 8, (3, 1, 1))
+    gain = np.stack([rng.uniform(*span) for span in CHANNEL_GAIN])[:, None, None]
+    offset = np.stack([rng.uniform(*span) for span in OFFSET_GREY])[:, None, None]
     table = MEASURED_IDLE * gain + offset
-    table = table * np.exp(_smooth_change(rng, 0.10)) * np.exp(_smooth_change(rng, 0.06))
-    reach = min(view, 1.0) * rng.uniform(0.85, 1.0)
-    centre = rng.uniform(-1, 1, 2) * (1 - reach)
-    rows = _lagrange(centre[0] + reach * _pixel_axis())
-    columns = _lagrange(centre[1] + reach * _pixel_axis())
-    frame = (rows @ torch.from_numpy(table.astype(np.float32)) @ columns.T).numpy()
-    frame *= 1 - rng.uniform(0, 0.25) * _vignette()
+    table = table * np.exp(_smooth_change(rng))
+    crop = rng.uniform(*CROP)
+    nodes = _lit_at_nodes(table, mounting or Mounting(), crop) + _finer_field(rng)
+    upsample = _upsample()
+    frame = (upsample @ torch.from_numpy(nodes.astype(np.float32)) @ upsample.T).numpy()
+    frame *= 1 - rng.uniform(*VIGNETTE) * _vignette()
     frame *= _specks(rng)[None]
     for channel, sigma in enumerate(FIXED_PATTERN_GREY):
-        strength = sigma * rng.uniform(0.3, 1.2)
+        strength = sigma * rng.uniform(*PATTERN_SHARE)
         cv2.scaleAdd(unit_noise(rng), strength, frame[channel], dst=frame[channel])
     return np.clip(frame, 2, 250, out=frame)
+
+
+def _lit_at_nodes(
+    table: NDArray[np.float64], mounting: Mounting, crop: float
+) -> NDArray[np.float64]:
+    """Return the lit field where the field's nodes see the pad, (3, 9, 9)."""
+    half_x, half_y = _HALF_VIEW_MM
+    x = _FIELD_NODES[None, :] * half_x * crop - mounting.x_mm
+    y = _FIELD_NODES[:, None] * half_y * crop - mounting.y_mm
+    cos, sin = np.cos(mounting.turn_rad), np.sin(mounting.turn_rad)
+    across, down = (cos * x + sin * y) / half_x, (cos * y - sin * x) / half_y
+    weights = [_lagrange(points.ravel(), _NODES) for points in (down, across)]
+    return np.einsum("pi,cij,pj->cp", weights[0], table, weights[1]).reshape(3, 9, 9)
+
+
+def _finer_field(rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return a random field of degrees 5 to 8 in grey levels at the field's nodes, (3, 9, 9)."""
+    finer = np.array([rng.uniform(*span) for span in FINER_FIELD_GREY])
+    sizes = finer[:, None] * np.array([1.0, rng.uniform(*FINEST_FIELD_SHARE)])
+    field = np.zeros((3, 9, 9))
+    for band, terms in enumerate(_finer_terms()):
+        share = rng.normal(0, 1 / np.sqrt(len(terms)), (3, len(terms)))
+        field += sizes[:, band, None, None] * np.einsum("ct,tij->cij", share, terms)
+    return field
+
+
+@cache
+def _finer_terms() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return Legendre products of total degree 5 and 6, and 7 and 8, RMS 1, at the nodes."""
+    legendre = np.polynomial.legendre.legvander(_FIELD_NODES, 8).T
+    legendre *= np.sqrt(2 * np.arange(9) + 1)[:, None]
+    bands = []
+    for degrees in ((5, 6), (7, 8)):
+        pairs = [(i, d - i) for d in degrees for i in range(d + 1)]
+        bands.append(np.stack([np.outer(legendre[i], legendre[j]) for i, j in pairs]))
+    return bands[0], bands[1]
+
+
+@cache
+def _upsample() -> torch.Tensor:
+    """Return the weights (224, 9) from the field's nodes to the pixels."""
+    return torch.from_numpy(_lagrange(_pixel_axis(), _FIELD_NODES).astype(np.float32))
 
 
 def _pixel_axis() -> NDArray[np.float64]:
     return (np.arange(IMAGE_SIDE) + 0.5) / (IMAGE_SIDE / 2) - 1
 
 
-def _lagrange(points: NDArray[np.float64]) -> torch.Tensor:
-    """Return the weights (points, 5) of polynomial interpolation through the table's nodes."""
-    weights = np.vander(points, len(_NODES)) @ np.linalg.inv(np.vander(_NODES))
-    return torch.from_numpy(weights.astype(np.float32))
+def _lagrange(points: NDArray[np.float64], nodes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the weights (points, nodes) of polynomial interpolation through the nodes."""
+    return np.vander(points, len(nodes)) @ np.linalg.inv(np.vander(nodes))
 
 
-def _smooth_change(rng: np.random.Generator, size: float) -> NDArray[np.float64]:
-    """Return a random quadratic per channel on the table's points, coefficients of scale `size`."""
+def _smooth_change(rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return a random quadratic per channel on the table's points, (3, 5, 5)."""
     x, y = np.meshgrid(_NODES, _NODES)
     terms = np.stack([x, y, x * y, x**2 - 0.5, y**2 - 0.5])
-    return np.einsum("ck,kij->cij", rng.normal(0, size, (3, 5)), terms)
+    sizes = rng.normal(0, SMOOTH_CHANGE, (3, 5))
+    sizes[:, :2] += np.transpose(USUAL_TILT)
+    return np.einsum("ck,kij->cij", sizes, terms)
 
 
 @cache

@@ -7,7 +7,6 @@ which fits a GelSight Mini better (R^2 0.88 / 0.85 / 0.74 in R, G, B) than addit
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import lru_cache
 
 import cv2
@@ -15,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
-from geotlm_lm.simulation.noise import unit_noise
 from geotlm_lm.simulation.scene import Optics
 
 Planar = NDArray[np.float32]
@@ -24,7 +22,7 @@ LIGHTS = np.array([[-0.12, -1.08], [0.49, 0.07], [-0.03, 0.56]])
 """Relative change of R, G, B per unit slope g towards (right, down), measured on one unit."""
 
 NOMINAL_VIEW_MM = 20.3
-"""Width of the view the idle frame was measured on."""
+"""Width of a GelSight Mini's whole view (gs_sdk)."""
 
 SHADOW_REACH_MM = 0.6
 """How far from a flank its shadow is looked for; about the depth of a press."""
@@ -77,43 +75,13 @@ def _reach(slope_x: tuple[float, ...], slope_y: tuple[float, ...]) -> Planar:
 
 def turned_lights(optics: Optics) -> NDArray[np.float64]:
     """Return the shading rows of the three lights, (3, 2), with this clip's turns and gains."""
-    angles = np.asarray(optics.light_turn_rad)
+    # The lights sit on the pad: they turn with it.
+    angles = np.asarray(optics.light_turn_rad) + optics.mounting.turn_rad
     cos, sin = np.cos(angles), np.sin(angles)
     x = cos * LIGHTS[:, 0] - sin * LIGHTS[:, 1]
     y = sin * LIGHTS[:, 0] + cos * LIGHTS[:, 1]
     rows = np.stack([x, y], axis=1) * np.asarray(optics.light_gain)[:, None]
     return rows + np.asarray(optics.common_light)
-
-
-def recorded(
-    frame: Planar,
-    optics: Optics,
-    rng: np.random.Generator,
-    *,
-    noise_share: float = 1.0,
-    drift_grey: Sequence[float] = (0.0, 0.0, 0.0),
-) -> NDArray[np.uint8]:
-    """Return what the recording holds: noise added, 8 bit, perhaps lossy; (224, 224, 3) RGB.
-
-    Args:
-        frame: Planar frame without noise, (3, 224, 224).
-        optics: Noise and compression.
-        rng: Source of the noise.
-        noise_share: Strength of the noise relative to one frame's.
-        drift_grey: Brightness added to each channel.
-    """
-    planes = []
-    for channel in range(3):
-        noise = unit_noise(rng)
-        sign = noise_share if rng.random() < 0.5 else -noise_share
-        share, level = sign * optics.noise_grey[channel], float(drift_grey[channel])
-        # One pass for sum, rounding and clipping: a third of the time of five.
-        planes.append(cv2.addWeighted(noise, share, frame[channel], 1.0, level, dtype=cv2.CV_8U))
-    if optics.jpeg_quality is None:
-        return cv2.merge(planes)
-    bgr = cv2.merge(planes[::-1])
-    code = cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, optics.jpeg_quality])
-    return cv2.imdecode(code[1], cv2.IMREAD_COLOR_RGB)
 
 
 def _shadow(height_mm: Planar, light: NDArray[np.float64], optics: Optics) -> Planar:

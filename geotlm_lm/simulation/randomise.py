@@ -1,4 +1,4 @@
-"""Random scenes: which body, how it moves, through which camera; draws from measured ranges."""
+"""Random scenes: which body, how it moves, on which gel; draws from measured ranges."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from geotlm_lm.simulation.contact import dome_drop_mm
 from geotlm_lm.simulation.indenter import Indenter
 from geotlm_lm.simulation.indenters import INDENTERS
 from geotlm_lm.simulation.motions import random_path
-from geotlm_lm.simulation.optics import LIGHTS
 from geotlm_lm.simulation.profile import build_profile
-from geotlm_lm.simulation.scene import Body, Gel, Optics, Scene
+from geotlm_lm.simulation.randomise_optics import random_markers, random_optics
+from geotlm_lm.simulation.scene import Body, Gel, Path, Scene
 
 DEPTH_MM = (0.2, 1.2)
 """Approach a hand gives a GelSight Mini; a measured ball press has a contact radius of 2 mm."""
@@ -31,6 +31,32 @@ view, less for textured ones and near the border."""
 CENTRE_MM = 5.0
 """Farthest the contact's middle lies from the view's middle, along each axis."""
 
+FRICTION = (0.3, 1.5)
+"""Coulomb's coefficient between object and gel, about the 1.0 of FEATS and Taccel; it is felt only
+where friction is solved."""
+
+MEMBRANE_MM = (-0.3, 0.3)
+"""Smoothing by the coat, none below 0; up to where one measured ball press is fitted."""
+
+LAG = (-0.4, 0.35)
+"""Share of an indentation left one frame after the object is gone, none below 0: the gel's creep
+lasts one to three frames. Assumed: no recording tells it from the hand's own motion."""
+
+PRE_SLIDE_MM = 0.4
+PRE_TURN_DEG = 4.0
+"""Largest shear and twist that the gel brings along from before the first frame: about a step of a
+handling; felt only where friction is solved."""
+
+PRE_SHARE = 0.5
+"""Share of clips whose gel is sheared or twisted already."""
+
+MARKER_SHARE = 0.0
+"""Share of clips on a gel with markers."""
+
+TEXTURE_SCALE_MM = (0.1, 1.0)
+"""Correlation length of an object's texture; from the size of a pixel on, since real imprints hold
+detail that fine: gradients at 1 px are 1.7 to 2.0 times those at 3 px."""
+
 
 def random_scenes(
     seed: int,
@@ -39,6 +65,7 @@ def random_scenes(
     objects: Sequence[str],
     first_index: int = 0,
     motions: Sequence[Motion] | None = None,
+    marker_share: float = MARKER_SHARE,
 ) -> list[Scene]:
     """Return scenes `first_index` .. of the endless series of `seed`; equally many of each motion.
 
@@ -48,6 +75,8 @@ def random_scenes(
         objects: Names to draw from.
         first_index: Where in the series to begin; a scene depends only on its place.
         motions: Motions to draw from; all ten by default.
+        marker_share: Share of scenes on a gel with markers; the rest of a scene does not depend
+            on it.
     """
     kinds = tuple(motions) if motions is not None else tuple(Motion)
     scenes = []
@@ -56,12 +85,18 @@ def random_scenes(
         order = generator_for(seed, "motions", index // len(kinds)).permutation(len(kinds))
         name = objects[int(rng.integers(len(objects)))]
         motion = kinds[order[index % len(kinds)]]
-        scenes.append(random_scene(rng, object_name=name, motion=motion))
+        scene = random_scene(rng, object_name=name, motion=motion, marker_share=marker_share)
+        scenes.append(scene)
     return scenes
 
 
 def random_scene(
-    rng: np.random.Generator, *, object_name: str, motion: Motion, indenter: Indenter | None = None
+    rng: np.random.Generator,
+    *,
+    object_name: str,
+    motion: Motion,
+    indenter: Indenter | None = None,
+    marker_share: float = MARKER_SHARE,
 ) -> Scene:
     """Return a scene of an object doing `motion`, everything else drawn from `rng`.
 
@@ -70,13 +105,9 @@ def random_scene(
         object_name: A name in `indenters.INDENTERS`, or any name beside an `indenter`.
         motion: What the object does.
         indenter: A shape of the caller's own; it keeps its size.
+        marker_share: Probability of markers on the gel.
     """
-    optics = random_optics(rng)
-    gel = Gel(
-        thickness_mm=rng.uniform(3.0, 4.8),
-        poisson_ratio=rng.uniform(0.45, 0.499),
-        dome=rng.uniform(0.0, 1.3),
-    )
+    optics, gel = random_optics(rng), random_gel(rng)
     body = random_body(rng, object_name)
     kind = indenter or INDENTERS[object_name]
     if indenter is not None:
@@ -90,7 +121,7 @@ def random_scene(
         rng.uniform(-1, 1) * min(CENTRE_MM, 0.65 * half_y),
     )
     # Away from its middle the domed pad lies lower: the approach grows by as much.
-    drop = dome_drop_mm(gel, *centre)
+    drop = dome_drop_mm(gel, *centre, optics.mounting)
     least = 0.0
     if motion != Motion.NONE:
         least_area = LEAST_CONTACT * 4 * half_x * half_y / ELASTIC_SHARE
@@ -102,7 +133,33 @@ def random_scene(
         depth_range_mm=(low, DEPTH_MM[1] + drop),
         centre_mm=centre,
     )
+    path = with_history(rng, path)
+    # Drawn last: a scene with markers is the same scene.
+    if rng.random() < marker_share:
+        optics = replace(optics, markers=random_markers(rng))
     return Scene(body, path, motion, gel, optics)
+
+
+def random_gel(rng: np.random.Generator) -> Gel:
+    """Return a pad within the ranges of the products and models it is known from."""
+    return Gel(
+        thickness_mm=rng.uniform(3.0, 4.8),
+        poisson_ratio=rng.uniform(0.45, 0.499),
+        dome=rng.uniform(0.0, 1.3),
+        friction=rng.uniform(*FRICTION),
+        membrane_mm=max(rng.uniform(*MEMBRANE_MM), 0.0),
+        lag=max(rng.uniform(*LAG), 0.0),
+    )
+
+
+def with_history(rng: np.random.Generator, path: Path) -> Path:
+    """Return the path, in some clips after a slide and a turn that sheared the gel before it."""
+    towards, far = rng.uniform(-np.pi, np.pi), rng.uniform(0, PRE_SLIDE_MM)
+    turn, is_handled = rng.uniform(-PRE_TURN_DEG, PRE_TURN_DEG), rng.random() < PRE_SHARE
+    if not is_handled:
+        return path
+    slide = (float(far * np.cos(towards)), float(far * np.sin(towards)))
+    return replace(path, pre_slide_mm=slide, pre_turn_rad=float(np.radians(turn)))
 
 
 def random_body(rng: np.random.Generator, name: str) -> Body:
@@ -115,37 +172,5 @@ def random_body(rng: np.random.Generator, name: str) -> Body:
         tilt_x=float(lean * np.cos(towards)),
         tilt_y=float(lean * np.sin(towards)),
         texture_um=float(max(rng.uniform(-15, 40), 0.0)),
-        texture_scale_mm=rng.uniform(0.2, 1.0),
+        texture_scale_mm=float(np.exp(rng.uniform(*np.log(TEXTURE_SCALE_MM)))),
     )
-
-
-def random_optics(rng: np.random.Generator) -> Optics:
-    """Return a camera, lights and noise within the ranges real units were measured in."""
-    zoom, ratio = rng.uniform(0.6, 1.15), rng.uniform(0.95, 1.08)
-    strength = np.exp(rng.uniform(np.log(0.35), np.log(1.8)))
-    gains = strength * rng.uniform(0.65, 1.3, 3)
-    noise = np.exp(rng.uniform(np.log(0.15), np.log(1.8)))
-    return Optics(
-        mm_per_px_x=20.3 / 224 * zoom * ratio**0.5,
-        mm_per_px_y=15.2 / 224 * zoom / ratio**0.5,
-        light_turn_rad=_three(rng.uniform(-1, 1, len(LIGHTS)) * np.radians(15)),
-        light_gain=_three(gains),
-        light_slope_x=_three(rng.uniform(-0.35, 0.35, 3)),
-        light_slope_y=_three(rng.uniform(-0.35, 0.35, 3)),
-        common_light=(rng.normal(0, 0.2) * strength, rng.normal(0, 0.2) * strength),
-        steep_darkening=strength * rng.uniform(0, 0.35),
-        saturation=rng.uniform(0, 2),
-        depth_gain=_three(np.array([0.066, 0.037, 0.083]) * rng.uniform(0, 1.8)),
-        shadow=max(rng.uniform(-0.3, 0.3), 0.0),
-        psf_mm=rng.uniform(0, 0.1),
-        noise_grey=_three(np.array([1.7, 1.24, 2.0]) * noise),
-        drift_grey=rng.uniform(0, 1),
-        light_change=_three(rng.normal(0, 0.02, 3) if rng.random() < 0.3 else np.zeros(3)),
-        jpeg_quality=int(rng.integers(60, 96)) if rng.random() < 0.3 else None,
-        idle=int(rng.integers(2**31)),
-    )
-
-
-def _three(values: np.ndarray) -> tuple[float, float, float]:
-    first, second, third = (float(value) for value in values)
-    return first, second, third

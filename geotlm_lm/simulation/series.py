@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.simulation.presets import PresetName
-from geotlm_lm.simulation.randomise import random_scenes
+from geotlm_lm.simulation.randomise import MARKER_SHARE, random_scenes
 from geotlm_lm.simulation.simulate import SimulatedClip, simulate
 
-SERIES_VERSION = 6
+SERIES_VERSION = 7
 """Raised when the same seed gives other clips than before."""
 
 
@@ -22,6 +22,7 @@ def simulate_series(
     motions: Sequence[Motion] | None = None,
     preset: PresetName = "fast",
     with_drift: bool = False,
+    marker_share: float = MARKER_SHARE,
 ) -> Iterator[SimulatedClip]:
     """Yield clips `first_index` .. of the series of `seed`.
 
@@ -31,7 +32,14 @@ def simulate_series(
     is then still at hand and not built a second time.
     """
     for index in range(first_index, first_index + count):
-        scenes = random_scenes(seed, 1, objects=objects, first_index=index, motions=motions)
+        scenes = random_scenes(
+            seed,
+            1,
+            objects=objects,
+            first_index=index,
+            motions=motions,
+            marker_share=marker_share,
+        )
         yield from simulate(
             scenes, seed=seed, first_index=index, preset=preset, with_drift=with_drift
         )

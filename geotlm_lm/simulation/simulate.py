@@ -13,21 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE
+from geotlm_lm.core.geometry import GRID_SIDE
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.simulation.idle import idle_frame
 from geotlm_lm.simulation.label import label_for, patch_displacement, patch_means
+from geotlm_lm.simulation.markers import shade
 from geotlm_lm.simulation.normal_contact import SolverStatus
-from geotlm_lm.simulation.optics import NOMINAL_VIEW_MM, lit, recorded, turned_lights
+from geotlm_lm.simulation.optics import lit, turned_lights
 from geotlm_lm.simulation.presets import Preset, PresetName, preset_named
 from geotlm_lm.simulation.profile import build_profile
-from geotlm_lm.simulation.scene import Optics, Scene
+from geotlm_lm.simulation.recording import Recorder
+from geotlm_lm.simulation.scene import Scene
 from geotlm_lm.simulation.surface import Surface, pressed_surface
 from geotlm_lm.simulation.trace import Trace, trace_of
-
-BACKGROUND_NOISE = 0.45
-"""Noise of an idle frame averaged over about five frames, relative to one frame's."""
 
 CAMERA_FPS = 25.0
 """Frames per second of a GelSight Mini's camera (gs_sdk)."""
@@ -107,7 +106,7 @@ def simulate(
         with_drift: Whether the gel's tangential displacement is wanted. Frictional contact is left
             out otherwise: the imprint of a rigid object moves with it whether it sticks or slips,
             and drag changes a markerless image by less than noise (at most 0.7 grey levels RMS,
-            measured).
+            measured). A gel with markers is always solved with friction: it carries the dots.
 
     Raises:
         UsageError: If there is no such preset.
@@ -123,16 +122,16 @@ def _simulate_one(
     scene: Scene, seed: int, index: int, preset: Preset, with_drift: bool
 ) -> SimulatedClip:
     rng, watch = generator_for(seed, "clip", index), Stopwatch()
-    surface = None
+    surface, is_marked = None, scene.optics.markers is not None
     if max(scene.path.depth_mm) > 0:
         with watch("profile"):
             profile = build_profile(scene.body)
-        drags = with_drift and scene.gel.friction > 0
+        moves_gel = with_drift or is_marked
+        drags = moves_gel and scene.gel.friction > 0
         with watch("frictional_contact" if drags else "normal_contact"):
-            surface = pressed_surface(scene, profile, preset, with_drift=with_drift)
+            surface = pressed_surface(scene, profile, preset, with_drift=moves_gel)
     with watch("optics"):
-        view = scene.optics.mm_per_px_x * IMAGE_SIDE / NOMINAL_VIEW_MM
-        idle = idle_frame(scene.optics.idle, view)
+        idle = idle_frame(scene.optics.idle, scene.optics.mounting)
         frames, background, clean = _render(scene, surface, idle, rng)
     with watch("truth"):
         truth = _truth(scene, surface, clean, with_drift)
@@ -175,25 +174,22 @@ def _render(
     scene: Scene, surface: Surface | None, idle: NDArray[np.float32], rng: np.random.Generator
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint8], list[NDArray[np.float32]]]:
     """Return frames (t, 224, 224, 3), the idle frame, and planar frames without noise."""
-    optics = scene.optics
-    lights = turned_lights(optics)
-    background = recorded(idle, optics, rng, noise_share=BACKGROUND_NOISE)
+    optics, recorder = scene.optics, Recorder(scene.optics, rng)
+    lights, markers = turned_lights(optics), optics.markers
     base = idle * (1 + np.asarray(optics.light_change, np.float32))[:, None, None]
     clean = []
     for frame in range(len(scene.path)):
-        if surface is None or not surface.touches[frame].any():
+        pressed = None if surface is None else surface.indentation_mm[frame]
+        if pressed is None or not pressed.any():
             clean.append(base)
         else:
-            clean.append(lit(surface.indentation_mm[frame], base, optics, lights=lights))
-    frames = np.stack([_as_recorded(image, optics, rng) for image in clean])
+            clean.append(lit(pressed, base, optics, lights=lights))
+        if markers is not None:
+            drift = None if surface is None else surface.drift_mm[frame]
+            clean[-1] = clean[-1] * shade(markers, optics, drift)
+    background = recorder.background(idle if markers is None else idle * shade(markers, optics))
+    frames = np.stack([recorder.next(image) for image in clean])
     return frames, background, clean
-
-
-def _as_recorded(
-    image: NDArray[np.float32], optics: Optics, rng: np.random.Generator
-) -> NDArray[np.uint8]:
-    drift = np.clip(rng.normal(0, optics.drift_grey, 3), -1, 1)
-    return recorded(image, optics, rng, drift_grey=drift)
 
 
 class Stopwatch:

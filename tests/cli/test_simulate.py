@@ -73,3 +73,22 @@ def test_a_height_map_of_ones_own_is_pressed(tmp_path, capsys):
 def test_a_preset_can_be_chosen(tmp_path, capsys):
     assert run("simulate", "--clip", tmp_path / "a.npz", "--preset", "draft") == 0
     assert run("simulate", "--clip", tmp_path / "a.npz", "--preset", "best") == 2
+
+
+def test_markers_are_printed_on_the_same_touch(tmp_path):
+    for name, options in (("bare.npz", ()), ("marked.npz", ("--markers",))):
+        run("simulate", "--clip", tmp_path / name, "--preset", "draft", "--drift", *options)
+    bare, marked = (np.load(tmp_path / name) for name in ("bare.npz", "marked.npz"))
+    assert str(bare["label"]) == str(marked["label"])
+    share = marked["background"].astype(float).mean(-1) / bare["background"].mean(-1)
+    # Dots of a third of their spacing: about a tenth of the area, the rest as bright as before.
+    assert 0.03 < (share < 0.75).mean() < 0.25
+    assert np.median(share) == pytest.approx(1, abs=0.02)
+
+
+def test_a_data_set_says_that_its_gels_are_marked_and_is_not_continued_without(tmp_path, capsys):
+    asked = ("simulate", "--out", tmp_path / "set", "--count", 1, "--preset", "draft")
+    assert run(*asked, "--markers") == 0
+    assert json.loads((tmp_path / "set" / "dataset.json").read_text())["marker_share"] == 1
+    assert run(*asked) == 2
+    assert "holds another data set" in capsys.readouterr().err

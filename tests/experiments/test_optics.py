@@ -1,6 +1,7 @@
 """Real and simulated images side by side: on a made-up folder, the simulator, and real images."""
 
 import csv
+from dataclasses import replace
 from pathlib import Path as FilePath
 
 import cv2
@@ -22,7 +23,7 @@ from geotlm_lm.experiments.optics_recordings import (
 from geotlm_lm.experiments.optics_statistics import COLOURS, camera_statistics
 from geotlm_lm.reports.optics import optics_report
 from geotlm_lm.simulation.optics import LIGHTS
-from geotlm_lm.simulation.scene import Body, Optics, Path, Scene
+from geotlm_lm.simulation.scene import Body, Optics, Path, Scene, VideoCodec
 
 REAL = FilePath(__file__).resolve().parents[3] / "shared" / "real"
 
@@ -104,6 +105,19 @@ def test_noise_of_recordings_is_measured_and_stills_have_none(record):
 def test_a_pattern_is_measured_where_idle_frames_are_far_enough_apart(record):
     assert row(record.numbers["rows"], "pattern R")["real"]["count"] == 3
     assert row(record.numbers["rows"], "level R")["real"]["count"] == 5
+
+
+def test_noise_between_frames_is_compared_among_videos_only():
+    path = Path((0.6,) * 4, (0.0,) * 4, (0.0,) * 4, (0.0,) * 4)
+    plain = Optics(noise_grey=(1.7, 1.24, 2.0))
+    scenes = [
+        Scene(Body("ball_medium"), path, Motion.STILL, optics=optics)
+        for optics in (plain, replace(plain, video=VideoCodec(frames_apart=8)))
+    ]
+    found = measured(simulated_touch(scene, 0, preset="draft") for scene in scenes)["simulated"]
+    assert len(found["noise R"]) == 1
+    assert found["noise R"][0] < 0.9
+    assert len(found["level R"]) == len(found["pattern R"]) == 2
 
 
 def test_balls_are_held_against_balls_only(record):

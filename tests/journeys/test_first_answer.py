@@ -43,7 +43,6 @@ def test_an_example_is_answered_with_a_direction_a_probability_and_a_frame(capsy
     assert answer["frame"]["sentence"].startswith("camera image")
 
 
-@pytest.mark.xfail(strict=True, reason="the shipped bundle is torn between left and up, at 0.4 mm")
 @needs_bundle
 def test_the_shipped_model_answers_with_a_direction_a_probability_and_a_frame(clip, capsys):
     question = ["--q", "Which way is it moving?", "--json"]

@@ -196,3 +196,23 @@ def test_pressing_where_there_is_a_gap_is_not_converged():
 def test_a_body_that_is_not_finite_is_refused(bad):
     with pytest.raises(ValueError, match="expected"):
         Body("block", **bad)
+
+
+def dragged_before(slide_mm, friction=50.0):
+    body, still = Body("block"), ((0.5, 0.5), (0.0, 0.0), (0.0, 0.0), (0.3, 0.3))
+    path = Path(*still, pre_slide_mm=(slide_mm, 0.0))
+    return Scene(body, path, Motion.STILL, Gel(friction=friction))
+
+
+def test_a_gel_sheared_before_the_clip_is_sheared_from_its_first_frame_on():
+    rest, sheared = (solved(dragged_before(slide), with_drift=True) for slide in (0.0, 0.2))
+    assert len(sheared.drift_mm) == 2
+    pressed = sheared.indentation_mm[0] > 0.8 * sheared.indentation_mm[0].max()
+    gained = (sheared.drift_mm - rest.drift_mm)[:, 0, pressed]
+    # So much friction holds the gel on the object: it has come along by the object's travel.
+    assert gained.mean(dim=1).numpy() == pytest.approx([0.2, 0.2], abs=0.02)
+
+
+def test_history_needs_friction_and_leaves_the_frictionless_gel_as_it_is():
+    plain, handled = (solved(dragged_before(slide)) for slide in (0.0, 0.2))
+    assert torch.equal(plain.indentation_mm, handled.indentation_mm)

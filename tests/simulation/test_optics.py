@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.seeding import generator_for
-from geotlm_lm.simulation.optics import lit, recorded, turned_lights
+from geotlm_lm.simulation.optics import lit, turned_lights
+from geotlm_lm.simulation.recording import recorded
 from geotlm_lm.simulation.scene import Optics
 
 AXIS = (np.arange(224) - 111.5).astype(np.float32)

@@ -1,6 +1,8 @@
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
@@ -35,3 +37,41 @@ def test_few_rotations_are_unreadable_and_claimed_motions_touch():
     touched = [min(clip.label.contact_fraction) >= 0.01 for clip in clips]
     assert np.mean(touched) >= 0.9
     assert all(clip.status.is_converged for clip in clips)
+
+
+@pytest.fixture(scope="module")
+def many():
+    return random_scenes(3, 300, objects=("block", "ball_medium"))
+
+
+def test_every_nuisance_is_drawn_over_its_range(many):
+    gels, mountings = [s.gel for s in many], [s.optics.mounting for s in many]
+    spans = {
+        "friction": ([gel.friction for gel in gels], 0.3, 1.5),
+        "turn": ([np.degrees(m.turn_rad) for m in mountings], -3, 3),
+        "shift": ([m.x_mm for m in mountings], -0.85, 0.85),
+        "membrane": ([gel.membrane_mm for gel in gels], 0, 0.3),
+        "lag": ([gel.lag for gel in gels], 0, 0.35),
+        "twist": ([np.degrees(s.path.pre_turn_rad) for s in many], -4, 4),
+    }
+    for values, low, high in spans.values():
+        assert low <= min(values) < low + 0.1 * (high - low)
+        assert high - 0.1 * (high - low) < max(values) <= high
+
+
+def test_half_the_clips_come_out_of_a_video_and_some_out_of_jpegs(many):
+    videos = [s.optics.video is not None for s in many]
+    images = [s.optics.jpeg_quality is not None for s in many]
+    assert np.mean(videos) == pytest.approx(0.5, abs=0.09)
+    assert np.mean(images) == pytest.approx(0.12, abs=0.06)
+    assert not np.any(np.logical_and(videos, images))
+
+
+def test_markers_are_off_unless_asked_for_and_change_nothing_else(many):
+    assert all(scene.optics.markers is None for scene in many)
+    marked = random_scenes(3, 40, objects=("block", "ball_medium"), marker_share=1.0)
+    assert all(scene.optics.markers is not None for scene in marked)
+    bare = [replace(s, optics=replace(s.optics, markers=None)) for s in marked]
+    assert bare == many[:40]
+    half = random_scenes(3, 40, objects=("block", "ball_medium"), marker_share=0.5)
+    assert 8 < sum(scene.optics.markers is not None for scene in half) < 32

@@ -63,3 +63,36 @@ def test_from_cells_to_pixels_a_parabola_stays_exact(power, count):
     pixels = (np.arange(224) - 111.5) * OPTICS.mm_per_px_x
     values = _cubic_weights(OPTICS.mm_per_px_x, count).numpy() @ cells**power
     assert values == pytest.approx(pixels**power, abs=1e-4)
+
+
+def gel_with(depth, **values):
+    body = Body("letter_l", variant=2)
+    path = Path(depth, *((at,) * len(depth) for at in (0.0, 0.0, 0.3)))
+    scene = Scene(body, path, Motion.PRESS, Gel(dome=0.0, **values), OPTICS)
+    return pressed_surface(scene, build_profile(body))
+
+
+def test_the_coat_smooths_the_gel_beside_the_object_and_neither_contact_nor_volume():
+    plain, smooth = gel_with((0.6,)), gel_with((0.6,), membrane_mm=0.3)
+    assert np.array_equal(plain.touches, smooth.touches)
+    assert np.all(smooth.indentation_mm[0] >= rigid(0.6) - 1e-5)
+    change = np.abs(smooth.indentation_mm - plain.indentation_mm)[0]
+    assert change[~plain.touches[0]].max() > 0.02
+    # Where it stays on the object the surface is the object's, to the tolerance of touching.
+    held = plain.touches[0] & (rigid(0.6) >= smooth.indentation_mm[0] - 1e-6)
+    assert held.sum() > 0.3 * plain.touches[0].sum()
+    assert change[held].max() <= 0.0201
+
+
+def test_a_gel_that_lags_keeps_its_share_of_what_the_object_left():
+    depth, lag = (0.6, -1.0, -1.0, 0.6), 0.25
+    late, at_once = gel_with(depth, lag=lag), gel_with(depth)
+    first = at_once.indentation_mm[0]
+    raised = first > 0
+    assert np.array_equal(late.indentation_mm[0], first)
+    for frame, share in ((1, lag), (2, lag**2)):
+        assert not at_once.indentation_mm[frame].any()
+        # Where the gel is pushed up it springs back at once: only what is pressed in stays.
+        assert np.allclose(late.indentation_mm[frame][raised], share * first[raised], atol=1e-6)
+    assert np.all(late.indentation_mm[3] >= first)
+    assert np.array_equal(late.touches, at_once.touches)
