@@ -53,12 +53,14 @@ class GridContact:
         drift_mm: Tangential displacement of the surface from rest, (frames, 2, cells, cells); None
             where it was not asked for.
         touches: Whether anything presses in a frame, (frames,).
+        overlap_mm: Approach less the body's profile and the pad's crown, (frames, cells, cells).
         status: The solver's account.
     """
 
     indentation_mm: Tensor
     drift_mm: Tensor | None
     touches: Tensor
+    overlap_mm: Tensor
     status: SolverStatus
 
 
@@ -99,7 +101,7 @@ def _pressed(scene: Scene, profile: Profile, preset: Preset, with_drift: bool) -
     status = replace(status, is_converged=status.penetration_um <= preset.acceptable_um)
     drift = response.spread(contact.pressure) if with_drift else None
     touches = contact.touches.flatten(1).any(1)
-    return GridContact(contact.indentation_mm, drift, touches, status)
+    return GridContact(contact.indentation_mm, drift, touches, overlap, status)
 
 
 def _dragged(scene: Scene, profile: Profile, preset: Preset) -> GridContact:
@@ -116,18 +118,22 @@ def _dragged(scene: Scene, profile: Profile, preset: Preset) -> GridContact:
         increments, response, friction_coefficient=scene.gel.friction, effort=preset.effort
     )
     kept: list[Step] = []
+    overlaps: list[Tensor] = []
     worst = SolverStatus(0.0, 0, True)
     spent = rubbed = energy = 0.0
-    for step, (_, ends_frame) in zip(steps, substeps, strict=True):
+    for step, increment, (_, ends_frame) in zip(steps, increments, substeps, strict=True):
         rubbed += float(step.work) - (float(step.energy) - energy)
         spent, energy = spent + max(float(step.work), 0.0), float(step.energy)
         worst = _worse(worst, step, scene.gel.friction, preset)
         if ends_frame:
             kept.append(step)
+            overlaps.append(increment.overlap_mm)
+    worst = replace(worst, increments=len(increments))
     return GridContact(
         torch.cat([step.indentation_mm for step in kept]),
         torch.cat([step.drift_mm for step in kept]),
         torch.cat([(step.pressure > 0).flatten(1).any(1) for step in kept]),
+        torch.cat(overlaps),
         replace(worst, dissipated_share=rubbed / spent if spent > LEAST_WORK else 0.0),
     )
 
@@ -165,8 +171,27 @@ def _overlap(scene: Scene, profile: Profile, preset: Preset, pose: Pose) -> Tens
     if depth <= 0:
         return torch.full((preset.cells, preset.cells), -1.0, dtype=preset.dtype)
     dome = dome_mm(scene.gel, (BOX_MM / preset.cells,) * 2, preset.cells)
-    height = profile.on_cells(tuple(place), BOX_MM, preset.cells)
+    height = profile.on_cells(
+        tuple(place),
+        BOX_MM,
+        preset.cells,
+        reach_mm(scene.path),
+        is_smooth=holds_detail(scene, profile, preset.cells),
+    )
     return torch.from_numpy(depth - dome - height).to(preset.dtype)
+
+
+def holds_detail(scene: Scene, profile: Profile, cells: int) -> bool:
+    """Tell whether the contact grid holds all there is of the body, as deep as it goes."""
+    return profile.is_smooth(BOX_MM / cells, max(scene.path.depth_mm))
+
+
+def reach_mm(path: Path) -> float:
+    """Return the height of the body above its lowest point beyond which the gel cannot reach it.
+
+    Around a contact the gel bulges up by less than the contact is deep.
+    """
+    return 2 * max(path.depth_mm) + 0.1
 
 
 def _poses(path: Path) -> Iterator[Pose]:

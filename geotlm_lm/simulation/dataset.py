@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.simulation.card import card_of
 from geotlm_lm.simulation.presets import PresetName, preset_named
 from geotlm_lm.simulation.series import SERIES_VERSION, simulate_series
 from geotlm_lm.simulation.simulate import SimulatedClip
@@ -34,8 +35,6 @@ SHARD_CLIPS = 64
 """Clips per shard: about 50 MB of frames, a few seconds of work to lose in a kill."""
 
 DATASET_FORMAT = 2
-
-DRIFT_IN_CARD = "`drift_px` (clips, 4, 14, 14, 2) the gel's own displacement from rest in pixels,"
 
 Progress = Callable[[int, int], None]
 
@@ -49,6 +48,7 @@ class _Shard:
     objects: tuple[str, ...]
     preset: str
     with_drift: bool
+    with_frames: bool
 
 
 def write_dataset(
@@ -60,6 +60,7 @@ def write_dataset(
     workers: int = 1,
     preset: PresetName = "fast",
     with_drift: bool = False,
+    with_frames: bool = True,
     progress: Progress | None = None,
 ) -> Path:
     """Write `count` clips of `objects` into the folder `out`, or finish writing them.
@@ -73,6 +74,7 @@ def write_dataset(
         workers: Processes, one thread each; the result does not depend on it.
         preset: How finely and tightly the contact is solved.
         with_drift: Whether the gel's tangential displacement is part of the truth.
+        with_frames: Whether pictures are written beside labels and true fields.
         progress: Called with (clips done, clips asked for) after every shard.
 
     Returns:
@@ -90,6 +92,7 @@ def write_dataset(
         "objects": list(objects),
         "preset": preset_named(preset).name,
         "with_drift": with_drift,
+        "with_frames": with_frames,
     }
     _check(out, count, wanted)
     out.mkdir(parents=True, exist_ok=True)
@@ -101,7 +104,7 @@ def write_dataset(
         done += written
         if progress is not None:
             progress(done, count)
-    write_text_atomically(out / "README.md", _card(out, count, wanted))
+    write_text_atomically(out / "README.md", card_of(out, count, wanted))
     return out
 
 
@@ -148,6 +151,7 @@ def _shards(out: Path, count: int, wanted: dict[str, Any]) -> list[_Shard]:
             tuple(wanted["objects"]),
             wanted["preset"],
             wanted["with_drift"],
+            wanted["with_frames"],
         )
         for number, start in enumerate(starts)
     ]
@@ -213,10 +217,11 @@ def _write_shard(shard: _Shard) -> int:
         first_index=shard.first_index,
         preset=shard.preset,
         with_drift=shard.with_drift,
+        with_frames=shard.with_frames,
     )
     for index, clip in enumerate(series, start=shard.first_index):
         # What a clip keeps besides, to tell its trace, is three times its size.
-        for name, value in _stored(clip, shard.with_drift).items():
+        for name, value in _stored(clip).items():
             made.setdefault(name, []).append(value)
         made.setdefault("index", []).append(index)
     arrays = {name: np.array(values) for name, values in made.items()}
@@ -225,11 +230,12 @@ def _write_shard(shard: _Shard) -> int:
     return shard.count
 
 
-def _stored(clip: SimulatedClip, with_drift: bool) -> dict[str, Any]:
+def _stored(clip: SimulatedClip) -> dict[str, Any]:
     """Return what a data set keeps of one clip."""
+    seen = {}
+    if clip.clip is not None:
+        seen = {"frames": clip.clip.frames, "backgrounds": clip.clip.background}
     kept = {
-        "frames": clip.clip.frames,
-        "backgrounds": clip.clip.background,
         "displacement_px": clip.displacement_px,
         "contact": clip.contact,
         "depth_mm": clip.depth_mm,
@@ -238,7 +244,8 @@ def _stored(clip: SimulatedClip, with_drift: bool) -> dict[str, Any]:
         "object_names": clip.object_name,
         "labels": clip.label.to_dict(),
     }
-    return kept | {"drift_px": clip.drift_px} if with_drift else kept
+    drift = {} if clip.drift_px is None else {"drift_px": clip.drift_px}
+    return seen | kept | drift
 
 
 def _save_atomically(path: Path, arrays: dict[str, NDArray[Any]]) -> None:
@@ -248,48 +255,3 @@ def _save_atomically(path: Path, arrays: dict[str, NDArray[Any]]) -> None:
             entry = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
             with archive.open(entry, "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, array, allow_pickle=False)
-
-
-def _card(out: Path, count: int, wanted: dict[str, Any]) -> str:
-    """Return the data set's card in Markdown, counted from what was written."""
-    motions: dict[str, list[bool]] = {}
-    worst_um = 0.0
-    for path in sorted(out.glob("shard-*.npz")):
-        with np.load(path, allow_pickle=False) as stored:
-            worst_um = max(worst_um, float(stored["penetration_um"].max()))
-            for values in json.loads(str(stored["labels"])):
-                motions.setdefault(values["motion"], []).append(values["is_readable"])
-    rows = [
-        f"| {name} | {len(seen)} | {1 - sum(seen) / len(seen):.3f} |"
-        for name, seen in sorted(motions.items())
-    ]
-    return "\n".join(
-        [
-            "---",
-            "license: apache-2.0",
-            "tags: [tactile, gelsight, simulated]",
-            "---",
-            "# Simulated touch clips",
-            "",
-            f"{count} clips of {len(wanted['objects'])} bodies, seed {wanted['seed']}, preset",
-            f"{wanted['preset']}, series {wanted['series']}, made by",
-            "`geotlm_lm.simulation`: a rigid body on a bonded elastic layer, seen by a camera",
-            "under three coloured lights. Everything is simulated; nothing was recorded.",
-            "",
-            "| motion | clips | unreadable share |",
-            "|---|---|---|",
-            *rows,
-            "",
-            f"Largest penetration the contact solver left: {worst_um:.1f} micrometres.",
-            "",
-            "Per shard: `frames` uint8 (clips, 4, 224, 224, 3) RGB, `backgrounds` the idle gel,",
-            "`displacement_px` (clips, 4, 14, 14, 2) travel of the object since frame 0 at each",
-            "patch (x right, y down, pixels), `contact` and `depth_mm` (clips, 4, 14, 14),",
-            *([DRIFT_IN_CARD] if wanted["with_drift"] else []),
-            "`mm_per_px`, `object_names`, `index`, and `labels` as JSON. Positive rotation is",
-            "clockwise in the image. Directions are the object's relative to the sensor.",
-            "",
-            "Bodies: " + ", ".join(wanted["objects"]) + ".",
-            "",
-        ]
-    )

@@ -56,6 +56,8 @@ class SolverStatus:
         friction_iterations: Steps spent on the hardest frictional increment.
         dissipated_share: Work turned into heat by slip, relative to all the work put in; never
             below 0 but for the time steps' error.
+        increments: Increments marched through with friction: as many as frames where every step
+            is small; 0 without friction, where frames do not depend on each other.
     """
 
     penetration_um: float
@@ -66,6 +68,7 @@ class SolverStatus:
     cone_excess: float = 0.0
     friction_iterations: int = 0
     dissipated_share: float = 0.0
+    increments: int = 0
 
 
 @dataclass(frozen=True)
@@ -111,7 +114,7 @@ def solve_normal_contact(
         The contact, exact zeros where nothing overlaps. `penetration_um` says how good it is; when
         it stays above the limit after the last round, the status is not converged.
     """
-    pressure = torch.zeros_like(overlap_mm)
+    pressure, indentation = torch.zeros_like(overlap_mm), torch.zeros_like(overlap_mm)
     penetration = overlap_mm.new_zeros(len(overlap_mm))
     iterations = torch.zeros(len(overlap_mm), dtype=torch.int64)
     pending = (overlap_mm.flatten(1).amax(1) > 0).nonzero().flatten()
@@ -121,15 +124,12 @@ def solve_normal_contact(
     for budget in ROUNDS if rounds is None else rounds:
         if len(pending) == 0:
             break
-        pressure[pending], left = _conjugate_gradients(
+        pressure[pending], indentation[pending], left = _conjugate_gradients(
             pressure[pending], overlap_mm[pending], response, budget
         )
         penetration[pending] = left
         iterations[pending] += budget
         pending = pending[left > limit_um]
-    indentation = torch.zeros_like(pressure)
-    if iterations.any():
-        indentation = response.press(pressure)
     return Contact(pressure, indentation, pressure > 0, penetration, iterations, limit_um)
 
 
@@ -150,26 +150,36 @@ def _first_guess(overlap_mm: Tensor, response: Response, start: Tensor | None) -
 
 def _conjugate_gradients(
     pressure: Tensor, overlap_mm: Tensor, response: Response, budget: int
-) -> tuple[Tensor, Tensor]:
-    """Spend `budget` steps; return the pressure and the penetration left in micrometres (n,)."""
+) -> tuple[Tensor, Tensor, Tensor]:
+    """Spend `budget` steps on every sample.
+
+    Returns:
+        The pressure, its indentation, and the penetration left in micrometres (n,).
+    """
+    indentation = response.press(pressure)
     direction = torch.zeros_like(pressure)
-    old_square = torch.ones(len(pressure), 1, 1)
+    old_square = pressure.new_ones(len(pressure), 1, 1)
     restart = torch.ones(len(pressure), 1, 1, dtype=torch.bool)
     for _ in range(budget):
-        residual = overlap_mm - response.press(pressure)
-        active = (pressure > 0) | (residual > 0)
-        residual = torch.where(active, residual, 0.0)
-        square = residual.square().sum((1, 2), keepdim=True)
+        residual = overlap_mm - indentation
+        # Passes over a small grid cost their calls: factors of 0 and 1 take the place of choices.
+        active = ((pressure > 0) | (residual > 0)).to(pressure.dtype)
+        residual *= active
+        square = _dot(residual, residual)
         keep = torch.where(restart, 0.0, square / old_square.clamp_min(TINY))
-        direction = torch.where(active, residual + keep * direction, 0.0)
+        direction = torch.addcmul(residual, direction, keep).mul_(active)
         image = response.press(direction)
-        curvature = (direction * image).sum((1, 2), keepdim=True)
-        step = (residual * direction).sum((1, 2), keepdim=True) / curvature.clamp_min(TINY)
-        moved = pressure + step * direction
-        restart = (moved < 0).flatten(1).any(1)[:, None, None]
-        pressure = moved.clamp_min(0.0)
+        step = _dot(residual, direction) / _dot(direction, image).clamp_min_(TINY)
+        pressure = torch.addcmul(pressure, direction, step)
+        restart = pressure.amin((1, 2), keepdim=True) < 0
+        pressure.clamp_min_(0.0)
         old_square = square
-    return pressure, misfit_um(overlap_mm, response.press(pressure), pressure)
+        indentation = response.press(pressure)
+    return pressure, indentation, misfit_um(overlap_mm, indentation, pressure)
+
+
+def _dot(one: Tensor, other: Tensor) -> Tensor:
+    return (one * other).sum((1, 2), keepdim=True)
 
 
 def misfit_um(overlap_mm: Tensor, indentation_mm: Tensor, pressure: Tensor) -> Tensor:

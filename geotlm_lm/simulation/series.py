@@ -9,7 +9,7 @@ from geotlm_lm.simulation.presets import PresetName
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.simulate import SimulatedClip, simulate
 
-SERIES_VERSION = 6
+SERIES_VERSION = 7
 """Raised when the same seed gives other clips than before."""
 
 
@@ -22,6 +22,7 @@ def simulate_series(
     motions: Sequence[Motion] | None = None,
     preset: PresetName = "fast",
     with_drift: bool = False,
+    with_frames: bool = True,
 ) -> Iterator[SimulatedClip]:
     """Yield clips `first_index` .. of the series of `seed`.
 
@@ -33,5 +34,10 @@ def simulate_series(
     for index in range(first_index, first_index + count):
         scenes = random_scenes(seed, 1, objects=objects, first_index=index, motions=motions)
         yield from simulate(
-            scenes, seed=seed, first_index=index, preset=preset, with_drift=with_drift
+            scenes,
+            seed=seed,
+            first_index=index,
+            preset=preset,
+            with_drift=with_drift,
+            with_frames=with_frames,
         )
