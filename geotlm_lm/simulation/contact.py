@@ -108,7 +108,7 @@ def _dragged(scene: Scene, profile: Profile, preset: Preset) -> GridContact:
     """March through the frames with friction and history."""
     response = _layer(scene.gel, preset)
     poses = list(_poses(scene.path))
-    substeps = list(_substeps(poses))
+    substeps = list(_substeps(poses, preset.step_share))
     starts = [poses[0], *(pose for pose, _ in substeps[:-1])]
     increments = [
         _increment(scene, profile, preset, before, after)
@@ -176,14 +176,14 @@ def _overlap(scene: Scene, profile: Profile, preset: Preset, pose: Pose) -> Tens
         BOX_MM,
         preset.cells,
         reach_mm(scene.path),
-        is_smooth=holds_detail(scene, profile, preset.cells),
+        is_smooth=holds_detail(scene, profile, preset, preset.cells),
     )
     return torch.from_numpy(depth - dome - height).to(preset.dtype)
 
 
-def holds_detail(scene: Scene, profile: Profile, cells: int) -> bool:
+def holds_detail(scene: Scene, profile: Profile, preset: Preset, cells: int) -> bool:
     """Tell whether the contact grid holds all there is of the body, as deep as it goes."""
-    return profile.is_smooth(BOX_MM / cells, max(scene.path.depth_mm))
+    return preset.skips_fine_profile and profile.is_smooth(BOX_MM / cells, max(scene.path.depth_mm))
 
 
 def reach_mm(path: Path) -> float:
@@ -198,7 +198,7 @@ def _poses(path: Path) -> Iterator[Pose]:
     return zip(path.depth_mm, path.x_mm, path.y_mm, path.rotation_rad, strict=True)
 
 
-def _substeps(poses: list[Pose]) -> Iterator[tuple[Pose, bool]]:
+def _substeps(poses: list[Pose], share: float) -> Iterator[tuple[Pose, bool]]:
     """Yield the poses to march through, and whether each is a frame's; small steps stay whole."""
     yield poses[0], True
     for before, after in zip(poses[:-1], poses[1:], strict=True):
@@ -206,10 +206,12 @@ def _substeps(poses: list[Pose]) -> Iterator[tuple[Pose, bool]]:
             np.hypot(after[1] - before[1], after[2] - before[2]), abs(after[0] - before[0])
         )
         turn = abs(after[3] - before[3])
-        count = max(int(np.ceil(max(turn / TURN_STEP_RAD, travel / TRAVEL_STEP_MM))), 1)
+        steps = max(turn / TURN_STEP_RAD, travel / TRAVEL_STEP_MM) / share
+        # Rounding must not split a step that is just as long as may be.
+        count = max(int(np.ceil(steps - 1e-9)), 1)
         for part in range(1, count + 1):
-            share = part / count
-            pose = tuple((1 - share) * a + share * b for a, b in zip(before, after, strict=True))
+            along = part / count
+            pose = tuple((1 - along) * a + along * b for a, b in zip(before, after, strict=True))
             yield (after if part == count else pose), part == count
 
 

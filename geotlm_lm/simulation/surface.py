@@ -76,7 +76,7 @@ def pressed_surface(
     with watch("frictional_contact" if drags else "normal_contact"):
         contact = solve_contact(scene, profile, preset, with_drift=with_drift)
     cells = contact.indentation_mm.shape[-1]
-    is_smooth = holds_detail(scene, profile, cells)
+    is_smooth = holds_detail(scene, profile, preset, cells)
     with watch("interpolation"):
         surface = _interpolated(scene, contact, with_gap=is_smooth)
     if is_smooth:
