@@ -87,8 +87,8 @@ def omissions(preset: Preset = FAST) -> dict[str, Omission]:
     }
     pressed = {name: _scene(body, depth=0.2) for name, body in (("key", "key"), ("nut", "hex_nut"))}
     smooth = {
-        "ball, slide": _scene("ball_medium", 0.9),
         "large ball, press": _scene("ball_large", depth=0.2),
+        "ball, slide": _scene("ball_medium", 0.9),
     }
     crept = {
         "key, steps of 0.28 mm": _scene("key", 0.84),

@@ -95,7 +95,11 @@ def _pressed(scene: Scene, profile: Profile, preset: Preset, with_drift: bool) -
     overlap = torch.stack([_overlap(scene, profile, preset, pose) for pose in _poses(scene.path)])
     response = _layer(scene.gel, preset)
     contact = solve_normal_contact(
-        overlap, response, rounds=preset.effort.normal_rounds, limit_um=preset.effort.penetration_um
+        overlap,
+        response,
+        rounds=preset.effort.normal_rounds,
+        limit_um=preset.effort.penetration_um,
+        enough_um=preset.effort.enough_um,
     )
     status = contact.status()
     status = replace(status, is_converged=status.penetration_um <= preset.acceptable_um)

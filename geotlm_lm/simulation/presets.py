@@ -60,9 +60,16 @@ _LADDER = (
     Preset(
         "draft",
         32,
-        Effort((6, 12, 40), friction_iterations=15, passes=1, most_passes=8, gradient_share=0.1),
+        Effort(
+            (6, 12, 40),
+            friction_iterations=15,
+            passes=1,
+            most_passes=8,
+            enough_um=5.0,
+            gradient_share=0.1,
+        ),
     ),
-    Preset("fast", 48, Effort(ROUNDS, friction_iterations=40, gradient_share=3e-2)),
+    Preset("fast", 48, Effort(ROUNDS, friction_iterations=40, enough_um=5.0, gradient_share=3e-2)),
     Preset("good", 64, Effort((12, 24, 60, 150), friction_iterations=100, gradient_share=1e-2)),
     Preset(
         "accurate",

@@ -138,15 +138,12 @@ class Profile:
         """Return least and greatest (x, y) of what lies lower than `reach_mm`, object frame."""
         if reach_mm not in self._bounds:
             low = (self.height_mm < np.float32(reach_mm)).view(np.uint8)
-            columns = np.flatnonzero(cv2.reduce(low, 0, cv2.REDUCE_MAX))
-            rows = np.flatnonzero(cv2.reduce(low, 1, cv2.REDUCE_MAX))
+            left, top, width, height = cv2.boundingRect(low)
             raster, half = RASTER_MM / RASTER_SIDE, RASTER_MM / 2
             # One sample more on every side: between samples the body is as low as the lower one.
-            ends = [
-                ((line[0] - 0.5) * raster, (line[-1] + 1.5) * raster) for line in (columns, rows)
-            ]
-            self._bounds[reach_mm] = tuple(
-                (ends[0][end] - half, ends[1][end] - half) for end in (0, 1)
+            self._bounds[reach_mm] = (
+                ((left - 0.5) * raster - half, (top - 0.5) * raster - half),
+                ((left + width + 0.5) * raster - half, (top + height + 0.5) * raster - half),
             )
         return self._bounds[reach_mm]
 
@@ -277,7 +274,7 @@ def build_profile(body: Body) -> Profile:
     if body.texture_um > 0:
         texture = smooth_field(rng, RASTER_SIDE, body.texture_scale_mm / (RASTER_MM / RASTER_SIDE))
         cv2.scaleAdd(texture, body.texture_um * 1e-3, height, dst=height)
-    np.minimum(height, np.float32(OUTSIDE_MM), out=height)
+    cv2.min(height, OUTSIDE_MM, dst=height)
     # A body that bends away everywhere only shows another spot when tilted; a finite one leans.
     if not indenter.is_extended:
         height += np.float32(body.tilt_x) * x[:1]
@@ -286,10 +283,10 @@ def build_profile(body: Body) -> Profile:
     if not np.isfinite(lowest):
         raise ValueError(f"the shape of '{body.name}' has heights that are not finite")
     height -= np.float32(lowest)
-    near = (height < np.float32(REACH_MM)).view(np.uint8)
+    near = (height < np.float32(REACH_MM)).astype(np.float32)
     # Counted along each axis: a mean over the samples picked out costs five times as much.
-    by_column = cv2.reduce(near, 0, cv2.REDUCE_SUM, dtype=cv2.CV_32S).ravel()
-    by_row = cv2.reduce(near, 1, cv2.REDUCE_SUM, dtype=cv2.CV_32S).ravel()
+    each = np.ones(RASTER_SIDE, np.float32)
+    by_column, by_row = each @ near, near @ each
     count = by_row.sum()
     middle = (float(by_column @ x[0] / count), float(by_row @ y[:, 0] / count))
     height.setflags(write=False)
