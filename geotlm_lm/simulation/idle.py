@@ -29,6 +29,9 @@ FIXED_PATTERN_GREY = (0.85, 0.7, 1.0)
 """Standard deviation of the pixel-fine pattern that two sessions share, measured (R, G, B)."""
 
 _NODES = np.linspace(-1, 1, 5)
+_FROM_NODES = np.linalg.inv(np.vander(_NODES))
+_X, _Y = np.meshgrid(_NODES, _NODES)
+_QUADRATICS = np.stack([_X, _Y, _X * _Y, _X**2 - 0.5, _Y**2 - 0.5])
 
 _SPECK_REACH_PX = 16
 """Farthest a speck changes the image from its middle: its radius and the reach of its blur."""
@@ -68,15 +71,13 @@ def _pixel_axis() -> NDArray[np.float64]:
 
 def _lagrange(points: NDArray[np.float64]) -> torch.Tensor:
     """Return the weights (points, 5) of polynomial interpolation through the table's nodes."""
-    weights = np.vander(points, len(_NODES)) @ np.linalg.inv(np.vander(_NODES))
+    weights = np.vander(points, len(_NODES)) @ _FROM_NODES
     return torch.from_numpy(weights.astype(np.float32))
 
 
 def _smooth_change(rng: np.random.Generator, size: float) -> NDArray[np.float64]:
     """Return a random quadratic per channel on the table's points, coefficients of scale `size`."""
-    x, y = np.meshgrid(_NODES, _NODES)
-    terms = np.stack([x, y, x * y, x**2 - 0.5, y**2 - 0.5])
-    return np.einsum("ck,kij->cij", rng.normal(0, size, (3, 5)), terms)
+    return np.tensordot(rng.normal(0, size, (3, 5)), _QUADRATICS, axes=1)
 
 
 @cache

@@ -15,7 +15,6 @@ from geotlm_lm.simulation.contact import (
     GridContact,
     dome_mm,
     holds_detail,
-    reach_mm,
     solve_contact,
 )
 from geotlm_lm.simulation.normal_contact import SolverStatus
@@ -82,7 +81,7 @@ def pressed_surface(
     if is_smooth:
         return surface
     with watch("fine_profile"):
-        _print_through(surface, scene, profile)
+        _print_through(surface, scene, profile, contact.reach_mm)
     return surface
 
 
@@ -105,9 +104,9 @@ def _interpolated(scene: Scene, contact: GridContact, *, with_gap: bool) -> Surf
     return Surface(indentation, touches, drift, contact.status)
 
 
-def _print_through(surface: Surface, scene: Scene, profile: Profile) -> None:
+def _print_through(surface: Surface, scene: Scene, profile: Profile, reach: float) -> None:
     """Put in, at the pixels, what of the body is finer than the cells."""
-    path, reach = scene.path, reach_mm(scene.path)
+    path = scene.path
     mm_per_px = (scene.optics.mm_per_px_x, scene.optics.mm_per_px_y)
     dome = dome_mm(scene.gel, mm_per_px, IMAGE_SIDE)
     poses = list(zip(path.x_mm, path.y_mm, path.rotation_rad, strict=True))
@@ -127,7 +126,9 @@ def _print_through(surface: Surface, scene: Scene, profile: Profile) -> None:
 def _to_pixels(values: Tensor, rows: Tensor, columns: Tensor) -> NDArray[np.float32]:
     # One matrix at a time: a batch of small products costs half as much again.
     flat = values.float().reshape(-1, *values.shape[-2:])
-    pixels = torch.stack([rows @ one @ columns.T for one in flat])
+    pixels = torch.empty(len(flat), IMAGE_SIDE, IMAGE_SIDE)
+    for one, out in zip(flat, pixels, strict=True):
+        torch.mm(rows @ one, columns.T, out=out)
     return pixels.reshape(*values.shape[:-2], IMAGE_SIDE, IMAGE_SIDE).numpy()
 
 

@@ -26,7 +26,7 @@ def rigid(depth, x=0.0):
     profile, pose = build_profile(Body("letter_l", variant=2)), (x, 0.0, 0.3)
     height = profile.sample(pose, pixels, 224)
     # As it is sampled for the surface: on a wall, a part is up to 40 um off the whole.
-    window = profile.window(pose, pixels, 224, 2 * depth + 0.1)
+    window = profile.window(pose, pixels, 224, 1.4 * depth + 0.05)
     height[window.slices] = profile.sample(pose, pixels, 224, window)
     return depth - height
 
