@@ -188,13 +188,14 @@ def _render(
     lights = turned_lights(optics)
     background = recorded(idle, optics, rng, noise_share=BACKGROUND_NOISE)
     base = idle * (1 + np.asarray(optics.light_change, np.float32))[:, None, None]
-    clean = []
-    for frame in range(len(scene.path)):
-        if surface is None or not surface.touches[frame].any():
-            clean.append(base)
-        else:
-            clean.append(lit(surface.indentation_mm[frame], base, optics, lights=lights))
-    frames = np.stack([_as_recorded(image, optics, rng) for image in clean])
+    clean, frames = [], np.empty((len(scene.path), *background.shape), np.uint8)
+    # Each frame is recorded while what was just drawn is still in the processor's cache.
+    for frame, seen in enumerate(frames):
+        image = base
+        if surface is not None and surface.touches[frame].any():
+            image = lit(surface.indentation_mm[frame], base, optics, lights=lights)
+        clean.append(image)
+        seen[:] = _as_recorded(image, optics, rng)
     return frames, background, clean
 
 
