@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.core.threads import one_thread_in_children
 from geotlm_lm.simulation.card import card_of
 from geotlm_lm.simulation.presets import PresetName, preset_named
 from geotlm_lm.simulation.series import SERIES_VERSION, simulate_series
@@ -178,7 +179,9 @@ def _write_all(shards: list[_Shard], workers: int) -> Iterator[int]:
         initializer=_prepare_worker,
     )
     try:
-        for future in as_completed([pool.submit(_write_shard, shard) for shard in shards]):
+        with one_thread_in_children():
+            writing = [pool.submit(_write_shard, shard) for shard in shards]
+        for future in as_completed(writing):
             yield future.result()
     except BrokenProcessPool as error:
         raise GeoTLMError(
