@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
 EXAMPLE_CLIP = Path("app/examples/bottle_cap_clockwise.npz")
 EXAMPLE_QUESTION = "Which way is the cap turning?"
+OMISSIONS_TITLE = "## What each omission saves and costs"
 
 app = typer.Typer(help="Tables from recorded runs.", no_args_is_help=True)
 
@@ -95,14 +97,18 @@ def simulator(
     from geotlm_lm.cli.evaluate import command_line
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.experiments.simulator_error import simulator_error
-    from geotlm_lm.reports.simulator import draw_error, error_table
+    from geotlm_lm.experiments.simulator_omissions import omission_rows
+    from geotlm_lm.reports.simulator import draw_error, error_table, omission_table
 
     _require_writable(out, table)
     if figure is not None:
         require_writable_file(figure, "--figure")
     with one_thread():
         record = simulator_error(command=command_line(sys.argv), progress=_show)
-    _save(record, out, table, "# Simulator: error against run time", error_table(record))
+        numbers = record.numbers | {"omissions": omission_rows(progress=_show)}
+    record = replace(record, numbers=numbers)
+    text = f"{error_table(record)}\n\n{OMISSIONS_TITLE}\n\n{omission_table(record)}"
+    _save(record, out, table, "# Simulator: error against run time", text)
     if figure is not None:
         draw_error(record, figure)
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -37,7 +40,8 @@ def simulate(
         ),
     ] = None,
     workers: Annotated[
-        int | None, typer.Option(min=1, help="Processes that simulate. [default: 1]")
+        int | None,
+        typer.Option(min=1, help="Processes that simulate. [default: one per usable core]"),
     ] = None,
     preset: Annotated[
         Literal["draft", "fast", "good", "accurate", "reference"],
@@ -50,6 +54,10 @@ def simulate(
     markers: Annotated[
         bool,
         typer.Option("--markers", help="Print dots on the gel; friction, solved, carries them."),
+    ] = False,
+    labels_only: Annotated[
+        bool,
+        typer.Option("--labels-only", help="Write labels and true fields, and no pictures."),
     ] = False,
     clip: Annotated[
         Path | None, typer.Option(help="Write one clip to this .npz instead of a data set.")
@@ -85,7 +93,8 @@ def simulate(
     if (out is None) == (clip is None):
         raise UsageError("Give one of --out (a data set) and --clip (a single clip).")
     if clip is not None:
-        _refuse("--clip", {"--count": count, "--objects": objects, "--workers": workers})
+        others = {"--count": count, "--objects": objects, "--workers": workers}
+        _refuse("--clip", others | {"--labels-only": labels_only or None})
         _require_clip_name(clip)
         indenter = _own_body(height_map, mm_per_px, relief_mm, object_name)
         made = simulate_one(
@@ -106,9 +115,17 @@ def simulate(
         _refuse("--out", {"--motion": motion, "--object": object_name} | own)
         require_writable(out, "--out")
         names = _bodies(objects or "training")
-        settings = {"seed": seed, "workers": workers or 1, "preset": preset, "with_drift": drift}
-        settings["marker_share"] = float(markers)
-        write_dataset(out, count or 100, objects=names, progress=_show, **settings)
+        settings = {"seed": seed, "preset": preset, "with_drift": drift}
+        write_dataset(
+            out,
+            count or 100,
+            objects=names,
+            workers=workers or usable_cores(),
+            marker_share=float(markers),
+            with_frames=not labels_only,
+            progress=progress_and_rate(),
+            **settings,
+        )
         print(out)
 
 
@@ -208,5 +225,31 @@ def write_clip(path: Path, made: SimulatedClip) -> None:
         np.savez_compressed(stream, **arrays)
 
 
-def _show(done: int, total: int) -> None:
-    print(f"simulated {done} of {total} clips", file=sys.stderr)
+def usable_cores() -> int:
+    """Return how many cores this process may run on, which a container may have limited."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def progress_and_rate(clock: Callable[[], float] = time.perf_counter) -> Callable[[int, int], None]:
+    """Return what prints the clips done and, from the second report on, the clips per second.
+
+    The rate counts from the first report: neither starting up nor what an earlier run left behind
+    is in it.
+
+    Args:
+        clock: Seconds from any moment on.
+    """
+    first: list[tuple[int, float]] = []
+
+    def show(done: int, total: int) -> None:
+        now, rate = clock(), ""
+        if first:
+            before, began = first[0]
+            rate = f", {(done - before) / max(now - began, 1e-9):.1f} clips/s"
+        else:
+            first.append((done, now))
+        print(f"simulated {done} of {total} clips{rate}", file=sys.stderr)
+
+    return show

@@ -181,17 +181,18 @@ def _errors(scene: Scene, surface: Surface, exact: Surface) -> dict[str, Any]:
         moved, true = (one.drift_mm[1:] - one.drift_mm[:1] for one in (surface, exact))
         size = float(np.linalg.norm(true))
         drift = float(np.linalg.norm(moved - true)) / size if size > 1e-6 else None
-    images = [_images(scene, one.indentation_mm) for one in (surface, exact)]
+    seen, true_seen = (images(scene, one.indentation_mm) for one in (surface, exact))
     return {
         "height_um": 1e3 * float(np.sqrt(np.square(height).mean())),
         "drift_share": drift,
-        "image_grey": float(np.sqrt(np.square(images[0] - images[1]).mean())),
+        "image_grey": float(np.sqrt(np.square(seen - true_seen).mean())),
         "penetration_um": surface.status.penetration_um,
         "preset": surface.status.preset,
         "is_converged": surface.status.is_converged,
     }
 
 
-def _images(scene: Scene, indentation_mm: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:
+def images(scene: Scene, indentation_mm: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:
+    """Return noise-free frames (frames, 3, 224, 224) of indentations (frames, 224, 224)."""
     idle = idle_frame(scene.optics.idle)
     return np.stack([lit(frame, idle, scene.optics) for frame in indentation_mm])

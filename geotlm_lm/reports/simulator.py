@@ -21,6 +21,11 @@ MEASURES = {
 READINGS = {"exactly": "", "at least": ">= ", "about": "~ "}
 """How an expected order is to be read -> what the table puts before it."""
 
+OMISSIONS_NOTE = """\
+Median over the scenes, range in brackets. Both ways were run in turn, in one thread. Errors are of
+leaving it out against doing it, over the whole view; shear that is not given counts as zero, which
+is what asking for it would tell apart. `-` is what neither way gives."""
+
 CLOSED_FORMS_NOTE = """\
 The order is minus the slope of log |error| over log size. Rims are staircases of cells: `~` marks
 radii, whose error scatters within half a cell, and `>=` forces and moments whose scatter from grid
@@ -50,6 +55,27 @@ def error_table(record: RunRecord) -> str:
     header = ["variant", "ms per clip, median (range)", *MEASURES.values()]
     header += ["converged", "escalated"]
     return markdown(header, rows) + "\n\n" + provenance(record)
+
+
+def omission_table(record: RunRecord) -> str:
+    """Return one row per thing left out: what it saves, and what it costs against the full way."""
+    found: dict[str, list[dict[str, Any]]] = {}
+    for row in record.numbers["omissions"]:
+        found.setdefault(f"{row['omission']} ({row['timed']})", []).append(row)
+    rows = []
+    for name, own in found.items():
+        saved = [
+            median(full - lean for full, lean in zip(row["full_ms"], row["lean_ms"], strict=True))
+            for row in own
+        ]
+        ratios = [median(row["full_ms"]) / median(row["lean_ms"]) for row in own]
+        errors = [_range([row[key] for row in own]) for key in ("height_um", "shear_um")]
+        pictures = _range([row["image_grey"] for row in own])
+        scenes = ", ".join(row["scene"] for row in own)
+        rows.append([name, scenes, _range(saved), _range(ratios), *errors, pictures])
+    header = ["left out (of what the time is)", "scenes", "ms per clip saved", "full / lean time"]
+    header += ["height, um RMS", "shear, um RMS", "image, grey RMS"]
+    return "\n\n".join([markdown(header, rows), OMISSIONS_NOTE, provenance(record)])
 
 
 def stability_table(record: RunRecord) -> str:

@@ -37,6 +37,11 @@ TRAVEL_STEP_MM = 0.3
 """Farthest an object goes in one increment, along the gel or into it: the error of a step grows in
 proportion (measured)."""
 
+REACH_PER_DEPTH = 1.4
+LEAST_REACH_MM = 0.05
+"""Height of the body that is looked at, per depth and at least: around a contact the gel bulges up
+by at most 0.3 of the depth on a pad as thick as a GelSight's (measured)."""
+
 LEAST_WORK = 1e-9
 """Work, in mm^3 per shear modulus, of which no share is told: rounding."""
 
@@ -53,12 +58,16 @@ class GridContact:
         drift_mm: Tangential displacement of the surface from rest, (frames, 2, cells, cells); None
             where it was not asked for.
         touches: Whether anything presses in a frame, (frames,).
+        overlap_mm: Approach less the body's profile and the pad's crown, (frames, cells, cells).
+        reach_mm: Height of the body above its lowest point that the gel does not reach.
         status: The solver's account.
     """
 
     indentation_mm: Tensor
     drift_mm: Tensor | None
     touches: Tensor
+    overlap_mm: Tensor
+    reach_mm: float
     status: SolverStatus
 
 
@@ -76,11 +85,17 @@ def solve_contact(
     """
     drags = with_drift and scene.gel.friction > 0
     trying: Preset | None = preset
+    deepest = max(scene.path.depth_mm)
+    reach = REACH_PER_DEPTH * max(deepest, 0.0) + LEAST_REACH_MM
     while trying is not None:
         if drags:
-            solved = _dragged(scene, profile, trying)
+            solved = _dragged(scene, profile, trying, reach)
         else:
-            solved = _pressed(scene, profile, trying, with_drift)
+            solved = _pressed(scene, profile, trying, with_drift, reach)
+        if reach < np.inf and float(solved.indentation_mm.min()) < deepest - reach:
+            # The gel bulges higher than the body was looked at: thin incompressible layers do.
+            reach = np.inf
+            continue
         solved = replace(solved, status=replace(solved.status, preset=trying.name))
         if solved.status.is_converged:
             break
@@ -88,46 +103,58 @@ def solve_contact(
     return solved
 
 
-def _pressed(scene: Scene, profile: Profile, preset: Preset, with_drift: bool) -> GridContact:
+def _pressed(
+    scene: Scene, profile: Profile, preset: Preset, with_drift: bool, reach: float
+) -> GridContact:
     """Solve all frames at once, without friction: each depends on its own pose only."""
-    overlap = torch.stack([_overlap(scene, profile, preset, pose) for pose in _poses(scene.path)])
+    poses = _poses(scene.path)
+    overlap = torch.stack([_overlap(scene, profile, preset, pose, reach) for pose in poses])
     response = _layer(scene.gel, preset)
     contact = solve_normal_contact(
-        overlap, response, rounds=preset.effort.normal_rounds, limit_um=preset.effort.penetration_um
+        overlap,
+        response,
+        rounds=preset.effort.normal_rounds,
+        limit_um=preset.effort.penetration_um,
+        enough_um=preset.effort.enough_um,
     )
     status = contact.status()
     status = replace(status, is_converged=status.penetration_um <= preset.acceptable_um)
     drift = response.spread(contact.pressure) if with_drift else None
     touches = contact.touches.flatten(1).any(1)
-    return GridContact(contact.indentation_mm, drift, touches, status)
+    return GridContact(contact.indentation_mm, drift, touches, overlap, reach, status)
 
 
-def _dragged(scene: Scene, profile: Profile, preset: Preset) -> GridContact:
+def _dragged(scene: Scene, profile: Profile, preset: Preset, reach: float) -> GridContact:
     """March through the frames with friction and history."""
     response = _layer(scene.gel, preset)
     poses = list(_poses(scene.path))
-    substeps = list(_substeps(poses, _before(scene.path)))
+    substeps = list(_substeps(poses, preset.step_share, _before(scene.path)))
     starts = [substeps[0][0], *(pose for pose, _ in substeps[:-1])]
     increments = [
-        _increment(scene, profile, preset, before, after)
+        _increment(scene, profile, preset, before, after, reach)
         for before, (after, _) in zip(starts, substeps, strict=True)
     ]
     steps = march(
         increments, response, friction_coefficient=scene.gel.friction, effort=preset.effort
     )
     kept: list[Step] = []
+    overlaps: list[Tensor] = []
     worst = SolverStatus(0.0, 0, True)
     spent = rubbed = energy = 0.0
-    for step, (_, ends_frame) in zip(steps, substeps, strict=True):
+    for step, increment, (_, ends_frame) in zip(steps, increments, substeps, strict=True):
         rubbed += float(step.work) - (float(step.energy) - energy)
         spent, energy = spent + max(float(step.work), 0.0), float(step.energy)
         worst = _worse(worst, step, scene.gel.friction, preset)
         if ends_frame:
             kept.append(step)
+            overlaps.append(increment.overlap_mm)
+    worst = replace(worst, increments=len(increments))
     return GridContact(
         torch.cat([step.indentation_mm for step in kept]),
         torch.cat([step.drift_mm for step in kept]),
         torch.cat([(step.pressure > 0).flatten(1).any(1) for step in kept]),
+        torch.cat(overlaps),
+        reach,
         replace(worst, dissipated_share=rubbed / spent if spent > LEAST_WORK else 0.0),
     )
 
@@ -150,24 +177,37 @@ def _worse(status: SolverStatus, step: Step, friction: float, preset: Preset) ->
 
 
 def _increment(
-    scene: Scene, profile: Profile, preset: Preset, before: Pose, after: Pose
+    scene: Scene, profile: Profile, preset: Preset, before: Pose, after: Pose, reach: float
 ) -> Increment:
     centres = cell_centres(preset.cells, BOX_MM / preset.cells, preset.dtype)
     old, new = (torch.tensor([pose[1:3]], dtype=preset.dtype) for pose in (before, after))
     turn = torch.tensor([after[3] - before[3]], dtype=preset.dtype)
     travel = rigid_travel(centres, old, turn, new - old)
-    return Increment(_overlap(scene, profile, preset, after)[None], travel)
+    return Increment(_overlap(scene, profile, preset, after, reach)[None], travel)
 
 
-def _overlap(scene: Scene, profile: Profile, preset: Preset, pose: Pose) -> Tensor:
+def _overlap(
+    scene: Scene, profile: Profile, preset: Preset, pose: Pose, reach: float = np.inf
+) -> Tensor:
     """Return the approach less the profile and the pad's crown; negative all over out of touch."""
     depth, *place = pose
     if depth <= 0:
         return torch.full((preset.cells, preset.cells), -1.0, dtype=preset.dtype)
     size = (BOX_MM / preset.cells,) * 2
     dome = dome_mm(scene.gel, size, preset.cells, scene.optics.mounting)
-    height = profile.on_cells(tuple(place), BOX_MM, preset.cells)
+    height = profile.on_cells(
+        tuple(place),
+        BOX_MM,
+        preset.cells,
+        reach,
+        is_smooth=holds_detail(scene, profile, preset, preset.cells),
+    )
     return torch.from_numpy(depth - dome - height).to(preset.dtype)
+
+
+def holds_detail(scene: Scene, profile: Profile, preset: Preset, cells: int) -> bool:
+    """Tell whether the contact grid holds all there is of the body, as deep as it goes."""
+    return preset.skips_fine_profile and profile.is_smooth(BOX_MM / cells, max(scene.path.depth_mm))
 
 
 def _poses(path: Path) -> Iterator[Pose]:
@@ -183,7 +223,9 @@ def _before(path: Path) -> Pose | None:
     return depth, x - slide_x, y - slide_y, angle - turn
 
 
-def _substeps(poses: list[Pose], start: Pose | None = None) -> Iterator[tuple[Pose, bool]]:
+def _substeps(
+    poses: list[Pose], share: float, start: Pose | None = None
+) -> Iterator[tuple[Pose, bool]]:
     """Yield the poses to march through, and whether each is a frame's; small steps stay whole."""
     stops = [start, *poses] if start is not None else poses
     yield stops[0], start is None
@@ -192,10 +234,12 @@ def _substeps(poses: list[Pose], start: Pose | None = None) -> Iterator[tuple[Po
             np.hypot(after[1] - before[1], after[2] - before[2]), abs(after[0] - before[0])
         )
         turn = abs(after[3] - before[3])
-        count = max(int(np.ceil(max(turn / TURN_STEP_RAD, travel / TRAVEL_STEP_MM))), 1)
+        steps = max(turn / TURN_STEP_RAD, travel / TRAVEL_STEP_MM) / share
+        # Rounding must not split a step that is just as long as may be.
+        count = max(int(np.ceil(steps - 1e-9)), 1)
         for part in range(1, count + 1):
-            share = part / count
-            pose = tuple((1 - share) * a + share * b for a, b in zip(before, after, strict=True))
+            along = part / count
+            pose = tuple((1 - along) * a + along * b for a, b in zip(before, after, strict=True))
             yield (after if part == count else pose), part == count
 
 

@@ -26,6 +26,8 @@ from numpy.typing import NDArray
 from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.core.threads import one_thread_in_children
+from geotlm_lm.simulation.card import card_of
 from geotlm_lm.simulation.presets import PresetName, preset_named
 from geotlm_lm.simulation.randomise import MARKER_SHARE
 from geotlm_lm.simulation.series import SERIES_VERSION, simulate_series
@@ -35,8 +37,6 @@ SHARD_CLIPS = 64
 """Clips per shard: about 50 MB of frames, a few seconds of work to lose in a kill."""
 
 DATASET_FORMAT = 2
-
-DRIFT_IN_CARD = "`drift_px` (clips, 4, 14, 14, 2) the gel's own displacement from rest in pixels,"
 
 Progress = Callable[[int, int], None]
 
@@ -51,6 +51,7 @@ class _Shard:
     preset: str
     with_drift: bool
     marker_share: float
+    with_frames: bool
 
 
 def write_dataset(
@@ -63,6 +64,7 @@ def write_dataset(
     preset: PresetName = "fast",
     with_drift: bool = False,
     marker_share: float = MARKER_SHARE,
+    with_frames: bool = True,
     progress: Progress | None = None,
 ) -> Path:
     """Write `count` clips of `objects` into the folder `out`, or finish writing them.
@@ -77,6 +79,7 @@ def write_dataset(
         preset: How finely and tightly the contact is solved.
         with_drift: Whether the gel's tangential displacement is part of the truth.
         marker_share: Share of clips on a gel with markers.
+        with_frames: Whether pictures are written beside labels and true fields.
         progress: Called with (clips done, clips asked for) after every shard.
 
     Returns:
@@ -95,6 +98,7 @@ def write_dataset(
         "preset": preset_named(preset).name,
         "with_drift": with_drift,
         "marker_share": marker_share,
+        "with_frames": with_frames,
     }
     _check(out, count, wanted)
     out.mkdir(parents=True, exist_ok=True)
@@ -106,7 +110,7 @@ def write_dataset(
         done += written
         if progress is not None:
             progress(done, count)
-    write_text_atomically(out / "README.md", _card(out, count, wanted))
+    write_text_atomically(out / "README.md", card_of(out, count, wanted))
     return out
 
 
@@ -154,6 +158,7 @@ def _shards(out: Path, count: int, wanted: dict[str, Any]) -> list[_Shard]:
             wanted["preset"],
             wanted["with_drift"],
             wanted["marker_share"],
+            wanted["with_frames"],
         )
         for number, start in enumerate(starts)
     ]
@@ -180,7 +185,9 @@ def _write_all(shards: list[_Shard], workers: int) -> Iterator[int]:
         initializer=_prepare_worker,
     )
     try:
-        for future in as_completed([pool.submit(_write_shard, shard) for shard in shards]):
+        with one_thread_in_children():
+            writing = [pool.submit(_write_shard, shard) for shard in shards]
+        for future in as_completed(writing):
             yield future.result()
     except BrokenProcessPool as error:
         raise GeoTLMError(
@@ -220,10 +227,11 @@ def _write_shard(shard: _Shard) -> int:
         preset=shard.preset,
         with_drift=shard.with_drift,
         marker_share=shard.marker_share,
+        with_frames=shard.with_frames,
     )
     for index, clip in enumerate(series, start=shard.first_index):
         # What a clip keeps besides, to tell its trace, is three times its size.
-        for name, value in _stored(clip, shard.with_drift).items():
+        for name, value in _stored(clip).items():
             made.setdefault(name, []).append(value)
         made.setdefault("index", []).append(index)
     arrays = {name: np.array(values) for name, values in made.items()}
@@ -232,11 +240,12 @@ def _write_shard(shard: _Shard) -> int:
     return shard.count
 
 
-def _stored(clip: SimulatedClip, with_drift: bool) -> dict[str, Any]:
+def _stored(clip: SimulatedClip) -> dict[str, Any]:
     """Return what a data set keeps of one clip."""
+    seen = {}
+    if clip.clip is not None:
+        seen = {"frames": clip.clip.frames, "backgrounds": clip.clip.background}
     kept = {
-        "frames": clip.clip.frames,
-        "backgrounds": clip.clip.background,
         "displacement_px": clip.displacement_px,
         "contact": clip.contact,
         "depth_mm": clip.depth_mm,
@@ -245,7 +254,8 @@ def _stored(clip: SimulatedClip, with_drift: bool) -> dict[str, Any]:
         "object_names": clip.object_name,
         "labels": clip.label.to_dict(),
     }
-    return kept | {"drift_px": clip.drift_px} if with_drift else kept
+    drift = {} if clip.drift_px is None else {"drift_px": clip.drift_px}
+    return seen | kept | drift
 
 
 def _save_atomically(path: Path, arrays: dict[str, NDArray[Any]]) -> None:
@@ -255,49 +265,3 @@ def _save_atomically(path: Path, arrays: dict[str, NDArray[Any]]) -> None:
             entry = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
             with archive.open(entry, "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, array, allow_pickle=False)
-
-
-def _card(out: Path, count: int, wanted: dict[str, Any]) -> str:
-    """Return the data set's card in Markdown, counted from what was written."""
-    motions: dict[str, list[bool]] = {}
-    worst_um = 0.0
-    for path in sorted(out.glob("shard-*.npz")):
-        with np.load(path, allow_pickle=False) as stored:
-            worst_um = max(worst_um, float(stored["penetration_um"].max()))
-            for values in json.loads(str(stored["labels"])):
-                motions.setdefault(values["motion"], []).append(values["is_readable"])
-    rows = [
-        f"| {name} | {len(seen)} | {1 - sum(seen) / len(seen):.3f} |"
-        for name, seen in sorted(motions.items())
-    ]
-    return "\n".join(
-        [
-            "---",
-            "license: apache-2.0",
-            "tags: [tactile, gelsight, simulated]",
-            "---",
-            "# Simulated touch clips",
-            "",
-            f"{count} clips of {len(wanted['objects'])} bodies, seed {wanted['seed']}, preset",
-            f"{wanted['preset']}, series {wanted['series']}, markers on the gel in a share of",
-            f"{wanted['marker_share']:g}, made by",
-            "`geotlm_lm.simulation`: a rigid body on a bonded elastic layer, seen by a camera",
-            "under three coloured lights. Everything is simulated; nothing was recorded.",
-            "",
-            "| motion | clips | unreadable share |",
-            "|---|---|---|",
-            *rows,
-            "",
-            f"Largest penetration the contact solver left: {worst_um:.1f} micrometres.",
-            "",
-            "Per shard: `frames` uint8 (clips, 4, 224, 224, 3) RGB, `backgrounds` the idle gel,",
-            "`displacement_px` (clips, 4, 14, 14, 2) travel of the object since frame 0 at each",
-            "patch (x right, y down, pixels), `contact` and `depth_mm` (clips, 4, 14, 14),",
-            *([DRIFT_IN_CARD] if wanted["with_drift"] else []),
-            "`mm_per_px`, `object_names`, `index`, and `labels` as JSON. Positive rotation is",
-            "clockwise in the image. Directions are the object's relative to the sensor.",
-            "",
-            "Bodies: " + ", ".join(wanted["objects"]) + ".",
-            "",
-        ]
-    )

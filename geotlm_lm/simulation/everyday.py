@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from geotlm_lm.simulation.indenter import HeightMap, Indenter, extrude, where_solid
+from geotlm_lm.simulation.indenter import HeightMap, Indenter, extrude, hypot, where_solid
 
 Random = np.random.Generator
 
 
 def bottle_cap(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return a screw cap's top: a shallow dished disc with a knurled rim."""
-    angle, radius = np.arctan2(y, x), np.hypot(x, y)
+    angle, radius = np.arctan2(y, x), hypot(x, y)
     rim = 6.5 + 0.12 * np.cos(60 * angle)
     dish = 0.25 * np.clip((5.2 - radius) / 0.8, 0, 1) ** 2
     logo = 0.1 * (np.abs(np.sin(1.1 * x + rng.uniform(0, 3))) * np.abs(y) < 0.35)
@@ -20,7 +20,7 @@ def bottle_cap(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
 
 def key(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return a flat key: a round bow with a hole, a milled blade with cuts on one side."""
-    bow = np.minimum(3.6 - np.hypot(x + 5, y), np.hypot(x + 6, y) - 1.0)
+    bow = np.minimum(3.6 - hypot(x + 5, y), hypot(x + 6, y) - 1.0)
     cuts = np.interp(x, np.linspace(-1, 10, 9), rng.uniform(0.0, 1.0, 9)).astype(np.float32)
     blade = np.minimum(np.minimum(1.5 + y, 1.5 - cuts - y), np.minimum(10 - x, x + 3))
     groove = 0.3 * (np.abs(y + 0.6) < 0.3) * (x > -1)
@@ -30,7 +30,7 @@ def key(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
 def hex_nut(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return a nut's face: hexagon, bore, chamfers on both."""
     across = np.maximum(np.abs(y), np.abs(x) * 0.8660254 + np.abs(y) * 0.5)
-    radius = np.hypot(x, y)
+    radius = hypot(x, y)
     inside = np.minimum(4.0 - across, radius - rng.uniform(2.2, 2.6))
     chamfer = 0.5 * np.maximum(radius - 3.9, 0)
     return extrude(inside, 0.2) + chamfer.astype(np.float32)
@@ -38,7 +38,7 @@ def hex_nut(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
 
 def screw_head(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return a domed head with a cross recess."""
-    radius = np.hypot(x, y)
+    radius = hypot(x, y)
     dome = radius**2 / 18
     cross = np.minimum(np.abs(x), np.abs(y)) < 0.45
     recess = 1.2 * (cross & (np.maximum(np.abs(x), np.abs(y)) < rng.uniform(1.6, 2.1)))
@@ -47,7 +47,7 @@ def screw_head(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
 
 def coin(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return a coin's face: raised rim, beaded border, a worn portrait in relief."""
-    angle, radius = np.arctan2(y, x), np.hypot(x, y)
+    angle, radius = np.arctan2(y, x), hypot(x, y)
     face = 0.14 * np.clip((8.2 - radius) / 0.3, 0, 1)
     beads = 0.08 * (np.cos(70 * angle) > 0.2) * (np.abs(radius - 7.6) < 0.3)
     head = 1 - ((x - 0.5) / 2.6) ** 2 - ((y + 0.4) / 3.6) ** 2
@@ -81,14 +81,14 @@ def textured_ball(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     square = np.maximum(36 - x * x - y * y, 0)
     row = np.round(y / 1.9)
     shifted = x / 2.2 + 0.5 * (row % 2) + rng.uniform()
-    distance = np.hypot((shifted - np.round(shifted)) * 2.2, y - row * 1.9)
+    distance = hypot((shifted - np.round(shifted)) * 2.2, y - row * 1.9)
     dimple = 0.3 * np.sqrt(np.maximum(1 - (distance / 0.85) ** 2, 0))
     return where_solid((6 - np.sqrt(square) + dimple).astype(np.float32), square > 1)
 
 
 def can_rim(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return an arc of a tin's rolled rim, its inner wall lower than its outer one."""
-    off = np.hypot(x, y + 26) - 26
+    off = hypot(x, y + 26) - 26
     bead_height = 0.9 - np.sqrt(np.maximum(0.81 - off**2, 0))
     wall = np.where(off < 0, 1.5, 4.0) * np.maximum(np.abs(off) - 0.85, 0)
     seam = 0.06 * np.exp(-(((x - rng.uniform(-3, 3)) / 0.4) ** 2))

@@ -57,7 +57,7 @@ def lit(
         shade *= reach[channel]
         cv2.scaleAdd(height_mm, optics.depth_gain[channel], shade, dst=shade)
         shade += unlit
-        np.multiply(base[channel], np.maximum(shade, 0.05, out=shade), out=frames[channel])
+        np.multiply(base[channel], cv2.max(shade, 0.05, dst=shade), out=frames[channel])
     return frames
 
 

@@ -24,6 +24,9 @@ class Preset:
         effort: How hard every increment is solved.
         dtype: Precision; fields converge to 1e-5 in single precision as in double.
         is_half_space: Take the pad for infinitely thick, for comparison only.
+        step_share: Length of an increment with friction, relative to the farthest that is small.
+        skips_fine_profile: Whether a body is taken as the contact grid's cells hold it where they
+            hold all there is of it.
         acceptable_um: Penetration up to which the result counts as converged.
         acceptable_share: Projected gradient of the frictional problem, likewise.
     """
@@ -33,6 +36,8 @@ class Preset:
     effort: Effort
     dtype: torch.dtype = torch.float32
     is_half_space: bool = False
+    step_share: float = 1.0
+    skips_fine_profile: bool = True
     acceptable_um: float = PENETRATION_LIMIT_UM
     acceptable_share: float = 0.1
 
@@ -44,16 +49,27 @@ class Preset:
         if not above:
             return None
         wider = torch.promote_types(self.dtype, PRESETS[above[0]].dtype)
-        return replace(PRESETS[above[0]], dtype=wider, is_half_space=self.is_half_space)
+        kept = {
+            name: getattr(self, name)
+            for name in ("is_half_space", "step_share", "skips_fine_profile")
+        }
+        return replace(PRESETS[above[0]], dtype=wider, **kept)
 
 
 _LADDER = (
     Preset(
         "draft",
         32,
-        Effort((6, 12, 40), friction_iterations=15, passes=1, most_passes=8, gradient_share=0.1),
+        Effort(
+            (6, 12, 40),
+            friction_iterations=15,
+            passes=1,
+            most_passes=8,
+            enough_um=5.0,
+            gradient_share=0.1,
+        ),
     ),
-    Preset("fast", 48, Effort(ROUNDS, friction_iterations=40, gradient_share=3e-2)),
+    Preset("fast", 48, Effort(ROUNDS, friction_iterations=40, enough_um=5.0, gradient_share=3e-2)),
     Preset("good", 64, Effort((12, 24, 60, 150), friction_iterations=100, gradient_share=1e-2)),
     Preset(
         "accurate",

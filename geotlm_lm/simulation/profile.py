@@ -1,13 +1,13 @@
 """The object's underside as a sampled height map, placed by a pose; knows no gel and no light.
 
 A profile is f(x, y) >= 0 in mm above the object's lowest point, sampled on a square raster in the
-object's own frame, plus an exact tilt plane. Outside a finite object it is `OUTSIDE_MM`.
+object's own frame, lean and texture included. Outside a finite object it is about `OUTSIDE_MM`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import astuple, dataclass
+from functools import cached_property, lru_cache
 
 import cv2
 import numpy as np
@@ -26,23 +26,38 @@ REACH_MM = 0.4
 FINE_PER_CELL = 5
 """Samples per contact cell and axis; odd, so that one of them is the cell's centre."""
 
+SMOOTH_MM = 0.005
+"""Error of interpolation between contact cells below which a body counts as smooth: a quarter of
+the gap that counts as contact."""
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """A rectangle of an image, ends excluded: rows first to last, columns likewise."""
+
+    top: int
+    bottom: int
+    left: int
+    right: int
+
+    @property
+    def slices(self) -> tuple[slice, slice]:
+        """The rectangle as an index, rows first."""
+        return slice(self.top, self.bottom), slice(self.left, self.right)
+
 
 @dataclass(frozen=True, eq=False)
 class Profile:
     """A body ready to be placed.
 
     Args:
-        height_mm: float32 (RASTER_SIDE, RASTER_SIDE), the body without its tilt.
-        tilt: Slopes (x, y) of the tilt plane in the object's frame.
+        height_mm: float32 (RASTER_SIDE, RASTER_SIDE), the leaning body above its lowest point.
         middle_mm: Point of the object's frame that a pose's (x, y) places.
-        lowest_mm: Lowest value of height + tilt plane; subtracted.
         is_extended: The body goes on beyond the raster (mirrored there) instead of ending.
     """
 
     height_mm: HeightMap
-    tilt: tuple[float, float]
     middle_mm: tuple[float, float]
-    lowest_mm: float
     is_extended: bool
 
     def sample(
@@ -50,6 +65,7 @@ class Profile:
         pose: tuple[float, float, float],
         mm_per_px: tuple[float, float],
         side: int,
+        window: Window | None = None,
     ) -> HeightMap:
         """Return f on a square image of the gel frame whose middle is the view's middle.
 
@@ -57,14 +73,16 @@ class Profile:
             pose: (x_mm, y_mm, rotation_rad) of the object.
             mm_per_px: Pixel size (x, y).
             side: Pixels per side.
+            window: The part of the image that is wanted; all of it by default.
         """
+        window = window or Window(0, side, 0, side)
         x_mm, y_mm, angle = pose
         cos, sin = np.cos(angle), np.sin(angle)
-        columns = (np.arange(side) - (side - 1) / 2) * mm_per_px[0] - x_mm
-        rows = (np.arange(side) - (side - 1) / 2) * mm_per_px[1] - y_mm
+        column = (window.left - (side - 1) / 2) * mm_per_px[0] - x_mm
+        row = (window.top - (side - 1) / 2) * mm_per_px[1] - y_mm
         # Gel frame -> object frame is the inverse turn, then the offset of the object's middle.
-        origin_x = cos * columns[0] + sin * rows[0] + self.middle_mm[0]
-        origin_y = -sin * columns[0] + cos * rows[0] + self.middle_mm[1]
+        origin_x = cos * column + sin * row + self.middle_mm[0]
+        origin_y = -sin * column + cos * row + self.middle_mm[1]
         raster = RASTER_MM / RASTER_SIDE
         matrix = np.array(
             [
@@ -72,26 +90,129 @@ class Profile:
                 [-sin * mm_per_px[0], cos * mm_per_px[1], origin_y + RASTER_MM / 2 - raster / 2],
             ]
         )
-        height = cv2.warpAffine(
+        return cv2.warpAffine(
             self.height_mm,
             matrix / raster,
-            (side, side),
+            (window.right - window.left, window.bottom - window.top),
             flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
             borderMode=cv2.BORDER_REFLECT_101 if self.is_extended else cv2.BORDER_CONSTANT,
             borderValue=OUTSIDE_MM,
         )
-        slope_x = cos * self.tilt[0] - sin * self.tilt[1]
-        slope_y = sin * self.tilt[0] + cos * self.tilt[1]
-        level = self.tilt[0] * self.middle_mm[0] + self.tilt[1] * self.middle_mm[1]
-        plane = (slope_x * columns + level - self.lowest_mm).astype(np.float32)[None, :]
-        height += plane + (slope_y * rows).astype(np.float32)[:, None]
-        return height
 
-    def on_cells(self, pose: tuple[float, float, float], box_mm: float, side: int) -> HeightMap:
-        """Return f on the contact grid; a feature narrower than a cell keeps its lowest point."""
+    def window(
+        self,
+        pose: tuple[float, float, float],
+        mm_per_px: tuple[float, float],
+        side: int,
+        reach_mm: float,
+    ) -> Window:
+        """Return a part of the image `sample` would give outside of which f exceeds `reach_mm`.
+
+        Args:
+            pose: (x_mm, y_mm, rotation_rad) of the object.
+            mm_per_px: Pixel size (x, y).
+            side: Pixels per side.
+            reach_mm: Height of interest; the part may be empty.
+        """
+        low, high = self._bounds_mm(reach_mm)
+        cos, sin = np.cos(pose[2]), np.sin(pose[2])
+        if self.is_extended:
+            # Its mirror images begin a raster's side away from where it ends.
+            ends = np.array([-0.5, 0.5]) * side
+            far_x, far_y = (
+                np.abs(ends * size - shift).max()
+                for size, shift in zip(mm_per_px, pose[:2], strict=True)
+            )
+            along = abs(cos) * far_x + abs(sin) * far_y + abs(self.middle_mm[0])
+            across = abs(sin) * far_x + abs(cos) * far_y + abs(self.middle_mm[1])
+            starts = [RASTER_MM - max(-low[axis], high[axis]) for axis in (0, 1)]
+            if along > starts[0] or across > starts[1]:
+                return Window(0, side, 0, side)
+        x = np.array([low[0], high[0], high[0], low[0]]) - self.middle_mm[0]
+        y = np.array([low[1], low[1], high[1], high[1]]) - self.middle_mm[1]
+        columns = (cos * x - sin * y + pose[0]) / mm_per_px[0] + (side - 1) / 2
+        rows = (sin * x + cos * y + pose[1]) / mm_per_px[1] + (side - 1) / 2
+        return Window(*_whole(rows, side), *_whole(columns, side))
+
+    def _bounds_mm(self, reach_mm: float) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Return least and greatest (x, y) of what lies lower than `reach_mm`, object frame."""
+        if reach_mm not in self._bounds:
+            low = (self.height_mm < np.float32(reach_mm)).view(np.uint8)
+            left, top, width, height = cv2.boundingRect(low)
+            raster, half = RASTER_MM / RASTER_SIDE, RASTER_MM / 2
+            # One sample more on every side: between samples the body is as low as the lower one.
+            self._bounds[reach_mm] = (
+                ((left - 0.5) * raster - half, (top - 0.5) * raster - half),
+                ((left + width + 0.5) * raster - half, (top + height + 0.5) * raster - half),
+            )
+        return self._bounds[reach_mm]
+
+    @cached_property
+    def _bounds(self) -> dict[float, tuple[tuple[float, float], tuple[float, float]]]:
+        return {}
+
+    @cached_property
+    def _smooth(self) -> dict[tuple[float, float], bool]:
+        return {}
+
+    def on_cells(
+        self,
+        pose: tuple[float, float, float],
+        box_mm: float,
+        side: int,
+        reach_mm: float = np.inf,
+        *,
+        is_smooth: bool = False,
+    ) -> HeightMap:
+        """Return f on the contact grid; a feature narrower than a cell keeps its lowest point.
+
+        Args:
+            pose: (x_mm, y_mm, rotation_rad) of the object.
+            box_mm: Side of the contact grid.
+            side: Cells per side.
+            reach_mm: What lies higher may come back as `OUTSIDE_MM`.
+            is_smooth: No feature is narrower than a cell: its centre says all.
+        """
         cell = box_mm / side
-        fine = self.sample(pose, (cell / FINE_PER_CELL,) * 2, side * FINE_PER_CELL)
-        return pool_to_cells(fine, FINE_PER_CELL)
+        window = self.window(pose, (cell, cell), side, reach_mm)
+        cells = np.full((side, side), OUTSIDE_MM, np.float32)
+        if window.bottom == window.top or window.right == window.left:
+            return cells
+        if is_smooth:
+            cells[window.slices] = self.sample(pose, (cell, cell), side, window)
+        else:
+            fine = Window(*(FINE_PER_CELL * edge for edge in astuple(window)))
+            size = (cell / FINE_PER_CELL,) * 2
+            height = self.sample(pose, size, side * FINE_PER_CELL, fine)
+            cells[window.slices] = pool_to_cells(height, FINE_PER_CELL)
+        return cells
+
+    def is_smooth(self, spacing_mm: float, reach_mm: float) -> bool:
+        """Tell whether samples `spacing_mm` apart give the body back wherever it is low.
+
+        Args:
+            spacing_mm: Distance of the samples, between which cubic interpolation fills in.
+            reach_mm: Height up to which the body matters.
+        """
+        asked = (spacing_mm, reach_mm)
+        if asked not in self._smooth:
+            self._smooth[asked] = self._check_smooth(spacing_mm, reach_mm)
+        return self._smooth[asked]
+
+    def _check_smooth(self, spacing_mm: float, reach_mm: float) -> bool:
+        low, high = self._bounds_mm(reach_mm)
+        half = int(np.ceil(spacing_mm / (RASTER_MM / RASTER_SIDE) / 2))
+        first, last = (
+            (np.array(corner) + RASTER_MM / 2) * RASTER_SIDE / RASTER_MM for corner in (low, high)
+        )
+        start, end = first.astype(int) - 3 * half, last.astype(int) + 3 * half + 1
+        if start.min() < 0 or end.max() > RASTER_SIDE:
+            return False
+        body = self.height_mm[start[1] : end[1], start[0] : end[0]]
+        # The lines through the middle first: hardly a textured body gets farther.
+        middle = [size // 2 for size in body.shape]
+        lines = body[middle[0], None], body[:, middle[1], None].T
+        return all(_is_smooth_along(one, half, reach_mm) for one in (*lines, body, body.T))
 
     def overlap_area_mm2(self, depth_mm: float) -> float:
         """Return the area of the object lower than `depth_mm` above its lowest point."""
@@ -104,10 +225,21 @@ class Profile:
         return float(np.partition(values, rank)[rank])
 
     def _coarse(self) -> HeightMap:
-        x, y = object_grid()
-        step = (slice(None, None, 4), slice(None, None, 4))
-        plane = self.tilt[0] * x[step] + self.tilt[1] * y[step]
-        return self.height_mm[step] + plane - np.float32(self.lowest_mm)
+        return self.height_mm[::4, ::4]
+
+
+def _whole(edges: NDArray[np.float64], side: int) -> tuple[int, int]:
+    """Return the whole numbers around all `edges`, two more on each side, kept inside the image."""
+    first, last = int(np.floor(edges.min())) - 2, int(np.ceil(edges.max())) + 3
+    return min(max(first, 0), side), max(min(last, side), 0)
+
+
+def _is_smooth_along(lines: HeightMap, half: int, reach_mm: float) -> bool:
+    """Tell whether cubic interpolation over `2 * half` samples gives every low row of `lines`."""
+    count = lines.shape[1] - 6 * half
+    a, b, here, c, d = (lines[:, k * half : k * half + count] for k in (0, 2, 3, 4, 6))
+    wrong = np.abs(here - (9 * (b + c) - (a + d)) / 16)
+    return bool((wrong[here < reach_mm] < SMOOTH_MM).all())
 
 
 def pool_to_cells(fine: HeightMap, per_cell: int) -> HeightMap:
@@ -137,17 +269,25 @@ def build_profile(body: Body) -> Profile:
     rng = np.random.default_rng(body.variant)
     x, y = object_grid()
     scale = np.float32(body.size)
-    height = indenter.height(x / scale, y / scale, rng) * scale
+    height = np.ascontiguousarray(indenter.height(x / scale, y / scale, rng), dtype=np.float32)
+    height = height * scale  # never in place: a shape may hand out what it keeps
     if body.texture_um > 0:
         texture = smooth_field(rng, RASTER_SIDE, body.texture_scale_mm / (RASTER_MM / RASTER_SIDE))
-        height = height + np.float32(body.texture_um * 1e-3) * texture
-    height = np.ascontiguousarray(np.minimum(height, OUTSIDE_MM), dtype=np.float32)
-    if not np.isfinite(height).all():
-        raise ValueError(f"the shape of '{body.name}' has heights that are not finite")
+        cv2.scaleAdd(texture, body.texture_um * 1e-3, height, dst=height)
+    cv2.min(height, OUTSIDE_MM, dst=height)
     # A body that bends away everywhere only shows another spot when tilted; a finite one leans.
-    tilt = (0.0, 0.0) if indenter.is_extended else (body.tilt_x, body.tilt_y)
-    whole = height + np.float32(tilt[0]) * x + np.float32(tilt[1]) * y
-    lowest = float(whole.min())
-    near = whole < lowest + REACH_MM
-    middle = (float(x[near].mean()), float(y[near].mean()))
-    return Profile(height, tilt, middle, lowest, indenter.is_extended)
+    if not indenter.is_extended:
+        height += np.float32(body.tilt_x) * x[:1]
+        height += np.float32(body.tilt_y) * y[:, :1]
+    lowest = float(height.min())
+    if not np.isfinite(lowest):
+        raise ValueError(f"the shape of '{body.name}' has heights that are not finite")
+    height -= np.float32(lowest)
+    near = (height < np.float32(REACH_MM)).astype(np.float32)
+    # Counted along each axis: a mean over the samples picked out costs five times as much.
+    each = np.ones(RASTER_SIDE, np.float32)
+    by_column, by_row = each @ near, near @ each
+    count = by_row.sum()
+    middle = (float(by_column @ x[0] / count), float(by_row @ y[:, 0] / count))
+    height.setflags(write=False)
+    return Profile(height, middle, indenter.is_extended)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from geotlm_lm.simulation.indenter import HeightMap
+from geotlm_lm.simulation.indenter import HeightMap, hypot
 from geotlm_lm.simulation.raster import PX_PER_MM, RASTER_SIDE
 from geotlm_lm.simulation.smooth_field import smooth_field
 
@@ -14,7 +14,7 @@ _SUBPIXEL_BITS = 4
 
 def polar(x: HeightMap, y: HeightMap) -> tuple[HeightMap, HeightMap]:
     """Return the angle, -pi to pi from x towards y, and the distance from the origin."""
-    return np.arctan2(y, x), np.hypot(x, y)
+    return np.arctan2(y, x), hypot(x, y)
 
 
 def to_nearest(angle: HeightMap, count: int | HeightMap) -> HeightMap:

@@ -23,6 +23,7 @@ def simulate_series(
     preset: PresetName = "fast",
     with_drift: bool = False,
     marker_share: float = MARKER_SHARE,
+    with_frames: bool = True,
 ) -> Iterator[SimulatedClip]:
     """Yield clips `first_index` .. of the series of `seed`.
 
@@ -41,5 +42,10 @@ def simulate_series(
             marker_share=marker_share,
         )
         yield from simulate(
-            scenes, seed=seed, first_index=index, preset=preset, with_drift=with_drift
+            scenes,
+            seed=seed,
+            first_index=index,
+            preset=preset,
+            with_drift=with_drift,
+            with_frames=with_frames,
         )

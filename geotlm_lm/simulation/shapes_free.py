@@ -10,7 +10,7 @@ from functools import partial
 
 import numpy as np
 
-from geotlm_lm.simulation.indenter import HeightMap, Indenter, bowl, extrude, turned
+from geotlm_lm.simulation.indenter import HeightMap, Indenter, bowl, extrude, hypot, turned
 from geotlm_lm.simulation.relief import picture, polar, strokes, to_nearest, within
 
 Random = np.random.Generator
@@ -108,7 +108,7 @@ def _free_outline(rng: Random, angle: HeightMap, size_mm: float) -> HeightMap:
     if rng.random() < 0.5:
         sides = int(rng.integers(3, 9))
         stretch = rng.uniform(0.6, 1.0)
-        aspect = np.hypot(np.cos(angle), np.sin(angle) / stretch)
+        aspect = hypot(np.cos(angle), np.sin(angle) / stretch)
         return np.float32(size_mm) / (np.cos(to_nearest(angle, sides)) * aspect)
     waves = np.ones_like(angle)
     for order in range(1, 6):
@@ -123,7 +123,7 @@ def _off_line(x: HeightMap, y: HeightMap, rng: Random, bend_mm: float) -> Height
     if rng.random() < 0.35:
         return v
     bend = bend_mm * np.exp(rng.uniform(0, np.log(5)))
-    return np.hypot(u, v + np.float32(bend)) - np.float32(bend)
+    return hypot(u, v + np.float32(bend)) - np.float32(bend)
 
 
 def _nicks(x: HeightMap, rng: Random, off: HeightMap) -> HeightMap:
@@ -137,11 +137,11 @@ def _nicks(x: HeightMap, rng: Random, off: HeightMap) -> HeightMap:
 
 
 def _border(x: HeightMap, y: HeightMap, rng: Random, size_mm: float) -> HeightMap:
-    return 1 - within(np.hypot(x, y), rng.uniform(0.7, 0.95) * size_mm, rng.uniform(0.1, 0.5))
+    return 1 - within(hypot(x, y), rng.uniform(0.7, 0.95) * size_mm, rng.uniform(0.1, 0.5))
 
 
 def _circle(x: HeightMap, y: HeightMap, rng: Random, size_mm: float) -> HeightMap:
-    off = np.abs(np.hypot(x, y) - rng.uniform(0.2, 0.9) * size_mm)
+    off = np.abs(hypot(x, y) - rng.uniform(0.2, 0.9) * size_mm)
     return within(off, rng.uniform(0.1, 0.5), 0.15)
 
 
@@ -149,7 +149,7 @@ def _spots(x: HeightMap, y: HeightMap, rng: Random, size_mm: float) -> HeightMap
     angle, radius = polar(x, y)
     circle, count = rng.uniform(0.3, 0.95) * size_mm, int(rng.integers(2, 60))
     off = to_nearest(angle, count)
-    away = np.hypot(radius * np.cos(off) - circle, radius * np.sin(off))
+    away = hypot(radius * np.cos(off) - circle, radius * np.sin(off))
     return within(away, min(rng.uniform(0.15, 1.2), 2.0 * circle / count), 0.12)
 
 
@@ -165,7 +165,7 @@ def _writing(x: HeightMap, y: HeightMap, rng: Random, size_mm: float) -> HeightM
 
 
 def _picture(x: HeightMap, y: HeightMap, rng: Random, size_mm: float) -> HeightMap:
-    inside = within(np.hypot(x, y), rng.uniform(0.5, 1.0) * size_mm, 0.5)
+    inside = within(hypot(x, y), rng.uniform(0.5, 1.0) * size_mm, 0.5)
     return 0.6 * inside * picture(x, rng, scale_mm=rng.uniform(0.5, 3.0))
 
 

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from geotlm_lm.simulation.indenter import HeightMap, Indenter, bowl, extrude, turned
+from geotlm_lm.simulation.indenter import HeightMap, Indenter, bowl, extrude, hypot, turned
 
 
 def prism(
@@ -47,7 +47,7 @@ def disc_ring(
 ) -> HeightMap:
     """Return a flat ring, with a gap when `gap_rad` > 0; oval by chance."""
     oval = rng.uniform(0.75, 1.0)
-    radius = np.hypot(x, y / oval)
+    radius = hypot(x, y / oval)
     inside = np.minimum(outer_mm - radius, radius - inner_mm)
     if gap_rad > 0:
         opening = (np.abs(np.arctan2(y, x)) - gap_rad / 2) * radius
@@ -84,7 +84,7 @@ def gear(
     tooth_mm: float,
 ) -> HeightMap:
     """Return a wheel whose rim waves `teeth` times, sharper by chance."""
-    angle, radius = np.arctan2(y, x), np.hypot(x, y)
+    angle, radius = np.arctan2(y, x), hypot(x, y)
     sharp = rng.uniform(1.0, 4.0)
     rim = radius_mm + tooth_mm * np.tanh(sharp * np.cos(teeth * angle)) / float(np.tanh(sharp))
     inside = (rim - radius) * 0.8
@@ -141,7 +141,7 @@ def dots(
     """Return a lattice of round studs on a curved back, some missing (as in raised print)."""
     lattice_x, lattice_y = x / pitch_mm, y / pitch_mm
     column, row = np.round(lattice_x), np.round(lattice_y)
-    distance = np.hypot(lattice_x - column, lattice_y - row) * pitch_mm
+    distance = hypot(lattice_x - column, lattice_y - row) * pitch_mm
     stud = np.clip(1 - (distance / radius_mm) ** 2, 0, None)
     if missing > 0:
         present = rng.random((64, 64)) >= missing
@@ -152,13 +152,16 @@ def dots(
 
 def _polygon(x: HeightMap, y: HeightMap, sides: int, apothem_mm: float) -> HeightMap:
     angles = 2 * np.pi * np.arange(sides) / sides
-    faces = [turned(x, y, angle)[0] for angle in angles]
-    return np.float32(apothem_mm) - np.maximum.reduce(faces)
+    highest = np.full_like(x, -np.inf)
+    for angle in angles:
+        cos, sin = np.float32(np.cos(angle)), np.float32(np.sin(angle))
+        np.maximum(highest, cos * x + sin * y, out=highest)
+    return np.float32(apothem_mm) - highest
 
 
 def _box(x: HeightMap, y: HeightMap, half_x: float, half_y: float, corner_mm: float) -> HeightMap:
     over_x, over_y = np.abs(x) - (half_x - corner_mm), np.abs(y) - (half_y - corner_mm)
-    outside = np.hypot(np.maximum(over_x, 0), np.maximum(over_y, 0))
+    outside = hypot(np.maximum(over_x, 0), np.maximum(over_y, 0))
     return corner_mm - outside - np.minimum(np.maximum(over_x, over_y), 0)
 
 
@@ -169,7 +172,7 @@ def _segment(
     dx, dy = bx - ax, by - ay
     along = ((x - ax) * dx + (y - ay) * dy) / max(dx * dx + dy * dy, 1e-9)
     along = np.clip(along, 0, 1)
-    return (half_mm - np.hypot(x - ax - along * dx, y - ay - along * dy)).astype(np.float32)
+    return (half_mm - hypot(x - ax - along * dx, y - ay - along * dy)).astype(np.float32)
 
 
 def _crown(rng: np.random.Generator) -> np.float32:

@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from geotlm_lm.simulation.indenter import HeightMap, Indenter, bowl, extrude
+from geotlm_lm.simulation.indenter import HeightMap, Indenter, bowl, extrude, hypot
 from geotlm_lm.simulation.relief import picture, polar, strokes, to_nearest, within
 
 Random = np.random.Generator
@@ -22,13 +22,13 @@ def button(x: HeightMap, y: HeightMap, rng: Random, *, holes: int) -> HeightMap:
     size, (angle, radius) = rng.uniform(4.0, 7.5), polar(x, y)
     middle = rng.uniform(0.1, 0.4) * within(radius, 0.7 * size, 0.6)
     off = to_nearest(angle, holes)
-    away = np.hypot(radius * np.cos(off) - 0.25 * size, radius * np.sin(off))
+    away = hypot(radius * np.cos(off) - 0.25 * size, radius * np.sin(off))
     return extrude(size - radius, 0.4) + middle + 0.8 * within(away, 0.11 * size, 0.1)
 
 
 def medal(x: HeightMap, y: HeightMap, rng: Random, *, least_mm: float, most_mm: float) -> HeightMap:
     """Return a disc with a picture in low relief, within a border by chance."""
-    size, radius = rng.uniform(least_mm, most_mm), np.hypot(x, y)
+    size, radius = rng.uniform(least_mm, most_mm), hypot(x, y)
     drawn = picture(x, rng, scale_mm=rng.uniform(0.7, 2.5))
     height = rng.uniform(0.03, 0.12) * drawn
     if rng.random() < 0.6:
@@ -80,7 +80,7 @@ def bolt(x: HeightMap, y: HeightMap, rng: Random, *, sides: int) -> HeightMap:
 
 def slotted_plug(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return a plug with one slot for a blade, flat or crowned."""
-    size, radius = rng.uniform(3.0, 8.0), np.hypot(x, y)
+    size, radius = rng.uniform(3.0, 8.0), hypot(x, y)
     slot = 0.8 * (np.abs(y) < rng.uniform(0.3, 0.8)) * (np.abs(x) < rng.uniform(0.5, 1.1) * size)
     return extrude(size - radius, 0.3) + bowl(x, y, rng.uniform(12, 100)) + slot.astype(np.float32)
 
@@ -115,7 +115,7 @@ def grate(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     size, pitch, (angle, radius) = rng.uniform(5.0, 10.0), rng.uniform(1.6, 2.6), polar(x, y)
     circle = np.round(radius / pitch)
     off = to_nearest(angle, np.maximum(np.round(rng.uniform(3.0, 6.0) * circle), 1))
-    away = np.hypot(radius * np.cos(off) - circle * pitch, radius * np.sin(off))
+    away = hypot(radius * np.cos(off) - circle * pitch, radius * np.sin(off))
     holes = within(away, 0.5, 0.15) * (circle * pitch < 0.85 * size)
     return extrude(size - radius, 0.4) + 0.6 * holes.astype(np.float32)
 
@@ -138,14 +138,14 @@ def seal(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     off = radius - ring
     height = tube - np.sqrt(np.maximum(tube**2 - off**2, 0)) + 3 * np.maximum(np.abs(off) - tube, 0)
     for place in rng.uniform(-np.pi, np.pi, rng.integers(1, 4)):
-        away = np.hypot(off, ring * to_nearest(angle - np.float32(place), 1))
+        away = hypot(off, ring * to_nearest(angle - np.float32(place), 1))
         height = height - rng.uniform(0.05, 0.2) * within(away, rng.uniform(0.3, 0.8), 0.2)
     return height.astype(np.float32)
 
 
 def notched_shaft(x: HeightMap, y: HeightMap, rng: Random) -> HeightMap:
     """Return a shaft's end with a flat, a keyway, and rings left by the lathe."""
-    size, radius = rng.uniform(2.5, 7.0), np.hypot(x, y)
+    size, radius = rng.uniform(2.5, 7.0), hypot(x, y)
     inside = np.minimum(size - radius, rng.uniform(0.6, 1.0) * size - x)
     keyway = np.minimum(rng.uniform(0.3, 0.9) - np.abs(y), -x - rng.uniform(0.5, 0.8) * size)
     rings = rng.uniform(0, 0.02) * np.cos(2 * np.pi * radius / rng.uniform(0.4, 0.8))

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from geotlm_lm.simulation.indenter import HeightMap, Indenter, turned, where_solid
+from geotlm_lm.simulation.indenter import HeightMap, Indenter, hypot, turned, where_solid
 
 
 def ellipsoid(
@@ -80,7 +80,7 @@ def torus(
     """Return a lying ring with a round cross-section."""
     ring = ring_mm * rng.uniform(0.85, 1.15)
     aspect = rng.uniform(0.75, 1.0)
-    square = tube_mm**2 - (np.hypot(x, y / aspect) - ring) ** 2
+    square = tube_mm**2 - (hypot(x, y / aspect) - ring) ** 2
     return where_solid(tube_mm - np.sqrt(np.maximum(square, 0)), square > 0.03 * tube_mm**2)
 
 

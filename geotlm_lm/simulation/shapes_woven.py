@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from geotlm_lm.simulation.indenter import HeightMap, Indenter, extended, rounded_back, turned
+from geotlm_lm.simulation.indenter import HeightMap, Indenter, extended, hypot, rounded_back, turned
 from geotlm_lm.simulation.raster import PX_PER_MM, RASTER_SIDE
 from geotlm_lm.simulation.smooth_field import smooth_field
 
@@ -142,7 +142,7 @@ def links(
 ) -> HeightMap:
     """Return a chain or braid: overlapping oval rings along a line."""
     along = (x / pitch_mm + rng.uniform()) % 1.0 - 0.5
-    oval = np.hypot(along * pitch_mm, 1.2 * y) - 0.42 * pitch_mm
+    oval = hypot(along * pitch_mm, 1.2 * y) - 0.42 * pitch_mm
     square = radius_mm**2 - oval**2
     ring = radius_mm - np.sqrt(np.maximum(square, 0))
     wall = 6.0 * np.maximum(np.abs(oval) - 0.95 * radius_mm, 0)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -25,8 +23,9 @@ from geotlm_lm.simulation.presets import Preset, PresetName, preset_named
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.recording import Recorder
 from geotlm_lm.simulation.scene import Scene
+from geotlm_lm.simulation.stopwatch import Stopwatch
 from geotlm_lm.simulation.surface import Surface, pressed_surface
-from geotlm_lm.simulation.trace import Trace, trace_of
+from geotlm_lm.simulation.trace import Trace, change_since_first, shading_change, trace_of
 
 CAMERA_FPS = 25.0
 """Frames per second of a GelSight Mini's camera (gs_sdk)."""
@@ -37,7 +36,8 @@ class SimulatedClip:
     """A clip and the truth about it.
 
     Args:
-        clip: Four (or the path's number of) frames of 224x224 and their idle frame.
+        clip: Four (or the path's number of) frames of 224x224 and their idle frame; None where only
+            labels and true fields were asked for.
         trace_until: Frame number -> what there is to see of the motion since the first frame; only
             what is asked for is worked out.
         object_name: Name of the body.
@@ -54,7 +54,7 @@ class SimulatedClip:
             needed.
     """
 
-    clip: Clip
+    clip: Clip | None
     trace_until: Callable[[int], Trace]
     object_name: str
     scene: Scene
@@ -74,7 +74,7 @@ class SimulatedClip:
     @property
     def label(self) -> MotionLabel:
         """What the object does from the first frame to the last."""
-        return self.label_until(len(self.clip) - 1)
+        return self.label_until(len(self.scene.path) - 1)
 
     def label_until(self, last: int) -> MotionLabel:
         """Return what the object does from the first frame to frame `last`."""
@@ -89,6 +89,7 @@ def simulate(
     first_index: int = 0,
     preset: PresetName = "fast",
     with_drift: bool = False,
+    with_frames: bool = True,
 ) -> list[SimulatedClip]:
     """Return one clip per scene.
 
@@ -106,38 +107,42 @@ def simulate(
         with_drift: Whether the gel's tangential displacement is wanted. Frictional contact is left
             out otherwise: the imprint of a rigid object moves with it whether it sticks or slips,
             and drag changes a markerless image by less than noise (at most 0.7 grey levels RMS,
-            measured). A gel with markers is always solved with friction: it carries the dots.
+            measured). A gel with markers is always drawn with friction: it carries the dots.
+        with_frames: Whether pictures are wanted; the true fields do not depend on it. Without them
+            a label's `is_readable` rests on `trace.shading_change`, an estimate of the picture's
+            change.
 
     Raises:
         UsageError: If there is no such preset.
     """
     effort = preset_named(preset)
     return [
-        _simulate_one(scene, seed, first_index + i, effort, with_drift)
+        _simulate_one(scene, seed, first_index + i, effort, with_drift, with_frames)
         for i, scene in enumerate(scenes)
     ]
 
 
 def _simulate_one(
-    scene: Scene, seed: int, index: int, preset: Preset, with_drift: bool
+    scene: Scene, seed: int, index: int, preset: Preset, with_drift: bool, with_frames: bool
 ) -> SimulatedClip:
-    rng, watch = generator_for(seed, "clip", index), Stopwatch()
-    surface, is_marked = None, scene.optics.markers is not None
+    watch, surface = Stopwatch(), None
+    moves_gel = with_drift or (with_frames and scene.optics.markers is not None)
     if max(scene.path.depth_mm) > 0:
         with watch("profile"):
             profile = build_profile(scene.body)
-        moves_gel = with_drift or is_marked
-        drags = moves_gel and scene.gel.friction > 0
-        with watch("frictional_contact" if drags else "normal_contact"):
-            surface = pressed_surface(scene, profile, preset, with_drift=moves_gel)
-    with watch("optics"):
-        idle = idle_frame(scene.optics.idle, scene.optics.mounting)
-        frames, background, clean = _render(scene, surface, idle, rng)
+        surface = pressed_surface(scene, profile, preset, with_drift=moves_gel, watch=watch)
+    clip = clean = None
+    if with_frames:
+        with watch("optics"):
+            idle = idle_frame(scene.optics.idle, scene.optics.mounting)
+            rng = generator_for(seed, "clip", index)
+            frames, background, clean = _render(scene, surface, idle, rng)
+        name = f"{scene.body.name}-{seed}-{index}"
+        clip = Clip(frames, fps=CAMERA_FPS, background=background, name=name)
     with watch("truth"):
         truth = _truth(scene, surface, clean, with_drift)
-    name = f"{scene.body.name}-{seed}-{index}"
     return SimulatedClip(
-        clip=Clip(frames, fps=CAMERA_FPS, background=background, name=name),
+        clip=clip,
         object_name=scene.body.name,
         scene=scene,
         mm_per_px=(scene.optics.mm_per_px_x, scene.optics.mm_per_px_y),
@@ -148,7 +153,7 @@ def _simulate_one(
 
 
 def _truth(
-    scene: Scene, surface: Surface | None, clean: list[NDArray[np.float32]], with_drift: bool
+    scene: Scene, surface: Surface | None, clean: list[NDArray[np.float32]] | None, with_drift: bool
 ) -> dict[str, Any]:
     """Return the dense truth of every frame, and what each frame shows of the motion."""
     count = len(scene.path)
@@ -161,8 +166,12 @@ def _truth(
             pixel = (scene.optics.mm_per_px_x, scene.optics.mm_per_px_y)
             for axis in range(2):
                 drift[..., axis] = patch_means(surface.drift_mm[:, axis]) / pixel[axis]
+    if clean is None and surface is not None:
+        change = partial(shading_change, scene.optics, surface.indentation_mm, touches)
+    else:
+        change = partial(change_since_first, clean, touches)
     return {
-        "trace_until": partial(trace_of, scene, clean, touches),
+        "trace_until": partial(trace_of, scene, change, touches),
         "displacement_px": patch_displacement(scene, contact),
         "contact": contact,
         "depth_mm": depth,
@@ -176,31 +185,17 @@ def _render(
     """Return frames (t, 224, 224, 3), the idle frame, and planar frames without noise."""
     optics, recorder = scene.optics, Recorder(scene.optics, rng)
     lights, markers = turned_lights(optics), optics.markers
+    background = recorder.background(idle if markers is None else idle * shade(markers, optics))
     base = idle * (1 + np.asarray(optics.light_change, np.float32))[:, None, None]
-    clean = []
-    for frame in range(len(scene.path)):
-        pressed = None if surface is None else surface.indentation_mm[frame]
-        if pressed is None or not pressed.any():
-            clean.append(base)
-        else:
-            clean.append(lit(pressed, base, optics, lights=lights))
+    clean, frames = [], np.empty((len(scene.path), *background.shape), np.uint8)
+    # Each frame is recorded while what was just drawn is still in the processor's cache.
+    for frame, seen in enumerate(frames):
+        image = base
+        if surface is not None and surface.indentation_mm[frame].any():
+            image = lit(surface.indentation_mm[frame], base, optics, lights=lights)
         if markers is not None:
             drift = None if surface is None else surface.drift_mm[frame]
-            clean[-1] = clean[-1] * shade(markers, optics, drift)
-    background = recorder.background(idle if markers is None else idle * shade(markers, optics))
-    frames = np.stack([recorder.next(image) for image in clean])
+            image = image * shade(markers, optics, drift)
+        clean.append(image)
+        seen[:] = recorder.next(image)
     return frames, background, clean
-
-
-class Stopwatch:
-    """Milliseconds of named stages, in the order they ran."""
-
-    def __init__(self) -> None:
-        self.milliseconds: dict[str, float] = {}
-
-    @contextmanager
-    def __call__(self, stage: str) -> Iterator[None]:
-        """Time what happens inside."""
-        started = time.perf_counter()
-        yield
-        self.milliseconds[stage] = 1e3 * (time.perf_counter() - started)

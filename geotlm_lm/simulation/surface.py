@@ -7,13 +7,24 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
-from geotlm_lm.simulation.contact import BOX_MM, dome_mm, solve_contact
+from geotlm_lm.simulation.contact import (
+    BOX_MM,
+    GridContact,
+    dome_mm,
+    holds_detail,
+    solve_contact,
+)
 from geotlm_lm.simulation.normal_contact import SolverStatus
 from geotlm_lm.simulation.presets import FAST, Preset
 from geotlm_lm.simulation.profile import Profile
 from geotlm_lm.simulation.scene import Scene
+from geotlm_lm.simulation.stopwatch import Stopwatch
+
+FAR_MM = 1.0
+"""Gap beyond which its size does not matter: where there is no body it would spoil cells beside."""
 
 TOUCH_TOLERANCE_MM = 0.020
 """Gap that still counts as contact at image resolution: with it the touched area of nine bodies is
@@ -40,9 +51,17 @@ class Surface:
 
 
 def pressed_surface(
-    scene: Scene, profile: Profile, preset: Preset = FAST, *, with_drift: bool = False
+    scene: Scene,
+    profile: Profile,
+    preset: Preset = FAST,
+    *,
+    with_drift: bool = False,
+    watch: Stopwatch | None = None,
 ) -> Surface:
     """Return the gel's surface under `profile` in every frame of `scene`.
+
+    Stages: `normal_contact` or `frictional_contact`, `interpolation`, and `fine_profile` where the
+    body has detail that the contact grid's cells do not hold.
 
     Args:
         scene: Gel, path and pixel sizes.
@@ -50,35 +69,73 @@ def pressed_surface(
         preset: How finely and tightly the contact is solved.
         with_drift: Whether the tangential displacement is wanted; an image without markers does
             not need it.
+        watch: Told the stages.
     """
-    path, optics = scene.path, scene.optics
-    contact = solve_contact(scene, profile, preset, with_drift=with_drift)
-    mm_per_px = (optics.mm_per_px_x, optics.mm_per_px_y)
-    dome = dome_mm(scene.gel, mm_per_px, IMAGE_SIDE, optics.mounting)
+    watch = watch or Stopwatch()
+    drags = with_drift and scene.gel.friction > 0
+    with watch("frictional_contact" if drags else "normal_contact"):
+        contact = solve_contact(scene, profile, preset, with_drift=with_drift)
+    cells = contact.indentation_mm.shape[-1]
+    is_smooth = holds_detail(scene, profile, preset, cells)
+    with watch("interpolation"):
+        solved, surface = _interpolated(scene, contact, with_gap=is_smooth)
+    if not is_smooth:
+        with watch("fine_profile"):
+            _print_through(solved, surface, scene, profile, contact.reach_mm)
+    if scene.gel.lag > 0:
+        _creep(surface.indentation_mm, scene.gel.lag)
+    return surface
+
+
+def _interpolated(
+    scene: Scene, contact: GridContact, *, with_gap: bool
+) -> tuple[NDArray[np.float32], Surface]:
+    """Return the solution at every pixel, and the surface that the coat makes of it.
+
+    `touches` is told by the cells if `with_gap`; nothing touches yet otherwise.
+    """
+    mm_per_px = (scene.optics.mm_per_px_x, scene.optics.mm_per_px_y)
     cells = contact.indentation_mm.shape[-1]
     rows, columns = (_cubic_weights(size, cells) for size in mm_per_px[::-1])
-    solved = contact.indentation_mm.float()
-    fine = (rows @ solved @ columns.T).numpy()
-    smooth = fine
+    solved = _to_pixels(contact.indentation_mm, rows, columns)
+    drift = None if contact.drift_mm is None else _to_pixels(contact.drift_mm, rows, columns)
+    coated = solved
     if scene.gel.membrane_mm > 0:
         coat = _gaussian(scene.gel.membrane_mm, cells)
-        smooth = ((rows @ coat) @ solved @ (columns @ coat).T).numpy()
-    drift = None
-    if contact.drift_mm is not None:
-        drift = (rows @ contact.drift_mm.float() @ columns.T).numpy()
-    indentation = np.zeros((len(path), IMAGE_SIDE, IMAGE_SIDE), np.float32)
-    touches = np.zeros(indentation.shape, bool)
+        coated = _to_pixels(contact.indentation_mm, rows @ coat, columns @ coat)
+    is_away = ~contact.touches.numpy()
+    touches = np.zeros(solved.shape, bool)
+    if with_gap:
+        gap = (contact.indentation_mm - contact.overlap_mm).clamp_max(FAR_MM)
+        pixels = _to_pixels(gap, rows, columns)
+        np.less(pixels, np.float32(TOUCH_TOLERANCE_MM), out=touches)
+        # The object nowhere reaches through the surface.
+        np.maximum(coated, solved - pixels, out=coated)
+    touches[is_away] = False
+    solved[is_away] = 0
+    coated[is_away] = 0
+    return solved, Surface(coated, touches, drift, contact.status)
+
+
+def _print_through(
+    solved: NDArray[np.float32], surface: Surface, scene: Scene, profile: Profile, reach: float
+) -> None:
+    """Put in, at the pixels, what of the body is finer than the cells."""
+    path, optics = scene.path, scene.optics
+    mm_per_px = (optics.mm_per_px_x, optics.mm_per_px_y)
+    dome = dome_mm(scene.gel, mm_per_px, IMAGE_SIDE, optics.mounting)
     poses = list(zip(path.x_mm, path.y_mm, path.rotation_rad, strict=True))
-    for frame in np.flatnonzero(contact.touches.numpy()):
-        elastic = fine[frame]
-        rigid = profile.sample(poses[frame], mm_per_px, IMAGE_SIDE)
-        np.subtract(np.float32(path.depth_mm[frame]) - dome, rigid, out=rigid)
+    for frame in np.flatnonzero(solved.any(axis=(1, 2))):
+        window = profile.window(poses[frame], mm_per_px, IMAGE_SIDE, reach)
+        inside = window.slices
+        elastic, coated = solved[frame][inside], surface.indentation_mm[frame][inside]
+        if not elastic.size:
+            continue
+        rigid = profile.sample(poses[frame], mm_per_px, IMAGE_SIDE, window)
+        np.subtract(np.float32(path.depth_mm[frame]) - dome[inside], rigid, out=rigid)
         # Detail finer than a cell prints through wherever the object reaches below the solution.
-        touches[frame] = rigid > elastic - np.float32(TOUCH_TOLERANCE_MM)
-        np.maximum(smooth[frame], rigid, out=indentation[frame])
-    if scene.gel.lag > 0:
-        _creep(indentation, scene.gel.lag)
-    return Surface(indentation, touches, drift, contact.status)
+        surface.touches[frame][inside] = rigid > elastic - np.float32(TOUCH_TOLERANCE_MM)
+        np.maximum(coated, rigid, out=coated)
 
 
 def _creep(indentation_mm: NDArray[np.float32], lag: float) -> None:
@@ -89,7 +146,7 @@ def _creep(indentation_mm: NDArray[np.float32], lag: float) -> None:
         now += lacks
 
 
-def _gaussian(sigma_mm: float, cells: int) -> torch.Tensor:
+def _gaussian(sigma_mm: float, cells: int) -> Tensor:
     """Return weights (cells, cells) of a periodic Gaussian; it keeps a volume exactly.
 
     On the contact grid: what is narrower than a third of a cell (0.18 mm with the fast preset)
@@ -103,16 +160,24 @@ def _gaussian(sigma_mm: float, cells: int) -> torch.Tensor:
     return torch.from_numpy(line[index].astype(np.float32))
 
 
-def _cubic_weights(mm_per_px: float, cells: int) -> torch.Tensor:
+def _to_pixels(values: Tensor, rows: Tensor, columns: Tensor) -> NDArray[np.float32]:
+    # One matrix at a time: a batch of small products costs half as much again.
+    flat = values.float().reshape(-1, *values.shape[-2:])
+    pixels = torch.empty(len(flat), IMAGE_SIDE, IMAGE_SIDE)
+    for one, out in zip(flat, pixels, strict=True):
+        torch.mm(rows @ one, columns.T, out=out)
+    return pixels.reshape(*values.shape[:-2], IMAGE_SIDE, IMAGE_SIDE).numpy()
+
+
+def _cubic_weights(mm_per_px: float, cells: int) -> Tensor:
     """Return weights (224, cells) of cubic convolution (Keys, a = -1/2) from cells to pixels."""
     where = (np.arange(IMAGE_SIDE) - (IMAGE_SIDE - 1) / 2) * mm_per_px * cells / BOX_MM
-    where = where + (cells - 1) / 2
-    left = np.floor(where).astype(int)
+    where += (cells - 1) / 2
+    taps = np.floor(where).astype(int)[:, None] + np.arange(-1, 3)
+    s = np.abs(where[:, None] - taps)
+    near = (1.5 * s - 2.5) * s * s + 1
+    far = ((-0.5 * s + 2.5) * s - 4) * s + 2
     weights = np.zeros((IMAGE_SIDE, cells), np.float32)
-    for offset in range(-1, 3):
-        s = np.abs(where - left - offset)
-        near = 1.5 * s**3 - 2.5 * s**2 + 1
-        far = -0.5 * s**3 + 2.5 * s**2 - 4 * s + 2
-        values = np.where(s <= 1, near, np.where(s < 2, far, 0))
-        weights[np.arange(IMAGE_SIDE), (left + offset) % cells] += values
+    # Distinct taps of a pixel: no weight is added to another.
+    weights[np.arange(IMAGE_SIDE)[:, None], taps % cells] = np.where(s <= 1, near, far)
     return torch.from_numpy(weights)

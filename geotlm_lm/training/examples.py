@@ -7,10 +7,8 @@ was killed continues with the first missing chunk. Images are not kept.
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
@@ -24,6 +22,7 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, TIME_BIN_COUNT
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.threads import one_thread_in_children
 from geotlm_lm.training.interrupts import (
     children_end_with_it,
     deaf_children,
@@ -127,29 +126,11 @@ def simulate_examples(folder: Path, sets: Sequence[ExampleSet], *, seed: int, wo
     # Spawned, not forked: a forked child may inherit locked thread pools.
     pool = ProcessPoolExecutor(max(workers, 1), mp_context=get_context("spawn"))
     with pool, children_end_with_it():
-        with deaf_children(), _one_thread_each():
+        with deaf_children(), one_thread_in_children():
             written = pool.map(_write_chunk, jobs)
         for _ in written:
             done += 1
             progress.show(done, f"chunks of {CHUNK_CLIPS} clips")
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Start processes inside with one BLAS thread each: it is read when numpy is first imported."""
-    before = {name: os.environ.get(name) for name in THREAD_VARIABLES}
-    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-
-
-THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def read_examples(folder: Path, wanted: ExampleSet) -> Examples:

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from geotlm_lm.cli.main import main
+from geotlm_lm.cli.simulate import progress_and_rate
 from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.simulation import dataset
 
 
 def run(*arguments):
@@ -92,3 +94,43 @@ def test_a_data_set_says_that_its_gels_are_marked_and_is_not_continued_without(t
     assert json.loads((tmp_path / "set" / "dataset.json").read_text())["marker_share"] == 1
     assert run(*asked) == 2
     assert "holds another data set" in capsys.readouterr().err
+
+
+def test_labels_only_writes_no_pictures_and_goes_with_a_data_set_only(tmp_path, capsys):
+    folder = tmp_path / "set"
+    options = ("--count", 2, "--objects", "everyday", "--preset", "draft", "--labels-only")
+    assert run("simulate", "--out", folder, *options) == 0
+    with np.load(folder / "shard-00000.npz") as stored:
+        assert "labels" in stored
+        assert "frames" not in stored
+    capsys.readouterr()
+    assert run("simulate", "--clip", tmp_path / "a.npz", "--labels-only") == 2
+    assert "--labels-only cannot go with --clip" in capsys.readouterr().err
+
+
+def test_all_usable_cores_simulate_unless_told_otherwise(tmp_path, monkeypatch):
+    asked = []
+
+    def write_dataset(out, count, *, workers, **_):
+        asked.append(workers)
+
+    monkeypatch.setattr(dataset, "write_dataset", write_dataset)
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 2, 5}, raising=False)
+    run("simulate", "--out", tmp_path)
+    run("simulate", "--out", tmp_path, "--workers", 2)
+    monkeypatch.delattr("os.sched_getaffinity")
+    monkeypatch.setattr("os.cpu_count", lambda: 7)
+    run("simulate", "--out", tmp_path)
+    assert asked == [3, 2, 7]
+
+
+def test_the_rate_counts_from_the_first_report(capsys):
+    times = iter([10.0, 12.0, 15.0])
+    show = progress_and_rate(clock=lambda: next(times))
+    for done in (64, 128, 164):
+        show(done, 164)
+    assert capsys.readouterr().err.splitlines() == [
+        "simulated 64 of 164 clips",
+        "simulated 128 of 164 clips, 32.0 clips/s",
+        "simulated 164 of 164 clips, 20.0 clips/s",
+    ]

@@ -1,5 +1,7 @@
 """The simulator's own reports on a few scenes: the presets' order, and every outcome's name."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,8 +12,15 @@ from geotlm_lm.experiments.simulator_error import (
     simulator_error,
     variants,
 )
+from geotlm_lm.experiments.simulator_omissions import omission_rows, omissions
 from geotlm_lm.experiments.simulator_stability import CASES, simulator_stability
-from geotlm_lm.reports.simulator import draw_error, error_table, stability_table
+from geotlm_lm.reports.simulator import (
+    draw_error,
+    error_table,
+    omission_table,
+    stability_table,
+)
+from geotlm_lm.simulation.presets import PRESETS
 from geotlm_lm.simulation.profile import build_profile
 
 
@@ -81,3 +90,64 @@ def test_the_stability_table_says_why_a_case_was_refused():
     text = stability_table(simulator_stability(cases=asked))
     assert "refused: the friction coefficient is nan, expected 0 to 1e+09" in text
     assert text.count("| depth 0 ") == 2
+
+
+@pytest.fixture(scope="module")
+def omitted() -> dict[str, list[dict]]:
+    """One scene of each omission, at the coarsest preset, timed twice."""
+    asked = {
+        name: replace(one, scenes=dict([next(iter(one.scenes.items()))]))
+        for name, one in omissions(PRESETS["draft"]).items()
+    }
+    rows = omission_rows(asked, repeats=2)
+    return {name: [row for row in rows if row["omission"] == name] for name in asked}
+
+
+def only(omitted, name):
+    (found,) = omitted[name]
+    return found
+
+
+def test_every_omission_leaves_out_what_it_says(omitted):
+    free = only(omitted, "friction, where no shear is asked for")
+    assert "frictional_contact" in free["full_stages"]
+    assert "frictional_contact" not in free["lean_stages"]
+    smooth = only(omitted, "fine profile of smooth bodies")
+    assert set(smooth["full_stages"]) - set(smooth["lean_stages"]) == {"fine_profile"}
+    bare = only(omitted, "pictures, for labels only")
+    assert set(bare["full_stages"]) - set(bare["lean_stages"]) == {"optics"}
+    assert all(len(row[way]) == 2 for (row,) in omitted.values() for way in ("full_ms", "lean_ms"))
+
+
+def test_an_omission_costs_what_it_cannot_tell_and_little_else(omitted):
+    free = only(omitted, "friction, where no shear is asked for")
+    # Of 0.9 mm at the rim of the turn, spread over the view; the height hardly changes.
+    assert free["shear_um"] > 5
+    assert free["height_um"] < 0.5 * free["shear_um"]
+    assert only(omitted, "friction, in a press")["shear_um"] > 0.5
+    assert only(omitted, "substeps of small steps")["shear_um"] < 0.2 * free["shear_um"]
+    smooth = only(omitted, "fine profile of smooth bodies")
+    assert smooth["height_um"] < 10
+    assert smooth["shear_um"] is None
+    bare = only(omitted, "pictures, for labels only")
+    assert bare["height_um"] == 0
+    assert bare["image_grey"] is None
+
+
+def test_the_table_of_omissions_holds_every_one_with_what_it_saves():
+    row = {"omission": "friction", "scene": "key", "timed": "surface", "height_um": 2.0}
+    row |= {"shear_um": 30.0, "image_grey": None, "full_ms": [9.0, 5.0, 6.0]}
+    row |= {"lean_ms": [3.0, 2.0, 2.0]}
+    other = row | {"scene": "nut", "full_ms": [12.0] * 3, "lean_ms": [4.0] * 3}
+    record = RunRecord("simulator", "", 0, 1.0, {"omissions": [row, other]})
+    (line,) = [one for one in omission_table(record).splitlines() if one.startswith("| friction")]
+    cells = [cell.strip() for cell in line.strip("|").split("|")]
+    assert cells == [
+        "friction (surface)",
+        "key, nut",
+        "6 (4-8)",
+        "3 (3-3)",
+        "2 (2-2)",
+        "30 (30-30)",
+        "-",
+    ]

@@ -145,6 +145,17 @@ def test_running_out_of_steps_is_never_called_converged():
     assert not solved(slid, starved("draft", None), with_drift=True).status.is_converged
 
 
+@pytest.mark.parametrize(("thickness", "is_enough"), [(4.0, True), (0.3, False)])
+def test_where_the_gel_bulges_high_the_whole_body_is_looked_at(thickness, is_enough, monkeypatch):
+    one = scene("key", depth=(1.2,), x=(0,), y=(0,), turn=(0,))
+    one = replace(one, gel=Gel(thickness_mm=thickness, poisson_ratio=0.5))
+    part = solved(one)
+    monkeypatch.setattr(contact, "LEAST_REACH_MM", math.inf)
+    whole = solved(one)
+    assert float((part.indentation_mm - whole.indentation_mm).abs().max()) < 0.001
+    assert (part.reach_mm < math.inf) == is_enough
+
+
 def test_large_steps_are_marched_in_small_ones(monkeypatch):
     counts = []
     real = contact.march

@@ -1,5 +1,9 @@
 import json
 import os
+import signal
+import subprocess
+import sys
+import time
 
 import numpy as np
 import pytest
@@ -124,3 +128,56 @@ def test_a_folder_of_another_preset_is_not_mixed_up(tmp_path):
     with pytest.raises(UsageError, match="or other objects or settings"):
         write_dataset(tmp_path, 2, seed=1, objects=OBJECTS, preset="good")
     assert contents(tmp_path) == before
+
+
+def test_labels_only_are_those_of_the_whole_data_set_without_its_pictures(tmp_path):
+    whole, bare = tmp_path / "whole", tmp_path / "bare"
+    for folder, wanted in ((whole, True), (bare, False)):
+        write_dataset(folder, 2, seed=1, objects=OBJECTS, preset="draft", with_frames=wanted)
+    (seen, _), (told, labels) = (read_shard(one / "shard-00000.npz") for one in (whole, bare))
+    assert set(seen) - set(told) == {"frames", "backgrounds"}
+    assert all(np.array_equal(values, seen[name]) for name, values in told.items())
+    assert len(labels) == 2
+    assert "No picture was made" in (bare / "README.md").read_text()
+    assert "`frames`" not in (bare / "README.md").read_text()
+    with pytest.raises(UsageError, match="other objects or settings"):
+        write_dataset(bare, 2, seed=1, objects=OBJECTS, preset="draft")
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from geotlm_lm.simulation import dataset
+
+if __name__ == "__main__":
+    dataset.SHARD_CLIPS = 3
+    out, workers = Path(sys.argv[1]), int(sys.argv[2])
+    objects = ("block", "cloth_coarse")
+    dataset.write_dataset(out, 30, seed=1, objects=objects, workers=workers, preset="draft")
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [1, 2])
+def test_after_kill_9_a_resumed_run_has_lost_and_repeated_nothing(tmp_path, workers):
+    program, whole, killed = tmp_path / "writer.py", tmp_path / "whole", tmp_path / "killed"
+    program.write_text(WRITER)
+    command = [sys.executable, str(program), str(killed), str(workers)]
+    write_dataset(whole, 30, seed=1, objects=OBJECTS, preset="draft")
+    run = subprocess.Popen(command)
+    deadline = time.monotonic() + 60
+    while not list(killed.glob("shard-*.npz")) and time.monotonic() < deadline:
+        time.sleep(0.002)
+    run.send_signal(signal.SIGKILL)
+    run.wait()
+    kept = {path: path.stat().st_mtime_ns for path in killed.glob("shard-*.npz")}
+    assert 0 < len(kept) < 10
+    assert subprocess.run(command).returncode == 0
+    # A worker whose parent was killed ends within a moment; what it had begun has another name.
+    finished = {path: path.stat().st_mtime_ns for path in kept}
+    assert finished == kept
+    shards = sorted(killed.glob("shard-*.npz"))
+    indices = np.concatenate([read_shard(path)[0]["index"] for path in shards])
+    assert indices.tolist() == list(range(30))
+    for path in [*shards, killed / "README.md", killed / "dataset.json"]:
+        assert path.read_bytes() == (whole / path.name).read_bytes()

@@ -1,8 +1,13 @@
 import numpy as np
 import pytest
 
+from geotlm_lm.simulation.contact import BOX_MM
+from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.profile import build_profile, pool_to_cells
 from geotlm_lm.simulation.scene import Body
+
+POSE = (1.5, -2.0, 0.7)
+CELL_MM = BOX_MM / 48
 
 
 def test_a_tip_narrower_than_a_cell_does_not_vanish():
@@ -51,3 +56,44 @@ def test_the_same_body_gives_the_same_samples():
     first = build_profile(body).height_mm.copy()
     build_profile.cache_clear()
     assert np.array_equal(build_profile(body).height_mm, first)
+
+
+@pytest.mark.parametrize("name", TRAINING_OBJECTS)
+def test_outside_its_window_a_body_is_higher_than_asked_for(name):
+    profile = build_profile(Body(name, variant=3, tilt_x=0.08))
+    whole = profile.sample(POSE, (0.08, 0.07), 224)
+    window = profile.window(POSE, (0.08, 0.07), 224, 0.7)
+    low = whole < 0.7
+    low[window.slices] = False
+    assert not low.any()
+    # Whole sixteenths of a raster sample, on which the interpolation places its points, apart.
+    part = profile.sample(POSE, (0.08, 0.07), 224, window)
+    assert np.abs(np.minimum(part, 1) - np.minimum(whole[window.slices], 1)).mean() < 1e-3
+
+
+def test_a_compact_body_needs_a_small_window_and_one_out_of_view_none():
+    profile = build_profile(Body("ball_small"))
+    window = profile.window((0.0, 0.0, 0.0), (0.08, 0.08), 224, 0.5)
+    assert 0 < (window.bottom - window.top) * (window.right - window.left) < 0.2 * 224**2
+    away = profile.window((500.0, 0.0, 0.0), (0.08, 0.08), 224, 0.5)
+    assert away.left == away.right
+    assert profile.on_cells((500.0, 0.0, 0.0), BOX_MM, 48, 0.5).min() > 500
+
+
+@pytest.mark.parametrize("name", ["key", "ball_medium", "cloth_coarse"])
+def test_cells_within_reach_are_the_same_from_a_window(name):
+    profile = build_profile(Body(name, variant=3))
+    whole, part = (profile.on_cells(POSE, BOX_MM, 48, reach) for reach in (np.inf, 1.0))
+    assert np.abs(np.minimum(part, 0.8) - np.minimum(whole, 0.8)).max() < 0.01
+
+
+def test_a_ball_is_smooth_for_contact_cells_and_what_has_edges_or_grain_is_not():
+    def is_smooth(spacing_mm=CELL_MM, **body):
+        return build_profile(Body(**body)).is_smooth(spacing_mm, 0.6)
+
+    assert is_smooth(name="ball_medium")
+    assert is_smooth(name="ball_medium", tilt_x=0.1)
+    assert not is_smooth(name="ball_medium", texture_um=20)
+    assert not is_smooth(name="hex_nut")
+    assert not is_smooth(name="key")
+    assert not is_smooth(name="ball_small", spacing_mm=3.0)

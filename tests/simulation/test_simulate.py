@@ -131,10 +131,11 @@ def test_another_seed_gives_other_noise_on_the_same_scene():
 
 def test_a_clip_runs_only_the_stages_it_needs():
     plain = simulate([scene(Motion.RIGHT, x=(0.0, 0.3))], seed=1)[0]
-    assert plain.stages == ("profile", "normal_contact", "optics", "truth")
+    after = ("interpolation", "fine_profile", "optics", "truth")
+    assert plain.stages == ("profile", "normal_contact", *after)
     assert plain.drift_px is None
     dragged = simulate([scene(Motion.RIGHT, x=(0.0, 0.3))], seed=1, with_drift=True)[0]
-    assert dragged.stages == ("profile", "frictional_contact", "optics", "truth")
+    assert dragged.stages == ("profile", "frictional_contact", *after)
     pressed = simulate([scene(Motion.PRESS, depth=(0.3, 0.6))], seed=1)[0]
     assert pressed.stages == plain.stages
     idle = simulate([scene(Motion.NONE, depth=-1.0)], seed=1, with_drift=True)[0]

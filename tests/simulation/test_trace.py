@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.scene import Body, Optics, Path, Scene
-from geotlm_lm.simulation.trace import image_change, motion_at_contact_mm
+from geotlm_lm.simulation.simulate import simulate
+from geotlm_lm.simulation.trace import image_change, motion_at_contact_mm, shading_change
 
 
 def scene(**path):
@@ -35,3 +37,20 @@ def test_a_turn_about_the_contact_turns_it_and_one_about_a_far_axis_carries_it_a
         (0.2 * gyration, 2 * 5 * np.sin(0.1)), abs=0.002
     )
     assert y > 0.99  # the axis lies to the right: what is left of it goes down as it turns back
+
+
+def test_the_estimated_change_is_near_the_pictures():
+    scenes = random_scenes(2, 12, objects=("hex_nut", "letter_l"), motions=DIRECTED)
+    whole, bare = (simulate(scenes, seed=2, with_frames=wanted) for wanted in (True, False))
+    ratios = [
+        other.trace_until(3).change_grey / one.trace_until(3).change_grey
+        for one, other in zip(whole, bare, strict=True)
+    ]
+    assert 0.8 < np.median(ratios) < 1.25
+    assert min(ratios) > 0.5
+    assert max(ratios) < 2.2
+
+
+def test_nothing_touched_is_no_estimated_change():
+    nothing = np.zeros((2, 224, 224), np.float32)
+    assert shading_change(Optics(), nothing, nothing > 0, 1) == 0
