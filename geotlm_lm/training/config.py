@@ -55,18 +55,18 @@ class TrainingPreset:
 
 DEFAULT = TrainingPreset(
     name="default",
-    pretraining_clips=30_000,
+    pretraining_clips=36_000,
     head_clips=30_000,
     validation_clips=1_000,
     test_clips=1_000,
     backbone_width=128,
     backbone_depth=4,
     backbone_heads=2,
-    pretraining_draws=160_000,
+    pretraining_draws=170_000,
     pretraining_batch=32,
     pretraining_rate=1e-3,
     geometry_epochs=30,
-    geometry_clips=6_000,
+    geometry_clips=8_000,
     language_steps=9_000,
     language_batch=64,
 )
