@@ -197,7 +197,11 @@ def strongest(frames: Floats, idle: Floats) -> Floats:
 
 
 def squared(frames: NDArray[np.uint8]) -> Floats:
-    """Return frames as a model reads them, float32 (t, 224, 224, 3), from (t, rows, columns, 3)."""
+    """Return frames at the model's size, float32 (t, 224, 224, 3), from (t, rows, columns, 3).
+
+    Unlike the stem's, they are not rounded to whole levels: the noise to be measured is a third of
+    one.
+    """
     side = (IMAGE_SIDE, IMAGE_SIDE)
     is_small = frames.shape[1] < IMAGE_SIDE or frames.shape[2] < IMAGE_SIDE
     how = cv2.INTER_LINEAR if is_small else cv2.INTER_AREA
