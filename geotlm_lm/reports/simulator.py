@@ -71,7 +71,7 @@ def omission_table(record: RunRecord) -> str:
         ratios = [median(row["full_ms"]) / median(row["lean_ms"]) for row in own]
         errors = [_range([row[key] for row in own]) for key in ("height_um", "shear_um")]
         pictures = _range([row["image_grey"] for row in own])
-        scenes = ", ".join(row["scene"] for row in own)
+        scenes = "; ".join(row["scene"] for row in own)
         rows.append([name, scenes, _range(saved), _range(ratios), *errors, pictures])
     header = ["left out (of what the time is)", "scenes", "ms per clip saved", "full / lean time"]
     header += ["height, um RMS", "shear, um RMS", "image, grey RMS"]

@@ -144,7 +144,7 @@ def test_the_table_of_omissions_holds_every_one_with_what_it_saves():
     cells = [cell.strip() for cell in line.strip("|").split("|")]
     assert cells == [
         "friction (surface)",
-        "key, nut",
+        "key; nut",
         "6 (4-8)",
         "3 (3-3)",
         "2 (2-2)",
