@@ -1,6 +1,7 @@
-"""README blocks written from run records, so that no number in the text is typed by hand.
+"""README blocks and pages written from run records, so that no number is typed by hand.
 
-A block stands between `<!-- begin: NAME -->` and `<!-- end: NAME -->`; what is between is replaced.
+A page lies beside the folder of records. A block stands between `<!-- begin: NAME -->` and
+`<!-- end: NAME -->`; what is between is replaced.
 """
 
 from __future__ import annotations
@@ -12,18 +13,13 @@ from pathlib import Path
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.record import RunRecord
-from geotlm_lm.reports.tables import (
-    accuracy_overview,
-    answer_example,
-    difference_overview,
-    time_overview,
-    training_overview,
-)
+from geotlm_lm.reports.headline import accuracy_headline, difference_headline, time_headline
+from geotlm_lm.reports.tables import answer_example, evaluation_page, training_overview
 
 BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
-    "accuracy": ("evaluate.json", accuracy_overview),
-    "differences": ("evaluate.json", difference_overview),
-    "times": ("evaluate.json", time_overview),
+    "accuracy": ("evaluate.json", accuracy_headline),
+    "differences": ("evaluate.json", difference_headline),
+    "times": ("evaluate.json", time_headline),
     "example": ("answer.json", answer_example),
     "training": ("train.json", training_overview),
 }
@@ -33,6 +29,11 @@ _COMMANDS = dict.fromkeys(BLOCKS, "geotlm-lm evaluate --out reports/recorded/eva
     "example": "geotlm-lm report answer",
     "training": "cp geotlm_lm/bundle/scores.json reports/recorded/train.json",
 }
+
+PAGES: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
+    "evaluation.md": ("evaluate.json", evaluation_page),
+}
+"""Page -> the record it is made from, and how; written where there is that record."""
 
 _BEGIN = re.compile(r"^<!-- begin: (\S+) -->$", re.MULTILINE)
 
@@ -65,30 +66,38 @@ def fill_blocks(text: str, records: Path) -> str:
 
 
 def write_readme(readme: Path, records: Path) -> bool:
-    """Rewrite the blocks of a README; return whether anything changed.
+    """Rewrite the blocks of a README and the pages; return whether anything changed.
 
     Raises:
-        UnusableReadme: As in `fill_blocks`, or if the file is missing.
+        UnusableReadme: As in `fill_blocks`, or if the README is missing.
     """
-    before = _read(readme)
-    after = fill_blocks(before, records)
-    if after != before:
-        write_text_atomically(readme, after)
-    return after != before
+    wanted = _wanted(readme, records)
+    changed = [path for path, text in wanted.items() if not path.exists() or _read(path) != text]
+    for path in changed:
+        write_text_atomically(path, wanted[path])
+    return bool(changed)
 
 
 def check_readme(readme: Path, records: Path) -> None:
-    """Compare the blocks of a README with the records.
+    """Compare the blocks of a README and the pages with the records.
 
     Raises:
-        UnusableReadme: If a block says something else than its record.
+        UnusableReadme: If one says something else than its record.
     """
-    text = _read(readme)
-    if fill_blocks(text, records) != text:
-        raise UnusableReadme(
-            f"{readme}: its numbers differ from the records in {records}; run "
-            f"`geotlm-lm report readme`."
-        )
+    for path, text in _wanted(readme, records).items():
+        if not path.exists() or _read(path) != text:
+            raise UnusableReadme(
+                f"{path}: its numbers differ from the records in {records}; run "
+                f"`geotlm-lm report readme`."
+            )
+
+
+def _wanted(readme: Path, records: Path) -> dict[Path, str]:
+    wanted = {readme: fill_blocks(_read(readme), records)}
+    for page, (name, render) in PAGES.items():
+        if (records / name).is_file():
+            wanted[records.parent / page] = render(RunRecord.load(records / name))
+    return wanted
 
 
 def _content(name: str, records: Path) -> str:

@@ -19,6 +19,7 @@ def records(tmp_path, monkeypatch):
     monkeypatch.setitem(
         readme.BLOCKS, "accuracy", ("evaluate.json", lambda record: f"| {record.seed} |")
     )
+    monkeypatch.setattr(readme, "PAGES", {})
     folder = tmp_path / "recorded"
     RunRecord("evaluate", "geotlm-lm evaluate", 7, 1.0, {}).save(folder / "evaluate.json")
     return folder
@@ -56,6 +57,23 @@ def test_a_changed_record_fails_the_check_until_it_is_written(file, records):
         check_readme(file, records)
     assert write_readme(file, records)
     assert not write_readme(file, records)
+
+
+def test_a_page_is_written_beside_the_records_and_checked(file, records, monkeypatch):
+    page = {"evaluation.md": ("evaluate.json", lambda record: f"seed {record.seed}")}
+    monkeypatch.setattr(readme, "PAGES", page)
+    write_readme(file, records)
+    written = records.parent / "evaluation.md"
+    assert written.read_text() == "seed 7"
+    written.write_text("seed 8")
+    with pytest.raises(UnusableReadme, match=r"evaluation.md: its numbers differ"):
+        check_readme(file, records)
+
+
+def test_a_page_without_its_record_is_not_written(file, records, monkeypatch):
+    monkeypatch.setattr(readme, "PAGES", {"other.md": ("other.json", lambda record: "")})
+    write_readme(file, records)
+    assert not (records.parent / "other.md").exists()
 
 
 def test_checking_never_writes(file, records):

@@ -1,0 +1,102 @@
+"""The few rows of an evaluation that a first page shows; the whole of it is in `tables`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import Any
+
+from geotlm_lm.core.record import RunRecord
+from geotlm_lm.reports.tables import markdown, provenance
+
+SHORT_NAMES = {
+    "language model, words": "words",
+    "language model, words, unseen wordings": "words, unseen wordings",
+    "language model, scored, all motions": "scored",
+    "linear probe on z, all motions": "probe on z",
+    "language model, scored": "scored*",
+    "linear probe on z": "probe on z*",
+    "linear probe on c": "probe on c*",
+    "optical flow + rigid fit": "optical flow*",
+}
+"""Method -> column title, in this order; a star where it chooses among the task's motions only."""
+
+WORDS = "language model, words"
+
+_SHARE_OF_A_TABLE = re.compile(r", (pairs, .*|\d+ fps|forwards|backwards)$")
+"""Titles of tables that are parts of another one."""
+
+_FINE_SHARE = re.compile(r", (pairs, .*|\d+ fps)$")
+
+
+def accuracy_headline(record: RunRecord) -> str:
+    """Return one row per table and one column per method, the interval of the words beside it."""
+    tables = {t: x for t, x in record.numbers["tables"].items() if not _FINE_SHARE.search(t)}
+    methods = _in_order(name for table in tables.values() for name in table["methods"])
+    rows = [
+        [title, str(table["clips"])]
+        + [_accuracy(table["methods"].get(name)) for name in methods]
+        + [_interval(table["methods"].get(WORDS))]
+        for title, table in tables.items()
+    ]
+    header = ["clips", "n", *(SHORT_NAMES.get(name, name) for name in methods), "words, 95 %"]
+    return markdown(header, rows) + "\n\n" + provenance(record)
+
+
+def difference_headline(record: RunRecord) -> str:
+    """Return one row per pair of methods and one column per table: paired differences."""
+    tables = _whole_tables(record)
+    pairs = _in_order(
+        (one["first"], one["second"]) for table in tables.values() for one in table["differences"]
+    )
+    rows = [
+        [_pair_title(pair), *(_difference(table, pair) for table in tables.values())]
+        for pair in pairs
+    ]
+    return markdown(["difference, 95 %", *tables], rows) + "\n\n" + provenance(record)
+
+
+def time_headline(record: RunRecord) -> str:
+    """Return one row per method and one column per table: median and 95th percentile."""
+    tables = _whole_tables(record)
+    methods = _in_order(name for table in tables.values() for name in table["methods"])
+    rows = [
+        [SHORT_NAMES.get(name, name), *(_time(x["methods"].get(name)) for x in tables.values())]
+        for name in methods
+    ]
+    return markdown(["ms per clip, median / p95", *tables], rows) + "\n\n" + provenance(record)
+
+
+def _whole_tables(record: RunRecord) -> dict[str, dict[str, Any]]:
+    tables = record.numbers["tables"].items()
+    return {title: table for title, table in tables if not _SHARE_OF_A_TABLE.search(title)}
+
+
+def _in_order(names: Iterable[Any]) -> list[Any]:
+    """Return each name once: those with a short name in its order, then the others as met."""
+    order = list(SHORT_NAMES)
+    once = dict.fromkeys(names)
+    return sorted(once, key=lambda name: order.index(name) if name in order else len(order))
+
+
+def _pair_title(pair: tuple[str, str]) -> str:
+    return " less ".join(SHORT_NAMES.get(name, name) for name in pair)
+
+
+def _accuracy(scores: dict[str, Any] | None) -> str:
+    return "-" if scores is None else f"{scores['accuracy']:.3f}"
+
+
+def _interval(scores: dict[str, Any] | None) -> str:
+    return "-" if scores is None else "{:.3f}-{:.3f}".format(*scores["interval"])
+
+
+def _difference(table: dict[str, Any], pair: tuple[str, str]) -> str:
+    for one in table["differences"]:
+        if (one["first"], one["second"]) == pair:
+            return f"{one['difference']:+.3f} ({one['low']:+.3f} to {one['high']:+.3f})"
+    return "-"
+
+
+def _time(scores: dict[str, Any] | None) -> str:
+    return "-" if scores is None else f"{scores['ms_median']:.1f} / {scores['ms_p95']:.1f}"
