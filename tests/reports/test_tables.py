@@ -18,7 +18,10 @@ from geotlm_lm.reports.tables import (
     method_table,
 )
 
-PROVENANCE = "`geotlm-lm evaluate --clips 4` at commit abc, seed 9, 2.0 min on 2 cores of Slow 1, 2026-01-02."
+PROVENANCE = (
+    "`geotlm-lm evaluate --clips 4` at commit abc, seed 9, 2.0 min on 2 cores of Slow 1, "
+    "2026-01-02."
+)
 
 
 @pytest.fixture
