@@ -6,15 +6,18 @@ Runs everything on one thread, so that the times of the rows compare.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.core.record import RunRecord
+from geotlm_lm.data.touch_table import TABLE_NAME, TouchRow, read_touch_table
 from geotlm_lm.experiments.cases import TASKS, UNREADABLE, RealCases, SimulatedCases, real_cases
 from geotlm_lm.experiments.compare import Method, Replies, ask_all, summarise
 from geotlm_lm.experiments.methods import CONTRASTS, GENERATED, all_methods
+from geotlm_lm.experiments.semi_real import SemiRealSlides, UntouchedCases
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer
@@ -57,6 +60,8 @@ def evaluate(
             tables[f"simulated {task}"] = judge_simulated(methods, cases, seed, progress)
         for name, real in recordings.items():
             tables |= judge_real(methods, name, real, seed, progress)
+            touched = read_touch_table(real.recordings.folder / TABLE_NAME)
+            tables |= judge_made(methods, name, touched, seed, progress) if touched else {}
     return RunRecord(
         name="evaluate",
         command=command,
@@ -113,6 +118,33 @@ def judge_real(
             tables[key] = _table(part.where(played=played), seed)
         for rate in rates if len(rates) > 1 else ():
             tables[f"real {name}, {title}, {rate} fps"] = _table(part.where(fps=rate), seed)
+    return tables
+
+
+def judge_made(
+    methods: Mapping[str, Method],
+    name: str,
+    touched: Sequence[TouchRow],
+    seed: int,
+    progress: Progress,
+    contrasts: Sequence[tuple[str, str]] = CONTRASTS,
+) -> dict[str, Any]:
+    """Return the tables of what is made of one folder's recordings: untouched and semi-real."""
+    tables = {}
+    untouched, slides = UntouchedCases(touched), SemiRealSlides(touched, seed)
+    for title, cases, among in (
+        (f"real {name}, untouched", untouched, tuple(Motion)),
+        (f"semi-real {name}, sliding", slides, SLIDES),
+    ):
+
+        def tell(done: int, title: str = title, total: int = len(cases)) -> None:
+            progress(title, done, total)
+
+        replies = ask_all(methods, cases, among, tell)
+        if len(replies):
+            tables[title] = summarise(replies, contrasts, seed=seed)
+    if (title := f"semi-real {name}, sliding") in tables:
+        tables[title]["cut_off_left_out"] = slides.cut_off
     return tables
 
 

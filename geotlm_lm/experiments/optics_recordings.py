@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -17,6 +16,7 @@ from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.data.touch_table import TABLE_NAME, TouchRow, read_touch_table
 from geotlm_lm.recordings.images import IMAGE_SUFFIXES, read_still_image
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.simulation.indenter import HeightMap, Indenter, where_solid
@@ -33,12 +33,6 @@ SIMULATED = "simulated"
 
 CALIBRATION, PHYSICLEAR = "calibration", "physiclear"
 """Folders of real images: stills beside a `background.png`; video clips beside a `clips.csv`."""
-
-FIRST_IDLE = 1
-"""A codec starts sharp: frame 0 is left out."""
-
-BEFORE_TOUCH = 3
-"""Frames before the labelled contact that are left out: the label was set by eye."""
 
 IDLE_FRAMES = 30
 """Idle frames used at most, the last ones before the touch."""
@@ -87,7 +81,7 @@ def find_real(folder: Path) -> list[Path]:
         UnreadableClip: If the folder holds neither, or a table without its columns.
     """
     stills = [one.parent for one in sorted(folder.glob(f"{CALIBRATION}/*/background.png"))]
-    clips = [path for path, _ in _table(folder / PHYSICLEAR / "clips.csv")]
+    clips = [row.path for row in read_touch_table(folder / PHYSICLEAR / TABLE_NAME)]
     if not stills or not clips:
         raise UnreadableClip(
             f"{folder}: found {len(stills)} folders of stills with a background.png in "
@@ -105,8 +99,8 @@ def real_touches(folder: Path) -> Iterator[Touches]:
     """
     for background in sorted(folder.glob(f"{CALIBRATION}/*/background.png")):
         yield _stills(background)
-    for path, row in _table(folder / PHYSICLEAR / "clips.csv"):
-        yield _recording(path, row)
+    for row in read_touch_table(folder / PHYSICLEAR / TABLE_NAME):
+        yield _recording(row)
 
 
 def simulated_touches(
@@ -232,50 +226,20 @@ def _stills(background: Path) -> Touches:
     )
 
 
-def _table(path: Path) -> list[tuple[Path, dict[str, str]]]:
-    """Return the recordings of a table of clips in which something touches, with their rows."""
-    if not path.is_file():
-        return []
-    with path.open(newline="", encoding="utf-8-sig") as stream:
-        rows = list(csv.DictReader(stream))
-    for row in rows:
-        if not {"clip", "fps", "contact_start", "contact_end"} <= row.keys():
-            raise UnreadableClip(
-                f"{path}: found the columns {', '.join(map(str, row))}, expected clip, fps, "
-                f"contact_start and contact_end among them."
-            )
-    touched = [row for row in rows if row["contact_start"]]
-    for row in touched:
-        first, last = row["contact_start"], row["contact_end"] or ""
-        numbers = [int(text) if text.isdecimal() else -1 for text in (first, last)]
-        if not FIRST_IDLE < numbers[0] <= numbers[1]:
-            raise UnreadableClip(
-                f"{path}: {row['clip']} is touched from frame '{first}' to '{last}', expected two "
-                f"numbers in order, the first above {FIRST_IDLE}: idle frames come before it."
-            )
-    return [(path.parent / row["clip"], row) for row in touched]
-
-
-def _recording(path: Path, row: dict[str, str]) -> Touches:
-    begins, ends = int(row["contact_start"]), int(row["contact_end"])
-    frames = read_clip(path).frames
-    if ends >= len(frames):
-        raise UnreadableClip(
-            f"{path}: the table names frame {ends}, the recording holds frames 0 to "
-            f"{len(frames) - 1}; correct contact_end."
-        )
-    last = max(begins - BEFORE_TOUCH, FIRST_IDLE + 1)
-    series = squared(frames[max(FIRST_IDLE, last - IDLE_FRAMES) : last])
+def _recording(row: TouchRow) -> Touches:
+    frames = read_clip(row.path).frames
+    row.check_length(len(frames))
+    series = squared(frames[row.idle[-IDLE_FRAMES:]])
     idle, halves = series.mean(axis=0), None
     if len(series) > CODEC_GROUP:
         # Half a group at either end, more than a group apart: no frame is a copy of another.
         end = (len(series) - CODEC_GROUP + 1) // 2
         halves = (series[:end].mean(axis=0), series[-end:].mean(axis=0))
     return Touches(
-        source=f"{PHYSICLEAR} {float(row['fps']):g} fps",
-        name=path.name,
+        source=f"{PHYSICLEAR} {row.fps:g} fps",
+        name=row.path.name,
         idle=idle,
         series=series,
         halves=halves,
-        touched=strongest(squared(frames[begins : ends + 1]), idle)[None],
+        touched=strongest(squared(frames[row.contact_start : row.contact_end + 1]), idle)[None],
     )

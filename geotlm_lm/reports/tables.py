@@ -173,6 +173,8 @@ def _facts(table: dict[str, Any]) -> str:
         facts += f"; {table['unreadable_left_out']} left out, their images do not show the motion"
         if "unreadable_right" in table:
             facts += f" (the language model's words name {table['unreadable_right']} of them)"
+    if table.get("cut_off_left_out"):
+        facts += f"; {table['cut_off_left_out']} imprints left out, faint or cut off by the border"
     if table.get("rows_left_out"):
         left = ", ".join(f"{count} {word}" for word, count in table["rows_left_out"].items())
         facts += f"; labels left out: {left}"

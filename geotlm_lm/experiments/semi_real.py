@@ -1,0 +1,167 @@
+"""Cases made of real recordings: untouched gels, and real imprints moved by a known slide.
+
+No large set of markerless slides in four directions is public. A semi-real slide keeps the imprint,
+texture and optics of a real touch: its change against the idle gel is carried over that gel by a
+known path, and fresh noise is added. What it lacks is the change of lighting from place to place
+and the gel's creep. These clips are neither simulated nor real; no table pools them with either.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.geometry import FRAME_COUNT
+from geotlm_lm.core.labels import SLIDES, Motion, reverse
+from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.data.touch_table import TouchRow
+from geotlm_lm.experiments.compare import Case
+from geotlm_lm.recordings.read import read_clip
+
+TRAVEL_SHARE = (0.02, 0.12)
+"""Travel relative to the width of the view: 0.4 to 2.4 mm of a GelSight Mini's 20 mm."""
+
+SIDEWAYS_SHARE = 0.4
+"""Travel across the named direction, at most, relative to the travel along it."""
+
+TURN_DEG = 2.0
+"""Turn on the way, at most: hands never slide quite straight."""
+
+NOISE_GREY = 0.4
+"""Fresh noise of each frame; the recordings' own, after their codec, is 0.25 to 0.4 grey levels."""
+
+BORDER_SHARE = 0.05
+"""Width of the image's border relative to its width."""
+
+MOST_AT_BORDER = 0.35
+"""RMS change at the border relative to the whole image's, above which an imprint is cut off: moved,
+its straight cut would be seen."""
+
+LEAST_CHANGE_GREY = 1.5
+"""RMS change over the image below which there is no imprint worth moving."""
+
+_TOWARDS = {
+    Motion.LEFT: (-1, 0),
+    Motion.RIGHT: (1, 0),
+    Motion.UP: (0, -1),
+    Motion.DOWN: (0, 1),
+}
+
+
+@dataclass
+class UntouchedCases:
+    """Four frames of each recording before anything touches.
+
+    Args:
+        rows: The recordings.
+    """
+
+    rows: Sequence[TouchRow]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __iter__(self) -> Iterator[Case]:
+        for row in self.rows:
+            frames, idle = _read(row)
+            numbers = np.linspace(row.idle[0], row.idle[-1], FRAME_COUNT).round().astype(int)
+            clip = Clip(
+                frames[numbers], fps=row.fps, background=_as_image(idle), name=row.path.name
+            )
+            yield Case(clip, Motion.NONE, row.object_id, row.object_family, {})
+
+
+@dataclass
+class SemiRealSlides:
+    """One slide of each imprint that lies within the view, forwards and backwards.
+
+    Args:
+        rows: The recordings; each of their imprints slides one way, the four ways in turn.
+        seed: Root of travels, turns and noise.
+        cut_off: Recordings left out because the imprint is faint or reaches the border; filled
+            while iterating.
+    """
+
+    rows: Sequence[TouchRow]
+    seed: int
+    cut_off: int = field(default=0)
+
+    def __len__(self) -> int:
+        return 2 * len(self.rows)
+
+    def __iter__(self) -> Iterator[Case]:
+        self.cut_off = given = 0
+        for index, row in enumerate(self.rows):
+            frames, idle = _read(row)
+            imprint = _imprint(frames[row.contact_start : row.contact_end + 1], idle)
+            if imprint is None:
+                self.cut_off += 1
+                continue
+            motion, given = SLIDES[given % len(SLIDES)], given + 1
+            rng = generator_for(self.seed, "semi-real", index)
+            clip = slid(imprint, idle, motion, rng, name=row.path.name)
+            for shown, truth in ((clip, motion), (clip.reversed(), reverse(motion))):
+                yield Case(shown, truth, row.object_id, row.object_family, {})
+
+
+def slid(
+    imprint: NDArray[np.float32],
+    idle: NDArray[np.float32],
+    motion: Motion,
+    rng: np.random.Generator,
+    *,
+    name: str = "",
+) -> Clip:
+    """Return four frames in which an imprint is carried over the idle gel.
+
+    Args:
+        imprint: Change of a touched frame against the idle gel, (rows, columns, 3), grey levels.
+        idle: The idle gel, likewise.
+        motion: One of the four slides.
+        rng: Draws the travel, what goes astray, and noise.
+        name: What the clip is called.
+    """
+    rows, columns = idle.shape[:2]
+    along = rng.uniform(*TRAVEL_SHARE) * columns
+    aside = rng.uniform(-SIDEWAYS_SHARE, SIDEWAYS_SHARE) * along
+    toward = np.array(_TOWARDS[motion], float)
+    path = along * toward + aside * toward[::-1]
+    turn_deg = rng.uniform(-TURN_DEG, TURN_DEG)
+    frames = []
+    for share in np.linspace(0, 1, FRAME_COUNT):
+        # OpenCV turns counterclockwise for positive angles; here clockwise is positive.
+        matrix = cv2.getRotationMatrix2D((columns / 2, rows / 2), -turn_deg * share, 1.0)
+        matrix[:, 2] += share * path
+        moved = cv2.warpAffine(imprint, matrix, (columns, rows), flags=cv2.INTER_CUBIC)
+        noise = rng.normal(0, NOISE_GREY, idle.shape)
+        frames.append(_as_image(idle + moved + noise))
+    return Clip(np.stack(frames), background=_as_image(idle), name=name)
+
+
+def _imprint(touched: NDArray[np.uint8], idle: NDArray[np.float32]) -> NDArray[np.float32] | None:
+    """Return the strongest change against the idle gel; None if it is faint or cut off."""
+    changes = [np.square(frame - idle).mean() for frame in touched]
+    imprint = touched[int(np.argmax(changes))] - idle
+    width = round(BORDER_SHARE * idle.shape[1])
+    square = np.square(imprint).mean(axis=-1)
+    inner = square[width:-width, width:-width]
+    at_border = (square.sum() - inner.sum()) / (square.size - inner.size)
+    whole = square.mean()
+    if whole < LEAST_CHANGE_GREY**2 or at_border > MOST_AT_BORDER**2 * whole:
+        return None
+    return imprint.astype(np.float32)
+
+
+def _read(row: TouchRow) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    frames = read_clip(row.path).frames
+    row.check_length(len(frames))
+    return frames, frames[row.idle].mean(axis=0, dtype=np.float32)
+
+
+def _as_image(values: NDArray[np.floating]) -> NDArray[np.uint8]:
+    return np.clip(np.rint(values), 0, 255).astype(np.uint8)

@@ -1,0 +1,100 @@
+import numpy as np
+import pytest
+
+from geotlm_lm.core.labels import SLIDES, Motion, reverse
+from geotlm_lm.data.touch_table import TouchRow
+from geotlm_lm.experiments.compare import Reply
+from geotlm_lm.experiments.evaluate import judge_made
+from geotlm_lm.experiments.semi_real import SemiRealSlides, UntouchedCases, slid
+
+ROWS, COLUMNS = 120, 160
+TOWARDS = {Motion.LEFT: (-1, 0), Motion.RIGHT: (1, 0), Motion.UP: (0, -1), Motion.DOWN: (0, 1)}
+
+
+def idle_gel():
+    y, x = np.mgrid[:ROWS, :COLUMNS]
+    return np.stack([90 + 0.2 * x, 110 + 0.1 * y, 120 - 0.1 * x], -1).astype(np.float32)
+
+
+def blob(x, y, strength=40.0, radius=14.0):
+    rows, columns = np.mgrid[:ROWS, :COLUMNS]
+    height = np.exp(-((columns - x) ** 2 + (rows - y) ** 2) / (2 * radius**2))
+    return strength * np.stack([np.gradient(height, axis=1) * radius] * 3, -1).astype(np.float32)
+
+
+def recording(folder, name, imprint, family="caps"):
+    """Twelve frames: eight idle, four touched."""
+    frames = np.stack([idle_gel()] * 8 + [idle_gel() + imprint] * 4)
+    np.save(folder / name, np.clip(np.rint(frames), 0, 255).astype(np.uint8))
+    return TouchRow(folder / name, 25.0, 8, 11, name, family)
+
+
+def middles(clip):
+    """Middle of the imprint in every frame, (x, y) in pixels."""
+    change = clip.frames[..., 1].astype(float) - clip.background[..., 1]
+    weight = np.square(change) * (np.abs(change) > 3)
+    rows, columns = np.mgrid[:ROWS, :COLUMNS]
+    return np.stack([[(w * columns).sum(), (w * rows).sum()] / w.sum() for w in weight])
+
+
+@pytest.mark.parametrize("motion", SLIDES)
+def test_an_imprint_is_carried_the_way_it_is_named(motion):
+    clip = slid(blob(80, 60), idle_gel(), motion, np.random.default_rng(3))
+    places = middles(clip)
+    across, along = np.array(TOWARDS[motion][::-1]), np.array(TOWARDS[motion])
+    travel = places[-1] - places[0]
+    assert 0.015 * COLUMNS < travel @ along < 0.13 * COLUMNS
+    assert abs(travel @ across) < 0.5 * (travel @ along)
+
+
+def test_an_imprint_travels_evenly():
+    clip = slid(blob(80, 60), idle_gel(), Motion.RIGHT, np.random.default_rng(3))
+    steps = np.diff(middles(clip), axis=0)[:, 0]
+    assert np.ptp(steps) < 0.2 * np.mean(steps)
+
+
+def test_the_four_ways_come_in_turn_and_each_is_played_backwards_too(tmp_path):
+    rows = [recording(tmp_path, f"{k}.npy", blob(80, 60)) for k in range(4)]
+    truths = [case.motion for case in SemiRealSlides(rows, seed=0)]
+    assert truths[::2] == list(SLIDES)
+    assert truths[1::2] == [reverse(motion) for motion in SLIDES]
+
+
+def test_imprints_cut_off_or_faint_are_left_out_and_counted(tmp_path):
+    rows = [
+        recording(tmp_path, "whole.npy", blob(80, 60)),
+        recording(tmp_path, "cut.npy", blob(4, 60)),
+        recording(tmp_path, "faint.npy", blob(80, 60, strength=0.5)),
+    ]
+    slides = SemiRealSlides(rows, seed=0)
+    assert {case.object_id for case in slides} == {"whole.npy"}
+    assert slides.cut_off == 2
+
+
+def test_the_same_seed_makes_the_same_clips(tmp_path):
+    rows = [recording(tmp_path, "a.npy", blob(80, 60))]
+    first, again, other = (next(iter(SemiRealSlides(rows, seed))) for seed in (1, 1, 2))
+    assert np.array_equal(first.clip.frames, again.clip.frames)
+    assert not np.array_equal(first.clip.frames, other.clip.frames)
+
+
+def test_untouched_cases_show_no_touched_frame(tmp_path):
+    (case,) = UntouchedCases([recording(tmp_path, "a.npy", blob(80, 60))])
+    assert case.motion == Motion.NONE
+    change = case.clip.frames.astype(int) - case.clip.background.astype(int)
+    assert len(case.clip) == 4
+    assert np.abs(change).max() <= 1
+
+
+def test_both_tables_are_made_and_say_what_was_left_out(tmp_path):
+    rows = [
+        recording(tmp_path, "whole.npy", blob(80, 60)),
+        recording(tmp_path, "cut.npy", blob(4, 60), family="keys"),
+    ]
+    method = {"language model, words": lambda clip, among: Reply(among[0], 1.0)}
+    tables = judge_made(method, "mine", rows, 0, lambda what, done, total: None, contrasts=())
+    assert list(tables) == ["real mine, untouched", "semi-real mine, sliding"]
+    assert tables["real mine, untouched"]["clips"] == 2
+    slides = tables["semi-real mine, sliding"]
+    assert (slides["clips"], slides["cut_off_left_out"]) == (2, 1)
+    assert slides["methods"]["language model, words"]["accuracy"] == 0.5
