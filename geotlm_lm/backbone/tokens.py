@@ -16,12 +16,13 @@ class Tokens:
     Args:
         global_token: Summary c of each clip, shape (b, d).
         patches: Patch tokens F, shape (b, 2, gh, gw, d), early time-bin first (Eq. 1).
-        views: The square of the image each clip's grid covers; empty where nobody asked.
+        views: The square of the image each clip's grid covers, None where it covers no square;
+            empty where nobody asked.
     """
 
     global_token: Tensor
     patches: Tensor
-    views: tuple[View, ...] = ()
+    views: tuple[View | None, ...] = ()
 
     def __len__(self) -> int:
         return len(self.global_token)

@@ -8,6 +8,7 @@ Knows nothing of how patch inputs are made from frames.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import torch
 import torch.nn.functional as F
@@ -29,20 +30,52 @@ class ViTConfig:
     mlp_ratio: int = 4
     norm_eps: float = 1e-5
 
+    @property
+    def mlp_width(self) -> int:
+        """Width of the hidden layer of a block's MLP."""
+        return self.width * self.mlp_ratio
+
+
+class BlockSizes(Protocol):
+    """What a block asks of a configuration."""
+
+    @property
+    def width(self) -> int:
+        """Width d of a token."""
+
+    @property
+    def heads(self) -> int:
+        """Attention heads."""
+
+    @property
+    def mlp_width(self) -> int:
+        """Width of the hidden layer of the MLP."""
+
 
 class Block(nn.Module):
-    """One pre-norm block: attention, then an exact-GELU MLP, each added to its input."""
+    """One pre-norm block: attention, then an exact-GELU MLP, each added to its input.
 
-    def __init__(self, config: ViTConfig) -> None:
+    Args:
+        config: Sizes.
+        norm_eps: Epsilon of both norms.
+        has_layer_scale: Whether what is added is first multiplied by a learned gain per channel, as
+            some released encoders do.
+    """
+
+    def __init__(
+        self, config: BlockSizes, *, norm_eps: float = 1e-5, has_layer_scale: bool = False
+    ) -> None:
         super().__init__()
-        width, hidden = config.width, config.width * config.mlp_ratio
+        width, hidden = config.width, config.mlp_width
         self.heads = config.heads
-        self.norm1 = nn.LayerNorm(width, eps=config.norm_eps)
+        self.norm1 = nn.LayerNorm(width, eps=norm_eps)
         self.qkv = nn.Linear(width, 3 * width)
         self.proj = nn.Linear(width, width)
-        self.norm2 = nn.LayerNorm(width, eps=config.norm_eps)
+        self.norm2 = nn.LayerNorm(width, eps=norm_eps)
         self.fc1 = nn.Linear(width, hidden)
         self.fc2 = nn.Linear(hidden, width)
+        self.gain1 = nn.Parameter(torch.empty(width)) if has_layer_scale else None
+        self.gain2 = nn.Parameter(torch.empty(width)) if has_layer_scale else None
 
     def forward(self, tokens: Tensor) -> Tensor:
         """Return updated tokens, shape (b, n, d)."""
@@ -50,8 +83,10 @@ class Block(nn.Module):
         qkv = self.qkv(self.norm1(tokens)).view(b, n, 3, self.heads, d // self.heads)
         query, key, value = qkv.permute(2, 0, 3, 1, 4)
         mixed = F.scaled_dot_product_attention(query, key, value)
-        tokens = tokens + self.proj(mixed.transpose(1, 2).reshape(b, n, d))
-        return tokens + self.fc2(F.gelu(self.fc1(self.norm2(tokens))))
+        mixed = self.proj(mixed.transpose(1, 2).reshape(b, n, d))
+        tokens = tokens + (mixed if self.gain1 is None else self.gain1 * mixed)
+        hidden = self.fc2(F.gelu(self.fc1(self.norm2(tokens))))
+        return tokens + (hidden if self.gain2 is None else self.gain2 * hidden)
 
 
 class ViT(nn.Module):
@@ -69,7 +104,9 @@ class ViT(nn.Module):
         self.global_token = nn.Parameter(torch.empty(width))
         self.sensor_tokens = nn.Parameter(torch.empty(SENSOR_TOKEN_COUNT, width))
         self.positions = nn.Parameter(torch.empty(1 + patch_count, width))
-        self.blocks = nn.ModuleList(Block(config) for _ in range(config.depth))
+        self.blocks = nn.ModuleList(
+            Block(config, norm_eps=config.norm_eps) for _ in range(config.depth)
+        )
 
     def initialise(self, generator: torch.Generator) -> ViT:
         """Draw every weight afresh: matrices N(0, 1/fan_in), tokens and positions N(0, 0.02).

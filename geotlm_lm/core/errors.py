@@ -41,3 +41,7 @@ class MissingDependency(GeoTLMError):
     """An optional package or a device is not there."""
 
     exit_code = 7
+
+
+class IncompatibleWeights(IncompatibleBundle):
+    """A released encoder's file is missing, damaged, or not what its name says."""
