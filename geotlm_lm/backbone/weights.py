@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from _compat_pickle import IMPORT_MAPPING
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
@@ -40,10 +41,10 @@ def read_tensors(path: Path) -> dict[str, Tensor]:
     """
     start = _first_bytes(path)
     try:
-        if start.startswith((_ZIP, _PICKLE)):
-            stored = _unpickled(path, start.startswith(_ZIP))
-        elif start[8:9] == b"{":  # eight bytes of header length, then JSON
+        if start[8:9] == b"{":  # safetensors: eight bytes of header length, then JSON
             stored = load_file(path)
+        elif start.startswith((_ZIP, _PICKLE)):
+            stored = _unpickled(path, start.startswith(_ZIP))
         else:
             raise _refused(path, _what_else(start))
     except (SafetensorError, ValueError) as error:
@@ -81,7 +82,7 @@ def _unpickled(path: Path, is_zip: bool) -> Any:
         names = torch.serialization.get_unsafe_globals_in_checkpoint(path)
     except Exception as error:
         raise _refused(path, f"is damaged or cut short ({_one_line(error)})") from error
-    dangerous = sorted(name for name in names if _may_run_code(name))
+    dangerous = sorted(filter(_may_run_code, map(_name_today, names)))
     if dangerous:
         raise IncompatibleWeights(
             f"{path}: would call {dangerous[0]} when unpickled, which no weights need; do not open "
@@ -125,6 +126,12 @@ _INERT = ("pathlib.", "datetime.", "enum.", "typing.", "decimal.", "fractions.",
 """Parts of the standard library that hold data; they too become stand-ins."""
 
 
+def _name_today(name: str) -> str:
+    """Return a name as Python 3 has it: pickles of torch write modules by their Python 2 names."""
+    module, _, own = name.rpartition(".")
+    return f"{IMPORT_MAPPING.get(module, module)}.{own}"
+
+
 def _may_run_code(name: str) -> bool:
     """Tell whether a name belongs to Python itself and is not known to be mere data.
 
@@ -135,7 +142,7 @@ def _may_run_code(name: str) -> bool:
 
 
 def _stand_in(name: str) -> tuple[Callable, str]:
-    return _HARMLESS.get(name) or type(name, (_StandIn,), {}), name
+    return _HARMLESS.get(_name_today(name)) or type(name, (_StandIn,), {}), name
 
 
 def _tensors_of(stored: Any) -> dict[str, Tensor]:
@@ -181,5 +188,7 @@ def _refused(path: Path, found: str) -> IncompatibleWeights:
 
 
 def _one_line(error: Exception) -> str:
-    lines = str(error).strip().splitlines() or [type(error).__name__]
+    """Return what the error says, of torch's long advice only the reason in it."""
+    text = str(error).partition("WeightsUnpickler error: ")[2] or str(error)
+    lines = text.strip().splitlines() or [type(error).__name__]
     return lines[0][:120].rstrip(". ")

@@ -11,7 +11,6 @@ import torch
 from geotlm_lm.backbone import conv_encoder
 from geotlm_lm.backbone.adapters.t3 import encoder_depth
 from geotlm_lm.backbone.image_vit import sinusoids
-from geotlm_lm.backbone.pixels import IMAGENET, normalised
 from tests.backbone.oracles import FLOAT32_TOLERANCE, FLOAT64_TOLERANCE, Oracle, check
 
 
@@ -317,10 +316,3 @@ def test_oracle_tokens_of_the_seam_see_each_bins_own_frames_for_anytouch1():
     torch.testing.assert_close(tokens.patches[:, 0], module.patch_grid(early)[:, 0])
     torch.testing.assert_close(tokens.patches[:, 1], module.patch_grid(late)[:, 0])
     torch.testing.assert_close(tokens.global_token, (early[:, 0] + late[:, 0]) / 2)
-
-
-def test_normalising_takes_the_mean_away_and_divides_by_the_deviation():
-    mean, deviation = IMAGENET
-    images = torch.tensor([m + 2 * d for m, d in zip(mean, deviation, strict=True)])
-    found = normalised(images[None, :, None, None].expand(2, 3, 4, 5), IMAGENET)
-    torch.testing.assert_close(found, torch.full((2, 3, 4, 5), 2.0))

@@ -145,10 +145,36 @@ class Adapter(ABC):
 def load_strictly(
     adapter: Adapter, tensors: dict[str, Tensor], asked: Asked
 ) -> tuple[nn.Module, Size]:
-    """Return the filled module and the size of its images; every name must be accounted for.
+    """Return the filled module and the size of its images, in float32.
 
     Raises:
         IncompatibleWeights: If a name is missing or unexpected, or a shape or value is wrong.
+    """
+    module, image, parts = fitted(adapter, tensors, asked)
+    for name, value in (pair for pairs in parts.values() for pair in pairs.items()):
+        if not bool(torch.isfinite(value).all()):
+            raise IncompatibleWeights(
+                f"{asked.path}: {name} holds values that are not finite; get the file of "
+                f"{adapter.title} again from {adapter.source}."
+            )
+    # Copies in any case: a tensor may still lie in the file.
+    state = {
+        ours: torch.cat([value.to(torch.float32) for value in pairs.values()]).contiguous()
+        for ours, pairs in parts.items()
+    }
+    module.load_state_dict(state, assign=True)
+    return module.eval().requires_grad_(False), image
+
+
+def fitted(
+    adapter: Adapter, tensors: dict[str, Tensor], asked: Asked
+) -> tuple[nn.Module, Size, dict[str, dict[str, Tensor]]]:
+    """Return the empty module, the size of its images, and by our name what each weight is made of.
+
+    Every name of the file must be accounted for, and every shape right; values are not looked at.
+
+    Raises:
+        IncompatibleWeights: If a name is missing or unexpected, or a shape is wrong.
     """
     found = adapter.checked(adapter.select(tensors), asked)
     absent = [name for name in adapter.anchors if name not in found]
@@ -166,37 +192,21 @@ def load_strictly(
     unexpected = sorted(set(found) - set(expected))
     if missing or unexpected:
         raise _mismatch(adapter, asked, missing, unexpected)
-    state = {}
+    fitting = {}
     for ours, wanted in module.state_dict().items():
-        parts = [_fitted(adapter, asked, found, name, wanted, names[ours]) for name in names[ours]]
-        state[ours] = torch.cat(parts) if len(parts) > 1 else parts[0]
-    module.load_state_dict(state, assign=True)
-    return module.eval().requires_grad_(False), image
+        share = torch.Size([wanted.shape[0] // len(names[ours]), *wanted.shape[1:]])
+        fitting[ours] = {name: _without_batch_axes(found[name], share) for name in names[ours]}
+        for name, value in fitting[ours].items():
+            if value.shape != share:
+                shape = found[name].shape
+                raise _wrong_shape(adapter, asked, name, shape, str(tuple(share)))
+    return module, image, fitting
 
 
-def _fitted(
-    adapter: Adapter,
-    asked: Asked,
-    found: dict[str, Tensor],
-    name: str,
-    wanted: Tensor,
-    parts: Sequence[str],
-) -> Tensor:
-    """Return one tensor in float32 and in the shape the module has, or refuse it."""
-    value, shape = found[name], wanted.shape
-    if len(parts) > 1:
-        shape = torch.Size([shape[0] // len(parts), *shape[1:]])
+def _without_batch_axes(value: Tensor, shape: torch.Size) -> Tensor:
+    """Drop leading axes of one, as many files keep on tokens and positions."""
     while value.ndim > len(shape) and value.shape[0] == 1:
-        value = value[0]  # a batch axis of one, as many keep on tokens and positions
-    if value.shape != shape:
-        raise _wrong_shape(adapter, asked, name, found[name].shape, str(tuple(shape)))
-    # A copy: the tensor may still lie in the file.
-    value = value.detach().to(torch.float32, copy=True).contiguous()
-    if not bool(torch.isfinite(value).all()):
-        raise IncompatibleWeights(
-            f"{asked.path}: {name} holds values that are not finite; get the file of "
-            f"{adapter.title} again from {adapter.source}."
-        )
+        value = value[0]
     return value
 
 

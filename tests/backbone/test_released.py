@@ -1,0 +1,284 @@
+"""Expected values: sizes in the authors' code; what a file must hold, by taking parts out of it."""
+
+from pathlib import Path
+
+import pytest
+import torch
+from safetensors.torch import load_file, save_file
+
+from geotlm_lm.backbone.adapters.adapter import Asked, fitted
+from geotlm_lm.backbone.released import ENCODERS, ReleasedEncoder, adapter_named, load_encoder
+from geotlm_lm.core.errors import IncompatibleWeights, UsageError
+from tests.backbone.full_size import FILES
+from tests.backbone.oracles import Oracle
+from tests.backbone.small_files import write_small
+
+TABLE = {
+    # encoder: numbers in the file's part, tensors, width, patch tokens of a clip, image
+    "anytouch2": (87_010_185, 202, 768, (2, 14, 14, 768), (224, 224)),
+    "anytouch1": (305_221_632, 393, 1024, (2, 16, 16, 1024), (224, 224)),
+    "sparsh": (86_256_000, 174, 768, (2, 15, 20, 768), (320, 240)),
+    "t3": (22_006_272 + 63_792_384, 150, 768, (2, 14, 14, 768), (224, 224)),
+    "internvit": (304_012_288, 340, 1024, (2, 32, 32, 1024), (448, 448)),
+    "unit": (25_179_663, 128, 960, (2, 16, 20, 3), (128, 160)),
+}
+
+CONSTANTS = {"anytouch2": 393, "sparsh": 3 * 128}
+"""Numbers in the file's part that are no weights: an index table, the frequencies of positions."""
+
+
+SHARED_NAMES = {("anytouch2", "anytouch1")}
+"""AnyTouch 1 has every name of AnyTouch 2, with a stem of another shape."""
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_a_released_file_has_the_names_shapes_and_numbers_it_is_known_for(name):
+    numbers, tensors, width, patches, size = TABLE[name]
+    file = FILES[name]()
+    assert (sum(value.numel() for value in file.values()), len(file)) == (numbers, tensors)
+    module, image, parts = fitted(ENCODERS[name], file, Asked(Path("released")))
+    encoder = ReleasedEncoder(ENCODERS[name], module, image)
+    assert encoder.parameter_count == numbers - CONSTANTS.get(name, 0)
+    assert sum(len(pairs) for pairs in parts.values()) == tensors - (name in CONSTANTS)
+    assert (encoder.width, encoder.patch_shape, encoder.image) == (width, patches, size)
+
+
+def test_every_encoder_has_its_row():
+    assert list(ENCODERS) == ["anytouch2", "anytouch1", "sparsh", "t3", "internvit", "unit"]
+    assert ENCODERS.keys() == TABLE.keys() == FILES.keys()
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_a_file_is_recognised_by_its_names_alone(name, tmp_path):
+    path = write_small(name, tmp_path)
+    options = {} if name == "unit" else {"heads": 2}
+    encoder = load_encoder(path, **options)
+    assert encoder.adapter.name == name
+    assert load_encoder(path, name, **options).digest() == encoder.digest()
+
+
+@pytest.mark.parametrize("name", TABLE)
+@pytest.mark.parametrize("other", TABLE)
+def test_a_file_of_another_encoder_is_refused_with_names(name, other, tmp_path):
+    if (name, other) in SHARED_NAMES or name == other:
+        pytest.skip("has the same names; the next test tells it apart")
+    path = write_small(other, tmp_path)
+    with pytest.raises(IncompatibleWeights) as caught:
+        load_encoder(path, name, heads=2)
+    text = str(caught.value)
+    adapter = ENCODERS[name]
+    assert text.startswith(f"{path}: is not {adapter.title}: missing ")
+    assert text.endswith(f"; get the file from {adapter.source}.")
+    missing, unexpected = text.split(": missing ")[1].split(", unexpected ", 1)
+    assert missing.split(",")[0] in adapter.anchors
+    assert unexpected
+    assert "\n" not in text
+
+
+def test_anytouch_1_given_for_anytouch_2_is_told_by_its_stem(tmp_path):
+    path = write_small("anytouch1", tmp_path)
+    with pytest.raises(IncompatibleWeights) as caught:
+        load_encoder(path, "anytouch2", heads=2)
+    assert str(caught.value) == (
+        f"{path}: is not AnyTouch 2: touch_model.embeddings.patch_embedding.weight has shape "
+        f"(24, 3, 14, 14), expected 5 axes; get the file from {ENCODERS['anytouch2'].source}."
+    )
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_a_name_left_out_and_a_name_too_many_are_both_told(name, tmp_path):
+    def spoil(tensors):
+        victim = next(n for n in tensors if n.endswith(("norm2.bias", "layer_norm2.bias")))
+        del tensors[victim]
+        prefix = victim[: victim.index("touch_model.")] if "touch_model." in victim else ""
+        inside = {"unit": "encoder.", "anytouch1": "touch_model.", "anytouch2": ""}.get(name, "")
+        spoiled.append(victim.removeprefix(prefix))
+        tensors[f"{prefix}{inside}surplus.weight"] = torch.ones(3)
+
+    spoiled = []
+    path = write_small(name, tmp_path, spoil)
+    with pytest.raises(IncompatibleWeights) as caught:
+        load_encoder(path, name, heads=2)
+    text = str(caught.value)
+    assert f"missing {'encoder.' if name == 't3' else ''}{spoiled[0]}, unexpected " in text
+    assert "surplus.weight; get the file from " in text
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_a_wrong_shape_is_told_with_the_one_expected(name, tmp_path):
+    victims = []
+
+    def spoil(tensors):
+        victim = next(n for n in tensors if n.endswith(("norm2.bias", "layer_norm2.bias")))
+        tensors[victim] = torch.ones(7)
+        victims.append(victim)
+
+    path = write_small(name, tmp_path, spoil)
+    width = 32 if name == "unit" else 24
+    with pytest.raises(IncompatibleWeights) as caught:
+        load_encoder(path, name, heads=2)
+    assert f"has shape (7,), expected ({width},); get the file from" in str(caught.value)
+
+
+def test_values_that_are_not_finite_are_refused(tmp_path):
+    def spoil(tensors):
+        tensors["norm.weight"][3] = float("nan")
+
+    path = write_small("sparsh", tmp_path, spoil)
+    with pytest.raises(IncompatibleWeights) as caught:
+        load_encoder(path, heads=2)
+    assert str(caught.value) == (
+        f"{path}: norm.weight holds values that are not finite; get the file of Sparsh V-JEPA "
+        f"again from {ENCODERS['sparsh'].source}."
+    )
+
+
+def test_a_checkpoint_of_two_frames_is_refused_for_having_one_time_bin(tmp_path):
+    def spoil(tensors):
+        key = "touch_mae_model.touch_model.embeddings.position_embedding.weight"
+        tensors[key] = torch.ones(1 + 9, 24)
+
+    path = write_small("anytouch2", tmp_path, spoil)
+    with pytest.raises(IncompatibleWeights, match="9 positions, expected 2 times a grid of"):
+        load_encoder(path, "anytouch2", heads=2)
+
+
+def test_the_stale_stem_of_anytouch_1_is_not_read(tmp_path):
+    changed = {}
+
+    def spoil(tensors):
+        stale = next(
+            n for n in tensors if n.endswith("touch_model.embeddings.patch_embedding.weight")
+        )
+        tensors[stale] = torch.full_like(tensors[stale], 9.0)
+        changed[stale] = True
+
+    first = load_encoder(write_small("anytouch1", tmp_path / "a"), heads=2)
+    second = load_encoder(write_small("anytouch1", tmp_path / "b", spoil), heads=2)
+    assert changed
+    assert first.digest() == second.digest()
+
+
+def test_a_file_of_anytouch_1_without_its_video_stem_is_refused(tmp_path):
+    def spoil(tensors):
+        del tensors["touch_mae_model.video_patch_embedding.weight"]
+
+    path = write_small("anytouch1", tmp_path, spoil)
+    with pytest.raises(IncompatibleWeights, match="missing video_patch_embedding.weight"):
+        load_encoder(path, "anytouch1", heads=2)
+
+
+def test_t3_without_its_trunk_is_refused_with_where_it_was_looked_for(tmp_path):
+    path = write_small("t3", tmp_path)
+    (tmp_path / "trunk.pth").unlink()
+    with pytest.raises(IncompatibleWeights) as caught:
+        load_encoder(path, heads=2)
+    assert str(caught.value) == (
+        f"{path}: T3's encoder was found without its trunk, expected trunk.pth beside it or one "
+        f"folder up; get both from {ENCODERS['t3'].source}."
+    )
+
+
+def test_other_frequencies_of_positions_are_refused(tmp_path):
+    def spoil(tensors):
+        tensors["pos_embed.frequency_bands"] *= 2
+
+    path = write_small("sparsh", tmp_path, spoil)
+    with pytest.raises(IncompatibleWeights, match="pos_embed.frequency_bands is not the table"):
+        load_encoder(path, heads=2)
+
+
+def test_sparsh_with_learned_positions_and_no_register_loads_too(tmp_path):
+    def spoil(tensors):
+        del tensors["pos_embed.frequency_bands"], tensors["register_tokens"]
+        tensors["pos_embed"] = torch.randn(1, 2 * 20 * 15, 24)
+
+    encoder = load_encoder(write_small("sparsh", tmp_path, spoil), heads=2)
+    assert encoder.module.positions.shape == (600, 24)
+    assert encoder.module.config.lead == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "prefix"),
+    [("anytouch2", "tactile_model."), ("anytouch2", ""), ("internvit", "vision_model.")],
+)
+def test_the_same_weights_under_another_prefix_are_the_same_encoder(name, prefix, tmp_path):
+    def rename(tensors):
+        for own in list(tensors):
+            if name == "internvit" or own.startswith("touch_mae_model."):
+                tensors[prefix + own.removeprefix("touch_mae_model.")] = tensors.pop(own)
+            else:
+                del tensors[own]
+
+    plain = load_encoder(write_small(name, tmp_path / "a"), heads=2)
+    renamed = load_encoder(write_small(name, tmp_path / "b", rename), heads=2)
+    assert plain.digest() == renamed.digest()
+
+
+def test_the_vision_part_of_a_chat_model_is_found_beside_its_language_part(tmp_path):
+    def embed(tensors):
+        for own in list(tensors):
+            tensors[f"vision_model.{own}"] = tensors.pop(own)
+        tensors["language_model.layers.0.weight"] = torch.ones(2)
+
+    path = write_small("internvit", tmp_path, embed)
+    assert load_encoder(path, heads=2).adapter.name == "internvit"
+
+
+def test_a_foreign_file_is_refused_with_its_first_names(tmp_path):
+    save_file({"conv1.weight": torch.ones(2), "fc.bias": torch.ones(2)}, tmp_path / "resnet")
+    with pytest.raises(IncompatibleWeights) as caught:
+        load_encoder(tmp_path / "resnet")
+    assert str(caught.value) == (
+        f"{tmp_path / 'resnet'}: is the file of none of anytouch2, anytouch1, sparsh, t3, "
+        f"internvit, unit, its first names are conv1.weight, fc.bias; say which encoder it should "
+        f"be by --encoder to see what is missing."
+    )
+
+
+def test_an_unknown_name_is_answered_with_the_nearest_or_all():
+    with pytest.raises(UsageError, match="there is no encoder 'anytuch2'; did you mean anytouch2?"):
+        adapter_named("anytuch2")
+    with pytest.raises(UsageError, match="choose one of anytouch2, anytouch1, sparsh, t3"):
+        adapter_named("resnet")
+
+
+def test_heads_must_be_told_for_a_width_that_was_not_released(tmp_path):
+    path = write_small("sparsh", tmp_path)
+    with pytest.raises(UsageError) as caught:
+        load_encoder(path)
+    assert str(caught.value) == (
+        f"{path}: Sparsh V-JEPA of width 24, expected 768; a file does not tell its attention "
+        f"heads, give them by --heads."
+    )
+    with pytest.raises(UsageError, match="width 24 does not divide among 7 attention heads"):
+        load_encoder(path, heads=7)
+
+
+def test_half_precision_weights_are_widened_to_the_same_numbers(tmp_path):
+    def halve(tensors):
+        for own in tensors:
+            tensors[own] = tensors[own].bfloat16()
+
+    path = write_small("internvit", tmp_path, halve)
+    module = load_encoder(path, heads=2).module
+    stored = load_file(path)["embeddings.position_embedding"]
+    assert module.positions.dtype == torch.float32
+    assert torch.equal(module.positions, stored[0].float())
+
+
+def test_the_file_may_vanish_once_it_is_read(tmp_path):
+    path = write_small("anytouch2", tmp_path)
+    encoder = load_encoder(path, heads=2)
+    before = encoder.digest()
+    path.write_bytes(b"")
+    assert encoder.digest() == before
+
+
+@pytest.mark.parametrize("name", TABLE)
+def test_oracle_files_are_recognised_and_every_other_name_refuses_them(name):
+    oracle = Oracle(name)
+    assert oracle.load().adapter.name == name
+    for other in ENCODERS.keys() - {name}:
+        with pytest.raises(IncompatibleWeights, match=f"is not {ENCODERS[other].title}: "):
+            oracle.load(name=other)
