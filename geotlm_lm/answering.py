@@ -45,8 +45,8 @@ class Encoded:
     timing_ms: dict[str, float]
 
     @property
-    def view(self) -> View:
-        """The square of the image that was looked at, and that the geometry's grid covers."""
+    def view(self) -> View | None:
+        """The square of the image that the geometry's grid covers; None where it is no square."""
         return self.perception.views[0]
 
     @property
@@ -255,7 +255,7 @@ def evidence(encoded: Encoded) -> dict[str, Any]:
         }
         for column, name in enumerate(REGIONS)
     }
-    view = {name: round(value, 1) for name, value in asdict(encoded.view).items()}
+    view = encoded.view and {name: round(px, 1) for name, px in asdict(encoded.view).items()}
     return {"contact_share": round(encoded.contact_share, 4), "view": view, "regions": regions}
 
 

@@ -188,7 +188,7 @@ def read_config(folder: Path) -> dict[str, Any]:
 
 def _perception_states(model: GeoTLM) -> dict[str, dict[str, Tensor]]:
     return {
-        "vit": model.backbone.vit.state_dict(),
+        "vit": model.backbone.state_dict(),
         "global_standardiser": model.global_standardiser.state(),
         "patch_standardiser": model.patch_standardiser.state(),
         "dgr": model.dgr.state_dict(),

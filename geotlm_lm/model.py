@@ -10,9 +10,8 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.stem import View
-from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.backbone.tokens import Backbone, Tokens
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.dgr.encoder import DGR, Geometry
 from geotlm_lm.probe.linear import LinearProbe
@@ -27,13 +26,13 @@ class Perception:
         global_token: Standardised global token c, shape (b, d).
         geometry: Everything DGR computed.
         fused_token: z = c + g, shape (b, d) (Eq. 9).
-        views: The square of the image each clip's grid covers.
+        views: The square of the image each clip's grid covers; None where it covers no square.
     """
 
     global_token: Tensor
     geometry: Geometry
     fused_token: Tensor
-    views: tuple[View, ...] = ()
+    views: tuple[View | None, ...] = ()
 
 
 @dataclass(eq=False)
@@ -49,7 +48,7 @@ class GeoTLM:
         global_probe: The same read-out without DGR: the controlled ablation.
     """
 
-    backbone: FrozenBackbone
+    backbone: Backbone
     global_standardiser: Standardiser
     patch_standardiser: Standardiser
     dgr: DGR

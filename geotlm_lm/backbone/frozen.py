@@ -32,6 +32,10 @@ class FrozenBackbone:
         """Width d of every token."""
         return self.vit.config.width
 
+    def state_dict(self) -> dict[str, Tensor]:
+        """Return the weights by name."""
+        return self.vit.state_dict()
+
     def encode(self, clips: list[Clip]) -> Tokens:
         """Return the tokens of clips of four frames with a background each, in float32."""
         inputs, views = zip(*(look(clip) for clip in clips), strict=True)

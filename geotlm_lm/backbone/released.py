@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
@@ -85,12 +86,26 @@ class ReleasedEncoder:
         """Return the weights by name."""
         return self.module.state_dict()
 
+    def describe(self) -> dict[str, Any]:
+        """Return what was recognised, as plain JSON values."""
+        heads = getattr(self.module.config, "heads", None)
+        return {
+            "encoder": self.adapter.name,
+            "title": self.adapter.title,
+            "parameters": self.parameter_count,
+            **({} if heads is None else {"heads": heads}),
+            "image_px": list(self.image),
+            "global_token": [self.width],
+            "patch_tokens": list(self.patch_shape),
+            "digest": self.digest(),
+        }
+
     def to(self, device: str) -> ReleasedEncoder:
         """Move the weights to `device` and return the encoder; tokens come back to the CPU."""
         self.module.to(device)
         return self
 
-    @torch.inference_mode()
+    @torch.no_grad()
     def encode(self, clips: list[Clip]) -> Tokens:
         """Return the tokens of clips of four frames with a background each, in float32."""
         parts = [self._encode(batch) for batch in _batches(clips)]

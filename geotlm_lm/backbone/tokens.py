@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 from torch import Tensor
 
 from geotlm_lm.backbone.stem import View
+from geotlm_lm.core.clip import Clip
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,3 +28,17 @@ class Tokens:
 
     def __len__(self) -> int:
         return len(self.global_token)
+
+
+class Backbone(Protocol):
+    """The seam between clips and geometry, behind which the embedded and released encoders are."""
+
+    @property
+    def width(self) -> int:
+        """Width d of the global token."""
+
+    def encode(self, clips: list[Clip]) -> Tokens:
+        """Return the tokens of clips of four frames with a background each, in float32."""
+
+    def state_dict(self) -> dict[str, Tensor]:
+        """Return the frozen weights by name."""

@@ -7,13 +7,25 @@ import shlex
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from geotlm_lm.cli.options import Seed, require_writable_file
+from geotlm_lm.cli.options import (
+    EncoderHeads,
+    EncoderName,
+    EncoderWeights,
+    HeadsPresetName,
+    HeadsRunFolder,
+    Seed,
+    require_writable,
+    require_writable_file,
+)
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering import Answerer
 
 REPORT_EVERY_S = 2.0
 """A wait longer than this shows how far it is."""
@@ -41,27 +53,45 @@ def evaluate(
             min=0, max=1, help="Exit 6 if the model's own words fall below this in any table."
         ),
     ] = None,
+    encoder: EncoderName = None,
+    weights: EncoderWeights = None,
+    heads: EncoderHeads = None,
+    run_folder: HeadsRunFolder = Path("runs/encoder"),
+    preset: HeadsPresetName = "default",
 ) -> None:
-    """Judge the model on clips it has never seen, beside linear probes and optical flow."""
+    """Judge the model on clips it has never seen, beside linear probes and optical flow.
+
+    With --weights, a released encoder takes the place of the embedded one: DGR, probe and language
+    model are first trained on simulated clips as it sees them.
+    """
     from geotlm_lm.core.errors import BelowMinimum, UsageError
 
     if clips == 0 and real is None:
         raise UsageError("nothing to judge: give --clips above 0, or --real with a folder.")
     if out is not None:
         require_writable_file(out, "--out")
-    from geotlm_lm.answering import Answerer
+    if weights is None and (encoder or heads):
+        raise UsageError("--encoder and --heads need --weights with the encoder's file.")
+    if weights is not None and model is not None:
+        raise UsageError("--model and --weights exclude each other: give one of them.")
+    if weights is None:
+        answerer, name, about = _embedded(model)
+    else:
+        require_writable(run_folder, "--run-folder")
+        answerer, name, about = _trained_on(weights, encoder, heads, preset, run_folder, seed)
     from geotlm_lm.experiments.evaluate import evaluate as run
     from geotlm_lm.reports.tables import evaluation_tables
 
     record = run(
-        Answerer.load(model),
+        answerer,
         clips_per_task=clips,
         seed=seed,
         real_folder=real,
-        model_name="embedded" if model is None else model.name,
+        model_name=name,
         command=command_line(sys.argv),
         progress=progress_on_stderr(),
     )
+    record = replace(record, config=record.config | about)
     if out is not None:
         record.save(out)
     typer.echo(evaluation_tables(record), nl=False)
@@ -73,6 +103,30 @@ def evaluate(
             f"the lowest accuracy of the model's words is {worst:.3f}, expected at least "
             f"{min_accuracy:g}; see the tables above."
         )
+
+
+def _embedded(model: Path | None) -> tuple[Answerer, str, dict[str, Any]]:
+    """Return the bundle at `model`, what the record calls it, and what it adds to the record."""
+    from geotlm_lm.answering import Answerer
+
+    return Answerer.load(model), "embedded" if model is None else model.name, {}
+
+
+def _trained_on(
+    weights: Path, encoder: str | None, heads: int | None, preset: str, folder: Path, seed: int
+) -> tuple[Answerer, str, dict[str, Any]]:
+    """Train heads on a released encoder; return as `_embedded` does."""
+    import torch
+
+    from geotlm_lm.answering import Answerer
+    from geotlm_lm.backbone.released import load_encoder
+    from geotlm_lm.training.heads import train_heads
+
+    released = load_encoder(weights, encoder, heads=heads)
+    released.to("cuda" if torch.cuda.is_available() else "cpu")
+    bundle = train_heads(released, preset, folder, seed)
+    name = f"{released.adapter.title} ({weights.name})"
+    return Answerer(bundle), name, {"encoder": bundle.provenance}
 
 
 def command_line(arguments: list[str]) -> str:

@@ -1,14 +1,19 @@
-"""`geotlm-lm info`: what a recording holds and which frames would be used; needs no model."""
+"""`geotlm-lm info`: what a recording holds, or a released encoder's file; answers nothing."""
 
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from geotlm_lm.cli.options import (
     AsJson,
     Background,
-    ClipPath,
+    EncoderHeads,
+    EncoderName,
+    EncoderWeights,
     FrameSpan,
     FramesPerSecond,
     LayoutName,
@@ -27,22 +32,38 @@ ESTIMATED = "estimated from the frames"
 
 
 def info(
-    clip: ClipPath,
+    clip: Annotated[Path | None, typer.Option(help="Recording, as for `geotlm-lm answer`.")] = None,
     as_json: AsJson = False,
     frames: FrameSpan = None,
     layout: LayoutName = None,
     background: Background = None,
     fps: FramesPerSecond = None,
+    encoder: EncoderName = None,
+    weights: EncoderWeights = None,
+    heads: EncoderHeads = None,
 ) -> None:
     """Describe a recording: size, frame rate, frames that would be used, contact, warnings.
 
+    With --weights, describe a released encoder's file: what was recognised, parameters, tokens.
+
     Example: geotlm-lm info --clip recording.mov
     """
-    from geotlm_lm.recordings.read import read_clip
+    from geotlm_lm.core.errors import UsageError
 
-    span = span_of(frames)
-    recording = read_clip(clip, layout=layout, fps=fps, background=background)
-    facts = describe(recording, span)
+    if (clip is None) == (weights is None):
+        raise UsageError(
+            "give --clip with a recording, or --weights with the file of a released encoder."
+        )
+    if weights is not None:
+        from geotlm_lm.backbone.released import load_encoder
+
+        facts = load_encoder(weights, encoder, heads=heads).describe()
+    else:
+        from geotlm_lm.recordings.read import read_clip
+
+        span = span_of(frames)
+        recording = read_clip(clip, layout=layout, fps=fps, background=background)
+        facts = describe(recording, span)
     if as_json:
         print(json.dumps(facts))
         return

@@ -41,6 +41,36 @@ FramesPerSecond = Annotated[
     float | None,
     typer.Option("--fps", help="Frames per second. [default: what the file says]"),
 ]
+EncoderName = Annotated[
+    str | None,
+    typer.Option(
+        "--encoder",
+        help="Released encoder: anytouch2, anytouch1, sparsh, t3, internvit or unit. [default: "
+        "recognised by the file]",
+    ),
+]
+EncoderWeights = Annotated[
+    Path | None,
+    typer.Option("--weights", help="The file the encoder's authors release; see the README."),
+]
+EncoderHeads = Annotated[
+    int | None,
+    typer.Option(
+        "--heads", min=1, help="Attention heads of the encoder. [default: those of its width]"
+    ),
+]
+HeadsRunFolder = Annotated[
+    Path,
+    typer.Option(
+        "--run-folder", help="With --weights: tokens and heads are kept here, to continue from."
+    ),
+]
+HeadsPresetName = Annotated[
+    str,
+    typer.Option(
+        "--preset", help="With --weights: smoke or default, how long the encoder's heads learn."
+    ),
+]
 AsJson = Annotated[
     bool, typer.Option("--json", help="Print one JSON object as the last line instead of words.")
 ]

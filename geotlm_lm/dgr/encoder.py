@@ -39,15 +39,16 @@ class DGR(nn.Module):
     """Pool a learned shear change into a feature of the backbone's width (Eqs. 2-8).
 
     Args:
-        width: Width d of a patch token; the feature has the same width. At 768 the three
-            projections hold 13,827 parameters.
+        width: Width d of a patch token. At 768 the three projections hold 13,827 parameters.
+        feature_width: Width of the feature, which is that of the global token; None for `width`.
+            They differ where a global token is made of the whole grid.
     """
 
-    def __init__(self, width: int) -> None:
+    def __init__(self, width: int, feature_width: int | None = None) -> None:
         super().__init__()
         self.to_shear = nn.Linear(width, SHEAR_CHANNEL_COUNT)
         self.to_mask = nn.Linear(width, 1)
-        self.to_feature = nn.Linear(DESCRIPTOR_DIM, width)
+        self.to_feature = nn.Linear(DESCRIPTOR_DIM, feature_width or width)
 
     def forward(self, patches: Tensor) -> Geometry:
         """Compute the geometry of a batch of clips.

@@ -100,3 +100,61 @@ def preset_named(name: str) -> TrainingPreset:
     if name not in PRESETS:
         raise UsageError(f"there is no preset '{name}'; choose one of {', '.join(PRESETS)}.")
     return PRESETS[name]
+
+
+@dataclass(frozen=True)
+class HeadsPreset:
+    """Sizes and lengths of training DGR, probe and language model on a released encoder.
+
+    Args:
+        name: Name of the preset.
+        head_clips: Simulated clips the heads learn from.
+        validation_clips: Clips of objects that no weight sees: best epoch, calibration.
+        geometry_epochs: Epochs of DGR and probe (paper: 30).
+        language_steps: Steps of the language model.
+        language_batch: Questions per step.
+    """
+
+    name: str
+    head_clips: int
+    validation_clips: int
+    geometry_epochs: int
+    language_steps: int
+    language_batch: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields as plain JSON values."""
+        return asdict(self)
+
+
+HEADS_DEFAULT = HeadsPreset(
+    name="default",
+    head_clips=3_000,
+    validation_clips=500,
+    geometry_epochs=30,
+    language_steps=4_000,
+    language_batch=64,
+)
+
+HEADS_SMOKE = HeadsPreset(
+    name="smoke",
+    head_clips=80,
+    validation_clips=40,
+    geometry_epochs=3,
+    language_steps=60,
+    language_batch=32,
+)
+
+HEADS_PRESETS = {preset.name: preset for preset in (HEADS_SMOKE, HEADS_DEFAULT)}
+
+
+def heads_preset_named(name: str) -> HeadsPreset:
+    """Return the preset for heads called `name`.
+
+    Raises:
+        UsageError: If there is none.
+    """
+    if name not in HEADS_PRESETS:
+        known = ", ".join(HEADS_PRESETS)
+        raise UsageError(f"there is no preset '{name}'; choose one of {known}.")
+    return HEADS_PRESETS[name]

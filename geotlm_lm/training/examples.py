@@ -32,6 +32,7 @@ from geotlm_lm.training.progress import Progress
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.stem import View
+    from geotlm_lm.core.clip import Clip
     from geotlm_lm.simulation.simulate import SimulatedClip
 
 CHUNK_CLIPS = 250
@@ -168,36 +169,56 @@ def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:
     )
     for index, simulated in enumerate(clips, start=first):
         rng = generator_for(stage_seed, "form", index)
-        order = _frame_order(rng)
-        is_mirrored = rng.random() < MIRRORED_SHARE
-        example = _example(simulated, order, rng, is_mirrored=is_mirrored)
-        for name, values in zip(_ARRAYS, example, strict=True):
+        recorded = as_recorded(simulated, rng)
+        for name, values in zip(_ARRAYS, _example(recorded), strict=True):
             arrays[name].append(values)
-        label = simulated.label_until(max(order))
-        label = label.mirrored() if is_mirrored else label
-        about.append([simulated.object_name, label.to_dict()])
+        about.append([simulated.object_name, recorded.label.to_dict()])
         end_if_orphaned()
     stacked = {name: np.stack(values).astype(np.float16) for name, values in arrays.items()}
     with replacing(path) as stream:
         np.savez(stream, about=np.array(json.dumps(about)), **stacked)
 
 
-def _example(
-    simulated: SimulatedClip, order: list[int], rng: np.random.Generator, *, is_mirrored: bool
-) -> tuple[NDArray, ...]:
-    """Return the arrays of one example, in the order of `_ARRAYS`, its frames in `order`."""
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """A simulated clip the way a recording may come.
+
+    Args:
+        clip: Its four frames, the background known or estimated.
+        label: What happens until the last of them.
+        order: Which of the simulated frames they are.
+        truth: What was simulated, in the same image.
+    """
+
+    clip: Clip
+    label: MotionLabel
+    order: list[int]
+    truth: SimulatedClip
+
+
+def as_recorded(simulated: SimulatedClip, rng: np.random.Generator) -> Recorded:
+    """Draw a clip's form: all frames or a pair, through a mirror or not, an idle frame or none."""
     from dataclasses import replace
 
-    from geotlm_lm.backbone.stem import look
     from geotlm_lm.recordings.idle import estimate_background
 
+    order = _frame_order(rng)
+    is_mirrored = rng.random() < MIRRORED_SHARE
+    label = simulated.label_until(max(order))
     simulated = mirrored(simulated) if is_mirrored else simulated
     clip = simulated.clip.select(order)
     if rng.random() < UNKNOWN_BACKGROUND_SHARE:
         clip = replace(clip, background=estimate_background(clip.frames))
-    inputs, view = look(clip)
-    truth = truth_in(view, simulated)
-    return inputs, *(_bin_means(values[order]) for values in truth)
+    return Recorded(clip, label.mirrored() if is_mirrored else label, order, simulated)
+
+
+def _example(recorded: Recorded) -> tuple[NDArray, ...]:
+    """Return the arrays of one example, in the order of `_ARRAYS`."""
+    from geotlm_lm.backbone.stem import look
+
+    inputs, view = look(recorded.clip)
+    truth = truth_in(view, recorded.truth)
+    return inputs, *(_bin_means(values[recorded.order]) for values in truth)
 
 
 def mirrored(simulated: SimulatedClip) -> SimulatedClip:

@@ -34,6 +34,9 @@ HEAD_RATE, DGR_RATE, WEIGHT_DECAY, BATCH = 1e-3, 3e-4, 0.01, 32
 
 ALL_MOTIONS = tuple(Motion)
 
+MOST_PATCHES = 1000 * 392
+"""Patch tokens whose statistics are taken: a thousand clips of 2 x 14 x 14."""
+
 EQUAL_ACCURACY = 0.01
 """Lead in validation accuracy that says nothing: one and a half standard errors of the 600 clips
 that turn or slide."""
@@ -45,16 +48,17 @@ class TokenSet:
 
     Args:
         tokens: Frozen backbone's tokens, unstandardised, float16 or float32.
-        shear_change: True change of displacement between the bins, px, shape (n, 14, 14, 2).
-        contact: True contact, mean over bins, shape (n, 14, 14).
+        shear_change: True change of displacement between the bins, px, shape (n, 14, 14, 2); None
+            where only the classification loss shapes DGR.
+        contact: True contact, mean over bins, shape (n, 14, 14); None likewise.
         motions: Index into `ALL_MOTIONS`, shape (n,).
         is_readable: Whether the motion leaves a trace, bool, shape (n,).
         counts_motion: Whether the shear change is a target, bool, shape (n,).
     """
 
     tokens: Tokens
-    shear_change: Tensor
-    contact: Tensor
+    shear_change: Tensor | None
+    contact: Tensor | None
     motions: Tensor
     is_readable: Tensor
     counts_motion: Tensor
@@ -82,7 +86,7 @@ def train_geometry(
     validation: TokenSet,
     *,
     mode: DGRMode,
-    read_outs: DenseHeads,
+    read_outs: DenseHeads | None,
     epochs: int,
     seed: int,
     path: Path,
@@ -94,7 +98,8 @@ def train_geometry(
         validation: Other objects than in training.
         mode: Which losses shape DGR.
         read_outs: The linear maps to displacement and contact that the backbone was pretrained
-            through; grounded shear and mask start from them, being the same maps.
+            through; grounded shear and mask start from them, being the same maps. None will do
+            for `paper`.
         epochs: Epochs over the training split.
         seed: Root seed.
         path: Checkpoint, written after every epoch.
@@ -134,7 +139,7 @@ def train_geometry(
 def _fresh_model(tokens: Tokens, seed: int) -> GeometryModel:
     width = tokens.global_token.shape[-1]
     generator = torch.Generator().manual_seed(seed_for(seed, "weights", "dgr"))
-    dgr, probe = DGR(width), LinearProbe(width, ALL_MOTIONS)
+    dgr, probe = DGR(tokens.patches.shape[-1], width), LinearProbe(width, ALL_MOTIONS)
     for layer in (dgr.to_shear, dgr.to_mask, dgr.to_feature, probe.head):
         nn.init.normal_(layer.weight, 0, layer.in_features**-0.5, generator=generator)
         nn.init.zeros_(layer.bias)
@@ -177,7 +182,8 @@ def _restored(path: Path, model: GeometryModel, optimiser: torch.optim.Optimizer
 
 def fit_standardisers(tokens: Tokens) -> tuple[Standardiser, Standardiser]:
     """Fit the statistics of the global token and of the patch tokens, pooled over the grid."""
-    patches = tokens.patches[:: max(len(tokens) // 1000, 1)]
+    per_clip = tokens.patches[0, ..., 0].numel()
+    patches = tokens.patches[:: max(len(tokens) // max(MOST_PATCHES // per_clip, 1), 1)]
     return (
         Standardiser.fit(tokens.global_token.float()),
         Standardiser.fit(patches.reshape(-1, patches.shape[-1]).float()),

@@ -30,7 +30,7 @@ from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.calibration import fit_contact_threshold, fit_temperature
 from geotlm_lm.training.card import write_card
-from geotlm_lm.training.config import TrainingPreset, preset_named
+from geotlm_lm.training.config import HeadsPreset, TrainingPreset, preset_named
 from geotlm_lm.training.examples import Examples, ExampleSet, read_examples, simulate_examples
 from geotlm_lm.training.geometry import (
     ALL_MOTIONS,
@@ -82,7 +82,7 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
         model, modes = _train_perception(
             backbone, read_outs, heads, validation, settings, seed, out
         )
-        speaker = _train_speaker(perceive_examples(model, heads), settings, seed, out)
+        speaker = train_speaker(perceive_examples(model, heads), settings, seed, out)
         provenance = {
             "command": f"geotlm-lm train --preset {preset} --seed {seed} --workers {workers} "
             f"--out RUN_FOLDER",
@@ -94,7 +94,7 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
             "dgr_validation_accuracy": modes,
         }
         bundle = Bundle(model, speaker, load_templates().grammar(), Calibration(), provenance)
-        bundle.calibration = _calibrate(bundle, perceive_examples(model, validation), seed)
+        bundle.calibration = calibrated(bundle, perceive_examples(model, validation), seed)
         folder = out / "bundle"
         save_bundle(folder, bundle)
         # What is scored is what was written: half precision and all.
@@ -237,7 +237,10 @@ def _token_set(backbone: FrozenBackbone, examples: Examples, count: int) -> Toke
     )
 
 
-def _train_speaker(heads: ClipSet, settings: TrainingPreset, seed: int, out: Path) -> Speaker:
+def train_speaker(
+    heads: ClipSet, settings: TrainingPreset | HeadsPreset, seed: int, out: Path
+) -> Speaker:
+    """Train the language model on the readable clips of `heads`; its checkpoint lies in `out`."""
     readable = [i for i, label in enumerate(heads.labels) if label.is_readable]
     progress = Progress("train language", settings.language_steps)
     return train_language(
@@ -251,7 +254,8 @@ def _train_speaker(heads: ClipSet, settings: TrainingPreset, seed: int, out: Pat
     )
 
 
-def _calibrate(bundle: Bundle, validation: ClipSet, seed: int) -> Calibration:
+def calibrated(bundle: Bundle, validation: ClipSet, seed: int) -> Calibration:
+    """Fit temperature and contact threshold on clips that no weight has seen."""
     likelihoods, truths = true_option_likelihoods(bundle, validation, seed)
     is_touched = np.array([label.motion is not Motion.NONE for label in validation.labels])
     return Calibration(

@@ -282,3 +282,14 @@ def test_oracle_files_are_recognised_and_every_other_name_refuses_them(name):
     for other in ENCODERS.keys() - {name}:
         with pytest.raises(IncompatibleWeights, match=f"is not {ENCODERS[other].title}: "):
             oracle.load(name=other)
+
+
+def test_the_trunk_of_t3_is_told_from_the_encoder_of_a_sensor(tmp_path):
+    write_small("t3", tmp_path)
+    for name in (None, "t3"):
+        with pytest.raises(IncompatibleWeights) as caught:
+            load_encoder(tmp_path / "trunk.pth", name, heads=2)
+        assert str(caught.value) == (
+            f"{tmp_path / 'trunk.pth'}: is T3's trunk, expected the encoder of a sensor; give that "
+            f"file, encoders/mini.pth for GelSight Mini, and leave the trunk beside its folder."
+        )

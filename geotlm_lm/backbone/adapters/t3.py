@@ -62,19 +62,22 @@ class T3(Adapter):
     released_heads = {768: 12}
 
     def claims(self, tensors: dict[str, Tensor]) -> bool:
-        """Tell a sensor's encoder by its stem of one frame, its global token and its positions."""
-        stem, positions = tensors.get("patch_embed.proj.weight"), tensors.get("pos_embed")
-        has_all = stem is not None and positions is not None and "cls_token" in tensors
-        return has_all and stem.ndim == 4 and positions.ndim == 3
+        """Tell T3 by the sensor's encoder, or by the trunk, which alone is refused later."""
+        return _is_encoder(tensors) or _is_trunk(tensors)
 
     def complete(self, path: Path, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
         """Add the trunk's tensors, and tell both apart by a prefix.
 
         Raises:
-            IncompatibleWeights: If the encoder has no trunk beside it.
+            IncompatibleWeights: If the encoder has no trunk beside it, or this is the trunk.
         """
+        if _is_trunk(tensors):
+            raise IncompatibleWeights(
+                f"{path}: is T3's trunk, expected the encoder of a sensor; give that file, "
+                f"encoders/mini.pth for GelSight Mini, and leave the trunk beside its folder."
+            )
         parts = {f"{ENCODER}{name}": value for name, value in tensors.items()}
-        if not self.claims(tensors):
+        if not _is_encoder(tensors):
             return parts  # what is missing of the encoder is told first
         places = [folder / TRUNK_FILE for folder in (path.parent, path.parent.parent)]
         trunk = next((place for place in places if place.is_file()), None)
@@ -143,6 +146,17 @@ class T3(Adapter):
         """Return the square that is read; None where it is none in the squashed image."""
         rows, columns = unsquashed(clip.frames[0]).shape[:2]
         return View(side_px=IMAGE_SIDE * CUT) if rows == columns else None
+
+
+def _is_encoder(tensors: dict[str, Tensor]) -> bool:
+    stem, positions = tensors.get("patch_embed.proj.weight"), tensors.get("pos_embed")
+    has_all = stem is not None and positions is not None and "cls_token" in tensors
+    return has_all and stem.ndim == 4 and positions.ndim == 3
+
+
+def _is_trunk(tensors: dict[str, Tensor]) -> bool:
+    has_blocks = {"blocks.0.attn.qkv.weight", "norm.weight"} <= tensors.keys()
+    return has_blocks and not any(name.startswith("patch_embed.") for name in tensors)
 
 
 def encoder_depth(module: ImageViT) -> int:

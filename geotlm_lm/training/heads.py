@@ -1,0 +1,149 @@
+"""Train DGR, probe and language model on a released encoder; its own weights stay as they are.
+
+The heads learn from simulated clips alone. DGR is trained the paper's way: no released encoder was
+pretrained towards a displacement that its shear could start from.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import torch
+
+from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.checkpoint import Bundle, Calibration
+from geotlm_lm.core.atomic import write_text_atomically
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.data.templates import load_templates
+from geotlm_lm.model import GeoTLM
+from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
+from geotlm_lm.simulation.series import SERIES_VERSION
+from geotlm_lm.training.config import HeadsPreset, heads_preset_named
+from geotlm_lm.training.encoded import EncodedClips, encode_examples
+from geotlm_lm.training.examples import ExampleSet
+from geotlm_lm.training.geometry import (
+    ALL_MOTIONS,
+    TokenSet,
+    train_geometry,
+    train_global_probe,
+)
+from geotlm_lm.training.motion_loss import counts_motion
+from geotlm_lm.training.scoring import ClipSet
+from geotlm_lm.training.train import RUN_FILE, VALIDATION_EVERY, calibrated, train_speaker
+
+if TYPE_CHECKING:
+    from geotlm_lm.backbone.released import ReleasedEncoder
+
+PERCEIVE_BATCH = 64
+
+
+def train_heads(encoder: ReleasedEncoder, preset: str, out: Path, seed: int) -> Bundle:
+    """Return a model that sees through `encoder`; the heads' checkpoints are kept in `out`.
+
+    Args:
+        encoder: The encoder.
+        preset: Name of a preset for heads.
+        out: Run folder; a run of the same encoder, preset and seed in it is continued.
+        seed: Root seed.
+
+    Raises:
+        UsageError: If the preset is unknown or the folder holds another run.
+    """
+    settings = heads_preset_named(preset)
+    about = _claim(out, encoder, settings, seed)
+    heads, validation = (
+        encode_examples(encoder, out / "tokens", one, seed=seed) for one in _sets(settings)
+    )
+    model = _train_perception(encoder, heads, validation, settings, seed, out)
+    speaker = train_speaker(_perceived(model, heads), settings, seed, out)
+    bundle = Bundle(model, speaker, load_templates().grammar(), Calibration(), about)
+    bundle.calibration = calibrated(bundle, _perceived(model, validation), seed)
+    return bundle
+
+
+def _sets(settings: HeadsPreset) -> tuple[ExampleSet, ExampleSet]:
+    """Return the clips to learn from and those to validate on, of other objects."""
+    kept = TRAINING_OBJECTS[::VALIDATION_EVERY]
+    learned = tuple(name for name in TRAINING_OBJECTS if name not in kept)
+    return (
+        ExampleSet("heads", settings.head_clips, learned),
+        ExampleSet("validation", settings.validation_clips, kept),
+    )
+
+
+def _claim(out: Path, encoder: ReleasedEncoder, settings: HeadsPreset, seed: int) -> dict:
+    """Mark `out` as the folder of this run and say what it is, or refuse a folder of another."""
+    about = encoder.describe() | {"preset": settings.to_dict(), "seed": seed}
+    about |= {"series": SERIES_VERSION}
+    path = out / RUN_FILE
+    if path.exists() and json.loads(path.read_text()) != about:
+        raise UsageError(
+            f"{out} holds a run of another encoder, preset, seed or version of this program; give "
+            f"an empty folder by --run-folder, or continue the run as it began."
+        )
+    write_text_atomically(path, json.dumps(about, indent=1) + "\n")
+    return about
+
+
+def _train_perception(
+    encoder: ReleasedEncoder,
+    heads: EncodedClips,
+    validation: EncodedClips,
+    settings: HeadsPreset,
+    seed: int,
+    out: Path,
+) -> GeoTLM:
+    train_set, validation_set = _token_set(heads), _token_set(validation)
+    epochs = settings.geometry_epochs
+    trained = train_geometry(
+        train_set,
+        validation_set,
+        mode="paper",
+        read_outs=None,
+        epochs=epochs,
+        seed=seed,
+        path=out / "dgr_paper.pt",
+    )
+    global_probe = train_global_probe(
+        train_set, validation_set, trained.global_standardiser, epochs=epochs, seed=seed
+    )
+    return GeoTLM(
+        backbone=encoder,
+        global_standardiser=trained.global_standardiser,
+        patch_standardiser=trained.patch_standardiser,
+        dgr=trained.dgr.eval().requires_grad_(False),
+        probe=trained.probe.eval().requires_grad_(False),
+        global_probe=global_probe.eval().requires_grad_(False),
+    )
+
+
+def _token_set(clips: EncodedClips) -> TokenSet:
+    return TokenSet(
+        tokens=clips.tokens,
+        shear_change=None,
+        contact=None,
+        motions=torch.tensor([ALL_MOTIONS.index(label.motion) for label in clips.labels]),
+        is_readable=torch.tensor([label.is_readable for label in clips.labels]),
+        counts_motion=torch.tensor([counts_motion(label) for label in clips.labels]),
+    )
+
+
+def _perceived(model: GeoTLM, clips: EncodedClips) -> ClipSet:
+    """Return fused token, global token and contact share of every clip."""
+    fused, plain, contact = [], [], []
+    for start in range(0, len(clips), PERCEIVE_BATCH):
+        rows = slice(start, start + PERCEIVE_BATCH)
+        tokens = Tokens(clips.tokens.global_token[rows], clips.tokens.patches[rows].float())
+        perception = model.fuse(tokens)
+        fused.append(perception.fused_token)
+        plain.append(perception.global_token)
+        contact.append(perception.geometry.region_mass[:, -1])
+    return ClipSet(
+        fused_tokens=torch.cat(fused),
+        global_tokens=torch.cat(plain),
+        contact_share=torch.cat(contact).numpy(),
+        labels=clips.labels,
+        objects=clips.objects,
+    )
