@@ -160,7 +160,7 @@ def test_oracle_sees_a_wrong_epsilon(name):
     oracle = Oracle(name)
     module = oracle.load().module.double()
     wrong = reconfigured(module, block_eps=(WRONG_EPS[name],) * len(module.blocks))
-    assert main_output(name, wrong, oracle) > 1e3 * FLOAT64_TOLERANCE
+    assert main_output(name, wrong, oracle) > 1e-7
 
 
 @pytest.mark.parametrize("part", ["encoder", "trunk"])
@@ -297,10 +297,11 @@ def test_oracle_tokens_of_the_seam_are_early_first_and_upright_for_sparsh():
 def test_oracle_tokens_of_the_seam_are_means_over_the_frames_of_a_bin(name):
     oracle = Oracle(name)
     encoder = oracle.load()
-    a, b = oracle.inputs("image")
+    a, b = oracle.inputs("image")[:2]
     tokens = encoder.adapter.tokens(encoder.module.double(), torch.stack([a, b, b, b])[None])
     grids = oracle.stored["out.latent"].movedim(1, -1) if name == "unit" else None
     grids = oracle.stored["out.patch_grid"] if grids is None else grids
+    grids = grids[:2]
     flat = oracle.stored["out.latent_flat" if name == "unit" else "out.global"]
     torch.testing.assert_close(tokens.patches[0], torch.stack([grids.mean(0), grids[1]]))
     torch.testing.assert_close(tokens.global_token[0], (flat[0] + 3 * flat[1]) / 4)
