@@ -100,6 +100,11 @@ def _plain_dict(*_: Any) -> dict:
     return {}
 
 
+def _plain_list(*_: Any) -> list:
+    """Stand in for `deque`, for the same reason."""
+    return []
+
+
 class _StandIn:
     """An object of a class that need not be installed: takes anything, does nothing."""
 
@@ -119,11 +124,18 @@ _HARMLESS: dict[str, Callable] = {
     "builtins.int": int,
     "builtins.float": float,
     "collections.defaultdict": _plain_dict,
+    "collections.deque": _plain_list,
 }
 """What is loaded as itself, or as the plain form of itself."""
 
-_INERT = ("pathlib.", "datetime.", "enum.", "typing.", "decimal.", "fractions.", "uuid.")
-"""Parts of the standard library that hold data; they too become stand-ins."""
+_INERT = (
+    *("pathlib.", "datetime.", "enum.", "typing.", "decimal.", "fractions.", "uuid."),
+    *(f"builtins.{name}" for name in ("bytearray", "bytes", "complex", "frozenset", "object")),
+    *("builtins.range", "builtins.slice", "builtins.tuple", "collections.Counter"),
+    *("_codecs.encode", "copyreg._reconstructor", "functools.partial", "types.SimpleNamespace"),
+)
+"""Parts of the standard library in which training programs keep their state, numpy's arrays among
+it; they become stand-ins too, so that even `partial` calls nothing."""
 
 
 def _name_today(name: str) -> str:

@@ -2,10 +2,14 @@
 
 import argparse
 import collections
+import enum
+import functools
+import pathlib
 import pickle
 import sys
 import types
 
+import numpy as np
 import pytest
 import torch
 from safetensors.torch import save_file
@@ -58,6 +62,10 @@ def test_a_legacy_pickle_of_plain_tensors_is_read(tmp_path):
     assert same(read_tensors(tmp_path / "old.pth"))
 
 
+class Mode(enum.Enum):
+    MIN = "min"
+
+
 @pytest.fixture
 def foreign_module():
     """A module of classes that exist while a file is written and are gone when it is read."""
@@ -88,6 +96,11 @@ def test_objects_of_classes_that_are_not_installed_are_read_over(tmp_path, forei
         "state_dict": TENSORS,
         "args": argparse.Namespace(rate=0.1),
         "scheduler": foreign_module.Scheduler(optimiser),
+        "metrics": {"best": np.float64(0.5), "history": np.arange(3), "mode": Mode.MIN},
+        "schedule": functools.partial(foreign_module.Scheduler, 1),
+        "window": collections.deque([1, 2], maxlen=3),
+        "counts": collections.Counter("aab"),
+        "where": [pathlib.Path("runs"), slice(0, 2), frozenset({1}), complex(1, 2), b"x"],
         "callbacks": {foreign_module.Scheduler: {"best": 1.0}, "other": foreign_module.Reduced()},
     }
     torch.save(stored, tmp_path / "training.ckpt")
@@ -109,6 +122,7 @@ ATTACKS = {
     "io.open": lambda mark: Evil(open, str(mark), "w"),
     "subprocess.call": lambda mark: Evil(__import__("subprocess").call, ["touch", str(mark)]),
     "posix.system": lambda mark: Evil(__import__("os").system, f"touch {mark}"),
+    "builtins.getattr": lambda mark: Evil(getattr, Evil(open, str(mark), "w"), "close"),
     "shutil.copy": lambda mark: Evil(__import__("shutil").copyfile, __file__, str(mark)),
 }
 
