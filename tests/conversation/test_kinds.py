@@ -74,3 +74,25 @@ def test_the_options_of_a_choice_are_read_with_their_letters(wordings):
 def test_words_of_motion_in_another_sense_name_no_motion(text, named):
     assert motions_named(text) == named
     assert claimed_motion(text) == (next(iter(named)) if len(named) == 1 else None)
+
+
+@pytest.mark.parametrize(
+    ("question", "kind"),
+    [
+        ("Is it speeding up?", "rate"),
+        ("Is the lid accelerating?", "rate"),
+        ("More than 5 degrees?", "magnitude"),
+        ("how many degrees was that", "magnitude"),
+        ("deg per second?", "rate"),
+        ("which way would undo that", "undo"),
+        ("does righty tighten it", "thread"),
+        ("and rewound?", "reversed"),
+        ("what colour is it?", None),
+        ("is it cw?", None),
+        ("Which way is the belt going?", None),
+        ("is it not touching anything?", None),
+        ("", None),
+    ],
+)
+def test_questions_nobody_wrote_a_template_for_find_their_kind(question, kind):
+    assert asked_kind(question) == kind
