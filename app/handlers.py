@@ -92,7 +92,11 @@ def ask(answerer: Answerer, shown: Shown | None, question: str) -> Reply:
     if shown is None:
         raise GeoTLMError("No recording is open; upload a clip first.")
     answer = answerer.ask(shown.encoded, question)
-    told = "" if answer.abstained else f"  ({100 * answer.confidence:.0f} % sure)"
+    told = (
+        ""
+        if answer.abstained or not answer.options
+        else f"  ({100 * answer.confidence:.0f} % sure)"
+    )
     return Reply(answer.text + told, dict(answer.options), answer.to_dict())
 
 

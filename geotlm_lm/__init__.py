@@ -15,6 +15,7 @@ _HOME_OF = {
     "FrameSpec": "geotlm_lm.core.frame_spec",
     "GeoTLMError": "geotlm_lm.core.errors",
     "Motion": "geotlm_lm.core.labels",
+    "Session": "geotlm_lm.answering",
     "read_clip": "geotlm_lm.recordings.read",
 }
 

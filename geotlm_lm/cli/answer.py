@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
@@ -32,6 +33,9 @@ def answer(
     model: Annotated[
         Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
     ] = None,
+    why: Annotated[
+        bool, typer.Option("--why", help="Print the reasons before the answer, one a line.")
+    ] = False,
     fail_on_abstain: Annotated[
         bool, typer.Option("--fail-on-abstain", help="Exit with code 5 if the model will not say.")
     ] = False,
@@ -56,10 +60,18 @@ def answer(
     from geotlm_lm.answering import Answerer
 
     answerer = Answerer.load(model)
-    reply = answerer.ask(answerer.encode(recording, span=span), question)
+    encoded = answerer.encode(recording, span=span)
+    reply = answerer.ask(encoded, question)
     for note in reply.notes:
         print(f"note: {note}", file=sys.stderr)
-    print(json.dumps(reply.to_dict()) if as_json else reply.text)
+    reasons = answerer.why(encoded, reply) if why else None
+    if reasons is not None:
+        print(f"note: the reasons are told {reasons.source}", file=sys.stderr)
+    if as_json:
+        told = {} if reasons is None else {"why": asdict(reasons)}
+        print(json.dumps(reply.to_dict() | told))
+    else:
+        print("\n".join((*(reasons.steps[:-1] if reasons else ()), reply.text)))
     if fail_on_abstain and reply.abstained:
         raise Abstained(
             f"{clip}: the model would not answer; see `geotlm-lm info --clip {clip}` for contact, "

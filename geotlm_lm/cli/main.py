@@ -9,6 +9,7 @@ import typer
 
 from geotlm_lm import __version__
 from geotlm_lm.cli.answer import answer
+from geotlm_lm.cli.chat import chat
 from geotlm_lm.cli.evaluate import evaluate
 from geotlm_lm.cli.info import info
 from geotlm_lm.cli.report import app as report
@@ -34,7 +35,7 @@ STOPPED = "Stopped; files already complete are kept."
 ParseError = typer.BadParameter.__base__
 """What the option parser raises on unknown or missing options; typer names no public alias."""
 
-for command in (answer, info, simulate, train):
+for command in (answer, chat, info, simulate, train):
     app.command()(command)
 app.command(epilog="Example: geotlm-lm evaluate --clips 40 --out reports/mine.json")(evaluate)
 app.add_typer(report, name="report")

@@ -6,23 +6,22 @@ Knows the label and the templates; never sees a frame or a model.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from geotlm_lm.core.labels import Motion, MotionClass, MotionLabel, motion_class
-from geotlm_lm.data.rivals import draw_option_set
-from geotlm_lm.data.templates import FORMS, QuestionType, Templates, Wording, load_templates
+from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.data.contents import CONTENTS, amount_of
+from geotlm_lm.data.templates import QuestionType, Templates, load_templates
 from geotlm_lm.language.parse_answer import Slots
 
 WORDINGS = Literal["seen", "held_out"]
 
-NEEDS_READABLE = ("T1", "T2", "T3", "T5", "T16")
-"""Types not asked where the image does not show the motion: their answer could only be guessed."""
-
-OPTION_STYLES = ("{letter}) {text}", "({letter}) {text}", "{letter}. {text}", "{letter}: {text}")
+ANYTIME = ("T6", "T9", "T17", "T19", "T22")
+"""Types asked even where the image does not show the motion: their answer does not depend on it.
+Every other answer could only be guessed there."""
 
 # People type as they like: shares of questions written that way.
 LOWER_CASE_SHARE = 0.3
@@ -37,7 +36,10 @@ TYPO_MIN_LETTERS = 5
 
 @dataclass(frozen=True)
 class QuestionAnswer:
-    """A question, its true answer, and the closed set of answers it may be scored over."""
+    """A question, its true answer, and the closed set of answers it may be scored over.
+
+    `amount` is the true one, before it was rounded to an answer's; None where none is asked.
+    """
 
     type_id: str
     wording_id: str
@@ -45,6 +47,7 @@ class QuestionAnswer:
     answer: str
     slots: Slots
     options: tuple[str, ...]
+    amount: float | None = None
 
 
 def questions_for(
@@ -72,7 +75,7 @@ def questions_for(
     return [
         _ask(templates, templates.types[type_id], label, rng, wordings)
         for type_id in wanted
-        if label.is_readable or type_id not in NEEDS_READABLE
+        if label.is_readable or type_id in ANYTIME
         for _ in range(per_type)
     ]
 
@@ -80,9 +83,7 @@ def questions_for(
 def askable_types(label: MotionLabel) -> tuple[str, ...]:
     """Return the ids of the types whose answer `label` decides."""
     return tuple(
-        type_id
-        for type_id in load_templates().types
-        if label.is_readable or type_id not in NEEDS_READABLE
+        type_id for type_id in load_templates().types if label.is_readable or type_id in ANYTIME
     )
 
 
@@ -104,7 +105,7 @@ def _ask(
 ) -> QuestionAnswer:
     among = kind.among(wordings)
     wording = among[int(rng.integers(len(among)))]
-    text, slots, options = _CONTENT[kind.kind](templates, kind, wording, label, rng)
+    text, slots, options = CONTENTS[kind.kind](templates, kind, wording, label, rng)
     sentences = {filled: sentence for sentence, filled in kind.answers.items()}
     filled = templates.fill(text, rng, held_out=wordings == "held_out")
     return QuestionAnswer(
@@ -114,6 +115,7 @@ def _ask(
         answer=sentences[slots],
         slots=slots,
         options=tuple(sentences[option] for option in options),
+        amount=amount_of(label) if slots.amount is not None else None,
     )
 
 
@@ -156,101 +158,3 @@ def with_typo(question: str, rng: np.random.Generator) -> str:
     if letter != following:
         slips.append(following + letter)
     return question[:at] + slips[int(rng.integers(len(slips)))] + question[at + 2 :]
-
-
-_Content = tuple[str, Slots, list[Slots]]
-
-
-def _direction(
-    _: Templates, kind: QuestionType, wording: Wording, label: MotionLabel, rng: np.random.Generator
-) -> _Content:
-    return wording.text, Slots("direction", label.motion), list(kind.answers.values())
-
-
-def _verify(
-    templates: Templates,
-    kind: QuestionType,
-    wording: Wording,
-    label: MotionLabel,
-    rng: np.random.Generator,
-) -> _Content:
-    """Claim the true motion or its rival, each half of the time."""
-    (rival,) = (m for m in draw_option_set(label.motion, 2, rng) if m != label.motion)
-    is_true = bool(rng.random() < 0.5)
-    claim = label.motion if is_true else rival
-    text = wording.text
-    for form in FORMS:
-        phrases = templates.phrases[claim][form]
-        text = text.replace(f"{{{form}}}", phrases[int(rng.integers(len(phrases)))])
-    options = [Slots("verify", motion, motion == claim) for motion in Motion]
-    return text, Slots("verify", label.motion, is_true), options
-
-
-def _choice(
-    templates: Templates,
-    kind: QuestionType,
-    wording: Wording,
-    label: MotionLabel,
-    rng: np.random.Generator,
-) -> _Content:
-    """Offer the true motion among one to three rivals, in random order."""
-    motions = draw_option_set(label.motion, int(rng.integers(2, 5)), rng)
-    motions = [motions[i] for i in rng.permutation(len(motions))]
-    letters = "ABCD"[: len(motions)]
-    style = OPTION_STYLES[int(rng.integers(len(OPTION_STYLES)))]
-    form = templates.phrases
-    lines = []
-    for letter, motion in zip(letters, motions, strict=True):
-        phrases = form[motion]["short"]
-        phrase = phrases[int(rng.integers(len(phrases)))]
-        lines.append(style.replace("{letter}", letter).replace("{text}", phrase))
-    text = wording.text.replace("{options}", (", ", " ", "; ")[int(rng.integers(3))].join(lines))
-    options = [
-        Slots("choice", motion, letter=letter)
-        for letter, motion in zip(letters, motions, strict=True)
-    ]
-    return text, options[motions.index(label.motion)], options
-
-
-def _class(
-    _: Templates, kind: QuestionType, wording: Wording, label: MotionLabel, rng: np.random.Generator
-) -> _Content:
-    slots = Slots("class", motion_class=motion_class(label.motion))
-    return wording.text, slots, list(kind.answers.values())
-
-
-def _contact(
-    _: Templates, kind: QuestionType, wording: Wording, label: MotionLabel, rng: np.random.Generator
-) -> _Content:
-    slots = Slots("contact", verdict=label.motion != Motion.NONE)
-    return wording.text, slots, list(kind.answers.values())
-
-
-def _moving(
-    _: Templates, kind: QuestionType, wording: Wording, label: MotionLabel, rng: np.random.Generator
-) -> _Content:
-    rest = motion_class(label.motion)
-    is_at_rest = rest in (MotionClass.STILL, MotionClass.NONE)
-    slots = Slots("moving", verdict=not is_at_rest, motion_class=rest if is_at_rest else None)
-    return wording.text, slots, list(kind.answers.values())
-
-
-def _refusal(
-    templates: Templates,
-    kind: QuestionType,
-    wording: Wording,
-    label: MotionLabel,
-    rng: np.random.Generator,
-) -> _Content:
-    return wording.text, Slots("refusal"), list(kind.answers.values())
-
-
-_CONTENT: dict[str, Callable[..., _Content]] = {
-    "direction": _direction,
-    "verify": _verify,
-    "choice": _choice,
-    "class": _class,
-    "contact": _contact,
-    "moving": _moving,
-    "refusal": _refusal,
-}

@@ -23,7 +23,7 @@ from geotlm_lm.language.parse_answer import KINDS, AnswerGrammar, Slots
 FORMS = ("doing", "naming", "short")
 """Grammatical forms every motion is written in: "Is it ...?", "Is this ...?", "...?"."""
 
-FILLED_BY_QUESTION = {"T2": FORMS, "T3": ("options",)}
+FILLED_BY_QUESTION = {"T2": FORMS, "T3": ("options",), "T4": FORMS, "T18": FORMS}
 """Slots that depend on the clip and are filled by `data.questions`, per type."""
 
 _BRACES = re.compile(r"\{(\w+)\}")

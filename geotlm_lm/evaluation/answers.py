@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from enum import StrEnum
+from typing import Literal
 
 from geotlm_lm.core.labels import DIRECTED, Motion
 
@@ -48,3 +49,14 @@ def false_claim_rate(truths: Sequence[Motion], answers: Sequence[Motion | None])
     if not undirected:
         return None
     return sum(answer in DIRECTED for answer in undirected) / len(undirected)
+
+
+TOLERANCES = {"deg": 2.0, "mm": 0.2}
+"""Least error of an amount that still counts as right, by unit; a fifth of the true amount does."""
+
+RELATIVE_TOLERANCE = 0.2
+
+
+def within_tolerance(said: float, true: float, unit: Literal["deg", "mm"]) -> bool:
+    """Tell whether an amount is right: off by 2 degrees or 0.2 mm, or by a fifth, at most."""
+    return abs(said - true) <= max(TOLERANCES[unit], RELATIVE_TOLERANCE * true)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -12,8 +12,33 @@ from geotlm_lm.core.errors import IncompatibleBundle
 from geotlm_lm.core.labels import Motion, MotionClass
 from geotlm_lm.core.record import write_text_atomically
 
-Kind = Literal["direction", "verify", "choice", "class", "contact", "moving", "refusal"]
+Kind = Literal[
+    "direction",
+    "verify",
+    "choice",
+    "negation",
+    "class",
+    "contact",
+    "magnitude",
+    "rate",
+    "comparison",
+    "evidence",
+    "viewpoint",
+    "actor",
+    "thread",
+    "mirrored",
+    "reversed",
+    "moving",
+    "refusal",
+    "premise",
+    "confidence",
+    "undo",
+    "order",
+]
 KINDS: tuple[str, ...] = get_args(Kind)
+
+Unit = Literal["deg", "mm"]
+"""Of an amount: degrees of turning, millimetres of sliding."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +51,8 @@ class Slots:
         verdict: Its yes or no.
         letter: The option it picks.
         motion_class: The kind of motion it claims.
+        amount: How much it moved between the first and the last frame, in `unit`.
+        unit: Of the amount.
     """
 
     kind: Kind
@@ -33,6 +60,8 @@ class Slots:
     verdict: bool | None = None
     letter: str | None = None
     motion_class: MotionClass | None = None
+    amount: float | None = None
+    unit: Unit | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the filled slots as plain JSON values."""
@@ -49,7 +78,7 @@ class Slots:
         Raises:
             ValueError: If a name or a value is none of the known ones.
         """
-        unknown = set(values) - {"kind", "direction", "verdict", "letter", "motion_class"}
+        unknown = set(values) - {name.name for name in fields(cls)}
         if unknown or values.get("kind") not in KINDS:
             raise ValueError(f"unknown slots {sorted(unknown)} or kind {values.get('kind')!r}")
         converted = dict(values)
@@ -57,6 +86,10 @@ class Slots:
             converted["direction"] = Motion(values["direction"])
         if "motion_class" in values:
             converted["motion_class"] = MotionClass(values["motion_class"])
+        if "amount" in values:
+            converted["amount"] = float(values["amount"])
+        if values.get("unit", "deg") not in get_args(Unit):
+            raise ValueError(f"unknown unit {values['unit']!r}")
         return cls(**converted)
 
 
@@ -96,6 +129,11 @@ class AnswerGrammar:
             KeyError: If no answer carries these slots.
         """
         return self._sentences[slots]
+
+    @property
+    def kinds(self) -> frozenset[str]:
+        """What sorts of question a model of this grammar was trained to answer."""
+        return frozenset(slots.kind for slots in self._slots.values())
 
     def options_for(self, kind: str) -> list[str]:
         """Return every answer of `kind`, in the order of the templates."""

@@ -30,7 +30,7 @@ from geotlm_lm.training.language_checkpoint import restore_language, store_langu
 
 Progress = Callable[[int, int, float], None]
 
-CORPUS_ROUNDS = 40
+CORPUS_ROUNDS = 16
 """Questions per type and motion the vocabulary is built from; enough to fill it."""
 
 CHECKPOINT_EVERY_S = 30.0

@@ -1,5 +1,6 @@
 """A stand-in for the model: answers at once, remembers what it was asked."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 from geotlm_lm.recordings.choose import choose_frames
@@ -28,3 +29,12 @@ class FakeAnswerer:
             notes=("Frames 0, 1, 2, 3 are used.",),
             to_dict=lambda: {"text": "Clockwise.", "direction": "clockwise"},
         )
+
+    def why(self, encoded, answer):
+        return Why(("Contact fills the gel.", f"Therefore: {answer.text}"), "by rule")
+
+
+@dataclass(frozen=True)
+class Why:
+    steps: tuple
+    source: str

@@ -49,6 +49,22 @@ def test_json_is_one_object_on_the_last_line(capsys, answerer, clip_path):
     assert json.loads(out.splitlines()[-1]) == {"text": "Clockwise.", "direction": "clockwise"}
 
 
+def test_why_prints_the_reasons_before_the_answer_and_their_source_aside(
+    capsys, answerer, clip_path
+):
+    code, out, err = run(capsys, "answer", "--clip", clip_path, "--q", "Which way?", "--why")
+    assert (code, out) == (0, "Contact fills the gel.\nClockwise.\n")
+    assert err.splitlines()[-1] == "note: the reasons are told by rule"
+
+
+def test_why_stands_beside_the_answer_in_json(capsys, answerer, clip_path):
+    options = ["--q", "Which way?", "--why", "--json"]
+    _, out, _ = run(capsys, "answer", "--clip", clip_path, *options)
+    told = json.loads(out)
+    assert told["direction"] == "clockwise"
+    assert told["why"]["source"] == "by rule"
+
+
 def test_the_frames_asked_for_are_the_ones_the_model_is_given(capsys, answerer, clip_path):
     run(capsys, "answer", "--clip", clip_path, "--q", "Which way?", "--frames", "10:19")
     assert answerer.spans == [(10, 19)]

@@ -14,7 +14,16 @@ PACKAGE = Path(geotlm_lm.__file__).parent
 
 LEVELS = (
     {"core"},
-    {"simulation", "recordings", "backbone", "dgr", "probe", "language", "evaluation"},
+    {
+        "simulation",
+        "recordings",
+        "backbone",
+        "dgr",
+        "probe",
+        "language",
+        "evaluation",
+        "conversation",
+    },
     {"model", "data"},
     {"checkpoint"},
     {"answering", "training"},
@@ -30,6 +39,7 @@ FORBIDDEN = {
     "simulation": {"transformers", "typer", "gradio", "sklearn"},
     "dgr": {"transformers", "cv2", "typer", "gradio"},
     "language": {"cv2", "typer", "gradio"},
+    "conversation": {"torch", "cv2", "scipy", "sklearn", "transformers", "typer", "gradio"},
 }
 """Outside packages a room must do without, anywhere in it."""
 

@@ -1,3 +1,4 @@
+import re
 from collections import Counter
 
 import numpy as np
@@ -6,8 +7,10 @@ from sklearn.feature_extraction.text import TfidfVectorizer
 from sklearn.linear_model import LogisticRegression
 
 from geotlm_lm.core.labels import Motion, MotionClass, MotionLabel
+from geotlm_lm.data.contents import amount_of
 from geotlm_lm.data.questions import questions_for, with_typo
 from geotlm_lm.data.rivals import PAIRS, SECOND_PAIR, draw_option_set
+from geotlm_lm.data.templates import load_templates
 
 ROUNDS = 120
 
@@ -27,12 +30,15 @@ def asked():
 
 def target(question):
     """What a leak would betray: the verdict, the letter, or else the whole answer."""
-    return {"T2": question.slots.verdict, "T3": question.slots.letter}.get(
-        question.type_id, question.answer
-    )
+    verdicts = dict.fromkeys(("T2", "T4", "T18"), question.slots.verdict)
+    return (verdicts | {"T3": question.slots.letter}).get(question.type_id, question.answer)
 
 
-@pytest.mark.parametrize("type_id", ["T1", "T2", "T3", "T5", "T6", "T16"])
+ONE_ANSWER = {"T9", "T17", "T19", "T22"}
+"""Types whose questions are all answered alike: there is nothing to betray."""
+
+
+@pytest.mark.parametrize("type_id", sorted(set(load_templates().types) - ONE_ANSWER))
 def test_question_text_alone_predicts_no_answer(asked, type_id):
     of_type = [question for question in asked if question.type_id == type_id]
     if type_id == "T3":  # with fewer options fewer letters are possible, and that is no leak
@@ -49,11 +55,13 @@ def test_question_text_alone_predicts_no_answer(asked, type_id):
     assert accuracy < chance + 4 * np.sqrt(chance * (1 - chance) / len(test))
 
 
-def test_a_claim_is_true_half_of_the_time_whatever_it_claims(asked):
-    verify = [question for question in asked if question.type_id == "T2"]
+@pytest.mark.parametrize(
+    ("type_id", "of_claim"), [("T2", "Yes"), ("T4", "It is: "), ("T18", "That holds")]
+)
+def test_a_claim_is_true_half_of_the_time_whatever_it_claims(asked, type_id, of_claim):
     by_claim = {}
-    for question in verify:
-        claim = next(o for o in question.options if o.startswith("Yes"))
+    for question in (question for question in asked if question.type_id == type_id):
+        claim = next(o for o in question.options if o.startswith(of_claim))
         by_claim.setdefault(claim, []).append(question.slots.verdict)
     assert len(by_claim) == len(Motion)
     for verdicts in by_claim.values():
@@ -110,7 +118,8 @@ def test_five_options_are_refused():
 def test_an_unreadable_motion_gets_no_question_about_it():
     label = MotionLabel(Motion.CLOCKWISE, is_readable=False)
     rng = np.random.default_rng(0)
-    assert {q.type_id for q in questions_for(label, rng, per_type=9)} == {"T6", "T17"}
+    asked = {q.type_id for q in questions_for(label, rng, per_type=9)}
+    assert asked == {"T6"} | ONE_ANSWER
     assert questions_for(label, rng, types=["T1", "T2", "T3"]) == []
 
 
@@ -131,6 +140,75 @@ def test_class_contact_and_movement_follow_the_label(motion, kind, touches, move
     assert found["T5"].motion_class == kind
     assert found["T6"].verdict == touches
     assert found["T16"].verdict == moves
+
+
+@pytest.mark.parametrize("type_id", ["T4", "T18"])
+def test_no_claim_is_denied_twice(asked, type_id):
+    texts = [q.question.lower() for q in asked if q.type_id == type_id]
+    assert not [text for text in texts if re.search(r"\bnot (touching|not)\b", text)]
+
+
+def test_a_denial_is_true_where_the_claim_is_not():
+    rng = np.random.default_rng(2)
+    asked = questions_for(MotionLabel(Motion.LEFT), rng, types=["T4"], per_type=40)
+    assert {q.slots.verdict for q in asked} == {True, False}
+    for question in asked:
+        claims_left = next(o for o in question.options if o.startswith("It is: ")) == (
+            "It is: it goes left in the camera image."
+        )
+        assert question.slots.verdict == (not claims_left)
+
+
+@pytest.mark.parametrize("type_id", ["T7", "T8"])
+@pytest.mark.parametrize(
+    ("motion", "unit", "lowest", "highest"),
+    [(Motion.CLOCKWISE, "deg", 1.0, 77.0), (Motion.UP, "mm", 0.1, 5.3)],
+)
+def test_amounts_are_rounded_by_at_most_half_their_tolerance(
+    type_id, motion, unit, lowest, highest
+):
+    rng = np.random.default_rng(0)
+    for true in np.geomspace(lowest, highest, 80):
+        turn, shift = (-true, 0.0) if unit == "deg" else (0.0, true)
+        label = MotionLabel(motion, rotation_deg=turn, slide_y_mm=-shift)
+        (asked,) = questions_for(label, rng, types=[type_id])
+        assert asked.amount == pytest.approx(true)
+        assert asked.slots.unit == unit
+        floor = {"deg": 2.0, "mm": 0.2}[unit]
+        assert abs(asked.slots.amount - true) <= 0.5 * max(floor, 0.2 * true) + 1e-9
+
+
+@pytest.mark.parametrize("type_id", ["T7", "T8"])
+def test_what_has_no_amount_is_answered_with_what_it_does(type_id):
+    label = MotionLabel(Motion.PRESS, depth_change_mm=0.7)
+    (asked,) = questions_for(label, np.random.default_rng(0), types=[type_id])
+    assert (asked.amount, asked.slots.amount, asked.slots.direction) == (None, None, Motion.PRESS)
+
+
+def test_the_amount_of_a_slide_is_its_length_whatever_its_direction():
+    label = MotionLabel(Motion.RIGHT, slide_x_mm=3.0, slide_y_mm=-0.4, rotation_deg=9.0)
+    assert amount_of(label) == pytest.approx(np.hypot(3.0, 0.4))
+
+
+@pytest.mark.parametrize(
+    ("motion", "evidence"),
+    [
+        # x runs right, y down: clockwise as drawn carries the top to the right.
+        (Motion.CLOCKWISE, "The upper half goes right, the lower half left, in the camera image."),
+        (Motion.LEFT, "Both halves go left together, in the camera image."),
+        (Motion.PRESS, "The halves go apart: it is pressing in."),
+    ],
+)
+def test_the_evidence_is_where_the_halves_go(motion, evidence):
+    (asked,) = questions_for(MotionLabel(motion), np.random.default_rng(0), types=["T10"])
+    assert asked.answer == evidence
+
+
+@pytest.mark.parametrize("type_id", ["T11", "T12", "T13", "T14", "T15", "T21"])
+def test_questions_of_the_frame_are_answered_with_the_motion_in_the_camera_image(type_id):
+    (asked,) = questions_for(MotionLabel(Motion.LEFT), np.random.default_rng(0), types=[type_id])
+    assert asked.slots.direction is Motion.LEFT
+    assert asked.answer.endswith(": left in the camera image.")
 
 
 def test_the_answer_is_one_of_the_options_and_no_option_stands_twice(asked):

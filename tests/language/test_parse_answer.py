@@ -43,3 +43,18 @@ def test_a_broken_file_says_what_to_do(tmp_path, text):
     (tmp_path / "answers.json").write_text(text)
     with pytest.raises(IncompatibleBundle, match="save or download the model again"):
         AnswerGrammar.load(tmp_path / "answers.json")
+
+
+def test_an_amount_keeps_its_number_and_unit_through_json():
+    slots = Slots("magnitude", amount=1.5, unit="mm")
+    assert slots.to_dict() == {"kind": "magnitude", "amount": 1.5, "unit": "mm"}
+    assert Slots.from_dict({"kind": "magnitude", "amount": 2, "unit": "deg"}).amount == 2.0
+
+
+def test_an_unknown_unit_is_refused():
+    with pytest.raises(ValueError, match="unknown unit 'inch'"):
+        Slots.from_dict({"kind": "magnitude", "amount": 1, "unit": "inch"})
+
+
+def test_the_kinds_of_a_grammar_are_those_of_its_answers():
+    assert AnswerGrammar(ANSWERS).kinds == {"direction", "verify"}

@@ -1,19 +1,12 @@
-"""Load once, encode a clip once, ask many questions: the seam for people and programs.
-
-Words come from the language model's generation; probabilities from scoring the closed set of
-answers; the evidence is the geometry the fused token was made of.
-"""
+"""What goes in and what comes out of an answer, as plain data; runs no model."""
 
 from __future__ import annotations
 
 import re
-import time
 from dataclasses import asdict, dataclass, field, replace
-from pathlib import Path
 from typing import Any
 
 from geotlm_lm.backbone.stem import View
-from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -26,8 +19,17 @@ from geotlm_lm.recordings.idle import estimate_background
 
 MAX_QUESTION_CHARACTERS = 500
 
-NOT_UNDERSTOOD = "I found no words for that; ask how the touched object moves."
-"""Said in place of words that are none of the answers: half-right words must not look like one."""
+MIN_TIMED_FRAMES = 3
+"""Different frames a speed needs."""
+
+_VERDICT_WORDS = {
+    "verify": ("yes", "no"),
+    "contact": ("yes", "no"),
+    "moving": ("yes", "no"),
+    "negation": ("it is not", "it is"),
+    "premise": ("it holds", "it does not"),
+}
+"""Deciding words of a true and of a false verdict."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +56,17 @@ class Encoded:
         """Mean of the contact mask over the view, in [0, 1]."""
         return float(self.perception.geometry.region_mass[0, REGIONS.index("global")])
 
+    @property
+    def seconds(self) -> float | None:
+        """Time from the first to the last frame used; None without a frame rate.
+
+        Two frames alone give none either: they may be any two of a longer motion.
+        """
+        numbers = self.clip.frame_numbers
+        if self.clip.fps is None or len(set(numbers)) < MIN_TIMED_FRAMES:
+            return None
+        return (max(numbers) - min(numbers)) / self.clip.fps
+
 
 @dataclass(frozen=True)
 class Answer:
@@ -71,7 +84,8 @@ class Answer:
         evidence: Contact share, the view the grid covers (pixels of a 224-pixel image), and per
             region of it the learned shear change (x right, y down, unitless) and contact mass.
         timing_ms: Milliseconds of each stage that ran; a stage that is missing did not run.
-        kind: What sort of question was understood; None when the model's words did not parse.
+        kind: What sort of question was understood; "frame" for a fact about the recording; None
+            when the model's words did not parse or the question is not English.
         frames_used: Numbers of the four frames in the recording.
         notes: What was guessed or chosen on the way, one sentence each.
     """
@@ -103,98 +117,6 @@ class Answer:
             "frames_used": list(self.frames_used),
             "notes": list(self.notes),
         }
-
-
-class Answerer:
-    """Answers questions about clips.
-
-    Args:
-        bundle: The model.
-    """
-
-    def __init__(self, bundle: Bundle) -> None:
-        self.bundle = bundle
-
-    @classmethod
-    def load(cls, folder: str | Path | None = None) -> Answerer:
-        """Load a bundle from `folder`, or the one that ships with the package.
-
-        Raises:
-            IncompatibleBundle: If there is no bundle of this format.
-        """
-        return cls(load_bundle(None if folder is None else Path(folder)))
-
-    def encode(self, clip: Clip, *, span: tuple[int, int] | None = None) -> Encoded:
-        """Choose four frames of `clip`, find or guess its background, and perceive it once.
-
-        Args:
-            clip: A recording of two frames or more.
-            span: First and last frame to use, both included; None chooses them.
-
-        Raises:
-            UnreadableClip: If there is only one frame.
-            UsageError: If the span is not inside the clip.
-        """
-        started = time.perf_counter()
-        clip = four_frames_with_background(clip, span)
-        chosen = time.perf_counter()
-        perception = self.bundle.model.perceive([clip])
-        done = time.perf_counter()
-        timing = {"choose": 1e3 * (chosen - started), "encode": 1e3 * (done - chosen)}
-        return Encoded(clip, perception, timing)
-
-    def ask(self, encoded: Encoded, question: str) -> Answer:
-        """Answer `question` about an encoded clip.
-
-        Raises:
-            UsageError: If the question is empty or longer than 500 characters.
-        """
-        question = check_question(question)
-        started = time.perf_counter()
-        text = self.bundle.speaker.generate(encoded.perception.fused_token, [question])[0]
-        generated = time.perf_counter()
-        slots = self.bundle.grammar.parse(text)
-        options = self.score(encoded, question, slots.kind if slots else "direction")
-        scored = time.perf_counter()
-        timing = encoded.timing_ms | {
-            "generate": 1e3 * (generated - started),
-            "score": 1e3 * (scored - generated),
-        }
-        timing["total"] = sum(timing.values())
-        direction = slots.direction if slots else None
-        abstained = slots is None or slots.kind == "refusal"
-        text = NOT_UNDERSTOOD if slots is None else text
-        if self.bundle.calibration.withholds(direction, encoded.contact_share):
-            text, direction, abstained = _too_little_contact(encoded.contact_share), None, True
-        return Answer(
-            text=text,
-            direction=direction,
-            confidence=0.0 if abstained else options.get(deciding_word(slots), 0.0),
-            abstained=abstained,
-            frame=FrameSpec(),
-            options=options,
-            evidence=evidence(encoded),
-            timing_ms=timing,
-            kind=slots.kind if slots else None,
-            frames_used=encoded.clip.frame_numbers,
-            notes=encoded.clip.notes,
-        )
-
-    def score(self, encoded: Encoded, question: str, kind: str = "direction") -> dict[str, float]:
-        """Return the calibrated probability of every answer of `kind`, by its deciding word."""
-        grammar = self.bundle.grammar
-        sentences = grammar.options_for(kind)
-        if kind == "choice" and (offered := _offered_letters(question)):
-            sentences = [s for s in sentences if grammar.parse(s).letter in offered]
-        log_likelihoods = self.bundle.speaker.score(
-            encoded.perception.fused_token[0], question, sentences
-        )
-        probabilities = self.bundle.calibration.probabilities(log_likelihoods)
-        options: dict[str, float] = {}
-        for sentence, probability in zip(sentences, probabilities, strict=True):
-            word = deciding_word(grammar.parse(sentence))
-            options[word] = options.get(word, 0.0) + float(probability)
-        return options
 
 
 def four_frames_with_background(clip: Clip, span: tuple[int, int] | None = None) -> Clip:
@@ -233,12 +155,14 @@ def check_question(question: str) -> str:
 
 def deciding_word(slots: Slots) -> str:
     """Return the word that tells an answer from the others of its kind."""
-    if slots.kind in ("verify", "contact", "moving"):
-        return "yes" if slots.verdict else "no"
+    if slots.kind in _VERDICT_WORDS:
+        return _VERDICT_WORDS[slots.kind][not slots.verdict]
     if slots.kind == "choice":
         return f"{slots.letter}) {slots.direction.value}"
     if slots.kind == "class":
         return slots.motion_class.value
+    if slots.amount is not None:
+        return f"{slots.amount:g} {slots.unit}"
     return slots.direction.value if slots.direction else slots.kind
 
 
@@ -259,10 +183,6 @@ def evidence(encoded: Encoded) -> dict[str, Any]:
     return {"contact_share": round(encoded.contact_share, 4), "view": view, "regions": regions}
 
 
-def _offered_letters(question: str) -> set[str]:
+def offered_letters(question: str) -> set[str]:
     """Return the letters a question lists: A) or (A) or A. or A:, in either case."""
     return set(re.findall(r"(?<![A-Z])([A-D])[).:]", question.upper()))
-
-
-def _too_little_contact(share: float) -> str:
-    return f"I cannot name a direction: I see next to no contact (mask {share:.3f})."

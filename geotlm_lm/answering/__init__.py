@@ -1,0 +1,37 @@
+"""Load once, encode a clip once, ask many questions: the seam for people and programs.
+
+Words come from the language model's generation; probabilities from scoring the closed set of
+answers; the evidence is the geometry the fused token was made of. What follows exactly from a
+motion, a frame of reference, a time or a probability is derived by the rules of `conversation`.
+"""
+
+from geotlm_lm.answering.answer import (
+    Answer,
+    Encoded,
+    check_question,
+    deciding_word,
+    evidence,
+    four_frames_with_background,
+)
+from geotlm_lm.answering.answerer import Answerer, Why
+from geotlm_lm.answering.hearing import OPEN_QUESTION
+from geotlm_lm.answering.replying import NOT_UNDERSTOOD
+from geotlm_lm.answering.session import Session, Turn
+from geotlm_lm.answering.several import Comparison, Order
+
+__all__ = [
+    "NOT_UNDERSTOOD",
+    "OPEN_QUESTION",
+    "Answer",
+    "Answerer",
+    "Comparison",
+    "Encoded",
+    "Order",
+    "Session",
+    "Turn",
+    "Why",
+    "check_question",
+    "deciding_word",
+    "evidence",
+    "four_frames_with_background",
+]

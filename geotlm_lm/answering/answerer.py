@@ -1,0 +1,184 @@
+"""The model behind one object: encode a clip once, then ask, compare, order and explain."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from geotlm_lm.answering.answer import (
+    Answer,
+    Encoded,
+    check_question,
+    four_frames_with_background,
+)
+from geotlm_lm.answering.hearing import (
+    AMOUNT_QUESTION,
+    EVIDENCE_QUESTION,
+    OPEN_QUESTION,
+    hear,
+    score,
+)
+from geotlm_lm.answering.replying import UNTRAINED, by_rule, in_words, plain
+from geotlm_lm.answering.session import Session
+from geotlm_lm.answering.several import (
+    Comparison,
+    Order,
+    asks_amount,
+    compare_amounts,
+    compare_directions,
+    tell_order,
+)
+from geotlm_lm.checkpoint import Bundle, load_bundle
+from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
+from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.reasons import chain
+from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.conversation.wording import known
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.frame_spec import FrameSpec
+
+
+@dataclass(frozen=True)
+class Why:
+    """The reasons for an answer.
+
+    Args:
+        steps: One sentence each, from the contact to the conclusion.
+        source: Whose words they are.
+    """
+
+    steps: tuple[str, ...]
+    source: str
+
+
+class Answerer:
+    """Answers questions about clips.
+
+    Args:
+        bundle: The model.
+    """
+
+    def __init__(self, bundle: Bundle) -> None:
+        self.bundle = bundle
+
+    @classmethod
+    def load(cls, folder: str | Path | None = None) -> Answerer:
+        """Load a bundle from `folder`, or the one that ships with the package.
+
+        Raises:
+            IncompatibleBundle: If there is no bundle of this format.
+        """
+        return cls(load_bundle(None if folder is None else Path(folder)))
+
+    def encode(self, clip: Clip, *, span: tuple[int, int] | None = None) -> Encoded:
+        """Choose four frames of `clip`, find or guess its background, and perceive it once.
+
+        Args:
+            clip: A recording of two frames or more.
+            span: First and last frame to use, both included; None chooses them.
+
+        Raises:
+            UnreadableClip: If there is only one frame.
+            UsageError: If the span is not inside the clip.
+        """
+        started = time.perf_counter()
+        clip = four_frames_with_background(clip, span)
+        chosen = time.perf_counter()
+        perception = self.bundle.model.perceive([clip])
+        done = time.perf_counter()
+        timing = {"choose": 1e3 * (chosen - started), "encode": 1e3 * (done - chosen)}
+        return Encoded(clip, perception, timing)
+
+    def session(self, encoded: Encoded, frame: FrameSpec = CAMERA) -> Session:
+        """Return a conversation about a clip, which remembers its turns and the frame."""
+        return Session(self, encoded, frame)
+
+    def ask(self, encoded: Encoded, question: str, *, frame: FrameSpec = CAMERA) -> Answer:
+        """Answer `question` about an encoded clip.
+
+        Facts that the question begins with ("The image is mirrored. Which way?") hold for it.
+
+        Args:
+            encoded: The clip.
+            question: In English; a fact about the frame alone is noted.
+            frame: In which to tell directions.
+
+        Raises:
+            UsageError: If the question is empty or longer than 500 characters.
+        """
+        question = check_question(question)
+        if not is_english(question):
+            return plain(encoded, ENGLISH_ONLY, None, frame)
+        stated = read_facts(question, frame)
+        if not stated.rest:
+            noted = plain(encoded, f"Noted: {known(stated.frame)}.", "frame", stated.frame)
+            return replace(noted, abstained=False, confidence=1.0)
+        kind = asked_kind(stated.rest)
+        if kind is not None and kind not in self.bundle.grammar.kinds:
+            return by_rule(self.bundle, encoded, stated.rest, kind, stated.frame)
+        return in_words(self.bundle, encoded, stated.rest, stated.frame)
+
+    def score(self, encoded: Encoded, question: str, kind: str = "direction") -> dict[str, float]:
+        """Return the calibrated probability of every answer of `kind`, by its deciding word."""
+        return score(self.bundle, encoded, question, kind)
+
+    def compare(
+        self,
+        first: Encoded,
+        second: Encoded,
+        question: str = "Do they go the same way?",
+        *,
+        frame: FrameSpec = CAMERA,
+    ) -> Comparison:
+        """Compare two clips: whether they go the same way or, if asked for, which goes further.
+
+        Raises:
+            UsageError: If the question is empty or longer than 500 characters.
+        """
+        question = check_question(question)
+        stated = read_facts(question, frame)
+        answers = [self.ask(one, OPEN_QUESTION, frame=stated.frame) for one in (first, second)]
+        if not is_english(question):
+            return Comparison(ENGLISH_ONLY, "unknown", 0.0, True, *answers)
+        if not asks_amount(question):
+            return compare_directions(*answers)
+        if "magnitude" not in self.bundle.grammar.kinds:
+            return Comparison(UNTRAINED["magnitude"], "unknown", 0.0, True, *answers)
+        heard = [hear(self.bundle, one, AMOUNT_QUESTION) for one in (first, second)]
+        return compare_amounts(question, heard, (first.seconds, second.seconds), answers)
+
+    def order(self, parts: Sequence[Encoded], *, frame: FrameSpec = CAMERA) -> Order:
+        """Tell the motions of `parts`, clips of one recording in the order of time.
+
+        Raises:
+            ValueError: If there are fewer than two parts.
+        """
+        if len(parts) < 2:
+            raise ValueError(f"an order takes 2 clips or more, found {len(parts)}")
+        return tell_order([self.ask(one, OPEN_QUESTION, frame=frame) for one in parts])
+
+    def why(self, encoded: Encoded, answer: Answer) -> Why:
+        """Return the reasons for `answer`, by rule from the geometry the model read.
+
+        Where the model was trained to say which half moves which way, that step is in its words.
+        """
+        claim = answer.direction if answer.kind in _CLAIMS_AS_SEEN else None
+        motion = None if claim is None else answer.frame.tell(claim)
+        steps = chain(answer.evidence, answer.text, motion)
+        steps = (*steps[:-1], f"Told in this frame: {known(answer.frame)}.", steps[-1])
+        if "evidence" not in self.bundle.grammar.kinds:
+            return Why(steps, "by rule, from the geometry the model read; not in its own words")
+        heard = hear(self.bundle, encoded, EVIDENCE_QUESTION)
+        if heard.slots is None or heard.slots.kind != "evidence":
+            return Why(steps, "by rule: the model found no words for its evidence")
+        return Why(
+            (steps[0], heard.text, *steps[2:]),
+            "the second sentence in the model's words, the others by rule from its geometry",
+        )
+
+
+_CLAIMS_AS_SEEN = ("direction", "verify", "choice", "negation", "premise", "viewpoint", "actor")
+"""Kinds whose direction is the motion itself, as the frame tells it."""

@@ -1,0 +1,60 @@
+"""One pass through the language model: its words, and how likely each answer of their kind is."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+
+from geotlm_lm.answering.answer import Encoded, deciding_word, offered_letters
+from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.language.parse_answer import Slots
+
+OPEN_QUESTION = "Which way is it moving?"
+"""Asked of a model in place of a question it was not trained on."""
+
+AMOUNT_QUESTION = "How far did it go?"
+EVIDENCE_QUESTION = "Which way does each half go?"
+
+
+@dataclass(frozen=True)
+class Heard:
+    """What a model said.
+
+    Args:
+        slots: What its words claim; None where they are none of the answers.
+        text: Its words.
+        options: Probability of every answer of that kind, by its deciding word.
+        timing_ms: Milliseconds of each stage.
+    """
+
+    slots: Slots | None
+    text: str
+    options: dict[str, float]
+    timing_ms: dict[str, float] = field(default_factory=dict)
+
+
+def hear(bundle: Bundle, encoded: Encoded, question: str) -> Heard:
+    """Return the model's words and the probabilities of their kind."""
+    started = time.perf_counter()
+    text = bundle.speaker.generate(encoded.perception.fused_token, [question])[0]
+    generated = time.perf_counter()
+    slots = bundle.grammar.parse(text)
+    options = score(bundle, encoded, question, slots.kind if slots else "direction")
+    scored = time.perf_counter()
+    timing = {"generate": 1e3 * (generated - started), "score": 1e3 * (scored - generated)}
+    return Heard(slots, text, options, timing)
+
+
+def score(bundle: Bundle, encoded: Encoded, question: str, kind: str) -> dict[str, float]:
+    """Return the calibrated probability of every answer of `kind`, by its deciding word."""
+    grammar = bundle.grammar
+    sentences = grammar.options_for(kind)
+    if kind == "choice" and (offered := offered_letters(question)):
+        sentences = [s for s in sentences if grammar.parse(s).letter in offered]
+    log_likelihoods = bundle.speaker.score(encoded.perception.fused_token[0], question, sentences)
+    probabilities = bundle.calibration.probabilities(log_likelihoods)
+    options: dict[str, float] = {}
+    for sentence, probability in zip(sentences, probabilities, strict=True):
+        word = deciding_word(grammar.parse(sentence))
+        options[word] = options.get(word, 0.0) + float(probability)
+    return options

@@ -1,0 +1,169 @@
+"""From what a model said to an answer: its words where they are one, else by rule from them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from geotlm_lm.answering.answer import Answer, Encoded, deciding_word, evidence
+from geotlm_lm.answering.hearing import OPEN_QUESTION, Heard, hear, score
+from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.reasons import halves
+from geotlm_lm.conversation.retell import (
+    ALWAYS_RETOLD,
+    CAMERA,
+    RETOLD,
+    Felt,
+    Told,
+    per_second,
+    retell,
+)
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.language.parse_answer import Slots
+
+NOT_UNDERSTOOD = "I found no words for that; ask how the touched object moves."
+"""Said in place of words that are none of the answers: half-right words must not look like one."""
+
+UNTRAINED = {
+    "magnitude": "I cannot tell how far it moved: this model was not trained for amounts.",
+    "rate": "I cannot tell how fast it moved: this model was not trained for amounts.",
+}
+
+NEEDS_MORE = {
+    "comparison": "I see one clip only; give me a second one to compare it with.",
+    "order": "I see one motion per clip; give me the parts as clips of their own, in order.",
+}
+"""Kinds that one clip never answers, whatever the model."""
+
+NO_TIME = "I cannot tell the speed: it takes 3 frames and a frame rate; give it by fps."
+
+FROM_DIRECTION = "Told by rule from the direction: this model was not trained for {}."
+FROM_GEOMETRY = "Told by rule from the geometry: this model was not trained for evidence."
+
+_ASKED_ABOUT = {
+    "negation": "denied claims",
+    "viewpoint": "other viewpoints",
+    "actor": "the sensor's own motion",
+    "thread": "threads",
+    "mirrored": "mirrored clips",
+    "reversed": "clips played backwards",
+    "premise": "claims taken for granted",
+    "confidence": "its own confidence",
+    "undo": "undoing",
+}
+
+
+def in_words(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec) -> Answer:
+    """Answer a question whose kind the model was trained on."""
+    heard = hear(bundle, encoded, question)
+    slots = heard.slots
+    if slots is None:
+        answer = plain(encoded, NOT_UNDERSTOOD, None, frame, heard.timing_ms)
+        return replace(answer, options=heard.options)
+    if slots.kind in NEEDS_MORE:
+        return plain(encoded, NEEDS_MORE[slots.kind], slots.kind, frame, heard.timing_ms)
+    if slots.kind == "confidence":
+        return _from_open_question(bundle, encoded, question, slots.kind, frame)
+    if slots.kind in ALWAYS_RETOLD or (slots.kind in RETOLD and not is_as_seen(frame)):
+        return _retold(bundle, encoded, question, heard, frame)
+    text = heard.text
+    if slots.kind == "rate" and slots.amount is not None:
+        text = per_second(slots.amount, slots.unit, encoded.seconds)
+        if text is None:
+            return plain(encoded, NO_TIME, slots.kind, frame, heard.timing_ms)
+    told = Told(
+        text=text,
+        direction=slots.direction,
+        frame=CAMERA if slots.kind == "evidence" else frame,
+        options=heard.options,
+        decided=deciding_word(slots),
+        is_refusal=slots.kind == "refusal",
+    )
+    return _with_contact(bundle, encoded, told, slots, heard.timing_ms)
+
+
+def by_rule(bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: FrameSpec) -> Answer:
+    """Answer a question of a kind the model was not trained on, or say that it was not."""
+    if kind in NEEDS_MORE or kind in UNTRAINED:
+        return plain(encoded, (NEEDS_MORE | UNTRAINED)[kind], kind, frame)
+    if kind == "evidence":
+        clause = halves(evidence(encoded)["regions"])
+        text = f"{clause[:1].upper()}{clause[1:]}, in the camera image."
+        answer = plain(encoded, text, kind, CAMERA)
+        notes = (*answer.notes, FROM_GEOMETRY)
+        return replace(answer, abstained=False, confidence=1.0, notes=notes)
+    answer = _from_open_question(bundle, encoded, question, kind, frame)
+    return replace(answer, notes=(*answer.notes, FROM_DIRECTION.format(_ASKED_ABOUT[kind])))
+
+
+def plain(
+    encoded: Encoded,
+    text: str,
+    kind: str | None,
+    frame: FrameSpec,
+    timing_ms: dict[str, float] | None = None,
+) -> Answer:
+    """Return an answer that claims nothing."""
+    timing = encoded.timing_ms | (timing_ms or {})
+    timing["total"] = sum(timing.values())
+    return Answer(
+        text=text,
+        direction=None,
+        confidence=0.0,
+        abstained=True,
+        frame=frame,
+        options={},
+        evidence=evidence(encoded),
+        timing_ms=timing,
+        kind=kind,
+        frames_used=encoded.clip.frame_numbers,
+        notes=encoded.clip.notes,
+    )
+
+
+def is_as_seen(frame: FrameSpec) -> bool:
+    """Tell whether `frame` names every direction as the camera image shows it."""
+    return replace(frame, contact_side=None, thread=None) == CAMERA
+
+
+def _from_open_question(
+    bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: FrameSpec
+) -> Answer:
+    heard = hear(bundle, encoded, OPEN_QUESTION)
+    if heard.slots is None or heard.slots.direction is None:
+        return plain(encoded, NOT_UNDERSTOOD, kind, frame, heard.timing_ms)
+    # The verdict, if the model gave one, was on another question.
+    slots = replace(heard.slots, kind=kind, verdict=None)
+    return _retold(bundle, encoded, question, replace(heard, slots=slots), frame)
+
+
+def _retold(
+    bundle: Bundle, encoded: Encoded, question: str, heard: Heard, frame: FrameSpec
+) -> Answer:
+    slots, options = heard.slots, heard.options
+    if not set(options) <= {motion.value for motion in Motion}:
+        # Probabilities of a verdict or of letters name no motion: those of the open question do.
+        options = score(bundle, encoded, OPEN_QUESTION, "direction")
+    probabilities = {Motion(word): share for word, share in options.items()}
+    felt = Felt(slots.kind, slots.direction, question, frame, probabilities, slots.verdict)
+    return _with_contact(bundle, encoded, retell(felt), slots, heard.timing_ms)
+
+
+def _with_contact(
+    bundle: Bundle, encoded: Encoded, told: Told, slots: Slots, timing_ms: dict[str, float]
+) -> Answer:
+    """Return what is told, unless there is too little contact for a direction."""
+    text, direction, abstained = told.text, told.direction, told.is_refusal
+    if bundle.calibration.withholds(slots.direction, encoded.contact_share):
+        text, direction, abstained = _too_little_contact(encoded.contact_share), None, True
+    return replace(
+        plain(encoded, text, slots.kind, told.frame, timing_ms),
+        direction=direction,
+        confidence=0.0 if abstained else told.options.get(told.decided, 0.0),
+        abstained=abstained,
+        options=told.options,
+    )
+
+
+def _too_little_contact(share: float) -> str:
+    return f"I cannot name a direction: I see next to no contact (mask {share:.3f})."

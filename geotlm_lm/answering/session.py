@@ -1,0 +1,130 @@
+"""A conversation about clips: turns, the frame, and what a doubt or a repetition refers to.
+
+The language model hears one question at a time and no history: what a turn needs from the turns
+before it is exact (the frame, the last answer and its probability), so rules keep it. A doubt
+repeats the answer with its probability and never turns it around: being asked twice is no evidence.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from geotlm_lm.answering.answer import Answer, Encoded, check_question
+from geotlm_lm.answering.several import Comparison, Order
+from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.conversation.wording import level
+from geotlm_lm.core.frame_spec import FrameSpec
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering.answerer import Answerer
+
+Reply = Answer | Comparison | Order
+
+_DOUBT = re.compile(
+    r"(?:(?:but |and |so |hm+,? |wait,? )?(?:are|r) (?:you|u) (?:really |quite |very |absolutely )?"
+    r"(?:sure|certain)(?: about (?:that|it)| of (?:that|it))?|really|(?:really |you )?sure"
+    r"|seriously|is that (?:so|right|correct|true)|(?:i think )?(?:you are|you're|that is|that's)"
+    r" (?:wrong|mistaken|not right|incorrect|false)|i (?:do not|don't) (?:believe|think so)"
+    r"(?: (?:you|that|it))?|no way|think again|check again|look again)[?!. ]*"
+    r"|(?:no|wrong|nope)(?:[,.!;][^?]*)?"
+)
+_AGAIN = re.compile(
+    r"(?:(?:please )?(?:repeat|say) (?:that|it)(?: again)?|again|repeat|pardon)[?!. ]*"
+)
+
+_STANCE = {
+    "high": "I stay with it",
+    "medium": "I lean to it",
+    "low": "I am not sure of it, but it is the likeliest",
+}
+
+
+@dataclass(frozen=True)
+class Turn:
+    """One question and its answer; `is_repeated` where it is an earlier one said again."""
+
+    question: str
+    answer: Reply
+    is_repeated: bool = False
+
+
+class Session:
+    """A conversation.
+
+    Args:
+        answerer: The model.
+        encoded: The clip it begins with.
+        frame: The frame of reference it begins with.
+    """
+
+    def __init__(self, answerer: Answerer, encoded: Encoded, frame: FrameSpec = CAMERA) -> None:
+        self.answerer = answerer
+        self.clips = [encoded]
+        self.frame = frame
+        self.history: list[Turn] = []
+
+    @property
+    def encoded(self) -> Encoded:
+        """The clip that questions are about: the last one given."""
+        return self.clips[-1]
+
+    @property
+    def last(self) -> Reply | None:
+        """The last answer of its own, about a clip and not about the frame."""
+        said = (turn.answer for turn in reversed(self.history) if not turn.is_repeated)
+        return next((one for one in said if getattr(one, "kind", "") != "frame"), None)
+
+    def add_clip(self, encoded: Encoded) -> None:
+        """Make another clip the one that questions are about; comparisons look back at the last."""
+        self.clips.append(encoded)
+
+    def ask(self, question: str) -> Reply:
+        """Answer the next question.
+
+        Raises:
+            UsageError: If the question is empty or longer than 500 characters.
+        """
+        question = check_question(question)
+        repeated = self._said_again(question)
+        answer = repeated or self._reply(question)
+        self.frame = read_facts(question, self.frame).lasting
+        self.history.append(Turn(question, answer, repeated is not None))
+        return answer
+
+    def to_dict(self) -> list[dict[str, Any]]:
+        """Return the turns as plain JSON values."""
+        return [
+            {"question": turn.question, "answer": turn.answer.to_dict()} for turn in self.history
+        ]
+
+    def _said_again(self, question: str) -> Reply | None:
+        """Return the last answer again where the question doubts it or asks for it; else None."""
+        last, words = self.last, question.lower().replace("\u2019", "'")
+        if last is None:
+            return None
+        if _AGAIN.fullmatch(words):
+            return last
+        is_doubt = _DOUBT.fullmatch(words) or asked_kind(question) == "confidence"
+        return _steadfast(last) if is_doubt else None
+
+    def _reply(self, question: str) -> Reply:
+        stated = read_facts(question, self.frame)
+        kind = asked_kind(stated.rest)
+        if kind == "comparison" and len(self.clips) > 1:
+            first, second = self.clips[-2:]
+            return self.answerer.compare(first, second, stated.rest, frame=stated.frame)
+        if kind == "order" and len(self.clips) > 1:
+            return self.answerer.order(self.clips, frame=stated.frame)
+        return self.answerer.ask(self.encoded, question, frame=self.frame)
+
+
+def _steadfast(last: Reply) -> Reply:
+    """Return the answer again, with how sure it is."""
+    if last.abstained:
+        return last
+    sure = _STANCE[level(last.confidence)]
+    return replace(last, text=f"{sure}, {last.confidence:.0%}: {last.text}")

@@ -1,0 +1,188 @@
+"""Two clips compared, and several told in order: typed results made of each clip's own answer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from geotlm_lm.answering.answer import Answer
+from geotlm_lm.answering.hearing import Heard
+from geotlm_lm.conversation.wording import clause, name, place
+from geotlm_lm.core.labels import DIRECTED, Motion, reverse
+
+Relation = Literal["same", "opposite", "different", "first", "second", "similar", "unknown"]
+
+SIMILAR = 0.2
+"""Amounts that differ by at most this share of the greater count as similar: a fifth, as in their
+tolerance."""
+
+_MORE = ("further", "farther", "more", "larger")
+_LESS = ("less", "smaller")
+_FASTER, _SLOWER = "faster", "slower"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How two clips relate.
+
+    Args:
+        text: The sentence.
+        relation: Of their directions (same, opposite, different), or which one is asked for.
+        confidence: Probability of the relation, in [0, 1]; 0 when withheld.
+        abstained: Whether the model declines to say.
+        first: Which way the first clip goes.
+        second: Which way the second one goes.
+    """
+
+    text: str
+    relation: Relation
+    confidence: float
+    abstained: bool
+    first: Answer
+    second: Answer
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON values."""
+        return {
+            "text": self.text,
+            "relation": self.relation,
+            "confidence": round(self.confidence, 4),
+            "abstained": self.abstained,
+            "first": self.first.to_dict(),
+            "second": self.second.to_dict(),
+        }
+
+
+@dataclass(frozen=True)
+class Order:
+    """What several clips show one after another.
+
+    Args:
+        text: The sentence.
+        motions: One per clip, as the frame tells it; empty when withheld.
+        confidence: Probability that all of them are right, in [0, 1].
+        abstained: Whether the model declines to say.
+        answers: The answer about each clip.
+    """
+
+    text: str
+    motions: tuple[Motion, ...]
+    confidence: float
+    abstained: bool
+    answers: tuple[Answer, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON values."""
+        return {
+            "text": self.text,
+            "motions": [motion.value for motion in self.motions],
+            "confidence": round(self.confidence, 4),
+            "abstained": self.abstained,
+            "answers": [answer.to_dict() for answer in self.answers],
+        }
+
+
+def asks_amount(question: str) -> bool:
+    """Tell whether a comparison asks which goes further or faster, not which way."""
+    return bool({*_MORE, *_LESS, _FASTER, _SLOWER} & _words(question))
+
+
+def compare_directions(first: Answer, second: Answer) -> Comparison:
+    """Compare two answers to an open question, told in the same frame."""
+    if (unsure := _withheld((first, second))) is not None:
+        text = f"I cannot compare them; of the {('first', 'second')[unsure[0]]}: {unsure[1].text}"
+        return Comparison(text, "unknown", 0.0, True, first, second)
+    frame, one, other = first.frame, first.direction, second.direction
+    pairs = {
+        (Motion(a), Motion(b)): p * q
+        for a, p in first.options.items()
+        for b, q in second.options.items()
+    }
+    same = sum(p for (a, b), p in pairs.items() if a == b)
+    opposite = sum(p for (a, b), p in pairs.items() if a != b and a in DIRECTED and b == reverse(a))
+    if one == other:
+        text = f"The same: of both clips, {clause(one, frame)}."
+        return Comparison(text, "same", same, False, first, second)
+    both = f"the first is {_going(one)}, the second {_going(other)}"
+    if one in DIRECTED and other == reverse(one):
+        text = f"Opposite: {both}, {place(frame)}."
+        return Comparison(text, "opposite", opposite, False, first, second)
+    told = f", {place(frame)}" if {one, other} & set(DIRECTED) else ""
+    rest = max(0.0, 1.0 - same - opposite)
+    return Comparison(f"Different: {both}{told}.", "different", rest, False, first, second)
+
+
+def compare_amounts(
+    question: str,
+    heard: Sequence[Heard],
+    seconds: Sequence[float | None],
+    answers: Sequence[Answer],
+) -> Comparison:
+    """Tell which of two clips goes further, or faster, by the amounts the model said of each.
+
+    Args:
+        question: Holds the word that says which one is asked for.
+        heard: What the model said of each clip's amount.
+        seconds: Time of each clip; None where it is unknown.
+        answers: Which way each goes.
+    """
+
+    def refuse(text: str) -> Comparison:
+        return Comparison(text, "unknown", 0.0, True, *answers)
+
+    if (unsure := _withheld(answers)) is not None:
+        which = ("first", "second")[unsure[0]]
+        return refuse(f"I cannot compare them; of the {which}: {unsure[1].text}")
+    slots = [one.slots for one in heard]
+    if any(one is None or one.amount is None for one in slots):
+        return refuse("I cannot compare them: not both of them turn or slide.")
+    if slots[0].unit != slots[1].unit:
+        return refuse("I cannot compare them: one turns, the other slides.")
+    amounts, unit = [one.amount for one in slots], slots[0].unit
+    if {_FASTER, _SLOWER} & _words(question):
+        if not all(seconds):
+            return refuse("I cannot tell which is faster: not both clips have a frame rate.")
+        amounts = [amount / time for amount, time in zip(amounts, seconds, strict=True)]
+        unit = f"{unit}/s"
+    confidence = heard[0].options.get(_word(slots[0]), 0.0) * heard[1].options.get(
+        _word(slots[1]), 0.0
+    )
+    sizes = f"about {amounts[0]:.3g} and {amounts[1]:.3g} {unit}"
+    if abs(amounts[0] - amounts[1]) <= SIMILAR * max(amounts):
+        text = f"Neither: they are similar, {sizes}."
+        return Comparison(text, "similar", confidence, False, *answers)
+    is_first = (amounts[0] > amounts[1]) != bool({*_LESS, _SLOWER} & _words(question))
+    which: Relation = "first" if is_first else "second"
+    return Comparison(f"The {which}: {sizes}.", which, confidence, False, *answers)
+
+
+def tell_order(answers: Sequence[Answer]) -> Order:
+    """Tell one motion after another from the answers about each clip."""
+    if (unsure := _withheld(answers)) is not None:
+        text = f"I cannot tell the order; of clip {unsure[0] + 1}: {unsure[1].text}"
+        return Order(text, (), 0.0, True, tuple(answers))
+    motions = tuple(answer.direction for answer in answers)
+    told = ", then ".join(_going(motion) for motion in motions)
+    where = f", {place(answers[0].frame)}" if set(motions) & set(DIRECTED) else ""
+    confidence = 1.0
+    for answer in answers:
+        confidence *= answer.confidence
+    return Order(f"First {told}{where}.", motions, confidence, False, tuple(answers))
+
+
+def _withheld(answers: Sequence[Answer]) -> tuple[int, Answer] | None:
+    """Return the first answer that names no motion, and its place."""
+    return next(((i, a) for i, a in enumerate(answers) if a.direction is None), None)
+
+
+def _going(motion: Motion) -> str:
+    return f"going {name(motion)}" if motion in DIRECTED else name(motion)
+
+
+def _word(slots: Any) -> str:
+    return f"{slots.amount:g} {slots.unit}"
+
+
+def _words(question: str) -> set[str]:
+    return set(question.lower().replace("?", " ").replace(",", " ").replace(".", " ").split())

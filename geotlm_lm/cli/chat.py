@@ -1,0 +1,178 @@
+"""`geotlm-lm chat`: questions about clips, one a line; the model is loaded once."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from geotlm_lm.cli.options import (
+    Background,
+    ClipPath,
+    FrameSpan,
+    FramesPerSecond,
+    LayoutName,
+    span_of,
+)
+from geotlm_lm.core.errors import GeoTLMError
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering import Answerer, Encoded, Session
+
+PROMPT = "> "
+
+HELP = """Ask a question, or state a fact about the recording ("the image is mirrored").
+/clip PATH   look at another clip; the one before stays for comparisons
+/frame       what is known of the frame; /frame FACTS adds facts, /frame reset forgets them
+/why         the reasons for the last answer
+/evidence    the geometry the last clip shows, as JSON
+/history     the conversation so far
+/json        answer in JSON from now on; again: in words
+/quit        leave; so does the end of the input"""
+
+
+def chat(
+    clip: ClipPath,
+    frames: FrameSpan = None,
+    layout: LayoutName = None,
+    background: Background = None,
+    fps: FramesPerSecond = None,
+    model: Annotated[
+        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
+    ] = None,
+) -> None:
+    """Talk about a clip; questions come from the terminal or from a pipe, one a line.
+
+    Answers go to stdout, notes and mistakes to stderr. /help lists the commands.
+
+    Example: geotlm-lm chat --clip clip.npz
+    """
+    from geotlm_lm.recordings.read import read_clip
+
+    span = span_of(frames)
+    recording = read_clip(clip, layout=layout, fps=fps, background=background)
+
+    # Imported only now: a wrong path must not wait for the model's libraries.
+    from geotlm_lm.answering import Answerer
+
+    answerer = Answerer.load(model)
+    encoded = answerer.encode(recording, span=span)
+    Conversation(answerer, encoded).run()
+
+
+class Conversation:
+    """What the lines of the input do.
+
+    Args:
+        answerer: The model.
+        encoded: The clip it begins with.
+    """
+
+    def __init__(self, answerer: Answerer, encoded: Encoded) -> None:
+        self.answerer = answerer
+        self.session: Session = answerer.session(encoded)
+        self.is_json = False
+        self._tell_notes(encoded.clip.notes)
+
+    def run(self) -> None:
+        """Answer line after line until /quit or the end of the input."""
+        is_person = sys.stdin.isatty()
+        if is_person:
+            print("Ask how the touched object moves; /help lists the commands.", file=sys.stderr)
+        while True:
+            if is_person:
+                print(PROMPT, end="", file=sys.stderr, flush=True)
+            line = sys.stdin.readline()
+            if not line or not self.take(line.strip()):
+                return
+
+    def take(self, line: str) -> bool:
+        """Act on one line; return whether the conversation goes on."""
+        command, _, rest = line.partition(" ")
+        if command == "/quit":
+            return False
+        actions = {
+            "/help": lambda _: print(HELP),
+            "/clip": self._clip,
+            "/frame": self._frame,
+            "/why": self._why,
+            "/evidence": lambda _: print(json.dumps(self._evidence())),
+            "/history": self._history,
+            "/json": self._json,
+        }
+        try:
+            if command in actions:
+                actions[command](rest.strip())
+            elif command.startswith("/"):
+                known = ", ".join([*actions, "/quit"])
+                print(f"there is no {command}; the commands are {known}.", file=sys.stderr)
+            elif line:
+                self._ask(line)
+        except GeoTLMError as error:
+            # A mistake in one line must not end the conversation.
+            print(str(error), file=sys.stderr)
+        sys.stdout.flush()
+        return True
+
+    def _ask(self, question: str) -> None:
+        before = len(self.session.encoded.clip.notes)
+        answer = self.session.ask(question)
+        print(json.dumps(answer.to_dict()) if self.is_json else answer.text)
+        self._tell_notes(getattr(answer, "notes", ())[before:])
+
+    def _clip(self, path: str) -> None:
+        if not path:
+            print("/clip needs a path, such as /clip other.npz.", file=sys.stderr)
+            return
+        from geotlm_lm.recordings.read import read_clip
+
+        encoded = self.answerer.encode(read_clip(Path(path)))
+        self.session.add_clip(encoded)
+        self._tell_notes(encoded.clip.notes)
+        print(f"Looking at {path}; {len(self.session.clips)} clips are open.")
+
+    def _frame(self, facts: str) -> None:
+        from geotlm_lm.conversation.frame_facts import read_facts
+        from geotlm_lm.conversation.wording import known
+
+        if facts:
+            text = "reset the frame" if facts == "reset" else facts
+            stated = read_facts(text, self.session.frame)
+            if stated.rest:
+                print(
+                    f"'{facts}' is no fact I know; say for example 'left-hand thread', 'the image "
+                    f"is mirrored' or 'I look from the object's side'.",
+                    file=sys.stderr,
+                )
+                return
+            self.session.frame = stated.lasting
+        print(f"Frame: {known(self.session.frame)}.")
+
+    def _why(self, _: str) -> None:
+        last = self.session.last
+        if getattr(last, "evidence", None) is None:
+            print("there is no answer about one clip yet; ask a question first.", file=sys.stderr)
+            return
+        reasons = self.answerer.why(self.session.encoded, last)
+        print("\n".join(reasons.steps))
+        print(f"note: told {reasons.source}", file=sys.stderr)
+
+    def _evidence(self) -> dict:
+        from geotlm_lm.answering import evidence
+
+        return evidence(self.session.encoded)
+
+    def _history(self, _: str) -> None:
+        for turn in self.session.history:
+            print(f"{PROMPT}{turn.question}\n{turn.answer.text}")
+
+    def _json(self, _: str) -> None:
+        self.is_json = not self.is_json
+        print("answers in JSON" if self.is_json else "answers in words", file=sys.stderr)
+
+    def _tell_notes(self, notes: tuple[str, ...]) -> None:
+        for note in notes:
+            print(f"note: {note}", file=sys.stderr)

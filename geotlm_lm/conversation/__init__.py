@@ -1,0 +1,6 @@
+"""What a conversation about touch needs beside a model: rules on words, motions and frames.
+
+Knows no model and no clip. The division of labour: the language model says what is asked and which
+motion it felt, always in the camera image; whatever follows exactly from a motion, a frame of
+reference, a time or a probability is derived here, so that no weight ever guesses a mirror.
+"""

@@ -1,0 +1,69 @@
+"""Which motions a text names, by their words alone; doubtful words name nothing."""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.core.labels import Motion
+
+_GEL = r"(?:gel|sensor|pad|skin|fingertip)"
+
+_NO_MOTION = re.compile(
+    r"am i right|(?:what|which|option|answer|letter|one) is right|(?:is|was|sounds?) that right"
+    r"|(?:are|be) right|right (?:or wrong|that|to say|now)"
+    r"|, right\b|\b(?:upper|lower|left|right|both) hal(?:f|ves)|(?:left|right)[ -]hand\w*"
+    r"|left[ -](?:to[ -])?right|up to\b|speed\w* up|slow\w* down|screw\w* in"
+)
+"""Words of motion in another sense; taken out before motions are looked for."""
+
+NAMES: tuple[tuple[Motion, str], ...] = (
+    (Motion.COUNTERCLOCKWISE, r"\b(?:counter|anti)[ -]?clock-?wise\b|\bccw\b"),
+    (Motion.CLOCKWISE, r"\bclock-?wise\b|\bcw\b"),
+    (
+        Motion.NONE,
+        r"\bno contact\b|\bnot (?:touching|in contact)\b|\buntouched\b|\bout of contact\b"
+        rf"|\baway from the {_GEL}\b|\boff the {_GEL} entirely\b|\bempty {_GEL}\b|\bnothing\b",
+    ),
+    (
+        Motion.STILL,
+        rf"\bstill\b|\bat rest\b|\bstatic\b|\bresting on the {_GEL}\b|\bmotionless\b",
+    ),
+    (
+        Motion.RELEASE,
+        r"\breleas(?:e|es|ed|ing)\b|\blift(?:s|ed|ing)?\b(?: off)?|\bcom(?:es|ing) off\b",
+    ),
+    (Motion.PRESS, r"\b(?:press|push)(?:es|ed|ing)?\b(?: in(?:to)?| down)?"),
+    (Motion.LEFT, r"\bleft(?:wards?)?\b"),
+    (Motion.RIGHT, r"\bright(?:wards?)?\b"),
+    (Motion.UP, r"\bup(?:wards?)?\b|\bto the top\b"),
+    (Motion.DOWN, r"\bdown(?:wards?)?\b|\bto the bottom\b"),
+)
+"""In the order they are looked for; what is found is taken out, so that "counterclockwise" names no
+clockwise turn and "pressing down" no slide."""
+
+_OPTION = re.compile(r"(?<![A-Z])\(?([A-D])[).:]\s*(.*?)(?=[,;]?\s*\(?(?<![A-Z])[A-D][).:]|$)")
+
+
+def motions_named(text: str) -> set[Motion]:
+    """Return every motion that `text` names."""
+    text = _NO_MOTION.sub(" ", " ".join(text.lower().split()))
+    found = set()
+    for motion, words in NAMES:
+        text, count = re.subn(words, " ", text)
+        if count:
+            found.add(motion)
+    return found
+
+
+def claimed_motion(text: str) -> Motion | None:
+    """Return the one motion that `text` names; None if it names none, or several."""
+    named = motions_named(text)
+    return named.pop() if len(named) == 1 else None
+
+
+def offered_options(question: str) -> dict[str, Motion]:
+    """Return the motions a multiple choice offers, by letter; those not understood are left out."""
+    found = {
+        letter: claimed_motion(text) for letter, text in _OPTION.findall(question.strip().upper())
+    }
+    return {letter: motion for letter, motion in found.items() if motion is not None}

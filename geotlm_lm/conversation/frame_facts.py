@@ -1,0 +1,160 @@
+"""Facts about the recording, said in words, read into a `FrameSpec` by strict rules.
+
+A text is read as a whole or not at all: one clause that is not understood changes nothing. A
+question ("is the image mirrored?") and a supposition ("if it were mirrored") state no fact.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from typing import Any
+
+from geotlm_lm.core.frame_spec import FrameSpec
+
+_IMAGE = (
+    r"(?:the |my )?(?:(?:camera|recorded|tactile) )?(?:image|picture|video|clip|recording|camera)"
+)
+_SENSOR = r"(?:the |my )?(?:sensor|gel|pad|camera|gripper|robot)"
+_OTHER_SIDE = (
+    r"(?:the )?(?:objects?'?s?|object's|other|opposite) (?:side|viewpoint|point of view|view)"
+)
+_LOOK = r"(?:(?:i|we)(?:'m| am|'re| are)? |as )?(?:look|looking|see|seen|view|viewing|viewed|told)"
+_MOVED = r"(?:moved|moves|turned|turns|slid|slides|is moving|was moving)"
+_TOUCHES = r"(?:touch|touches|touched|is on|is at|presses on|sees|see|looks at|look at|holds|grips)"
+_THREADED = r"(?:thread|threads|screw|bolt|nut|threaded)"
+
+_HAND = rf"(?:(?:it is|it's|it has|this is|the thread is) )?(?:a )?{{}}(?: {_THREADED})?"
+
+_SIDE = (
+    rf"(?:{_SENSOR}|i|we) {_TOUCHES} (?:the|its) {{0}}"
+    r"|(?:it is |it's )?(?:touched|gripped|held) (?:at|by|from|on) (?:the|its) {0}(?: side)?"
+    rf"|(?:{_LOOK} )?(?:from|at) (?:the|its) {{0}}(?: side)?|(?:the )?{{0}} side"
+)
+
+FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
+    (
+        rf"{_IMAGE} (?:is|was) (?:mirrored|flipped)(?: left[ -]to[ -]right)?",
+        {"image_mirrored": True},
+    ),
+    (r"(?:a )?mirrored (?:image|camera|video|clip|recording)", {"image_mirrored": True}),
+    (r"there(?:'s| is) a mirror in the (?:optics|camera|sensor)", {"image_mirrored": True}),
+    (
+        rf"{_IMAGE} (?:is|was)(?: not|n't) (?:mirrored|flipped)(?: left[ -]to[ -]right)?",
+        {"image_mirrored": False},
+    ),
+    (r"there(?:'s| is) no mirror(?: in the (?:optics|camera|sensor))?", {"image_mirrored": False}),
+    (rf"(?:{_LOOK}(?: it)? )?from (?:{_OTHER_SIDE}|behind|the object)", {"viewpoint": "object"}),
+    (rf"(?:i am|i'm|i stand|i sit) (?:on|at) {_OTHER_SIDE}", {"viewpoint": "object"}),
+    (
+        rf"(?:{_LOOK}(?: it)? )?from (?:the )?(?:sensor|camera)(?:'s side|'s view)?",
+        {"viewpoint": "sensor"},
+    ),
+    (
+        rf"{_SENSOR} {_MOVED}(?:,? (?:and )?not (?:the|my) \w+|,? (?:and|while) the \w+ "
+        r"(?:stayed|stays|is fixed|was fixed|stood still|is clamped))?",
+        {"actor": "sensor"},
+    ),
+    (rf"(?:i|we) moved {_SENSOR}(?:,? (?:and )?not (?:the|my) \w+)?", {"actor": "sensor"}),
+    (r"(?:the|my) object (?:is|was) (?:fixed|clamped)", {"actor": "sensor"}),
+    (
+        rf"(?:the|my) \w+ {_MOVED},? (?:and )?not {_SENSOR}",
+        {"actor": "object"},
+    ),
+    (rf"{_SENSOR} (?:is|was) (?:fixed|clamped|mounted)", {"actor": "object"}),
+    (_SIDE.format("head"), {"contact_side": "head"}),
+    (_SIDE.format("(?:shank|tip)"), {"contact_side": "shank"}),
+    (_SIDE.format("side") + r"|(?:a )?side grip", {"contact_side": "side"}),
+    (_HAND.format(r"left[ -]?hand(?:ed)?"), {"thread": "left"}),
+    (rf"(?:a )?reversed? {_THREADED}", {"thread": "left"}),
+    (_HAND.format(r"right[ -]?hand(?:ed)?"), {"thread": "right"}),
+    (rf"(?:a )?(?:normal|standard|ordinary) {_THREADED}", {"thread": "right"}),
+    (
+        r"(?:reset|forget) (?:the frame|all that|what i said)",
+        {
+            "image_mirrored": False,
+            "viewpoint": "sensor",
+            "actor": "object",
+            "contact_side": None,
+            "thread": None,
+        },
+    ),
+)
+"""What may be said, to the letter, and the fields of `FrameSpec` it sets."""
+
+OF_THE_TELLING = ("viewpoint", "actor")
+"""Fields that only say how to tell: put before a question by a comma they hold for it alone. The
+others are facts of the world and last."""
+
+_LEAD = re.compile(
+    r"^(?:please|note(?: that)?|fyi|by the way|ok|okay|actually|remember(?: that)?|so|and|now|but)"
+    r"[:,]? +"
+)
+_BREAK = re.compile(r"\s*(?:[,;]|\band\b|\bbut\b)\s*")
+_ENDS = re.compile(r"[.!;:,\n]")
+
+
+@dataclass(frozen=True)
+class Stated:
+    """What a text states about the frame, and what it asks.
+
+    Args:
+        frame: The frame for this question.
+        lasting: The frame for the questions after it.
+        rest: The text without the facts; "" where it states facts alone.
+        is_stated: Whether any fact was understood.
+    """
+
+    frame: FrameSpec
+    lasting: FrameSpec
+    rest: str
+    is_stated: bool = False
+
+
+def read_facts(text: str, frame: FrameSpec) -> Stated:
+    """Return `frame` with the facts that `text` begins with, and what remains of the text.
+
+    Args:
+        text: A statement, a question, or a question after a statement.
+        frame: What was known before.
+    """
+    text = text.replace("\u2019", "'").strip()
+    fields = _fields(text)
+    if fields:
+        told = replace(frame, **fields)
+        return Stated(told, told, "", True)
+    for end in sorted((match.start() for match in _ENDS.finditer(text)), reverse=True):
+        rest = text[end + 1 :].strip()
+        fields = _fields(text[:end])
+        if rest and fields:
+            lasts = text[end] in ".!;\n"
+            kept = {k: v for k, v in fields.items() if lasts or k not in OF_THE_TELLING}
+            return Stated(replace(frame, **fields), replace(frame, **kept), rest, True)
+    return Stated(frame, frame, text)
+
+
+def _fields(text: str) -> dict[str, Any]:
+    """Return the fields that every clause of `text` together sets; none if one is unknown."""
+    text = " ".join(text.lower().split()).rstrip(".!, ")
+    while (shorter := _LEAD.sub("", text)) != text:
+        text = shorter
+    breaks = [match.span() for match in _BREAK.finditer(text)]
+    starts = [0, *(end for _, end in breaks)]
+    ends = [*(start for start, _ in breaks), len(text)]
+    fields: dict[str, Any] = {}
+    at = 0
+    while at < len(starts):
+        # The longest run of clauses first: "the sensor moved, not the object" is one fact.
+        for last in range(len(ends) - 1, at - 1, -1):
+            found = _fact(text[starts[at] : ends[last]])
+            if found is not None:
+                fields |= found
+                at = last + 1
+                break
+        else:
+            return {}
+    return fields
+
+
+def _fact(clause: str) -> dict[str, Any] | None:
+    return next((sets for words, sets in FACTS if re.fullmatch(words, clause)), None)

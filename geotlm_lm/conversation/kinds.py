@@ -1,0 +1,182 @@
+"""What kind of question a text is, by its words alone: for kinds a model was not trained on.
+
+A model that holds the kind decides for itself; the rules here only keep another model from taking
+"and played backwards?" for a question about the clip as it is. They claim none of the kinds every
+model holds: direction, yes or no, choice, class, contact, moving, refusal.
+"""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.conversation.claims import claimed_motion
+
+_GO = r"(?:go|goes|move|moves|moved|turn|turns|turned|slide|slides|slid|went)"
+_GEL = r"(?:gel|sensor|pad|skin|fingertip)"
+_MOVES_OR_END = (
+    rf"(?: {_GO}\b| (?:rotate|twist|spin|drag|slip|travel|make|heading|itself)\b"
+    r"| (?:go|mov|turn|rotat|twist|spinn|slid|dragg|slipp)ing\b|$|[?,:.])"
+)
+
+RULES: dict[str, tuple[str, ...]] = {
+    "thread": (
+        r"\b(?:un)?screw(?:s|ed|ing)\b",
+        r"\bthe thread (?:turned|turning)\b",
+        r"\bout of the thread\b",
+        r"\bunscrew\b",
+        r"\b(?:tight|loos)(?:en|ens|ened|ening|er|e)?\b",
+    ),
+    "undo": (
+        r"\b(?:undo|undoes|undone|revert|reverts|restore|restores|cancel)\b",
+        r"\b(?:puts?|brings?|gets?|go|going) (?:\S+ ){0,3}back\b(?! into)",
+        r"\bto return\b",
+        r"\breverses? (?:this|it|that|the motion)\b",
+    ),
+    "mirrored": (
+        r"\bmirror\w*\b",
+        r"\bflip(?:s|ped)? the (?:clip|image|video|recording)\b",
+        r"\bflipped\b",
+        r"\bflip\?*$",
+        r"\b(?:a|after a|left[ -](?:to[ -])?right) flip\b",
+    ),
+    "order": (
+        r"\bnames? the events\b",
+        r"\b(?:order|sequence) of (?:events|motions|the motions)\b",
+        r"\bin (?:what|which) order\b",
+        r"\b(?:in order|one after another|step by step|one by one)\b",
+        r"\b(?:came|comes|happen(?:s|ed)) (?:first|last|before|then|after that|next)\b",
+        r"\bfirst what\b",
+        r"\bwhat first\b",
+        r"\bfirst,? (?:and )?(?:what )?then\b",
+        r"\bbefore (?:it|or after)\b",
+        r"\bslide before\b",
+        r"\bturn before\b",
+        r"\bhow many (?:motions|events|steps)\b",
+        r"\bsequence\b",
+        r"\b(?:do|does|did) (?:first|last|after that|at the (?:end|start))\b",
+        r"(?:^|[:,!] |so |and |ok |hey )(?:and then|then what|what then|what next then)\b",
+        r"\b(?:steps|events|motions) (?:happened|are there|did you feel)\b",
+        r"\blist\b",
+        r"\bevents\b",
+    ),
+    "reversed": (
+        r"\bbackwards?\b",
+        r"\b(?:in )?reversed?\b",
+        r"\brew(?:ind|ound)\b",
+        r"\blast frame first\b",
+    ),
+    "evidence": (
+        r"\bhal(?:f|ves)\b",
+        r"\b(?:evidence|proof|grounds|reasons?)\b",
+        r"\bshear\b",
+        r"\bjustify\b",
+        r"^why\W*$",
+        r"\bhow (?:can|could|do|did) you (?:tell|know)\b",
+        r"\bfrom what (?:can|could|do|did) you\b",
+        r"\bwhy do you (?:say|think|believe)\b",
+        r"\bwhy you think\b",
+        r"\bbased? (?:on|that|it)\b",
+        r"\bexplain (?:your answer|yourself|that|how you)\b",
+        r"\bwhat (?:shows|tells you|proves)\b",
+        r"\bhow you (?:know|can tell)\b",
+        r"\b(?:which|what) (?:side|part)\b.*\b(?:moves|goes|moved|went)\b",
+        r"\b(?:do|feel) the (?:sides|parts)\b",
+        r"\bwhy (?:for that|for it)\b",
+    ),
+    "comparison": (
+        r"\b(?:the two|these two|two|both) (?:clips?|motions|of them)\b",
+        r"\bcompared?\b",
+        r"\bdiffer\w*\b",
+        r"\bthe (?:first|second|other|last) (?:one|clip)\b",
+        r"\bfirst or (?:the )?second\b",
+        r"\balike\b",
+        r"\bsecond or (?:the )?first\b",
+        rf"\bdo they {_GO}\b",
+        rf"\b(?:these two|the two|both) {_GO}\b",
+        r"\b(?:the )?same (?:way|direction|motion|movement|or|as)\b",
+        r"\bof the two\b",
+        r"\bof them\b",
+        r"\bin both\b",
+        r"\b(?:are|were|do|does) (?:both|they|the two|these two|both clips)\b",
+        rf"\bwhich (?:one |clip )?{_GO} (?:further|farther|more|less)\b",
+        r"\bsame or (?:not|opposite)\b",
+        r"\bwhich (?:one|clip) (?:is|was) (?:faster|slower|larger|smaller)\b",
+    ),
+    "confidence": (
+        r"\b(?:how|are you|are you really|are you quite) (?:sure|certain|confident)\b",
+        r"\bconfidence\b",
+        r"\b(?:certainty|probability|likelihood|likely|probable)\b",
+        r"\b(?:sure|certain) about\b",
+        r"\btrust\b",
+        r"\brely on\b",
+        r"\bdoubt\b",
+        r"\byou be (?:wrong|mistaken)\b",
+        r"\b(?:really|quite) sure\b",
+        r"\bchance (?:of that|that)\b",
+        r"\bhow (?:good|safe|solid|reliable) is (?:that|your|this)\b",
+        r"^(?:really )?sure\?*$",
+    ),
+    "viewpoint": (
+        r"\b(?:object|other|opposite|its own)(?:'?s)? (?:own )?(?:side|view|perspective|point)",
+        r"\b(?:from|seen from) (?:behind|the back)\b",
+        r"\bthe (?:view|viewpoint) (?:around|to the other)",
+        rf"\blooking (?:back )?(?:at|towards|into) the {_GEL}\b",
+        r"\bflip the viewpoint\b",
+        r"\b(?:seen|viewed) by the object\b",
+        r"\bdoes the object see\b",
+    ),
+    "actor": (
+        rf"\b(?:did|does|was|is|if|only|moved|but|of) the {_GEL}(?: itself)?{_MOVES_OR_END}",
+        rf"(?:^|[:,!] )(?:and|so|now) the {_GEL}(?: itself)?{_MOVES_OR_END}",
+        rf"^(?:\W*\w+\W+){{0,4}}the {_GEL} itself\b",
+        rf"\b(?:how|where|which way) the {_GEL} {_GO}\b",
+    ),
+    "rate": (
+        r"\bhow (?:fast|quick|quickly|slowly)\b",
+        r"\b(?:speed|rate|velocity)\b",
+        r"\bper second\b",
+        r"\b(?:speeding up|slowing down|accelerat\w*|decelerat\w*)\b",
+        r"\b(?:fast|slow|slowly|quick|quickly) or (?:fast|slow|slowly|quick|quickly)\b",
+    ),
+    "magnitude": (
+        r"\bhow (?:far|large|big|small)\b(?! or)",
+        r"\b(?:by )?how much\b",
+        r"\b(?:amount|extent|displacement)\b",
+        r"\bhow many (?:degrees|mm|millimetres)\b",
+        r"\b(?:more|less) than \S+ (?:degrees?|deg|mm|millimetres?)\b",
+        r"\bdegrees or\b",
+        r"\bmm or\b",
+        r"\bmillimetres or\b",
+        r"\b(?:angle or distance|distance or angle)\b",
+        r"\bsize of\b",
+        r"\b(?:measure|estimate) (?:the motion|the movement|how)\b",
+        r"\b(?:the|what is the|what's the) size\b",
+    ),
+}
+"""Words that tell each kind, in the order the kinds are tried."""
+
+_RULES = {kind: re.compile("|".join(words)) for kind, words in RULES.items()}
+
+_UNTOUCHABLE = re.compile(
+    r"\bhow much (?:does|did) .* (?:weigh|cost)\b|\bhow (?:big|large|small) (?:does|did) .* look\b"
+)
+_NEGATION = re.compile(r"\b(?:not|never|isn'?t|wasn'?t|doesn'?t|didn'?t)\b")
+_NO_NEGATION = re.compile(r"\bor not\b|\bnot (?:the direction|touching|in contact)\b")
+_PREMISE = re.compile(
+    r"\bhow (?:fast|far|long|much|quick|quickly|slowly|firmly|firm|steadily|steady|smoothly|evenly"
+    r"|often|many times|hard)\b|\b(?:by how much|at what speed|at which rate|since when)\b"
+    r"|\b(?:when|where) did\b|\bwhat (?:keeps|kept)\b|\b(?:stop|start|begin|keep) "
+)
+
+
+def asked_kind(question: str) -> str | None:
+    """Return the kind of `question` if its words tell one of the later kinds; else None."""
+    text = " ".join(question.lower().replace("\u2019", "'").split())
+    if _UNTOUCHABLE.search(text):
+        return None
+    if claimed_motion(text) is not None:
+        if _PREMISE.search(text):
+            return "premise"
+        if _NEGATION.search(_NO_NEGATION.sub(" ", text)):
+            return "negation"
+    return next((kind for kind, words in _RULES.items() if words.search(text)), None)

@@ -1,0 +1,72 @@
+"""A motion and a frame of reference in words; every direction names its frame once."""
+
+from __future__ import annotations
+
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import DIRECTED, Motion
+
+AT_REST = {
+    Motion.PRESS: "It is pressing in.",
+    Motion.RELEASE: "It is lifting off.",
+    Motion.STILL: "It is still: touching but not moving.",
+    Motion.NONE: "Nothing is touching the gel.",
+}
+"""What is said of motions without a direction; the same in every frame."""
+
+_CLAUSES = {
+    Motion.PRESS: "it is pressing in",
+    Motion.RELEASE: "it is lifting off",
+    Motion.STILL: "it is touching but not moving",
+    Motion.NONE: "the gel is untouched",
+}
+
+_GERUNDS = {
+    Motion.PRESS: "pressing in",
+    Motion.RELEASE: "lifting off",
+    Motion.STILL: "holding still",
+    Motion.NONE: "not touching",
+}
+
+
+def place(frame: FrameSpec) -> str:
+    """Return where from a direction is told: "in the camera image", "seen from ..."."""
+    is_from_sensor = frame.viewpoint == "sensor"
+    seen = "in the camera image" if is_from_sensor else "seen from the object's side"
+    return f"{seen} with the mirror undone" if frame.image_mirrored else seen
+
+
+def name(motion: Motion) -> str:
+    """Return a motion as a phrase without frame: "clockwise", "pressing in"."""
+    return motion.value if motion in DIRECTED else _GERUNDS[motion]
+
+
+def sentence(told: Motion, frame: FrameSpec) -> str:
+    """Return the answer to "which way?", `told` being the motion as `frame` tells it."""
+    if told not in DIRECTED:
+        return AT_REST[told]
+    if frame.actor == "sensor":
+        return f"The sensor goes {told.value}, {place(frame)}."
+    return f"{told.value.capitalize()}, {place(frame)}."
+
+
+def clause(told: Motion, frame: FrameSpec) -> str:
+    """Return the same as a clause: "it goes left in the camera image"."""
+    if told not in DIRECTED:
+        return _CLAUSES[told]
+    who = "the sensor" if frame.actor == "sensor" else "it"
+    return f"{who} goes {told.value} {place(frame)}"
+
+
+def level(probability: float) -> str:
+    """Return a probability as a word: high from 0.9, medium from 0.6, low below."""
+    return "high" if probability >= 0.9 else "medium" if probability >= 0.6 else "low"
+
+
+def known(frame: FrameSpec) -> str:
+    """Return everything that is known of the frame, in one clause."""
+    facts = [frame.sentence()]
+    if frame.thread is not None:
+        facts.append(f"{frame.thread}-hand thread")
+    if frame.contact_side is not None:
+        facts.append(f"touched at its {frame.contact_side}")
+    return ", ".join(facts)

@@ -1,0 +1,158 @@
+"""What a question of each kind asks about one label, and the slots of its true answer.
+
+Kinds that are exact functions of the motion and of the frame (mirrored, played backwards, seen from
+the other side, ...) are answered with the motion in the camera image; rules derive the rest.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from geotlm_lm.core.labels import (
+    ROTATIONS,
+    SLIDES,
+    Motion,
+    MotionClass,
+    MotionLabel,
+    motion_class,
+)
+from geotlm_lm.data.rivals import draw_option_set
+from geotlm_lm.data.templates import FORMS, QuestionType, Templates, Wording
+from geotlm_lm.language.parse_answer import Slots
+
+OPTION_STYLES = ("{letter}) {text}", "({letter}) {text}", "{letter}. {text}", "{letter}: {text}")
+
+Content = tuple[str, Slots, list[Slots]]
+"""A wording's text with what depends on the clip filled in, its true slots, and all possible."""
+
+
+def amount_of(label: MotionLabel) -> float | None:
+    """Return how far the object turns, in degrees, or slides, in mm; None where it does neither."""
+    if label.motion in ROTATIONS:
+        return abs(label.rotation_deg)
+    return math.hypot(label.slide_x_mm, label.slide_y_mm) if label.motion in SLIDES else None
+
+
+def _told(
+    _: Templates, kind: QuestionType, wording: Wording, label: MotionLabel, rng: np.random.Generator
+) -> Content:
+    """Answer with the motion in the camera image."""
+    return wording.text, Slots(kind.kind, label.motion), list(kind.answers.values())
+
+
+def _alone(
+    _: Templates, kind: QuestionType, wording: Wording, label: MotionLabel, rng: np.random.Generator
+) -> Content:
+    """Answer what is always answered alike."""
+    return wording.text, Slots(kind.kind), list(kind.answers.values())
+
+
+def _claimed(
+    templates: Templates,
+    kind: QuestionType,
+    wording: Wording,
+    label: MotionLabel,
+    rng: np.random.Generator,
+) -> Content:
+    """Claim the true motion or its rival, each half of the time; a negation denies the claim."""
+    (rival,) = (m for m in draw_option_set(label.motion, 2, rng) if m != label.motion)
+    claim = label.motion if rng.random() < 0.5 else rival
+    text = wording.text
+    for form in FORMS:
+        phrases = templates.phrases[claim][form]
+        if kind.kind != "verify":  # "is it not not touching?" is no English
+            phrases = [phrase for phrase in phrases if "not " not in phrase]
+        text = text.replace(f"{{{form}}}", phrases[int(rng.integers(len(phrases)))])
+    is_denied = kind.kind == "negation"
+    options = [Slots(kind.kind, motion, (motion == claim) != is_denied) for motion in Motion]
+    return text, options[list(Motion).index(label.motion)], options
+
+
+def _choice(
+    templates: Templates,
+    kind: QuestionType,
+    wording: Wording,
+    label: MotionLabel,
+    rng: np.random.Generator,
+) -> Content:
+    """Offer the true motion among one to three rivals, in random order."""
+    motions = draw_option_set(label.motion, int(rng.integers(2, 5)), rng)
+    motions = [motions[i] for i in rng.permutation(len(motions))]
+    letters = "ABCD"[: len(motions)]
+    style = OPTION_STYLES[int(rng.integers(len(OPTION_STYLES)))]
+    form = templates.phrases
+    lines = []
+    for letter, motion in zip(letters, motions, strict=True):
+        phrases = form[motion]["short"]
+        phrase = phrases[int(rng.integers(len(phrases)))]
+        lines.append(style.replace("{letter}", letter).replace("{text}", phrase))
+    text = wording.text.replace("{options}", (", ", " ", "; ")[int(rng.integers(3))].join(lines))
+    options = [
+        Slots("choice", motion, letter=letter)
+        for letter, motion in zip(letters, motions, strict=True)
+    ]
+    return text, options[motions.index(label.motion)], options
+
+
+def _class(
+    _: Templates, kind: QuestionType, wording: Wording, label: MotionLabel, rng: np.random.Generator
+) -> Content:
+    slots = Slots("class", motion_class=motion_class(label.motion))
+    return wording.text, slots, list(kind.answers.values())
+
+
+def _contact(
+    _: Templates, kind: QuestionType, wording: Wording, label: MotionLabel, rng: np.random.Generator
+) -> Content:
+    slots = Slots("contact", verdict=label.motion != Motion.NONE)
+    return wording.text, slots, list(kind.answers.values())
+
+
+def _moving(
+    _: Templates, kind: QuestionType, wording: Wording, label: MotionLabel, rng: np.random.Generator
+) -> Content:
+    rest = motion_class(label.motion)
+    is_at_rest = rest in (MotionClass.STILL, MotionClass.NONE)
+    slots = Slots("moving", verdict=not is_at_rest, motion_class=rest if is_at_rest else None)
+    return wording.text, slots, list(kind.answers.values())
+
+
+def _measured(
+    _: Templates, kind: QuestionType, wording: Wording, label: MotionLabel, rng: np.random.Generator
+) -> Content:
+    """Answer with the nearest amount the answers hold, or why there is none."""
+    options = list(kind.answers.values())
+    true = amount_of(label)
+    if true is None:
+        return wording.text, Slots(kind.kind, label.motion), options
+    unit = "deg" if label.motion in ROTATIONS else "mm"
+    of_unit = [slots for slots in options if slots.unit == unit]
+    return wording.text, min(of_unit, key=lambda slots: abs(slots.amount - true)), options
+
+
+CONTENTS: dict[str, Callable[..., Content]] = {
+    "direction": _told,
+    "verify": _claimed,
+    "choice": _choice,
+    "negation": _claimed,
+    "class": _class,
+    "contact": _contact,
+    "magnitude": _measured,
+    "rate": _measured,
+    "comparison": _alone,
+    "evidence": _told,
+    "viewpoint": _told,
+    "actor": _told,
+    "thread": _told,
+    "mirrored": _told,
+    "reversed": _told,
+    "moving": _moving,
+    "refusal": _alone,
+    "premise": _claimed,
+    "confidence": _alone,
+    "undo": _told,
+    "order": _alone,
+}

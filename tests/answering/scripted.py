@@ -1,0 +1,60 @@
+"""A speaker that says what a test wrote down, and a model of random weights around it."""
+
+import numpy as np
+
+from geotlm_lm.answering import OPEN_QUESTION, Answerer
+from geotlm_lm.checkpoint import Calibration
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.language.parse_answer import AnswerGrammar, Slots
+
+FIRST_KINDS = ("direction", "verify", "choice", "class", "contact", "moving", "refusal")
+
+
+class Scripted:
+    """Says the sentence written for a question, else the one for any; remembers what it heard.
+
+    An option is e^2 times as likely as each other one if it is what would be said.
+    """
+
+    def __init__(self, sentences):
+        self.sentences = sentences
+        self.heard = []
+
+    def generate(self, fused_token, questions):
+        assert len(fused_token) == len(questions)
+        self.heard += questions
+        return [self._says(question) for question in questions]
+
+    def score(self, fused_token, question, options):
+        return np.array([-1.0 if option == self._says(question) else -3.0 for option in options])
+
+    def _says(self, question):
+        return self.sentences.get(question, self.sentences.get("*"))
+
+
+def first_kinds_of(grammar):
+    """The grammar of a model that was trained on the first seven kinds alone."""
+    sentences = [text for kind in FIRST_KINDS for text in grammar.options_for(kind)]
+    return AnswerGrammar({text: grammar.parse(text) for text in sentences})
+
+
+def answerer_saying(bundle, sentences, *, grammar=None, **calibration):
+    """An answerer whose model says `sentences`, by question; "*" stands for any."""
+    grammar = grammar or bundle.grammar
+    return Answerer(
+        type(bundle)(bundle.model, Scripted(sentences), grammar, Calibration(**calibration), {})
+    )
+
+
+def feeling(bundle, motion, **calibration):
+    """An answerer trained on the first kinds, which feels `motion` whatever it is asked."""
+    grammar = first_kinds_of(bundle.grammar)
+    said = grammar.sentence(Slots("direction", Motion(motion)))
+    return answerer_saying(bundle, {"*": said, OPEN_QUESTION: said}, grammar=grammar, **calibration)
+
+
+def recording(frames=4, fps=None, seed=1):
+    rng = np.random.default_rng(seed)
+    images = rng.integers(80, 130, (frames, 48, 64, 3)).astype(np.uint8)
+    return Clip(images, fps=fps, background=images[0], name="x.npy")

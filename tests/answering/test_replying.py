@@ -1,0 +1,232 @@
+"""Which questions the model answers, which the rules do, and what both refuse."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.answering import NOT_UNDERSTOOD, OPEN_QUESTION, deciding_word
+from geotlm_lm.conversation.english import ENGLISH_ONLY
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.language.parse_answer import KINDS
+from tests.answering.scripted import answerer_saying, feeling, recording
+
+SURE = np.e**2 / (np.e**2 + 9)
+"""Probability of the sentence that is said, among ten."""
+
+
+@pytest.mark.parametrize(
+    ("question", "text", "kind"),
+    [
+        ("And mirrored?", "Counterclockwise, in the camera image, if the clip is mirrored.", None),
+        ("Played backwards?", "Counterclockwise, in the camera image, played backwards.", None),
+        ("Seen from behind?", "Counterclockwise, seen from the object's side.", None),
+        (
+            "Which way did the sensor move?",
+            "The sensor goes counterclockwise, in the camera image.",
+            None,
+        ),
+        ("How do I undo it?", "Moving counterclockwise undoes it, in the camera image.", None),
+        ("Isn't it turning clockwise?", "It is: it goes clockwise in the camera image.", None),
+        ("How fast is it sliding up?", "But no, it goes clockwise in the camera image.", None),
+        (
+            "How sure are you?",
+            "My confidence is low: 45% that it goes clockwise in the camera image.",
+            None,
+        ),
+        (
+            "Right-hand thread, touched at the head: is it tightening?",
+            "It tightens: clockwise in the camera image, right-hand thread touched at its head.",
+            None,
+        ),
+    ],
+)
+def test_a_model_of_the_first_kinds_gets_the_later_ones_by_rule(bundle, question, text, kind):
+    answerer = feeling(bundle, "clockwise")
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert answer.text == text
+    assert not answer.abstained
+    assert answerer.bundle.speaker.heard == [OPEN_QUESTION]
+    assert answer.notes[-1].startswith("Told by rule from the direction: this model was not")
+
+
+def test_a_rule_keeps_the_probability_of_the_direction_it_started_from(bundle):
+    answerer = feeling(bundle, "left")
+    answer = answerer.ask(answerer.encode(recording()), "And played backwards?")
+    assert answer.direction is Motion.RIGHT
+    assert answer.confidence == pytest.approx(SURE)
+    assert sum(answer.options.values()) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("question", "text"),
+    [
+        (
+            "By how much?",
+            "I cannot tell how far it moved: this model was not trained for amounts.",
+        ),
+        (
+            "How fast is it going?",
+            "I cannot tell how fast it moved: this model was not trained for amounts.",
+        ),
+        (
+            "Do the two clips go the same way?",
+            "I see one clip only; give me a second one to compare it with.",
+        ),
+        (
+            "What happened first?",
+            "I see one motion per clip; give me the parts as clips of their own, in order.",
+        ),
+    ],
+)
+def test_what_no_rule_can_tell_is_refused_in_one_sentence_without_a_model_run(
+    bundle, question, text
+):
+    answerer = feeling(bundle, "clockwise")
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert (answer.text, answer.abstained, answer.direction) == (text, True, None)
+    assert set(answer.timing_ms) == {"choose", "encode", "total"}
+
+
+def test_evidence_of_an_untrained_model_is_its_geometry_in_words(bundle):
+    answerer = feeling(bundle, "clockwise")
+    answer = answerer.ask(answerer.encode(recording()), "Which half goes which way?")
+    assert answer.text.startswith("The whole contact ")
+    assert answer.text.endswith(", in the camera image.")
+    assert answer.notes[-1].startswith("Told by rule from the geometry")
+    assert answerer.bundle.speaker.heard == []
+
+
+@pytest.mark.parametrize(
+    ("said", "text", "direction"),
+    [
+        (
+            "Mirror image of: left in the camera image.",
+            "Right, in the camera image, if the clip is mirrored.",
+            Motion.RIGHT,
+        ),
+        (
+            "The object's side of: clockwise in the camera image.",
+            "Counterclockwise, seen from the object's side.",
+            Motion.COUNTERCLOCKWISE,
+        ),
+        ("To undo this: lifting off.", "Pressing in undoes it.", Motion.PRESS),
+        (
+            "It is not: it goes left in the camera image.",
+            "It is not: it goes left in the camera image.",
+            Motion.LEFT,
+        ),
+        ("About 12 degrees of turning.", "About 12 degrees of turning.", None),
+    ],
+)
+def test_a_trained_model_says_what_it_felt_and_the_rules_tell_it(bundle, said, text, direction):
+    answerer = answerer_saying(bundle, {"*": said})
+    answer = answerer.ask(answerer.encode(recording()), "Whatever this asks?")
+    assert (answer.text, answer.direction) == (text, direction)
+    assert not [note for note in answer.notes if "not trained" in note]
+    # The probability is that of the model's own sentence among those of its kind.
+    options = len(bundle.grammar.options_for(answer.kind))
+    assert answer.confidence >= np.e**2 / (np.e**2 + options - 1) - 1e-9
+
+
+def test_a_trained_model_tells_its_confidence_from_the_open_question(bundle):
+    said = {"*": "As sure as my probabilities are.", OPEN_QUESTION: "Left, in the camera image."}
+    answerer = answerer_saying(bundle, said)
+    answer = answerer.ask(answerer.encode(recording()), "How confident are you?")
+    assert answer.text.endswith("45% that it goes left in the camera image.")
+
+
+@pytest.mark.parametrize(
+    ("fps", "frames", "text"),
+    [
+        # Frames 0 to 3 at 25 per second take 0.12 s.
+        (25.0, 4, "About 100 degrees per second, on average."),
+        (2.0, 4, "About 8 degrees per second, on average."),
+        (None, 4, "I cannot tell the speed: it takes 3 frames and a frame rate; give it by fps."),
+        (25.0, 2, "I cannot tell the speed: it takes 3 frames and a frame rate; give it by fps."),
+    ],
+)
+def test_a_speed_needs_a_frame_rate_and_three_frames(bundle, fps, frames, text):
+    answerer = answerer_saying(bundle, {"*": "Over the whole clip about 12 degrees of turning."})
+    answer = answerer.ask(answerer.encode(recording(frames, fps)), "How fast?")
+    assert answer.text == text
+    assert answer.abstained == text.startswith("I cannot")
+
+
+def test_a_question_in_another_language_is_refused_before_the_model_runs(bundle):
+    answerer = feeling(bundle, "clockwise")
+    answer = answerer.ask(answerer.encode(recording()), "Wohin dreht sich der Deckel?")
+    assert (answer.text, answer.kind, answer.abstained) == (ENGLISH_ONLY, None, True)
+    assert answerer.bundle.speaker.heard == []
+
+
+def test_a_fact_alone_is_noted_and_claims_nothing(bundle):
+    answerer = feeling(bundle, "clockwise")
+    answer = answerer.ask(answerer.encode(recording()), "The image is mirrored.")
+    assert answer.text.startswith("Noted: mirrored camera image")
+    assert (answer.kind, answer.direction, answer.abstained) == ("frame", None, False)
+    assert answer.frame == FrameSpec(image_mirrored=True)
+
+
+def test_a_frame_tells_directions_and_judges_claims_in_it(bundle):
+    answerer = feeling(bundle, "clockwise")
+    encoded = answerer.encode(recording())
+    frame = FrameSpec(viewpoint="object")
+    answer = answerer.ask(encoded, "Which way?", frame=frame)
+    assert answer.text == "Counterclockwise, seen from the object's side."
+    assert (answer.direction, answer.frame) == (Motion.COUNTERCLOCKWISE, frame)
+    assert answer.confidence == pytest.approx(SURE)
+
+
+def test_facts_of_the_world_alone_leave_the_models_words(bundle):
+    answerer = feeling(bundle, "clockwise")
+    frame = FrameSpec(thread="left", contact_side="head")
+    answer = answerer.ask(answerer.encode(recording()), "Which way?", frame=frame)
+    assert answer.text == "Clockwise, in the camera image."
+
+
+def test_a_rule_withholds_a_direction_without_contact_like_the_model(bundle):
+    answerer = feeling(bundle, "clockwise", contact_threshold=1.1)
+    answer = answerer.ask(answerer.encode(recording()), "And played backwards?")
+    assert answer.text.startswith("I cannot name a direction")
+    assert (answer.direction, answer.abstained, answer.confidence) == (None, True, 0.0)
+
+
+def test_an_open_question_without_an_answer_leaves_the_rules_nothing(bundle):
+    answerer = feeling(bundle, "clockwise")
+    answerer.bundle.speaker.sentences = {"*": "Clockwise, or so."}
+    answer = answerer.ask(answerer.encode(recording()), "And played backwards?")
+    assert (answer.text, answer.abstained) == (NOT_UNDERSTOOD, True)
+
+
+def test_reasons_end_in_the_answer_and_say_whose_words_they_are(bundle):
+    answerer = feeling(bundle, "clockwise")
+    encoded = answerer.encode(recording())
+    answer = answerer.ask(encoded, "Which way?")
+    why = answerer.why(encoded, answer)
+    assert why.steps[0].startswith("Contact fills ")
+    assert why.steps[-1] == "Therefore: Clockwise, in the camera image."
+    assert any(step.startswith("Told in this frame: camera image") for step in why.steps)
+    assert why.source == "by rule, from the geometry the model read; not in its own words"
+
+
+def test_reasons_of_a_model_trained_for_evidence_hold_its_sentence(bundle):
+    said = "The upper half goes right, the lower half left, in the camera image."
+    answerer = answerer_saying(bundle, {"*": said, "Which way?": "Clockwise, in the camera image."})
+    encoded = answerer.encode(recording())
+    why = answerer.why(encoded, answerer.ask(encoded, "Which way?"))
+    assert why.steps[1] == said
+    assert why.source.startswith("the second sentence in the model's words")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_answers_of_a_kind_differ_in_their_deciding_words(bundle, kind):
+    slots = [bundle.grammar.parse(text) for text in bundle.grammar.options_for(kind)]
+    words = {deciding_word(one) for one in slots}
+    claims = {
+        (one.verdict, one.letter, one.motion_class, one.amount, one.unit)
+        if one.verdict is not None or one.amount is not None
+        else (one.direction, one.letter, one.motion_class)
+        for one in slots
+    }
+    verdicts = kind in ("verify", "contact", "moving", "negation", "premise")
+    assert len(words) == (2 if verdicts else len(claims))

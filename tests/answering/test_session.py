@@ -1,0 +1,128 @@
+"""A conversation keeps its frame and its answers; doubt changes neither."""
+
+import pytest
+
+from geotlm_lm.answering import OPEN_QUESTION
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
+from tests.answering.scripted import answerer_saying, feeling, recording
+
+
+@pytest.fixture
+def session(bundle):
+    answerer = feeling(bundle, "clockwise")
+    return answerer.session(answerer.encode(recording()))
+
+
+@pytest.mark.parametrize(
+    "doubt",
+    [
+        "Are you sure?",
+        "are you really sure about that",
+        "Really?",
+        "I think you are wrong.",
+        "No, it is counterclockwise!",
+        "No.",
+        "that's wrong",
+        "how sure are you?",
+        "r u sure??",
+        "check again",
+    ],
+)
+def test_doubt_repeats_the_answer_with_its_probability_and_never_turns_it(session, doubt):
+    first = session.ask("Which way does it turn?")
+    again = session.ask(doubt)
+    assert again.direction == first.direction == Motion.CLOCKWISE
+    assert again.confidence == first.confidence
+    assert again.text == (
+        "I am not sure of it, but it is the likeliest, 45%: Clockwise, in the camera image."
+    )
+
+
+def test_doubt_upon_doubt_says_the_same(session):
+    session.ask("Which way?")
+    texts = {session.ask(doubt).text for doubt in ("Really?", "Are you sure?", "no way")}
+    assert len(texts) == 1
+
+
+def test_doubt_runs_no_model(session):
+    session.ask("Which way?")
+    heard = list(session.answerer.bundle.speaker.heard)
+    session.ask("Are you sure?")
+    assert session.answerer.bundle.speaker.heard == heard
+
+
+def test_a_refusal_is_repeated_as_it_is(session):
+    refusal = session.ask("By how much?")
+    assert session.ask("Really?") == refusal
+
+
+def test_the_first_question_can_be_a_doubt(session):
+    assert session.ask("How sure are you?").text.startswith("My confidence is low: 45% that")
+
+
+def test_an_answer_is_said_again(session):
+    first = session.ask("Which way?")
+    assert session.ask("Say that again?") == first
+
+
+def test_facts_last_and_change_what_is_told(session):
+    session.ask("I look from the object's side.")
+    assert session.frame == FrameSpec(viewpoint="object")
+    assert session.ask("Which way?").text == "Counterclockwise, seen from the object's side."
+    session.ask("Left-hand thread, touched at the head.")
+    assert session.ask("Is it tightening?").text.startswith(
+        "It loosens: counterclockwise seen from"
+    )
+    session.ask("reset the frame")
+    assert session.ask("Which way?").text == "Clockwise, in the camera image."
+
+
+def test_a_viewpoint_asked_for_once_does_not_last(session):
+    once = session.ask("Seen from the object's side, which way?")
+    assert once.direction is Motion.COUNTERCLOCKWISE
+    assert session.ask("Which way?").direction is Motion.CLOCKWISE
+
+
+def test_doubt_after_a_fact_is_about_the_answer_before_it(session):
+    session.ask("Which way?")
+    session.ask("Left-hand thread.")
+    assert session.ask("Are you sure?").text.endswith("Clockwise, in the camera image.")
+
+
+def test_two_clips_are_compared_and_told_in_order(session):
+    assert session.ask("Do they turn the same way?").abstained
+    session.add_clip(session.answerer.encode(recording(seed=2)))
+    same = session.ask("Do they turn the same way?")
+    assert same.text == "The same: of both clips, it goes clockwise in the camera image."
+    assert (same.relation, same.first.direction) == ("same", Motion.CLOCKWISE)
+    order = session.ask("What happened first?")
+    assert order.motions == (Motion.CLOCKWISE, Motion.CLOCKWISE)
+    assert session.ask("Are you sure?").text.endswith(order.text)
+
+
+def test_the_history_holds_every_turn_as_plain_values(session):
+    for question in ("Which way?", "Are you sure?", "The image is mirrored."):
+        session.ask(question)
+    turns = session.to_dict()
+    assert [turn["question"] for turn in turns] == [turn.question for turn in session.history]
+    assert turns[0]["answer"]["direction"] == "clockwise"
+    assert [turn.is_repeated for turn in session.history] == [False, True, False]
+
+
+def test_two_sessions_share_nothing(bundle):
+    answerer = feeling(bundle, "left")
+    encoded = answerer.encode(recording())
+    one, other = answerer.session(encoded), answerer.session(encoded)
+    one.ask("The image is mirrored.")
+    assert other.frame == FrameSpec()
+    assert other.history == []
+
+
+def test_a_trained_model_hears_every_question_that_is_its_own(bundle):
+    said = {"*": "Played backwards from: left in the camera image."}
+    answerer = answerer_saying(bundle, said)
+    session = answerer.session(answerer.encode(recording()))
+    assert session.ask("And played backwards?").direction is Motion.RIGHT
+    assert answerer.bundle.speaker.heard == ["And played backwards?"]
+    assert OPEN_QUESTION not in answerer.bundle.speaker.heard

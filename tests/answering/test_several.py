@@ -1,0 +1,199 @@
+"""Relations of two clips, and orders of several, from answers written down by hand."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from geotlm_lm.answering.answer import Answer
+from geotlm_lm.answering.hearing import Heard
+from geotlm_lm.answering.several import (
+    asks_amount,
+    compare_amounts,
+    compare_directions,
+    tell_order,
+)
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion, reverse
+from geotlm_lm.language.parse_answer import Slots
+from tests.answering.scripted import answerer_saying, feeling, recording
+
+
+def answer(motion, share=0.8):
+    motion = Motion(motion)
+    options = {motion.value: share, reverse(motion).value: 1 - share}
+    return Answer(
+        text="", direction=motion, confidence=share, abstained=False, frame=FrameSpec(),
+        options=options, evidence={}, timing_ms={}, kind="direction", frames_used=(0, 1, 2, 3),
+    )  # fmt: skip
+
+
+WITHHELD = replace(answer("left"), text="I cannot say.", direction=None, abstained=True)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "relation", "confidence", "text"),
+    [
+        # Equal: both right or both wrong; opposite: one of them wrong.
+        (
+            "left",
+            "left",
+            "same",
+            0.68,
+            "The same: of both clips, it goes left in the camera image.",
+        ),
+        (
+            "left",
+            "right",
+            "opposite",
+            0.68,
+            "Opposite: the first is going left, the second going right, in the camera image.",
+        ),
+        (
+            "left",
+            "clockwise",
+            "different",
+            1.0,
+            "Different: the first is going left, the second going clockwise, in the camera image.",
+        ),
+        (
+            "press",
+            "release",
+            "different",
+            0.68,
+            "Different: the first is pressing in, the second lifting off.",
+        ),
+    ],
+)
+def test_two_directions_are_the_same_opposite_or_different(one, other, relation, confidence, text):
+    compared = compare_directions(answer(one), answer(other))
+    assert (compared.relation, compared.text) == (relation, text)
+    assert compared.confidence == pytest.approx(confidence)
+
+
+def test_a_withheld_direction_withholds_the_comparison():
+    compared = compare_directions(answer("left"), WITHHELD)
+    assert compared.text == "I cannot compare them; of the second: I cannot say."
+    assert (compared.relation, compared.abstained, compared.confidence) == ("unknown", True, 0.0)
+
+
+def heard(amount, unit="deg", share=0.5):
+    slots = Slots("magnitude", amount=amount, unit=unit)
+    return Heard(slots, "", {f"{amount:g} {unit}": share})
+
+
+@pytest.mark.parametrize(
+    ("question", "amounts", "seconds", "relation", "text"),
+    [
+        (
+            "Which went further?",
+            (12, 27),
+            (None, None),
+            "second",
+            "The second: about 12 and 27 deg.",
+        ),
+        ("Which moved less?", (12, 27), (None, None), "first", "The first: about 12 and 27 deg."),
+        (
+            "Which turned more?",
+            (12, 15),
+            (None, None),
+            "similar",
+            "Neither: they are similar, about 12 and 15 deg.",
+        ),
+        # 12 deg in 0.1 s is faster than 27 deg in 1 s.
+        ("Which is faster?", (12, 27), (0.1, 1.0), "first", "The first: about 120 and 27 deg/s."),
+        ("Which is slower?", (12, 27), (0.1, 1.0), "second", "The second: about 120 and 27 deg/s."),
+        (
+            "Which is faster?",
+            (12, 27),
+            (0.1, None),
+            "unknown",
+            "I cannot tell which is faster: not both clips have a frame rate.",
+        ),
+    ],
+)
+def test_amounts_are_compared_by_size_or_by_time(question, amounts, seconds, relation, text):
+    pair = [heard(amount) for amount in amounts]
+    answers = (answer("clockwise"), answer("clockwise"))
+    compared = compare_amounts(question, pair, seconds, answers)
+    assert (compared.relation, compared.text) == (relation, text)
+    assert compared.confidence == (0.0 if relation == "unknown" else 0.25)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "text"),
+    [
+        (heard(12), heard(1.2, "mm"), "I cannot compare them: one turns, the other slides."),
+        (
+            heard(12),
+            Heard(Slots("magnitude", Motion.PRESS), "", {}),
+            "I cannot compare them: not both of them turn or slide.",
+        ),
+        (heard(12), Heard(None, "", {}), "I cannot compare them: not both of them turn or slide."),
+    ],
+)
+def test_amounts_of_different_things_are_not_compared(one, other, text):
+    answers = (answer("clockwise"), answer("left"))
+    compared = compare_amounts("Which went further?", [one, other], (None, None), answers)
+    assert (compared.text, compared.abstained) == (text, True)
+
+
+@pytest.mark.parametrize(
+    ("motions", "text"),
+    [
+        (
+            ("clockwise", "left"),
+            "First going clockwise, then going left, in the camera image.",
+        ),
+        (("press", "still"), "First pressing in, then holding still."),
+    ],
+)
+def test_an_order_is_told_motion_by_motion(motions, text):
+    order = tell_order([answer(motion) for motion in motions])
+    assert (order.text, order.motions) == (text, motions)
+    assert order.confidence == pytest.approx(0.64)
+
+
+def test_an_order_with_a_gap_is_withheld():
+    order = tell_order([answer("left"), WITHHELD])
+    assert order.text == "I cannot tell the order; of clip 2: I cannot say."
+    assert (order.motions, order.abstained) == ((), True)
+
+
+def test_results_are_plain_json_values():
+    pair = [answer("left"), answer("right")]
+    for result in (compare_directions(*pair), tell_order(pair)):
+        values = json.loads(json.dumps(result.to_dict()))
+        assert {"text", "confidence", "abstained"} <= set(values)
+
+
+@pytest.mark.parametrize(
+    ("question", "asks"),
+    [("Which one turned further?", True), ("which is faster", True), ("the same way?", False)],
+)
+def test_a_comparison_of_amounts_is_told_from_one_of_directions(question, asks):
+    assert asks_amount(question) is asks
+
+
+def test_the_seam_compares_two_clips(bundle):
+    answerer = feeling(bundle, "up")
+    clips = [answerer.encode(recording(seed=seed)) for seed in (1, 2)]
+    assert answerer.compare(*clips).relation == "same"
+    refused = answerer.compare(*clips, "Which one went further?")
+    assert refused.text == (
+        "I cannot tell how far it moved: this model was not trained for amounts."
+    )
+    assert answerer.order(clips).motions == (Motion.UP, Motion.UP)
+    with pytest.raises(ValueError, match="2 clips or more, found 1"):
+        answerer.order(clips[:1])
+
+
+def test_the_seam_compares_amounts_of_a_model_that_was_trained_for_them(bundle):
+    said = {
+        "*": "Clockwise, in the camera image.",
+        "How far did it go?": "About 12 degrees of turning.",
+    }
+    answerer = answerer_saying(bundle, said)
+    clips = [answerer.encode(recording(seed=seed)) for seed in (1, 2)]
+    compared = answerer.compare(*clips, "Which turned further?")
+    assert compared.text == "Neither: they are similar, about 12 and 12 deg."

@@ -1,0 +1,139 @@
+"""`chat` reads lines from a pipe: questions, facts, commands; mistakes do not end it."""
+
+import io
+import json
+
+import numpy as np
+import pytest
+
+from geotlm_lm.answering import Answerer
+from geotlm_lm.cli.main import main
+from tests.answering.scripted import feeling
+from tests.tiny_bundle import tiny_bundle
+
+DIRECTION = "Clockwise, in the camera image."
+
+
+@pytest.fixture(scope="module")
+def bundle():
+    return tiny_bundle()
+
+
+@pytest.fixture
+def clip_path(tmp_path):
+    frames = np.random.default_rng(0).integers(80, 130, (4, 24, 32, 3)).astype(np.uint8)
+    np.save(tmp_path / "clip.npy", frames)
+    return tmp_path / "clip.npy"
+
+
+@pytest.fixture
+def talk(monkeypatch, capsys, bundle, clip_path):
+    """Pipe lines into a conversation about a clip that turns clockwise."""
+    folders = []
+
+    def load(folder=None):
+        folders.append(folder)
+        return feeling(bundle, "clockwise")
+
+    monkeypatch.setattr(Answerer, "load", load)
+
+    def piped(*lines, options=()):
+        monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{line}\n" for line in lines)))
+        with pytest.raises(SystemExit) as stop:
+            main(["chat", "--clip", str(clip_path), *options])
+        assert stop.value.code == 0
+        printed = capsys.readouterr()
+        return printed.out.splitlines(), printed.err.splitlines()
+
+    piped.folders = folders
+    return piped
+
+
+def test_each_line_is_answered_on_a_line_of_its_own(talk):
+    out, err = talk("which way?", "", "are you sure?")
+    assert out == [DIRECTION, f"I am not sure of it, but it is the likeliest, 45%: {DIRECTION}"]
+    assert all(line.startswith("note: ") for line in err)
+
+
+def test_the_frame_is_set_told_and_reset(talk):
+    out, _ = talk(
+        "/frame", "/frame I look from the object's side", "which way?", "/frame reset", "which way?"
+    )
+    assert out == [
+        "Frame: camera image, looking out of the sensor, object relative to sensor.",
+        "Frame: camera image, seen from the object, object relative to sensor.",
+        "Counterclockwise, seen from the object's side.",
+        "Frame: camera image, looking out of the sensor, object relative to sensor.",
+        DIRECTION,
+    ]
+
+
+def test_an_unknown_fact_is_refused_with_examples(talk):
+    out, err = talk("/frame it is shiny")
+    assert out == []
+    assert err[-1].startswith("'it is shiny' is no fact I know; say for example 'left-hand thread'")
+
+
+def test_json_holds_the_whole_answer_until_it_is_switched_off(talk):
+    out, _ = talk("/json", "which way?", "/json", "which way?")
+    assert json.loads(out[0])["direction"] == "clockwise"
+    assert out[1:] == [DIRECTION]
+
+
+def test_evidence_is_one_json_object(talk):
+    out, _ = talk("/evidence")
+    assert {"contact_share", "regions", "view"} <= set(json.loads(out[0]))
+
+
+def test_reasons_end_in_the_last_answer_and_their_source_is_a_note(talk):
+    out, err = talk("which way?", "/why")
+    assert out[1].startswith("Contact fills ")
+    assert out[-1] == f"Therefore: {DIRECTION}"
+    assert err[-1] == ("note: told by rule, from the geometry the model read; not in its own words")
+
+
+def test_reasons_before_any_answer_are_refused(talk):
+    assert talk("/why")[1][-1] == ("there is no answer about one clip yet; ask a question first.")
+
+
+def test_history_repeats_the_turns(talk):
+    out, _ = talk("which way?", "/history")
+    assert out[1:] == ["> which way?", DIRECTION]
+
+
+def test_a_second_clip_can_be_compared_with_the_first(talk, clip_path):
+    out, _ = talk(f"/clip {clip_path}", "do they turn the same way?")
+    assert out == [
+        f"Looking at {clip_path}; 2 clips are open.",
+        "The same: of both clips, it goes clockwise in the camera image.",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("/clip gone.npy", "gone.npy: no such file or folder; check the path."),
+        ("/clip", "/clip needs a path, such as /clip other.npz."),
+        ("/dance", "there is no /dance; the commands are /help,"),
+        ("x" * 501, "the question has 501 characters, expected at most 500"),
+    ],
+)
+def test_a_mistake_is_told_and_the_conversation_goes_on(talk, line, message):
+    out, err = talk(line, "which way?")
+    assert out == [DIRECTION]
+    assert any(told.startswith(message) for told in err)
+
+
+def test_quit_ends_it_before_the_input_does(talk):
+    assert talk("/quit", "which way?")[0] == []
+
+
+def test_help_lists_every_command(talk):
+    out, _ = talk("/help")
+    for command in ("/clip", "/evidence", "/frame", "/history", "/json", "/quit", "/why"):
+        assert any(line.startswith(command) for line in out)
+
+
+def test_the_model_folder_reaches_the_loader_once(talk, tmp_path):
+    talk("which way?", "again", options=("--model", str(tmp_path)))
+    assert talk.folders == [tmp_path]

@@ -1,0 +1,71 @@
+"""A talk with the shipped model, through the command, as somebody at a terminal would have it."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import geotlm_lm
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "app" / "examples"
+
+pytestmark = pytest.mark.skipif(
+    not (Path(geotlm_lm.__file__).parent / "bundle").is_dir(), reason="needs the trained bundle"
+)
+
+
+@pytest.fixture(scope="module")
+def talk():
+    """The answers of one run of the command to lines from a pipe."""
+    lines = [
+        "Which way is the cap turning?",
+        "Are you sure?",
+        "And played backwards?",
+        "Seen from the object's side?",
+        "Is it being tightened?",
+        "Right-hand thread, touched at the head.",
+        "Is it being tightened?",
+        f"/clip {EXAMPLES / 'hex_nut_counterclockwise.npz'}",
+        "Do they turn the same way?",
+        "Wohin dreht sich der Deckel?",
+        "/quit",
+    ]
+    command = [sys.executable, "-m", "geotlm_lm", "chat"]
+    done = subprocess.run(
+        [*command, "--clip", str(EXAMPLES / "bottle_cap_clockwise.npz")],
+        input="\n".join(lines),
+        capture_output=True,
+        text=True,
+        env=os.environ | {"OMP_NUM_THREADS": "1"},
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+def test_the_talk_goes_as_it_should(talk):
+    clockwise = "Clockwise, in the camera image."
+    assert talk[0] == clockwise
+    assert talk[1].endswith(f"%: {clockwise}")
+    assert talk[2] == "Counterclockwise, in the camera image, played backwards."
+    assert talk[3] == "Counterclockwise, seen from the object's side."
+    assert talk[4].startswith("I cannot tell tightening from loosening: tell me which side touches")
+    assert talk[5].startswith("Noted: camera image")
+    assert talk[6].startswith("It tightens: clockwise in the camera image, right-hand thread")
+    assert talk[8].startswith("Opposite: the first is going clockwise, the second going counter")
+    assert talk[9] == "I read English only; please ask in English."
+
+
+def test_the_reasons_for_a_turn_add_up_to_it(capsys):
+    from geotlm_lm.cli.main import main
+
+    clip = EXAMPLES / "bottle_cap_clockwise.npz"
+    with pytest.raises(SystemExit):
+        main(["answer", "--clip", str(clip), "--q", "Which way?", "--why", "--json"])
+    told = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert told["why"]["steps"][2] == (
+        "The common shift cancels in the differences of the halves, which add up clockwise."
+    )
+    assert told["why"]["steps"][-1] == "Therefore: Clockwise, in the camera image."
