@@ -15,7 +15,7 @@ PACKAGE = Path(geotlm_lm.__file__).parent
 LEVELS = (
     {"core"},
     {"simulation", "recordings", "backbone", "dgr", "probe", "language", "evaluation"},
-    {"model", "data"},
+    {"model", "data", "views"},
     {"checkpoint"},
     {"answering", "training"},
     {"experiments", "reports"},
@@ -30,6 +30,7 @@ FORBIDDEN = {
     "simulation": {"transformers", "typer", "gradio", "sklearn"},
     "dgr": {"transformers", "cv2", "typer", "gradio"},
     "language": {"cv2", "typer", "gradio"},
+    "views": {"torch", "scipy", "sklearn", "transformers", "typer", "gradio"},
 }
 """Outside packages a room must do without, anywhere in it."""
 
