@@ -14,6 +14,7 @@ from geotlm_lm.cli.info import info
 from geotlm_lm.cli.report import app as report
 from geotlm_lm.cli.simulate import simulate
 from geotlm_lm.cli.train import train
+from geotlm_lm.cli.watch import watch
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 
 app = typer.Typer(
@@ -34,7 +35,7 @@ STOPPED = "Stopped; files already complete are kept."
 ParseError = typer.BadParameter.__base__
 """What the option parser raises on unknown or missing options; typer names no public alias."""
 
-for command in (answer, info, simulate, train):
+for command in (answer, info, simulate, train, watch):
     app.command()(command)
 app.command(epilog="Example: geotlm-lm evaluate --clips 40 --out reports/mine.json")(evaluate)
 app.add_typer(report, name="report")

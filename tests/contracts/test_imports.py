@@ -18,7 +18,7 @@ LEVELS = (
     {"model", "data", "views"},
     {"checkpoint"},
     {"answering", "training"},
-    {"experiments", "reports"},
+    {"experiments", "reports", "live"},
     {"cli"},
 )
 """Rooms and top-level modules, lowest first. Rooms of one level do not import each other."""
@@ -31,6 +31,7 @@ FORBIDDEN = {
     "dgr": {"transformers", "cv2", "typer", "gradio"},
     "language": {"cv2", "typer", "gradio"},
     "views": {"torch", "scipy", "sklearn", "transformers", "typer", "gradio"},
+    "live": {"torch", "scipy", "sklearn", "transformers", "typer", "gradio"},
 }
 """Outside packages a room must do without, anywhere in it."""
 
