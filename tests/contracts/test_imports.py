@@ -18,7 +18,7 @@ LEVELS = (
     {"model", "data", "views"},
     {"checkpoint"},
     {"answering", "training"},
-    {"experiments", "reports", "live"},
+    {"experiments", "reports", "live", "opinions"},
     {"cli"},
 )
 """Rooms and top-level modules, lowest first. Rooms of one level do not import each other."""
