@@ -9,6 +9,7 @@ import typer
 
 from geotlm_lm import __version__
 from geotlm_lm.cli.answer import answer
+from geotlm_lm.cli.app import app as serve_app
 from geotlm_lm.cli.evaluate import evaluate
 from geotlm_lm.cli.info import info
 from geotlm_lm.cli.report import app as report
@@ -37,6 +38,7 @@ ParseError = typer.BadParameter.__base__
 
 for command in (answer, info, simulate, train, watch):
     app.command()(command)
+app.command(name="app")(serve_app)
 app.command(epilog="Example: geotlm-lm evaluate --clips 40 --out reports/mine.json")(evaluate)
 app.add_typer(report, name="report")
 
