@@ -16,6 +16,9 @@ SUFFIXES = [".npy", ".npz", ".mp4", ".avi", ".mov", ".mkv", ".png", ".jpg", ".jp
 VIEWS = ["raw", "difference", "contact", "arrows"]
 MIRRORED, OTHER_SIDE, SENSOR_MOVES = "image is mirrored", "seen from the object", "sensor moves"
 
+BUTTONS = ["download", "fullscreen"]
+"""Beside a picture; the toolkit's third shares it with a site on the network."""
+
 Messages = list[dict[str, Any]]
 
 
@@ -42,15 +45,25 @@ def _clip_side(gr: Any) -> dict[str, Any]:
         height=120,
     )
     side["gallery"] = gr.Gallery(
-        _thumbnails(), label="Examples: click one", columns=4, height=150, allow_preview=False
+        _thumbnails(),
+        label="Examples: click one",
+        columns=4,
+        height=150,
+        allow_preview=False,
+        interactive=False,
+        buttons=[],
     )
     with gr.Row():
         side["view"] = gr.Radio(VIEWS, value="arrows", label="View")
-        side["number"] = gr.Slider(1, 4, value=4, step=1, label="Frame, of the four that are used")
-    side["picture"] = gr.Image(label="What the model sees", interactive=False)
+        side["number"] = gr.Slider(1, 4, value=4, step=1, label="Frame (of four)")
+    side["picture"] = gr.Image(label="What the model sees", interactive=False, buttons=BUTTONS)
     with gr.Accordion("Frame of reference", open=True), gr.Row():
         side["viewpoint"] = gr.Image(
-            draw_viewpoint(FrameSpec()), show_label=False, interactive=False, height=150
+            draw_viewpoint(FrameSpec()),
+            show_label=False,
+            interactive=False,
+            height=150,
+            buttons=[],
         )
         side["frame"] = gr.CheckboxGroup(
             [MIRRORED, OTHER_SIDE, SENSOR_MOVES], label="Tell it for another frame"
@@ -67,7 +80,7 @@ def _clip_side(gr: Any) -> dict[str, Any]:
 
 def _talk_side(gr: Any) -> dict[str, Any]:
     side = {}
-    side["chat"] = gr.Chatbot(label="Conversation", height=300)
+    side["chat"] = gr.Chatbot(label="Conversation", height=300, buttons=["copy", "copy_all"])
     side["question"] = gr.Textbox(
         label="Question", value=handlers.EXAMPLE_QUESTIONS[0], max_length=500
     )
@@ -83,7 +96,10 @@ def _talk_side(gr: Any) -> dict[str, Any]:
     side["probabilities"] = gr.Label(label="Calibrated probabilities", num_top_classes=5)
     side["band"] = gr.Markdown()
     side["verdicts"] = gr.Dataframe(
-        headers=["read by", "motion", "how"], label="Verdicts side by side", interactive=False
+        headers=["read by", "motion", "how"],
+        label="Verdicts side by side",
+        interactive=False,
+        wrap=True,
     )
     with gr.Accordion("Evidence: seven regions", open=True):
         side["regions"] = gr.Dataframe(

@@ -7,7 +7,7 @@ from typing import Any
 from geotlm_lm import Answerer
 
 from . import handlers
-from .ask_tab import SUFFIXES
+from .ask_tab import BUTTONS, SUFFIXES
 from .told import MODEL, gradio, told
 
 
@@ -20,7 +20,9 @@ def build(answerer: Answerer) -> None:
             with gr.Column():
                 path = gr.File(label=label, file_types=SUFFIXES, type="filepath", height=120)
                 gr.Examples([[clip] for clip in handlers.EXAMPLE_CLIPS], [path], label="Examples")
-                picture = gr.Image(label="Shear change and contact", interactive=False)
+                picture = gr.Image(
+                    label="Shear change and contact", interactive=False, buttons=BUTTONS
+                )
                 sides.append((path, picture, gr.Markdown()))
     go = gr.Button("Compare", variant="primary")
     verdict, details = gr.Markdown(), gr.JSON(label="Both answers", open=False)

@@ -19,6 +19,7 @@ from geotlm_lm import (
     picture,
 )
 
+from .ask_tab import BUTTONS
 from .told import MODEL, gradio, told
 
 HEADERS = ["s", "event", "degrees", "px right", "px down"]
@@ -46,7 +47,7 @@ def build(answerer: Answerer) -> None:
                 sources=["webcam"], streaming=True, type="numpy", label="Or a sensor as camera"
             )
         with gr.Column():
-            seen = gr.Image(label="Shear change", interactive=False)
+            seen = gr.Image(label="Shear change", interactive=False, buttons=BUTTONS)
             events = gr.Dataframe(headers=HEADERS, label="Motion events", interactive=False)
             account = gr.Markdown()
     private = {"api_visibility": "private"}

@@ -7,6 +7,7 @@ from typing import Any
 from geotlm_lm import Answerer, Touch
 
 from . import handlers
+from .ask_tab import BUTTONS
 from .simulating import OBJECTS, simulate
 from .told import MODEL, gradio, told
 
@@ -27,10 +28,10 @@ def build(answerer: Answerer) -> None:
             with gr.Row():
                 view = gr.Radio(VIEWS, value="raw", label="View")
                 number = gr.Slider(1, 4, value=4, step=1, label="Frame")
-            picture = gr.Image(label="The clip", interactive=False)
+            picture = gr.Image(label="The clip", interactive=False, buttons=BUTTONS)
             with gr.Row():
-                truth = gr.Image(label="True displacement", interactive=False)
-                read = gr.Image(label="Learned shear change", interactive=False)
+                truth = gr.Image(label="True displacement", interactive=False, buttons=BUTTONS)
+                read = gr.Image(label="Learned shear change", interactive=False, buttons=BUTTONS)
 
     def run(name: str, *numbers: float) -> tuple[Any, ...]:
         *lengths, seed = numbers

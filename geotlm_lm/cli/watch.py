@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -66,18 +67,22 @@ def watch(
         film = Film(draw, stream.fps)
     print(f"note: {source} at {stream.fps:g} frames per second.", file=sys.stderr)
     try:
-        for frame in stream:
-            events = watcher.push(frame.image, frame.time_s)
-            if film is not None:
-                film.add(frame.image, events, watcher.perceived)
-            for event in events:
-                _tell(event, as_json, _words(answerer, watcher, event, question))
-        for event in watcher.finish():
+        for event in _events(stream, watcher, film):
             _tell(event, as_json, _words(answerer, watcher, event, question))
     finally:
         if film is not None:
             film.close()
         _account(watcher.account.to_dict() | {"dropped": stream.dropped}, as_json)
+
+
+def _events(stream: Any, watcher: Any, film: Any) -> Iterator[MotionEvent]:
+    """Yield the events of a stream as they come, and draw each frame if there is a film."""
+    for frame in stream:
+        events = watcher.push(frame.image, frame.time_s)
+        if film is not None:
+            film.add(frame.image, events, watcher.perceived)
+        yield from events
+    yield from watcher.finish()
 
 
 def _words(answerer: Any, watcher: Any, event: MotionEvent, question: str | None) -> str | None:
