@@ -19,6 +19,9 @@ MIRRORED, OTHER_SIDE, SENSOR_MOVES = "image is mirrored", "seen from the object"
 BUTTONS = ["download", "fullscreen"]
 """Beside a picture; the toolkit's third shares it with a site on the network."""
 
+ANSWER_PARTS = ("probabilities", "band", "verdicts", "regions", "timing", "details")
+"""What stands beside an answer's words, in the order `_answer` yields it."""
+
 Messages = list[dict[str, Any]]
 
 
@@ -31,7 +34,7 @@ def build(answerer: Answerer) -> None:
             clip = _clip_side(gr)
         with gr.Column():
             talk = _talk_side(gr)
-    _connect_clip(answerer, shown, clip, talk)
+    _connect_clip(answerer, shown, last, clip, talk)
     _connect_talk(answerer, shown, last, clip, talk)
 
 
@@ -112,14 +115,17 @@ def _talk_side(gr: Any) -> dict[str, Any]:
     return side
 
 
-def _connect_clip(answerer: Answerer, shown: Any, clip: dict, talk: dict) -> None:
+def _connect_clip(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: dict) -> None:
     gr = gradio()
     pictured = [shown, clip["view"], clip["number"]]
-    outputs = [shown, clip["picture"], clip["notes"], talk["chat"]]
+    # What was said of the clip before must not stand beside the new one.
+    stale = [*(talk[name] for name in ANSWER_PARTS), last]
+    outputs = [shown, clip["picture"], clip["notes"], talk["chat"], *stale]
 
-    def open_clip(path: Any, first: Any, last: Any, view: str, number: float) -> tuple:
-        opened = handlers.show_clip(answerer, path, first, last)
-        return opened, handlers.draw(opened, view, number), opened.notes, []
+    def open_clip(path: Any, first: Any, until: Any, view: str, number: float) -> tuple:
+        opened = handlers.show_clip(answerer, path, first, until)
+        drawn = handlers.draw(opened, view, number)
+        return opened, drawn, opened.notes, [], *[None] * len(stale)
 
     def open_example(view: str, number: float, event: gr.SelectData) -> tuple:
         return open_clip(handlers.EXAMPLE_CLIPS[event.index], None, None, view, number)
@@ -140,8 +146,7 @@ def _connect_clip(answerer: Answerer, shown: Any, clip: dict, talk: dict) -> Non
 def _connect_talk(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: dict) -> None:
     answer = told(partial(_answer, answerer))
     again = told(partial(_retry, answerer))
-    names = ("chat", "question", "probabilities", "band", "verdicts", "regions", "timing")
-    outputs = [*(talk[name] for name in names), talk["details"], last]
+    outputs = [talk["chat"], talk["question"], *(talk[name] for name in ANSWER_PARTS), last]
     private = {"api_visibility": "private"}
     asked = [shown, talk["question"], talk["chat"]]
     running = [

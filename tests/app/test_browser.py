@@ -38,6 +38,8 @@ def test_an_example_is_one_click_and_a_question_one_more(browser):
     browser.wait_for(f"{TEXT}.includes('optical flow')")
     wide = browser.run("document.documentElement.scrollWidth <= window.innerWidth + 1")
     assert wide, "the page is wider than the window"
+    browser.run("document.querySelectorAll('.thumbnail-item')[1].click()")
+    browser.wait_for(f"!{TEXT}.includes('% sure)') && !{TEXT}.includes('no direction is claimed')")
 
 
 def test_a_question_without_a_clip_is_one_sentence_in_the_page(browser):
