@@ -1,20 +1,44 @@
 """Start the page on this machine only (127.0.0.1)."""
 
+from __future__ import annotations
+
 import sys
 
-from geotlm_lm import Answerer, GeoTLMError
+from geotlm_lm import GeoTLMError
 
-from .ui import build
+from .told import gradio
+
+
+def serve(port: int | None = None) -> None:
+    """Load the model, build the page, serve it until stopped.
+
+    Args:
+        port: To listen on; None takes a free one from 7860 on.
+
+    Raises:
+        GeoTLMError: If the toolkit or the model is missing, or the port is taken.
+    """
+    gradio()  # told before the model is loaded
+    from geotlm_lm import Answerer
+
+    from .ui import build, launch
+
+    page = build(Answerer.load())
+    try:
+        launch(page, port=port)
+    except OSError as error:
+        raise GeoTLMError(
+            f"Port {port} is taken or not allowed; give another by --port, or none."
+        ) from error
 
 
 def main() -> None:
-    """Load the model, build the page, serve it until stopped."""
+    """Serve the page; an error becomes one sentence."""
     try:
-        page = build(Answerer.load())
+        serve()
     except GeoTLMError as error:
         print(error, file=sys.stderr)
         sys.exit(error.exit_code)
-    page.launch(server_name="127.0.0.1", share=False, max_file_size="512mb")
 
 
 if __name__ == "__main__":

@@ -2,41 +2,62 @@
 
 from __future__ import annotations
 
+import shutil
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm import Answerer, GeoTLMError, read_clip
+from geotlm_lm import (
+    Answerer,
+    FrameSpec,
+    GeoTLMError,
+    Seen,
+    picture,
+    read_clip,
+    relation,
+    second_opinions,
+    views_of,
+)
 
 Image = NDArray[np.uint8]
 
-EXAMPLE_QUESTIONS = (
-    "Which way is the object turning?",
-    "Is it sliding to the left?",
-    "Is anything touching the gel?",
-    "Is it moving at all?",
-)
+SUGGESTED_QUESTIONS = {
+    "direction": "Which way is the object turning?",
+    "yes or no": "Is it sliding to the left?",
+    "choice": "A) clockwise B) counterclockwise C) still. Which one?",
+    "kind of motion": "Is this a rotation, a slide, a press or nothing?",
+    "contact": "Is anything touching the gel?",
+    "moving at all": "Is it moving at all?",
+    "not for touch": "What colour is it?",
+}
+"""One question of each type that the model was trained on."""
 
-ARROW_COLOUR = (255, 220, 0)
-LONGEST_ARROW_PATCHES = 1.2
-"""Length of the longest arrow; the shear change is unitless, only its pattern means something."""
+EXAMPLE_QUESTIONS = tuple(SUGGESTED_QUESTIONS.values())
 
-FAINTEST_ARROW = 0.05
-"""Arrows below this share of the longest are left out."""
+DIRECTION_QUESTION = "Which way is it moving?"
+"""Asked of both clips of a comparison, and of what was just simulated."""
+
+EXAMPLE_CLIPS = sorted(str(path) for path in (Path(__file__).parent / "examples").glob("*.npz"))
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """A clip that was read and perceived, ready for questions."""
+    """A clip that was read and perceived, ready for questions and pictures."""
 
     encoded: Any
+    seen: Seen
+    opinions: dict[str, Any]
     frames: list[tuple[Image, str]]
-    arrows: Image
     notes: str
+
+    @property
+    def views(self) -> tuple[str, ...]:
+        """The pictures that can be drawn of it."""
+        return views_of(self.seen)
 
 
 @dataclass(frozen=True)
@@ -46,16 +67,23 @@ class Reply:
     sentence: str
     probabilities: dict[str, float]
     details: dict[str, Any]
+    band: str
+    regions: list[list[Any]]
+    verdicts: list[list[Any]]
+    timing: str
 
 
 def show_clip(
-    answerer: Answerer, path: str | None, first: float | None, last: float | None
+    answerer: Answerer,
+    path: str | list[str] | None,
+    first: float | None = None,
+    last: float | None = None,
 ) -> Shown:
     """Read the recording at `path`, choose its frames, and perceive it once.
 
     Args:
         answerer: The model.
-        path: Of the recording; None when nothing was given yet.
+        path: Of the recording, or of several images of it; None when nothing was given yet.
         first: First frame to use; None to have the frames chosen.
         last: Last frame to use.
 
@@ -67,20 +95,45 @@ def show_clip(
     if (first is None) != (last is None):
         raise GeoTLMError("Only one end of the span was given; give both frame numbers or none.")
     span = None if first is None else (int(first), int(last))
-    try:
-        recording = read_clip(path)
-    except GeoTLMError as error:
-        # Uploads lie in a temporary folder whose name means nothing to the person who uploaded.
-        raise type(error)(str(error).replace(f"{Path(path).parent}/", "")) from error
+    return perceive(answerer, _read(path), span=span)
+
+
+def perceive(
+    answerer: Answerer,
+    recording: Any,
+    *,
+    span: tuple[int, int] | None = None,
+    depth_mm: NDArray[np.float32] | None = None,
+) -> Shown:
+    """Perceive a recording once, and draw and judge it by other means beside.
+
+    Args:
+        answerer: The model.
+        recording: A `Clip` of two frames or more.
+        span: First and last frame to use; None to have them chosen.
+        depth_mm: True indentation of each frame, where it was simulated.
+    """
     encoded = answerer.encode(recording, span=span)
     clip = encoded.clip
+    geometry = encoded.perception.geometry
+    field, mask = (np.asarray(x[0], np.float32) for x in (geometry.shear_change, geometry.mask))
     captions = [f"frame {number}" for number in clip.frame_numbers]
     return Shown(
         encoded=encoded,
+        seen=Seen(clip.frames, clip.background, field, mask, encoded.view, depth_mm),
+        opinions=second_opinions(answerer, encoded).to_dict(),
         frames=list(zip(clip.frames, captions, strict=True)),
-        arrows=draw_arrows(_seen(encoded), *_field(encoded)),
         notes="\n".join(f"- {note}" for note in clip.notes),
     )
+
+
+def draw(shown: Shown | None, view: str, number: float) -> Image | None:
+    """Return one of the four frames, counted from 1, in the view asked for."""
+    if shown is None:
+        return None
+    name = view if view in shown.views else "raw"
+    index = min(max(int(number), 1), len(shown.seen.frames)) - 1
+    return picture(shown.seen, name, index)
 
 
 def ask(answerer: Answerer, shown: Shown | None, question: str) -> Reply:
@@ -92,49 +145,114 @@ def ask(answerer: Answerer, shown: Shown | None, question: str) -> Reply:
     if shown is None:
         raise GeoTLMError("No recording is open; upload a clip first.")
     answer = answerer.ask(shown.encoded, question)
-    told = (
-        ""
-        if answer.abstained or not answer.options
-        else f"  ({100 * answer.confidence:.0f} % sure)"
+    is_sure_of_something = not answer.abstained and answer.options
+    told = f"  ({100 * answer.confidence:.0f} % sure)" if is_sure_of_something else ""
+    details = answer.to_dict()
+    timing = details.get("timing_ms", {}) | shown.opinions["timing_ms"]
+    return Reply(
+        sentence=answer.text + told,
+        probabilities=dict(answer.options),
+        details=details | {"second_opinions": shown.opinions},
+        band=_band(answerer, details),
+        regions=region_rows(details.get("evidence", {})),
+        verdicts=_verdicts(answer.text, details, shown.opinions),
+        timing=" · ".join(f"{name} {value:.1f} ms" for name, value in timing.items()),
     )
-    return Reply(answer.text + told, dict(answer.options), answer.to_dict())
 
 
-def draw_arrows(frame: Image, field: NDArray[np.float32], mask: NDArray[np.float32]) -> Image:
-    """Draw the shear change over a frame, each arrow weighted by the contact mask.
-
-    Args:
-        frame: uint8, shape (rows, columns, 3).
-        field: Shear change (x right, y down), shape (gh, gw, 2), unitless.
-        mask: Contact mask, shape (gh, gw), in [0, 1].
+def compare(answerer: Answerer, first: Shown | None, second: Shown | None) -> dict[str, Any]:
+    """Answer about both clips, and compare their directions by rule.
 
     Returns:
-        uint8, shape (2 rows, 2 columns, 3).
+        Both answers under "first" and "second", and "relation".
+
+    Raises:
+        GeoTLMError: If a clip is missing.
     """
-    image = cv2.resize(frame, None, fx=2, fy=2, interpolation=cv2.INTER_CUBIC)
-    weighted = field * mask[..., None]
-    lengths = np.linalg.norm(weighted, axis=-1)
-    longest = float(lengths.max())
-    if longest == 0:
-        return image
-    cell = np.array([image.shape[1] / field.shape[1], image.shape[0] / field.shape[0]])
-    for row, column in np.argwhere(lengths > FAINTEST_ARROW * longest):
-        tail = (np.array([column, row]) + 0.5) * cell
-        tip = tail + weighted[row, column] / longest * LONGEST_ARROW_PATCHES * cell
-        ends = [tuple(int(v) for v in np.rint(end)) for end in (tail, tip)]
-        cv2.arrowedLine(image, *ends, ARROW_COLOUR, 2, cv2.LINE_AA, tipLength=0.3)
-    return image
+    if first is None or second is None:
+        raise GeoTLMError("A comparison needs two recordings; upload both.")
+    answers = [answerer.ask(shown.encoded, DIRECTION_QUESTION) for shown in (first, second)]
+    related = relation(*(answer.direction for answer in answers))
+    return {
+        "relation": related,
+        "sentence": RELATION_SENTENCES[related],
+        "first": answers[0].to_dict(),
+        "second": answers[1].to_dict(),
+    }
 
 
-def _seen(encoded: Any) -> Image:
-    """Return the part of the last frame that the model's grid covers."""
-    return encoded.view.cut(cv2.resize(encoded.clip.frames[-1], (IMAGE_SIDE, IMAGE_SIDE)))
+RELATION_SENTENCES = {
+    "same": "Both move the same way.",
+    "opposite": "They move in opposite ways.",
+    "different": "They move in different ways, neither the same nor opposite.",
+    "cannot tell": "I cannot compare them: at least one shows no direction that I can tell.",
+}
 
 
-IMAGE_SIDE = 224
-"""Pixels per side of the square image that views are told in."""
+def told_in(frame: FrameSpec, direction: Any) -> str:
+    """Return the last direction as another frame of reference names it.
+
+    Args:
+        frame: The frame the reader wants.
+        direction: The motion in the camera image; None when none was told.
+    """
+    if direction is None:
+        return f"Frame: {frame.sentence()}."
+    return f"In this frame ({frame.sentence()}) that is **{frame.tell(direction).value}**."
 
 
-def _field(encoded: Any) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    geometry = encoded.perception.geometry
-    return tuple(np.asarray(part[0], np.float32) for part in (geometry.shear_change, geometry.mask))
+def region_rows(evidence: dict[str, Any]) -> list[list[Any]]:
+    """Return name, shear change (x right, y down) and contact mass of each region."""
+    return [
+        [
+            name.replace("_", " "),
+            values["shear_change_x"],
+            values["shear_change_y"],
+            values["contact_mass"],
+        ]
+        for name, values in evidence.get("regions", {}).items()
+    ]
+
+
+def _verdicts(text: str, details: dict[str, Any], opinions: dict[str, Any]) -> list[list[Any]]:
+    probe, flow = opinions["probe"], opinions["optical_flow"]
+    said = details.get("direction") or "-"
+    moved = (
+        f"{flow['rotation_deg']:+.1f} degrees, {flow['slide_x_px']:+.1f} px right, "
+        f"{flow['slide_y_px']:+.1f} px down"
+    )
+    return [
+        ["language model", said, text],
+        ["linear probe", probe["motion"], f"{100 * probe['probability']:.0f} % (not calibrated)"],
+        ["optical flow", flow["motion"], moved],
+    ]
+
+
+def _band(answerer: Answerer, details: dict[str, Any]) -> str:
+    """Return from where on a direction is told, and where this clip stands."""
+    threshold = answerer.bundle.calibration.contact_threshold
+    share = details.get("evidence", {}).get("contact_share", 0.0)
+    side = "withheld" if share < threshold else "allowed"
+    return (
+        f"Contact share {share:.3f}; below {threshold:.3f} no direction is claimed: "
+        f"here one is **{side}**."
+    )
+
+
+def _read(path: str | list[str]) -> Any:
+    """Return the recording in one file, or in several images."""
+    paths = [path] if isinstance(path, str) else list(path)
+    if len(paths) == 1:
+        return _read_one(paths[0], hidden=f"{Path(paths[0]).parent}/")
+    with tempfile.TemporaryDirectory() as folder:
+        for one in paths:
+            shutil.copy(one, Path(folder) / Path(one).name)
+        return _read_one(folder, hidden=f"{folder}/")
+
+
+def _read_one(path: str, *, hidden: str) -> Any:
+    try:
+        return read_clip(path)
+    except GeoTLMError as error:
+        # Uploads lie in a temporary folder whose name means nothing to the person who uploaded.
+        raise type(error)(str(error).replace(hidden, "")) from error

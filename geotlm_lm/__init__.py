@@ -15,8 +15,21 @@ _HOME_OF = {
     "FrameSpec": "geotlm_lm.core.frame_spec",
     "GeoTLMError": "geotlm_lm.core.errors",
     "Motion": "geotlm_lm.core.labels",
+    "Seen": "geotlm_lm.views.pictures",
     "Session": "geotlm_lm.answering",
+    "Touch": "geotlm_lm.simulation.touch",
+    "Watcher": "geotlm_lm.live.watcher",
+    "draw_viewpoint": "geotlm_lm.views.viewpoint",
+    "evidence": "geotlm_lm.answering",
+    "learned_motion": "geotlm_lm.live.watcher",
+    "model_reader": "geotlm_lm.live.watcher",
+    "open_source": "geotlm_lm.live.sources",
+    "picture": "geotlm_lm.views.pictures",
     "read_clip": "geotlm_lm.recordings.read",
+    "relation": "geotlm_lm.core.labels",
+    "second_opinions": "geotlm_lm.opinions",
+    "simulate_touch": "geotlm_lm.simulation.touch",
+    "views_of": "geotlm_lm.views.pictures",
 }
 
 __all__ = ["__version__", *sorted(_HOME_OF)]

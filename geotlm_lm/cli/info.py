@@ -23,11 +23,6 @@ from geotlm_lm.cli.options import (
 if TYPE_CHECKING:
     from geotlm_lm.core.clip import Clip
 
-FAINT_IMPRINT = 0.75
-"""Grey levels (rms) by which a touch changes the image, against a known background. Measured on
-real recordings: 90 % of untouched frames are below 0.66, 95 % of those in contact above 0.8."""
-
-
 ESTIMATED = "estimated from the frames"
 
 
@@ -104,6 +99,8 @@ def describe(recording: Clip, span: tuple[int, int] | None = None) -> dict[str, 
 def _contact(origin: str, strongest: float) -> str:
     if origin == ESTIMATED:
         return "unknown without an idle frame"
+    from geotlm_lm.recordings.choose import FAINT_IMPRINT
+
     return "likely" if strongest > FAINT_IMPRINT else "none seen"
 
 

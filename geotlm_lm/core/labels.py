@@ -84,6 +84,20 @@ def reverse(motion: Motion) -> Motion:
     return _REVERSED.get(motion, motion)
 
 
+def relation(first: Motion | None, second: Motion | None) -> str:
+    """Return how two motions compare: "same", "opposite", "different", or "cannot tell".
+
+    Args:
+        first: A motion; None where none could be told.
+        second: Another, named in the same frame of reference.
+    """
+    if first is None or second is None:
+        return "cannot tell"
+    if first == second:
+        return "same"
+    return "opposite" if reverse(first) == second else "different"
+
+
 @dataclass(frozen=True)
 class MotionLabel:
     """The truth about one clip, from its first to its last frame.

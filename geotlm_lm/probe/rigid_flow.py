@@ -153,7 +153,10 @@ def imprint_contrast(residual: Field) -> Field:
 
 
 def fit_rigid(
-    field: Field, weight: Field, reweightings: int = 0, grid_px: float = 1.0
+    field: Field,
+    weight: Field,
+    reweightings: int = 0,
+    grid_px: float | tuple[float, float] = 1.0,
 ) -> tuple[float, float, float]:
     """Fit a turn and a slide to a displacement field, by weighted least squares.
 
@@ -165,15 +168,16 @@ def fit_rigid(
         field: Displacement (x, y) in px, shape (rows, columns, 2).
         weight: Shape (rows, columns), not negative.
         reweightings: Rounds of reweighting.
-        grid_px: Distance of neighbouring grid points.
+        grid_px: Distance of neighbouring grid points, along x and along y where they differ.
 
     Returns:
         Turn in rad, positive clockwise as drawn; slide along x and y in px. Zeros when there is
         no weight.
     """
     rows, columns = weight.shape
-    x = np.arange(columns, dtype=np.float32)[None, :] * grid_px
-    y = np.arange(rows, dtype=np.float32)[:, None] * grid_px
+    grid_x, grid_y = np.broadcast_to(np.float32(grid_px), 2)
+    x = np.arange(columns, dtype=np.float32)[None, :] * grid_x
+    y = np.arange(rows, dtype=np.float32)[:, None] * grid_y
     step_x, step_y = field[..., 0], field[..., 1]
     active = weight
     turn = slide_x = slide_y = 0.0

@@ -28,6 +28,10 @@ strength, turning and sliding do not."""
 STILL_CHANGE = 0.01
 """Loss of correlation from the first to the last chosen frame below which nothing moves in it."""
 
+FAINT_IMPRINT = 0.75
+"""Grey levels (rms) by which a touch changes the image, against a known background. Measured on
+real recordings: 90 % of untouched frames are below 0.66, 95 % of those in contact above 0.8."""
+
 CANDIDATE_LIMIT = 512
 """Frames compared with each other at most; longer recordings are compared at a stride."""
 
@@ -170,7 +174,7 @@ def _imprints(clip: Clip) -> NDArray[np.float32]:
         gel = activity_grey(clip.background[None])[0]
     else:
         gel = cv2.GaussianBlur(np.median(grey, axis=0), (0, 0), SHADING_SIGMA)
-    return np.stack([_band_pass(image - gel) for image in grey])
+    return np.stack([band_pass(image - gel) for image in grey])
 
 
 NOISE_SIGMA, IMPRINT_SIGMA, SHADING_SIGMA = 1.0, 8.0, 12.0
@@ -178,7 +182,8 @@ NOISE_SIGMA, IMPRINT_SIGMA, SHADING_SIGMA = 1.0, 8.0, 12.0
 and an imprint is finer than 12."""
 
 
-def _band_pass(image: NDArray[np.float32]) -> NDArray[np.float32]:
+def band_pass(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return an activity image without noise and without slow shading: what an imprint adds."""
     smooth = cv2.GaussianBlur(image, (0, 0), NOISE_SIGMA)
     return smooth - cv2.GaussianBlur(smooth, (0, 0), IMPRINT_SIGMA)
 

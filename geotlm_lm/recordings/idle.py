@@ -125,10 +125,24 @@ def _leading_idle(grey: NDArray[np.float32]) -> int:
         if count < 2 or gap < CLEAR_CHANGE:
             return 0
         reference = np.median(grey[count // 2 : count], axis=0)
-    lead = _structure(reference[None])[0]
-    added = _structure(grey[is_touched]) - lead
-    lost = -(added * lead).sum(axis=(1, 2)) / np.square(added).sum(axis=(1, 2))
-    return count if np.median(lost) < LOST_SHARE else 0
+    return count if np.median(lost_share(reference, grey[is_touched])) < LOST_SHARE else 0
+
+
+def lost_share(reference: NDArray[np.float32], later: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return which share of a change is structure of the reference that is gone, one per image.
+
+    Args:
+        reference: Grey image, as of `activity_grey`, shape (rows, columns).
+        later: Images that differ from it, shape (t, rows, columns).
+
+    Returns:
+        About 0 where something touches what was idle, 1 where what touched was lifted, 1/2 where
+        it moved.
+    """
+    before = _structure(reference[None])[0]
+    added = _structure(later) - before
+    change = np.maximum(np.square(added).sum(axis=(1, 2)), 1e-6)
+    return -(added * before).sum(axis=(1, 2)) / change
 
 
 CLEAR_CHANGE = 0.7

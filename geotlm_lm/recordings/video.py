@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import cv2
@@ -25,17 +27,9 @@ def read_video(path: Path) -> Clip:
     Raises:
         UnreadableClip: If no frame of it can be decoded, or the frames are too large.
     """
-    # Decoders write to stderr on their own; what they say is told in one sentence here instead.
-    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
-    loudness = cv2.utils.logging.getLogLevel()
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-    capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
-    try:
+    with quiet_capture(str(path), cv2.CAP_FFMPEG) as capture:
         frames, stride, seen = _decode(capture, str(path))
         fps = float(capture.get(cv2.CAP_PROP_FPS)) / stride
-    finally:
-        capture.release()
-        cv2.utils.logging.setLogLevel(loudness)
     if not frames:
         raise UnreadableClip(
             f"{path}: no frame of it can be decoded, expected a {', '.join(VIDEO_SUFFIXES)} video; "
@@ -57,6 +51,26 @@ def read_video(path: Path) -> Clip:
         frame_numbers=tuple(range(0, seen, stride)),
         notes=notes,
     )
+
+
+@contextmanager
+def quiet_capture(source: str | int, backend: int) -> Iterator[cv2.VideoCapture]:
+    """Open a video or a camera while OpenCV's decoders keep silent, and release it afterwards.
+
+    Args:
+        source: Path of a file or device, or a camera's number.
+        backend: One of OpenCV's CAP_ constants.
+    """
+    # Decoders write to stderr on their own; what they say is told in one sentence here instead.
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+    loudness = cv2.utils.logging.getLogLevel()
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    capture = cv2.VideoCapture(source, backend)
+    try:
+        yield capture
+    finally:
+        capture.release()
+        cv2.utils.logging.setLogLevel(loudness)
 
 
 def _decode(capture: cv2.VideoCapture, name: str) -> tuple[list[np.ndarray], int, int]:

@@ -1,47 +1,24 @@
 """The page's functions, without the page: a clip is shown, questions are answered, errors told."""
 
-from types import SimpleNamespace
-
+import cv2
 import numpy as np
 import pytest
 
 from app import handlers, ui
-from geotlm_lm import GeoTLMError
-from geotlm_lm.backbone.stem import View
+from geotlm_lm import FrameSpec, GeoTLMError, Motion
 from geotlm_lm.core.errors import MissingDependency
-from geotlm_lm.recordings.choose import choose_frames
+from tests.app.fakes import FakeAnswerer
 
 
-class FakeAnswerer:
-    """Perceives a unit shear to the right in the left half of the image."""
-
-    def encode(self, clip, span=None):
-        field = np.zeros((1, 14, 14, 2), np.float32)
-        field[..., 0] = 1
-        mask = np.zeros((1, 14, 14), np.float32)
-        mask[:, :, :7] = 1
-        geometry = SimpleNamespace(shear_change=field, mask=mask)
-        return SimpleNamespace(
-            clip=choose_frames(clip, span=span),
-            perception=SimpleNamespace(geometry=geometry),
-            view=View(),
-        )
-
-    def ask(self, encoded, question):
-        return SimpleNamespace(
-            text="To the right.",
-            confidence=0.97,
-            abstained=False,
-            options={"right": 0.97, "left": 0.03},
-            to_dict=lambda: {"text": "To the right."},
-        )
+def saved(folder, name="clip.npy", top=200):
+    frames = np.random.default_rng(0).integers(0, top, (20, 64, 80, 3)).astype(np.uint8)
+    np.save(folder / name, frames)
+    return str(folder / name)
 
 
 @pytest.fixture
 def path(tmp_path):
-    frames = np.random.default_rng(0).integers(0, 200, (20, 64, 80, 3)).astype(np.uint8)
-    np.save(tmp_path / "clip.npy", frames)
-    return str(tmp_path / "clip.npy")
+    return saved(tmp_path, top=230)
 
 
 def test_a_clip_is_shown_as_its_four_frames_with_notes(path):
@@ -53,21 +30,77 @@ def test_a_clip_is_shown_as_its_four_frames_with_notes(path):
 def test_an_answer_is_shown_with_its_probabilities(path):
     answerer = FakeAnswerer()
     reply = handlers.ask(answerer, handlers.show_clip(answerer, path, None, None), "Which way?")
-    assert reply.sentence == "To the right.  (97 % sure)"
+    assert reply.sentence.startswith("To the right, at ")
+    assert reply.sentence.endswith(".  (97 % sure)")
     assert reply.probabilities == {"right": 0.97, "left": 0.03}
+
+
+def test_an_answer_stands_beside_the_probe_the_flow_and_the_regions(path):
+    answerer = FakeAnswerer()
+    reply = handlers.ask(answerer, handlers.show_clip(answerer, path), "Which way?")
+    readers = [row[0] for row in reply.verdicts]
+    assert readers == ["language model", "linear probe", "optical flow"]
+    assert [row[1] for row in reply.verdicts[:2]] == ["right", "right"]
+    # The fake perceives one unit to the right, in the left half only.
+    assert reply.regions[3:6] == [
+        ["left", 1.0, 0.0, 1.0],
+        ["right", 0.0, 0.0, 0.0],
+        ["left minus right", 1.0, 0.0, 0.0],
+    ]
+    assert reply.timing.startswith("encode 1.0 ms · probe ")
+    assert reply.band == (
+        "Contact share 0.500; below 0.005 no direction is claimed: here one is **allowed**."
+    )
 
 
 def test_arrows_are_drawn_only_where_there_is_contact(path):
     shown = handlers.show_clip(FakeAnswerer(), path, 3, 9)
-    yellow = (np.abs(shown.arrows.astype(int) - handlers.ARROW_COLOUR) < 30).all(axis=-1)
-    assert yellow[:, :224].sum() > 500
-    assert yellow[:, 260:].sum() < 10
+    raw, drawn = (handlers.draw(shown, view, 4).astype(int) for view in ("raw", "arrows"))
+    changed = np.abs(drawn - raw).sum(axis=-1) > 30
+    assert changed[:, :224].sum() > 500
+    assert changed[:, 260:].sum() < 10
 
 
-def test_a_field_of_nothing_draws_nothing():
-    frame = np.full((20, 30, 3), 9, np.uint8)
-    image = handlers.draw_arrows(frame, np.zeros((4, 5, 2)), np.zeros((4, 5)))
-    assert (image == 9).all()
+def test_a_view_that_is_not_known_of_a_clip_falls_back_to_the_frame(path):
+    shown = handlers.show_clip(FakeAnswerer(), path)
+    assert shown.views == ("raw", "difference", "contact", "arrows")
+    assert np.array_equal(handlers.draw(shown, "depth", 2), handlers.draw(shown, "raw", 2))
+    assert handlers.draw(None, "raw", 1) is None
+
+
+def test_several_images_are_one_recording(tmp_path):
+    paths = []
+    for number in range(4):
+        paths.append(str(tmp_path / f"{number}.png"))
+        cv2.imwrite(paths[-1], np.full((40, 50, 3), 40 * number, np.uint8))
+    shown = handlers.show_clip(FakeAnswerer(), paths)
+    assert [int(frame.mean()) for frame, _ in shown.frames] == [0, 40, 80, 120]
+
+
+@pytest.mark.parametrize(
+    ("tops", "relation"),
+    [((230, 230), "same"), ((230, 150), "opposite"), ((230, 10), "cannot tell")],
+)
+def test_two_clips_are_compared_by_their_directions(tmp_path, tops, relation):
+    answerer = FakeAnswerer()
+    shown = [
+        handlers.show_clip(answerer, saved(tmp_path, f"{k}.npy", top)) for k, top in enumerate(tops)
+    ]
+    result = handlers.compare(answerer, *shown)
+    assert result["relation"] == relation
+    assert result["sentence"] == handlers.RELATION_SENTENCES[relation]
+
+
+def test_a_comparison_of_one_clip_is_told(path):
+    answerer = FakeAnswerer()
+    with pytest.raises(GeoTLMError, match="^A comparison needs two recordings; upload both.$"):
+        handlers.compare(answerer, handlers.show_clip(answerer, path), None)
+
+
+def test_a_direction_is_told_again_for_another_frame():
+    told = handlers.told_in(FrameSpec(viewpoint="object"), Motion.CLOCKWISE)
+    assert told.endswith("that is **counterclockwise**.")
+    assert handlers.told_in(FrameSpec(), None).startswith("Frame: camera image")
 
 
 def test_nothing_uploaded_is_told():

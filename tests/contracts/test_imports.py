@@ -24,10 +24,10 @@ LEVELS = (
         "evaluation",
         "conversation",
     },
-    {"model", "data"},
+    {"model", "data", "views"},
     {"checkpoint"},
     {"answering", "training"},
-    {"experiments", "reports"},
+    {"experiments", "reports", "live", "opinions"},
     {"cli"},
 )
 """Rooms and top-level modules, lowest first. Rooms of one level do not import each other."""
@@ -40,6 +40,8 @@ FORBIDDEN = {
     "dgr": {"transformers", "cv2", "typer", "gradio"},
     "language": {"cv2", "typer", "gradio"},
     "conversation": {"torch", "cv2", "scipy", "sklearn", "transformers", "typer", "gradio"},
+    "views": {"torch", "scipy", "sklearn", "transformers", "typer", "gradio"},
+    "live": {"torch", "scipy", "sklearn", "transformers", "typer", "gradio"},
 }
 """Outside packages a room must do without, anywhere in it."""
 

@@ -9,6 +9,7 @@ from geotlm_lm.core.labels import (
     MotionLabel,
     mirror,
     motion_class,
+    relation,
     reverse,
 )
 
@@ -40,3 +41,19 @@ def test_a_label_survives_json_values():
     label = MotionLabel(Motion.CLOCKWISE, rotation_deg=3.5, contact_fraction=(0.0, 0.25))
     assert MotionLabel.from_dict(label.to_dict()) == label
     assert label.to_dict()["motion"] == "clockwise"
+
+
+@pytest.mark.parametrize("motion", Motion)
+def test_a_motion_is_the_same_as_itself_and_cannot_be_told_from_nothing(motion):
+    assert relation(motion, motion) == "same"
+    assert relation(motion, None) == relation(None, motion) == "cannot tell"
+
+
+@pytest.mark.parametrize("motion", [*DIRECTED, Motion.PRESS, Motion.RELEASE])
+def test_what_is_played_backwards_is_opposite(motion):
+    assert relation(motion, reverse(motion)) == relation(reverse(motion), motion) == "opposite"
+
+
+@pytest.mark.parametrize("pair", [(Motion.UP, Motion.LEFT), (Motion.CLOCKWISE, Motion.PRESS)])
+def test_motions_of_other_axes_are_different(pair):
+    assert relation(*pair) == "different"

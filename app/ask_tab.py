@@ -1,0 +1,219 @@
+"""The Ask tab: a clip and what the model sees in it on the left, the conversation on the right."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from geotlm_lm import Answerer, FrameSpec, Motion, draw_viewpoint
+
+from . import handlers
+from .told import MODEL, gradio, told
+
+SUFFIXES = [".npy", ".npz", ".mp4", ".avi", ".mov", ".mkv", ".png", ".jpg", ".jpeg", ".bmp"]
+VIEWS = ["raw", "difference", "contact", "arrows"]
+MIRRORED, OTHER_SIDE, SENSOR_MOVES = "image is mirrored", "seen from the object", "sensor moves"
+
+BUTTONS = ["download", "fullscreen"]
+"""Beside a picture; the toolkit's third shares it with a site on the network."""
+
+ANSWER_PARTS = ("probabilities", "band", "verdicts", "regions", "timing", "details")
+"""What stands beside an answer's words, in the order `_answer` yields it."""
+
+Messages = list[dict[str, Any]]
+
+
+def build(answerer: Answerer) -> None:
+    """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
+    gr = gradio()
+    shown, last = gr.State(), gr.State()
+    with gr.Row():
+        with gr.Column():
+            clip = _clip_side(gr)
+        with gr.Column():
+            talk = _talk_side(gr)
+    _connect_clip(answerer, shown, last, clip, talk)
+    _connect_talk(answerer, shown, last, clip, talk)
+
+
+def _clip_side(gr: Any) -> dict[str, Any]:
+    side = {}
+    side["path"] = gr.File(
+        label="Recording (or several images of one)",
+        file_types=SUFFIXES,
+        file_count="multiple",
+        type="filepath",
+        height=120,
+    )
+    side["gallery"] = gr.Gallery(
+        _thumbnails(),
+        label="Examples: click one",
+        columns=4,
+        height=150,
+        allow_preview=False,
+        interactive=False,
+        buttons=[],
+    )
+    with gr.Row():
+        side["view"] = gr.Radio(VIEWS, value="arrows", label="View")
+        side["number"] = gr.Slider(1, 4, value=4, step=1, label="Frame (of four)")
+    side["picture"] = gr.Image(label="What the model sees", interactive=False, buttons=BUTTONS)
+    with gr.Accordion("Frame of reference", open=True), gr.Row():
+        side["viewpoint"] = gr.Image(
+            draw_viewpoint(FrameSpec()),
+            show_label=False,
+            interactive=False,
+            height=150,
+            buttons=[],
+        )
+        side["frame"] = gr.CheckboxGroup(
+            [MIRRORED, OTHER_SIDE, SENSOR_MOVES], label="Tell it for another frame"
+        )
+    side["told"] = gr.Markdown(handlers.told_in(FrameSpec(), None))
+    with gr.Accordion("Frames and notes", open=False):
+        with gr.Row():
+            side["first"] = gr.Number(label="First frame (empty: chosen)", precision=0, value=None)
+            side["last"] = gr.Number(label="Last frame", precision=0, value=None)
+        side["read"] = gr.Button("Read again with this span")
+        side["notes"] = gr.Markdown()
+    return side
+
+
+def _talk_side(gr: Any) -> dict[str, Any]:
+    side = {}
+    side["chat"] = gr.Chatbot(label="Conversation", height=300, buttons=["copy", "copy_all"])
+    side["question"] = gr.Textbox(
+        label="Question", value=handlers.EXAMPLE_QUESTIONS[0], max_length=500
+    )
+    with gr.Row():
+        side["ask"] = gr.Button("Ask", variant="primary")
+        side["stop"] = gr.Button("Stop")
+        side["retry"] = gr.Button("Retry")
+    side["suggested"] = gr.Dropdown(
+        [(f"{kind}: {text}", text) for kind, text in handlers.SUGGESTED_QUESTIONS.items()],
+        label="Questions by type",
+        value=None,
+    )
+    side["probabilities"] = gr.Label(label="Calibrated probabilities", num_top_classes=5)
+    side["band"] = gr.Markdown()
+    side["verdicts"] = gr.Dataframe(
+        headers=["read by", "motion", "how"],
+        label="Verdicts side by side",
+        interactive=False,
+        wrap=True,
+    )
+    with gr.Accordion("Evidence: seven regions", open=True):
+        side["regions"] = gr.Dataframe(
+            headers=["region", "shear change x", "shear change y", "contact mass"],
+            interactive=False,
+        )
+    side["timing"] = gr.Markdown()
+    with gr.Accordion("Everything the answer rests on", open=False):
+        side["details"] = gr.JSON()
+    return side
+
+
+def _connect_clip(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: dict) -> None:
+    gr = gradio()
+    pictured = [shown, clip["view"], clip["number"]]
+    # What was said of the clip before must not stand beside the new one.
+    stale = [*(talk[name] for name in ANSWER_PARTS), last]
+    outputs = [shown, clip["picture"], clip["notes"], talk["chat"], *stale]
+
+    def open_clip(path: Any, first: Any, until: Any, view: str, number: float) -> tuple:
+        opened = handlers.show_clip(answerer, path, first, until)
+        drawn = handlers.draw(opened, view, number)
+        return opened, drawn, opened.notes, [], *[None] * len(stale)
+
+    def open_example(view: str, number: float, event: gr.SelectData) -> tuple:
+        return open_clip(handlers.EXAMPLE_CLIPS[event.index], None, None, view, number)
+
+    # Postponed annotations are text, and the toolkit looks for the event's type itself.
+    open_example.__annotations__["event"] = gr.SelectData
+    given = [clip[name] for name in ("path", "first", "last", "view", "number")]
+    private = {"api_visibility": "private"}
+    for trigger in (clip["path"].upload, clip["read"].click):
+        trigger(told(open_clip), given, outputs, **private, **MODEL)
+    clip["gallery"].select(
+        told(open_example), [clip["view"], clip["number"]], outputs, **private, **MODEL
+    )
+    for control in (clip["view"], clip["number"]):
+        control.change(handlers.draw, pictured, clip["picture"], **private)
+
+
+def _connect_talk(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: dict) -> None:
+    answer = told(partial(_answer, answerer))
+    again = told(partial(_retry, answerer))
+    outputs = [talk["chat"], talk["question"], *(talk[name] for name in ANSWER_PARTS), last]
+    private = {"api_visibility": "private"}
+    asked = [shown, talk["question"], talk["chat"]]
+    running = [
+        trigger(answer, asked, outputs, **private, **MODEL)
+        for trigger in (talk["ask"].click, talk["question"].submit)
+    ]
+    running.append(talk["retry"].click(again, asked, outputs, **private, **MODEL))
+    talk["stop"].click(None, None, None, cancels=running, api_visibility="private")
+    talk["suggested"].input(lambda text: text or "", talk["suggested"], talk["question"], **private)
+    framed = [clip["viewpoint"], clip["told"]]
+    for trigger in (clip["frame"].change, last.change):
+        trigger(_frame, [clip["frame"], last], framed, **private)
+
+
+def _answer(answerer: Answerer, shown: Any, question: str, chat: Messages) -> Iterator[tuple]:
+    """Yield the conversation word by word, and with the last word everything beside it."""
+    reply = handlers.ask(answerer, shown, question)
+    before = [*(chat or []), {"role": "user", "content": question}]
+    words = reply.sentence.split(" ")
+    skip = gradio().skip()
+    for count in range(1, len(words)):
+        said = {"role": "assistant", "content": " ".join(words[:count])}
+        yield [*before, said], "", *[skip] * 7
+    yield (
+        [*before, {"role": "assistant", "content": reply.sentence}],
+        "",
+        reply.probabilities,
+        reply.band,
+        reply.verdicts,
+        reply.regions,
+        reply.timing,
+        reply.details,
+        reply.details.get("direction"),
+    )
+
+
+def _retry(answerer: Answerer, shown: Any, question: str, chat: Messages) -> Iterator[tuple]:
+    """Ask the last question of the conversation again, in its old place."""
+    asked = [place for place, one in enumerate(chat or []) if one["role"] == "user"]
+    if not asked:
+        yield from _answer(answerer, shown, question, chat)
+        return
+    yield from _answer(answerer, shown, _text(chat[asked[-1]]), chat[: asked[-1]])
+
+
+def _text(message: dict[str, Any]) -> str:
+    """Return a message's words; the toolkit hands them back as a list of blocks."""
+    content = message["content"]
+    if isinstance(content, str):
+        return content
+    return " ".join(block.get("text", "") for block in content if isinstance(block, dict))
+
+
+def _frame(facts: list[str], direction: str | None) -> tuple:
+    frame = FrameSpec(
+        image_mirrored=MIRRORED in facts,
+        viewpoint="object" if OTHER_SIDE in facts else "sensor",
+        actor="sensor" if SENSOR_MOVES in facts else "object",
+    )
+    motion = None if direction is None else Motion(direction)
+    return draw_viewpoint(frame), handlers.told_in(frame, motion)
+
+
+def _thumbnails() -> list[tuple[Any, str]]:
+    from geotlm_lm import read_clip
+
+    return [
+        (read_clip(path).frames[-1], Path(path).stem.replace("_", " "))
+        for path in handlers.EXAMPLE_CLIPS
+    ]

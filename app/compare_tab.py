@@ -1,0 +1,40 @@
+"""The Compare tab: two clips, both answers, and how their directions are related."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from geotlm_lm import Answerer
+
+from . import handlers
+from .ask_tab import BUTTONS, SUFFIXES
+from .told import MODEL, gradio, told
+
+
+def build(answerer: Answerer) -> None:
+    """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
+    gr = gradio()
+    sides = []
+    with gr.Row():
+        for label in ("First recording", "Second recording"):
+            with gr.Column():
+                path = gr.File(label=label, file_types=SUFFIXES, type="filepath", height=120)
+                gr.Examples([[clip] for clip in handlers.EXAMPLE_CLIPS], [path], label="Examples")
+                picture = gr.Image(
+                    label="Shear change and contact", interactive=False, buttons=BUTTONS
+                )
+                sides.append((path, picture, gr.Markdown()))
+    go = gr.Button("Compare", variant="primary")
+    verdict, details = gr.Markdown(), gr.JSON(label="Both answers", open=False)
+
+    # Not `compare`: an event takes its function's name, and that one is the programs'.
+    def compare_both(first: str | None, second: str | None) -> tuple[Any, ...]:
+        shown = [handlers.show_clip(answerer, path) if path else None for path in (first, second)]
+        result = handlers.compare(answerer, *shown)
+        pictures = [handlers.draw(one, "arrows", 4) for one in shown]
+        texts = [result["first"]["text"], result["second"]["text"]]
+        return (*pictures, *texts, f"### {result['sentence']}", result)
+
+    (first, first_picture, first_text), (second, second_picture, second_text) = sides
+    outputs = [first_picture, second_picture, first_text, second_text, verdict, details]
+    go.click(told(compare_both), [first, second], outputs, api_visibility="private", **MODEL)

@@ -1,0 +1,119 @@
+"""The Live tab: motion events of a recording, or of a sensor that the browser sees as a camera."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from geotlm_lm import (
+    Answerer,
+    GeoTLMError,
+    Seen,
+    Watcher,
+    model_reader,
+    open_source,
+    picture,
+)
+
+from .ask_tab import BUTTONS
+from .told import MODEL, gradio, told
+
+HEADERS = ["s", "event", "degrees", "px right", "px down"]
+SHOWN_EVERY_S = 0.5
+"""Time between two pictures of a recording; the events come as they are found."""
+
+
+def build(answerer: Answerer) -> None:
+    """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
+    gr = gradio()
+    following = gr.State()
+    gr.Markdown(
+        "Leave the gel untouched for the first half second: that is when its idle image is learnt."
+    )
+    with gr.Row():
+        with gr.Column():
+            path = gr.File(
+                label="Recording",
+                file_types=[".mp4", ".avi", ".mov", ".mkv", ".npz", ".npy"],
+                type="filepath",
+                height=120,
+            )
+            go = gr.Button("Watch", variant="primary")
+            camera = gr.Image(
+                sources=["webcam"], streaming=True, type="numpy", label="Or a sensor as camera"
+            )
+        with gr.Column():
+            seen = gr.Image(label="Shear change", interactive=False, buttons=BUTTONS)
+            events = gr.Dataframe(headers=HEADERS, label="Motion events", interactive=False)
+            account = gr.Markdown()
+    private = {"api_visibility": "private"}
+    watch = told(partial(watch_recording, answerer))
+    go.click(watch, path, [seen, events, account], **private, **MODEL)
+    camera.stream(
+        told(partial(follow, answerer)),
+        [camera, following],
+        [following, seen, events, account],
+        stream_every=0.1,
+        **private,
+        **MODEL,
+    )
+
+
+def watch_recording(answerer: Answerer, path: str | None) -> Iterator[tuple[Any, list, str]]:
+    """Yield picture, events so far and account while a recording is watched.
+
+    Raises:
+        GeoTLMError: If there is no recording or it cannot be read.
+    """
+    if not path:
+        raise GeoTLMError("No recording was given; upload one first.")
+    watcher, rows, shown_s = Watcher(model_reader(answerer)), [], float("-inf")
+    image = None
+    for frame in open_source(path):
+        new = watcher.push(frame.image, frame.time_s)
+        rows += [row_of(event) for event in new]
+        if new or frame.time_s - shown_s > SHOWN_EVERY_S:
+            shown_s, image = frame.time_s, _drawn(watcher, frame.image)
+            yield image, list(rows), _told(watcher)
+    rows += [row_of(event) for event in watcher.finish()]
+    yield image, rows, _told(watcher)
+
+
+def follow(answerer: Answerer, frame: Any, following: Any) -> tuple[Any, Any, list, str]:
+    """Take in one camera frame of a session and return its watcher and what there is to show."""
+    watcher, rows = following or (Watcher(model_reader(answerer)), [])
+    if frame is None:
+        return None, None, rows, ""
+    rows = rows + [row_of(event) for event in watcher.push(frame, time.monotonic())]
+    return (watcher, rows), _drawn(watcher, frame), rows, _told(watcher)
+
+
+def row_of(event: Any) -> list[Any]:
+    """Return an event as a row of the table."""
+    facts = event.to_dict()
+    when = facts["start_s"] if facts["end_s"] is None else facts["end_s"]
+    amounts = ("rotation_deg", "slide_x_px", "slide_y_px")
+    verb = "begins" if facts["phase"] == "start" else "ends"
+    return [round(when, 2), f"{facts['motion']} {verb}", *(round(facts[a], 1) for a in amounts)]
+
+
+def _drawn(watcher: Watcher, frame: Any) -> Any:
+    encoded = watcher.perceived
+    if encoded is None:
+        return frame
+    geometry = encoded.perception.geometry
+    field, mask = (np.asarray(x[0], np.float32) for x in (geometry.shear_change, geometry.mask))
+    return picture(Seen(frame[None], frame, field, mask, encoded.view), "arrows")
+
+
+def _told(watcher: Watcher) -> str:
+    facts = watcher.account.to_dict()
+    state = "idle gel learnt" if watcher.background is not None else "learning the idle gel"
+    return (
+        f"{state} · {facts['frames']} frames · {facts['windows']} windows perceived, "
+        f"{facts['window_ms_median']:.0f} ms each (median)"
+    )

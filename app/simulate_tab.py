@@ -1,0 +1,66 @@
+"""The Simulate tab: a touch by sliders, its true field, the model's answer and its error."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from geotlm_lm import Answerer, Touch
+
+from . import handlers
+from .ask_tab import BUTTONS
+from .simulating import OBJECTS, simulate
+from .told import MODEL, gradio, told
+
+VIEWS = ["raw", "difference", "contact", "arrows", "depth"]
+
+
+def build(answerer: Answerer) -> None:
+    """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
+    gr = gradio()
+    shown = gr.State()
+    with gr.Row():
+        with gr.Column():
+            sliders = _sliders(gr)
+            go = gr.Button("Simulate and ask", variant="primary")
+            sentence = gr.Markdown()
+            facts = gr.JSON(label="Truth, reading and error")
+        with gr.Column():
+            with gr.Row():
+                view = gr.Radio(VIEWS, value="raw", label="View")
+                number = gr.Slider(1, 4, value=4, step=1, label="Frame")
+            picture = gr.Image(label="The clip", interactive=False, buttons=BUTTONS)
+            with gr.Row():
+                truth = gr.Image(label="True displacement", interactive=False, buttons=BUTTONS)
+                read = gr.Image(label="Learned shear change", interactive=False, buttons=BUTTONS)
+
+    def run(name: str, *numbers: float) -> tuple[Any, ...]:
+        *lengths, seed = numbers
+        made = simulate(answerer, Touch(name, *map(float, lengths), seed=int(seed)))
+        right = "right" if made.facts["is_right"] else f"wrong: {made.facts['true_motion']}"
+        return (
+            made.shown,
+            handlers.draw(made.shown, "raw", 4),
+            made.truth_picture,
+            made.read_picture,
+            f"### {made.facts['answer']}  ({right})",
+            made.facts,
+        )
+
+    outputs = [shown, picture, truth, read, sentence, facts]
+    go.click(told(run), sliders, outputs, api_visibility="private", **MODEL)
+    for control in (view, number):
+        control.change(handlers.draw, [shown, view, number], picture, api_visibility="private")
+
+
+def _sliders(gr: Any) -> list[Any]:
+    """Return the controls in the order of `Touch`'s fields."""
+    return [
+        gr.Dropdown(list(OBJECTS), value="key", label="Object"),
+        gr.Slider(-0.2, 1.5, value=0.6, step=0.05, label="Depth, mm"),
+        gr.Slider(-40, 40, value=15, step=1, label="Twist, degrees (positive: clockwise)"),
+        gr.Slider(-3, 3, value=0, step=0.1, label="Slide to the right, mm"),
+        gr.Slider(-3, 3, value=0, step=0.1, label="Slide down, mm"),
+        gr.Slider(1, 6, value=4, step=0.1, label="Gel thickness, mm"),
+        gr.Slider(0, 3, value=1, step=0.1, label="Friction coefficient"),
+        gr.Number(value=0, precision=0, minimum=0, label="Seed"),
+    ]

@@ -1,0 +1,87 @@
+"""What the sliders of the Simulate tab do: a touch, its true field, the answer, and its error."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from geotlm_lm import Answerer, Seen, Touch, learned_motion, picture, simulate_touch
+
+from .handlers import DIRECTION_QUESTION, Image, Shown, perceive
+
+WINDOW_SHARE = 1.5
+"""Four evenly spaced frames move this much farther than the mean of the first two to that of the
+last two, which is what the learned shear change spans."""
+
+OBJECTS = (
+    "key",
+    "bottle_cap",
+    "hex_nut",
+    "screw_head",
+    "coin",
+    "bead",
+    "pen_clip",
+    "textured_ball",
+    "can_rim",
+    "corner",
+    "cable",
+    "table_edge",
+)
+"""Shapes on offer: everyday things that no weight was trained on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """A simulated touch as the page shows it."""
+
+    shown: Shown
+    truth_picture: Image
+    read_picture: Image
+    facts: dict[str, Any]
+
+
+def simulate(answerer: Answerer, touch: Touch) -> Simulated:
+    """Simulate a touch, ask about it, and tell the answer's error.
+
+    Raises:
+        GeoTLMError: If the touch cannot be simulated.
+    """
+    made = simulate_touch(touch)
+    shown = perceive(answerer, made.clip, depth_mm=made.depth_mm)
+    answer = answerer.ask(shown.encoded, DIRECTION_QUESTION)
+    turn_deg, x_px, y_px = (WINDOW_SHARE * value for value in learned_motion(shown.encoded))
+    label = made.label
+    px_per_mm = [1 / size for size in made.mm_per_px]
+    true = {
+        "rotation_deg": label.rotation_deg,
+        "slide_x_px": label.slide_x_mm * px_per_mm[0],
+        "slide_y_px": label.slide_y_mm * px_per_mm[1],
+    }
+    read = {"rotation_deg": turn_deg, "slide_x_px": x_px, "slide_y_px": y_px}
+    facts = {
+        "answer": answer.text,
+        "direction": None if answer.direction is None else answer.direction.value,
+        "confidence": round(answer.confidence, 4),
+        "true_motion": label.motion.value,
+        "is_right": answer.direction == label.motion,
+        "is_readable": label.is_readable,
+        "true": _rounded(true),
+        "read": _rounded(read),
+        "error": _rounded({name: read[name] - true[name] for name in true}),
+        "timing_ms": _rounded(made.timing_ms),
+    }
+    return Simulated(shown, _truth(made, shown), picture(shown.seen, "arrows"), facts)
+
+
+def _truth(made: Any, shown: Shown) -> Image:
+    """Return the true displacement, drawn as the learned one is, over the last frame."""
+    seen = shown.seen
+    whole = type(seen.view)()
+    true = Seen(seen.frames, seen.idle, made.displacement_px[-1], made.contact.mean(axis=0), whole)
+    return picture(true, "arrows")
+
+
+def _rounded(values: dict[str, float]) -> dict[str, float]:
+    return {name: round(float(np.float64(value)), 2) for name, value in values.items()}

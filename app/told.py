@@ -1,0 +1,66 @@
+"""What a person did wrong is told in the page as one sentence; a defect keeps its trace outside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from html import escape
+from inspect import isgeneratorfunction
+from typing import Any
+
+from geotlm_lm import GeoTLMError
+from geotlm_lm.core.errors import MissingDependency
+
+
+def gradio() -> Any:
+    """Return the toolkit, imported only now: the package works without it.
+
+    Raises:
+        MissingDependency: If it is not installed.
+    """
+    try:
+        import gradio as gr
+    except ImportError as error:
+        raise MissingDependency(
+            "The app needs gradio, which is not installed; run `pip install 'geotlm-lm[app]'`."
+        ) from error
+    return gr
+
+
+def told(function: Callable[..., Any], *, is_page: bool = True) -> Callable[..., Any]:
+    """Return the function with its repairable errors told by the toolkit.
+
+    Args:
+        function: A handler, or a generator of its results.
+        is_page: Whether the sentence is shown in the page, which takes it for HTML; programs get
+            it as it is.
+    """
+    if isgeneratorfunction(function):
+
+        @wraps(function)
+        def generate(*arguments: Any, **named: Any) -> Any:
+            try:
+                yield from function(*arguments, **named)
+            except GeoTLMError as error:
+                raise _shown(error, is_page) from error
+
+        return generate
+
+    @wraps(function)
+    def call(*arguments: Any, **named: Any) -> Any:
+        try:
+            return function(*arguments, **named)
+        except GeoTLMError as error:
+            raise _shown(error, is_page) from error
+
+    return call
+
+
+def _shown(error: GeoTLMError, is_page: bool) -> Exception:
+    # A recording's name is part of the sentence, and anybody may have chosen it.
+    sentence = escape(str(error), quote=False) if is_page else str(error)
+    return gradio().Error(sentence, print_exception=False)
+
+
+MODEL = {"concurrency_limit": 1, "concurrency_id": "model"}
+"""Every use of the model waits for the one before, whichever tab or program it comes from."""

@@ -1,0 +1,37 @@
+"""`geotlm-lm app`: the page in the browser, from a checkout or from an installation."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def app(
+    port: Annotated[
+        int | None,
+        typer.Option(min=1, max=65535, help="To listen on. [default: a free one from 7860 on]"),
+    ] = None,
+) -> None:
+    """Serve a page to look at clips and ask about them, on this machine only (127.0.0.1).
+
+    Example: geotlm-lm app --port 7860
+    """
+    import_module(f"{_home()}.__main__").serve(port)
+
+
+def _home() -> str:
+    """Return the name the page's package is imported by."""
+    import geotlm_lm
+    from geotlm_lm.core.resources import resource_dir
+
+    folder = resource_dir("app")
+    if folder.parent == Path(geotlm_lm.__file__).resolve().parent:
+        return f"{geotlm_lm.__name__}.app"
+    # A checkout keeps the page beside the package, where only a run from its root would find it.
+    if str(folder.parent) not in sys.path:
+        sys.path.insert(0, str(folder.parent))
+    return folder.name

@@ -1,0 +1,113 @@
+"""`geotlm-lm watch`: motion events of a camera or a recording, one line each."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from geotlm_lm.cli.options import require_writable_file
+from geotlm_lm.core.errors import UsageError
+
+if TYPE_CHECKING:
+    from geotlm_lm.live.events import MotionEvent
+
+
+def watch(
+    source: Annotated[
+        str, typer.Option(help="A camera's number, its device file, or a recording.")
+    ],
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON object a line, the account last.")
+    ] = False,
+    draw: Annotated[
+        Path | None, typer.Option(help="Write what was seen to this .mp4, as a drawing.")
+    ] = None,
+    question: Annotated[
+        str | None,
+        typer.Option("--q", help="Ask the language model this about every motion that ends."),
+    ] = None,
+    at_its_rate: Annotated[
+        bool,
+        typer.Option("--at-its-rate", help="Play a recording as a camera would, dropping frames."),
+    ] = False,
+    model: Annotated[
+        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
+    ] = None,
+) -> None:
+    """Print what moves how, as it begins and ends, until the recording ends or Ctrl-C.
+
+    The gel must be untouched at the start, or for half a second later on. Directions are told as
+    seen in the camera image, for the object relative to the sensor.
+
+    Example: geotlm-lm watch --source recording.avi --json
+    """
+    if draw is not None:
+        if draw.suffix != ".mp4":
+            raise UsageError(f"--draw {draw} was given, expected a name that ends in .mp4.")
+        require_writable_file(draw, "--draw")
+    from geotlm_lm.live.sources import open_source
+
+    stream = open_source(source, at_its_rate=at_its_rate)
+
+    # Imported only now: a camera that does not open must not wait for the model's libraries.
+    from geotlm_lm.answering import Answerer
+    from geotlm_lm.live.watcher import Watcher, model_reader
+
+    answerer = Answerer.load(model)
+    watcher = Watcher(model_reader(answerer))
+    film = None
+    if draw is not None:
+        from geotlm_lm.live.film import Film
+
+        film = Film(draw, stream.fps)
+    print(f"note: {source} at {stream.fps:g} frames per second.", file=sys.stderr)
+    try:
+        for event in _events(stream, watcher, film):
+            _tell(event, as_json, _words(answerer, watcher, event, question))
+    finally:
+        if film is not None:
+            film.close()
+        _account(watcher.account.to_dict() | {"dropped": stream.dropped}, as_json)
+
+
+def _events(stream: Any, watcher: Any, film: Any) -> Iterator[MotionEvent]:
+    """Yield the events of a stream as they come, and draw each frame if there is a film."""
+    for frame in stream:
+        events = watcher.push(frame.image, frame.time_s)
+        if film is not None:
+            film.add(frame.image, events, watcher.perceived)
+        yield from events
+    yield from watcher.finish()
+
+
+def _words(answerer: Any, watcher: Any, event: MotionEvent, question: str | None) -> str | None:
+    if question is None or event.phase == "start":
+        return None
+    clip = watcher.clip_of(event)
+    return None if clip is None else answerer.ask(answerer.encode(clip), question).text
+
+
+def _tell(event: MotionEvent, as_json: bool, words: str | None) -> None:
+    if as_json:
+        told = event.to_dict() | ({} if words is None else {"answer": words})
+        print(json.dumps(told), flush=True)
+    else:
+        print(event.sentence() + (f".  {words}" if words else ""), flush=True)
+
+
+def _account(facts: dict[str, Any], as_json: bool) -> None:
+    if as_json:
+        print(json.dumps({"type": "account"} | facts), flush=True)
+        return
+    dropped = f"{facts['dropped']} dropped" if facts["dropped"] else "none dropped"
+    print(
+        f"note: {facts['frames']} frames, {dropped}; {facts['windows']} windows perceived in "
+        f"{facts['window_ms_median']:.1f} ms each (median), each frame followed in "
+        f"{facts['frame_ms_median']:.2f} ms.",
+        file=sys.stderr,
+    )

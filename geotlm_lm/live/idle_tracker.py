@@ -1,0 +1,90 @@
+"""The idle gel of a stream, learnt while nothing touches, and how much a frame differs from it."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.clip import Frames
+from geotlm_lm.recordings.choose import FAINT_IMPRINT, band_pass
+from geotlm_lm.recordings.idle import activity_grey, lost_share
+
+LEARNING_FRAMES = 5
+"""Frames that must agree before they are taken for the idle gel: 0.2 s of a GelSight Mini."""
+
+STEADY_FRAMES = 15
+"""Frames that must agree before a lifted object is believed: a hand does not rest that still."""
+
+LIFTED_SHARE = 0.75
+"""Share of a change that is lost structure, from which on the stream is taken to have started
+touched: 0 for a touch, 1/2 for a moved object, 1 for a lifted one."""
+
+FOLLOWING = 0.02
+"""Weight of a new untouched frame: light that drifts over a few seconds is followed."""
+
+
+class IdleTracker:
+    """Learns the idle gel and measures every frame against it."""
+
+    def __init__(self) -> None:
+        self._recent: deque[tuple[Frames, NDArray[np.float32]]] = deque(maxlen=STEADY_FRAMES)
+        self._idle: NDArray[np.float32] | None = None
+        self._small: NDArray[np.float32] | None = None
+
+    @property
+    def background(self) -> Frames | None:
+        """The idle gel, uint8, shape (rows, columns, 3); None while it is being learnt."""
+        return None if self._idle is None else np.rint(self._idle).astype(np.uint8)
+
+    def strength(self, frame: Frames) -> float | None:
+        """Take in the next frame and return its imprint.
+
+        Args:
+            frame: uint8, shape (rows, columns, 3), RGB.
+
+        Returns:
+            Grey levels (rms) between the frame and the idle gel; None while it is being learnt.
+        """
+        small = activity_grey(frame[None])[0]
+        self._recent.append((frame, small))
+        if self._idle is None:
+            if self._agree(LEARNING_FRAMES):
+                self._learn(LEARNING_FRAMES)
+            else:
+                return None
+        strength = _rms(band_pass(small - self._small))
+        if strength > FAINT_IMPRINT and self._was_lifted():
+            self._learn(STEADY_FRAMES)
+            strength = _rms(band_pass(small - self._small))
+        elif strength < FAINT_IMPRINT / 2:
+            # Only clearly untouched frames: a touch that begins faintly must not be learnt away.
+            cv2.accumulateWeighted(frame, self._idle, FOLLOWING)
+            cv2.accumulateWeighted(small, self._small, FOLLOWING)
+        return strength
+
+    def _agree(self, count: int) -> bool:
+        """Tell whether the last `count` frames show the same."""
+        if len(self._recent) < count:
+            return False
+        small = np.stack([image for _, image in list(self._recent)[-count:]])
+        middle = np.median(small, axis=0)
+        return max(_rms(band_pass(image - middle)) for image in small) < FAINT_IMPRINT
+
+    def _was_lifted(self) -> bool:
+        """Tell whether what was taken for idle had an object on it, which is gone now."""
+        if not self._agree(STEADY_FRAMES):
+            return False
+        later = np.stack([image for _, image in self._recent])
+        return float(np.median(lost_share(self._small, later))) > LIFTED_SHARE
+
+    def _learn(self, count: int) -> None:
+        frames = np.stack([frame for frame, _ in list(self._recent)[-count:]])
+        self._idle = np.median(frames, axis=0).astype(np.float32)
+        self._small = np.median([image for _, image in list(self._recent)[-count:]], axis=0)
+
+
+def _rms(image: NDArray[np.float32]) -> float:
+    return float(np.sqrt(np.square(image).mean()))

@@ -1,0 +1,232 @@
+"""Where a stream comes from: a camera, or a recording played frame by frame.
+
+A camera, and a recording played at its own rate, go through a bounded buffer: when the reader falls
+behind, the oldest frames are dropped and counted.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+
+from geotlm_lm.core.clip import Frames
+from geotlm_lm.core.errors import MissingDependency, UnreadableClip
+from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.recordings.video import VIDEO_SUFFIXES, quiet_capture
+
+DEFAULT_FPS = 25.0
+"""Taken where a recording does not say: a GelSight Mini's rate."""
+
+BUFFERED_FRAMES = 25
+"""Frames that may wait: a second of a GelSight Mini; after that an answer is no longer live."""
+
+
+@dataclass(frozen=True, eq=False)
+class StreamFrame:
+    """One frame, uint8 RGB (rows, columns, 3), and when it was taken, seconds into the stream."""
+
+    image: Frames
+    time_s: float
+
+
+class LatestFrames:
+    """A buffer between a source that does not wait and a reader that may be slow.
+
+    Args:
+        capacity: Frames that may wait; beyond it the oldest is dropped.
+    """
+
+    def __init__(self, capacity: int = BUFFERED_FRAMES) -> None:
+        self._waiting: deque[StreamFrame] = deque()
+        self._capacity, self._is_closed = capacity, False
+        self._changed = threading.Condition()
+        self.dropped = 0
+        self._error: Exception | None = None
+
+    def put(self, frame: StreamFrame) -> None:
+        """Add a frame; never waits."""
+        with self._changed:
+            self._waiting.append(frame)
+            if len(self._waiting) > self._capacity:
+                self._waiting.popleft()
+                self.dropped += 1
+            self._changed.notify()
+
+    def close(self, error: Exception | None = None) -> None:
+        """End the stream; what waits is still read, then `error` is raised to the reader."""
+        with self._changed:
+            self._is_closed, self._error = True, error
+            self._changed.notify()
+
+    def __iter__(self) -> Iterator[StreamFrame]:
+        """Yield frames in order, waiting for each, until the stream is closed."""
+        while True:
+            with self._changed:
+                while not self._waiting and not self._is_closed:
+                    self._changed.wait(timeout=0.5)
+                if not self._waiting:
+                    if self._error is not None:
+                        raise self._error
+                    return
+                frame = self._waiting.popleft()
+            yield frame
+
+
+class Recording:
+    """A file played frame by frame; nothing is dropped.
+
+    Args:
+        path: A video, an array, or a folder of images.
+
+    Raises:
+        UnreadableClip: If it is missing or holds no frames, in one sentence.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.name, self.dropped, self.fps = str(path), 0, DEFAULT_FPS
+        self._path, self._is_video = path, path.suffix.lower() in VIDEO_SUFFIXES
+        if not path.exists():
+            raise UnreadableClip(f"{path}: no such file or folder; check the path.")
+        if self._is_video:
+            with quiet_capture(str(path), cv2.CAP_FFMPEG) as capture:
+                if not capture.grab():
+                    raise UnreadableClip(
+                        f"{path}: no frame of it can be decoded; copy or export it again."
+                    )
+                fps = float(capture.get(cv2.CAP_PROP_FPS))
+        else:
+            self._clip = read_clip(path)
+            fps = self._clip.fps or 0.0
+        if 0 < fps < 1e4:
+            self.fps = fps
+
+    def __iter__(self) -> Iterator[StreamFrame]:
+        """Yield every frame; a video is decoded as it is read, however long it is."""
+        for number, image in enumerate(self._images()):
+            yield StreamFrame(image, number / self.fps)
+
+    def _images(self) -> Iterator[Frames]:
+        if not self._is_video:
+            yield from self._clip.frames
+            return
+        with quiet_capture(self.name, cv2.CAP_FFMPEG) as capture:
+            while True:
+                is_decoded, image = capture.read()
+                if not is_decoded:
+                    return
+                yield cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+
+
+class Played:
+    """A recording played at its own rate, as a camera would give it: late frames are dropped.
+
+    Args:
+        recording: What is played.
+    """
+
+    def __init__(self, recording: Recording) -> None:
+        self.name, self.fps = recording.name, recording.fps
+        self._recording, self._buffer = recording, LatestFrames()
+
+    @property
+    def dropped(self) -> int:
+        """Frames the reader was too slow for."""
+        return self._buffer.dropped
+
+    def __iter__(self) -> Iterator[StreamFrame]:
+        """Yield the frames that the reader is in time for."""
+        threading.Thread(target=self._play, daemon=True).start()
+        yield from self._buffer
+
+    def _play(self) -> None:
+        began = time.monotonic()
+        for frame in self._recording:
+            time.sleep(max(began + frame.time_s - time.monotonic(), 0.0))
+            self._buffer.put(frame)
+        self._buffer.close()
+
+
+class Camera:
+    """A camera, read as fast as it gives frames.
+
+    Args:
+        device: Its number, or the path of its device file.
+
+    Raises:
+        MissingDependency: If it does not open, with what to do.
+    """
+
+    def __init__(self, device: int | str) -> None:
+        self.name, self.fps = str(device), DEFAULT_FPS
+        self._buffer, self._is_open, self._opened = LatestFrames(), True, ExitStack()
+        self._capture = self._opened.enter_context(quiet_capture(device, cv2.CAP_ANY))
+        if not (self._capture.isOpened() and self._capture.grab()):
+            self._opened.close()
+            raise MissingDependency(_advice(device))
+        fps = float(self._capture.get(cv2.CAP_PROP_FPS))
+        if 0 < fps < 1e4:
+            self.fps = fps
+
+    @property
+    def dropped(self) -> int:
+        """Frames the reader was too slow for."""
+        return self._buffer.dropped
+
+    def __iter__(self) -> Iterator[StreamFrame]:
+        """Yield the newest frames until the reader stops or the camera does."""
+        threading.Thread(target=self._grab, daemon=True).start()
+        try:
+            yield from self._buffer
+        finally:
+            self._is_open = False
+
+    def _grab(self) -> None:
+        began = time.monotonic()
+        with self._opened:
+            while self._is_open:
+                is_there, image = self._capture.read()
+                if not is_there:
+                    break
+                image = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+                self._buffer.put(StreamFrame(image, time.monotonic() - began))
+        self._buffer.close(
+            MissingDependency(
+                f"Camera {self.name} stopped giving frames after {time.monotonic() - began:.1f} s; "
+                f"check its cable and start again."
+            )
+        )
+
+
+def open_source(name: str, *, at_its_rate: bool = False) -> Recording | Played | Camera:
+    """Return the stream called `name`: a camera's number, a device file, or a recording.
+
+    Args:
+        name: For example "0", "/dev/video0" or "clip.avi".
+        at_its_rate: Play a recording as fast as it was taken, and drop what is too late.
+
+    Raises:
+        MissingDependency: If a camera does not open.
+        UnreadableClip: If a file is missing or holds no frames.
+    """
+    if name.isdecimal() and len(name) < 4:
+        return Camera(int(name))
+    if name.startswith("/dev/"):
+        return Camera(name)
+    recording = Recording(Path(name))
+    return Played(recording) if at_its_rate else recording
+
+
+def _advice(device: int | str) -> str:
+    found = sorted(str(path) for path in Path("/dev").glob("video*"))
+    seen = f"cameras found: {', '.join(found)}" if found else "no /dev/video* was found"
+    return (
+        f"Camera {device} does not open ({seen}); plug the sensor in, close other programs that "
+        f"use it, see that your user is in the group 'video', or give a recording's path."
+    )

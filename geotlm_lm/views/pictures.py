@@ -1,0 +1,190 @@
+"""A frame as it is, against the idle gel, and with the learned geometry in its true place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, get_args
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.geometry import IMAGE_SIDE
+
+if TYPE_CHECKING:
+    from geotlm_lm.backbone.stem import View
+
+Image = NDArray[np.uint8]
+Floats = NDArray[np.float32]
+
+ViewName = Literal["raw", "difference", "contact", "arrows", "depth"]
+VIEW_NAMES: tuple[str, ...] = get_args(ViewName)
+
+PICTURE_SIDE = 448
+"""Pixels of a picture's longer side; frames are magnified to it, so that thin arrows stay thin."""
+
+DIFFERENCE_GAIN = 4.0
+"""Grey levels drawn per grey level of difference: an imprint's residual deviates by 21 to 43."""
+
+CONTACT_COLOUR = (255, 70, 40)
+ARROW_COLOUR = (255, 220, 0)
+FRAME_COLOUR = (235, 235, 235)
+
+LONGEST_ARROW_PATCHES = 1.2
+"""Length of the longest arrow; the shear change is unitless, only its pattern means something."""
+
+FAINTEST_ARROW = 0.05
+"""Arrows below this share of the longest are left out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What pictures are drawn from.
+
+    Args:
+        frames: uint8, shape (t, rows, columns, 3), RGB.
+        idle: The idle gel, uint8, shape (rows, columns, 3).
+        shear_change: (x right, y down), shape (gh, gw, 2), unitless.
+        mask: Contact mask, shape (gh, gw), in [0, 1].
+        view: The square of the image that the grid covers.
+        depth_mm: Indentation of each frame over the whole image, shape (t, gh, gw); None unless
+            simulated.
+    """
+
+    frames: Image
+    idle: Image
+    shear_change: Floats
+    mask: Floats
+    view: View
+    depth_mm: Floats | None = None
+
+
+def views_of(seen: Seen) -> tuple[str, ...]:
+    """Return the names of the pictures that can be drawn."""
+    return VIEW_NAMES if seen.depth_mm is not None else VIEW_NAMES[:-1]
+
+
+def picture(seen: Seen, name: ViewName, index: int = -1) -> Image:
+    """Return one frame as a picture.
+
+    Args:
+        seen: What there is to draw.
+        name: "raw", "difference" to the idle gel, "contact" mask, shear change as "arrows", or
+            "depth".
+        index: Of the frame; the geometry belongs to all four.
+
+    Returns:
+        uint8 RGB, its longer side about `PICTURE_SIDE`.
+
+    Raises:
+        ValueError: If there is no such view, or none for this clip.
+    """
+    if name not in views_of(seen):
+        raise ValueError(f"there is no view '{name}', expected one of {', '.join(views_of(seen))}")
+    frame = seen.frames[index]
+    if name == "difference":
+        return magnified(difference(frame, seen.idle))
+    if name == "contact":
+        return draw_contact(magnified(frame), seen.mask, seen.view)
+    if name == "arrows":
+        return draw_arrows(magnified(frame), seen.shear_change, seen.mask, seen.view)
+    if name == "depth":
+        return draw_depth(seen.depth_mm[index], magnified(frame).shape[:2], seen.depth_mm.max())
+    return magnified(frame)
+
+
+def magnified(frame: Image) -> Image:
+    """Return the frame, a longer side below `PICTURE_SIDE` brought to it."""
+    scale = PICTURE_SIDE / max(frame.shape[:2])
+    if scale <= 1:
+        return frame.copy()
+    size = (round(frame.shape[1] * scale), round(frame.shape[0] * scale))
+    return cv2.resize(frame, size, interpolation=cv2.INTER_CUBIC)
+
+
+def difference(frame: Image, idle: Image) -> Image:
+    """Return what changed against the idle gel, neutral grey where nothing did."""
+    change = frame.astype(np.float32) - idle
+    return np.clip(128 + DIFFERENCE_GAIN * change, 0, 255).astype(np.uint8)
+
+
+def draw_contact(image: Image, mask: Floats, view: View) -> Image:
+    """Tint where the model sees contact, and frame the square that it looked at.
+
+    Args:
+        image: uint8, shape (rows, columns, 3), covering the whole frame.
+        mask: Shape (gh, gw), in [0, 1].
+        view: The square the grid covers.
+    """
+    share = in_image(mask, view, image.shape[:2])[..., None] * 0.6
+    tinted = image * (1 - share) + np.float32(CONTACT_COLOUR) * share
+    drawn = np.rint(tinted).astype(np.uint8)
+    corners = _grid_points(view, image.shape[:2], np.array([[0, 0], [1, 1]], np.float32))
+    first, last = (tuple(int(v) for v in np.rint(corner)) for corner in corners)
+    return cv2.rectangle(drawn, first, last, FRAME_COLOUR, 1)
+
+
+def draw_arrows(image: Image, field: Floats, mask: Floats, view: View) -> Image:
+    """Draw the shear change over a frame, each arrow weighted by the contact mask.
+
+    Args:
+        image: uint8, shape (rows, columns, 3), covering the whole frame.
+        field: (x right, y down), shape (gh, gw, 2), unitless.
+        mask: Shape (gh, gw), in [0, 1].
+        view: The square the grid covers.
+    """
+    drawn = image.copy()
+    weighted = field * mask[..., None]
+    lengths = np.linalg.norm(weighted, axis=-1)
+    longest = float(lengths.max())
+    if longest == 0:
+        return drawn
+    gh, gw = mask.shape
+    for row, column in np.argwhere(lengths > FAINTEST_ARROW * longest):
+        step = weighted[row, column] / longest * LONGEST_ARROW_PATCHES
+        tail = np.array([(column + 0.5) / gw, (row + 0.5) / gh])
+        ends = np.stack([tail, tail + step / (gw, gh)])
+        ends = _grid_points(view, image.shape[:2], ends)
+        tail_px, tip_px = (tuple(int(v) for v in np.rint(end)) for end in ends)
+        cv2.arrowedLine(drawn, tail_px, tip_px, ARROW_COLOUR, 2, cv2.LINE_AA, tipLength=0.3)
+    return drawn
+
+
+def draw_depth(depth_mm: Floats, size: tuple[int, int], deepest_mm: float) -> Image:
+    """Return an indentation as colours, dark where the gel is at rest.
+
+    Args:
+        depth_mm: Shape (gh, gw), over the whole image.
+        size: Rows and columns of the picture.
+        deepest_mm: What is drawn brightest.
+    """
+    share = np.clip(depth_mm / max(float(deepest_mm), 1e-6), 0, 1)
+    shades = cv2.applyColorMap(np.rint(255 * share).astype(np.uint8), cv2.COLORMAP_VIRIDIS)
+    whole = cv2.resize(shades, size[::-1], interpolation=cv2.INTER_LINEAR)
+    return cv2.cvtColor(whole, cv2.COLOR_BGR2RGB)
+
+
+def in_image(grid: Floats, view: View, size: tuple[int, int]) -> Floats:
+    """Return a grid's values at the pixels of the whole image; zero outside of the view.
+
+    Args:
+        grid: Shape (gh, gw).
+        view: The square the grid covers.
+        size: Rows and columns of the image.
+    """
+    gh, gw = grid.shape
+    origin, far = _grid_points(view, size, np.array([[0, 0], [1, 1]], np.float32))
+    cell = (far - origin) / (gw, gh)
+    # Pixel centres stand half a pixel, grid centres half a cell, from their corners.
+    shift = origin + 0.5 * cell - 0.5
+    matrix = np.float32([[cell[0], 0, shift[0]], [0, cell[1], shift[1]]])
+    return cv2.warpAffine(
+        np.asarray(grid, np.float32), matrix, size[::-1], flags=cv2.INTER_LINEAR
+    ).clip(0, None)
+
+
+def _grid_points(view: View, size: tuple[int, int], share: NDArray[np.floating]) -> Floats:
+    """Return points of the view, given as shares (x, y) of its side, in pixels of the image."""
+    corner = np.array([view.centre_x_px, view.centre_y_px]) - view.side_px / 2
+    scale = np.array([size[1], size[0]]) / IMAGE_SIDE
+    return ((corner + share * view.side_px) * scale).astype(np.float32)

@@ -1,0 +1,119 @@
+"""A headless Chromium driven through its debugging pipe; no driver package is needed."""
+
+import base64
+import json
+import os
+import shutil
+import subprocess
+import time
+
+EXECUTABLE = next(
+    (
+        path
+        for name in ("chromium", "chromium-browser", "google-chrome")
+        if (path := shutil.which(name))
+    ),
+    None,
+)
+"""Of the browser; None where there is none."""
+
+
+class Browser:
+    """One page of one browser.
+
+    Args:
+        profile: An empty folder for what the browser keeps.
+        size: Width and height of the page.
+    """
+
+    def __init__(self, profile, size=(1400, 1100)):
+        to_read, self._to_write = os.pipe()
+        self._from_read, to_write = os.pipe()
+        flags = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe"]
+        flags += [f"--user-data-dir={profile}", "--no-first-run", "--hide-scrollbars"]
+        flags += [f"--window-size={size[0]},{size[1]}", "--disable-dev-shm-usage", "--incognito"]
+        command = (
+            f"exec 3<&{to_read} 4>&{to_write}; exec {EXECUTABLE} {' '.join(flags)} about:blank"
+        )
+        self._process = subprocess.Popen(
+            ["bash", "-c", command],
+            pass_fds=(to_read, to_write),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        os.close(to_read)
+        os.close(to_write)
+        self._received, self._number, self._session = b"", 0, None
+        targets = self.call("Target.getTargets")["targetInfos"]
+        page = next(one["targetId"] for one in targets if one["type"] == "page")
+        attached = self.call("Target.attachToTarget", targetId=page, flatten=True)
+        self._session = attached["sessionId"]
+
+    def call(self, method, **parameters):
+        """Send one command of the debugging protocol and return its result."""
+        self._number += 1
+        message = {"id": self._number, "method": method, "params": parameters}
+        if self._session:
+            message["sessionId"] = self._session
+        os.write(self._to_write, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self._receive()
+            if answer.get("id") == self._number:
+                if "error" in answer:
+                    raise RuntimeError(f"{method}: {answer['error']}")
+                return answer["result"]
+
+    def _receive(self):
+        while b"\0" not in self._received:
+            part = os.read(self._from_read, 1 << 16)
+            if not part:
+                raise RuntimeError("the browser ended")
+            self._received += part
+        message, self._received = self._received.split(b"\0", 1)
+        return json.loads(message)
+
+    def run(self, script):
+        """Return the value of a JavaScript expression in the page."""
+        result = self.call("Runtime.evaluate", expression=script, returnByValue=True)
+        if "exceptionDetails" in result:
+            raise RuntimeError(result["exceptionDetails"]["text"])
+        return result["result"].get("value")
+
+    def wait_for(self, script, seconds=180.0):
+        """Wait until an expression is true, and return its value."""
+        until = time.monotonic() + seconds
+        while time.monotonic() < until:
+            if value := self.run(script):
+                return value
+            time.sleep(0.1)
+        raise TimeoutError(f"{script} was not true within {seconds:g} s")
+
+    def open(self, address):
+        """Show a page and wait until it answers to clicks, its gallery complete."""
+        self.call("Page.navigate", url=address)
+        self.wait_for(
+            "(() => { const all = [...document.querySelectorAll('.thumbnail-item img')]; "
+            "return all.length && all.every(one => one.complete && one.naturalWidth) "
+            "&& !document.body.innerText.includes('Loading...'); })()",
+            seconds=300.0,
+        )
+
+    def click(self, text, kind="button"):
+        """Click the first visible element of a kind that holds a text."""
+        self.wait_for(
+            f"(() => {{ const one = [...document.querySelectorAll({kind!r})].find("
+            f"e => e.offsetParent && e.innerText.includes({text!r})); "
+            "if (!one) return false; one.click(); return true; })()"
+        )
+
+    def screenshot(self, path):
+        """Write what is seen to a .png file."""
+        image = self.call("Page.captureScreenshot", format="png")["data"]
+        path.write_bytes(base64.b64decode(image))
+
+    def close(self):
+        """End the browser."""
+        self._process.terminate()
+        self._process.wait(timeout=30)
+        os.close(self._to_write)
+        os.close(self._from_read)

@@ -1,0 +1,42 @@
+"""The Live tab watches with the same code as the command, and tells events as rows."""
+
+import numpy as np
+import pytest
+
+from app import live_tab
+from geotlm_lm import GeoTLMError
+from tests.app.fakes import FakeAnswerer
+from tests.live.test_idle_tracker import gel, touched
+
+
+@pytest.fixture(scope="module")
+def frames():
+    plain = gel()
+    return [next(plain) for _ in range(12)] + [touched(next(plain)) for _ in range(28)]
+
+
+def test_a_recording_is_watched_to_its_end(frames, tmp_path):
+    np.savez(tmp_path / "clip.npz", frames=np.stack(frames), fps=25.0)
+    *_, (image, rows, account) = live_tab.watch_recording(
+        FakeAnswerer(), str(tmp_path / "clip.npz")
+    )
+    # The fake's probe finds a slide to the right in every window that is touched throughout.
+    assert [row[1] for row in rows][-2:] == ["right begins", "right ends"]
+    assert rows[-1][3] > 0
+    assert account.startswith("idle gel learnt · 40 frames · ")
+    assert image.ndim == 3
+
+
+def test_a_camera_is_followed_frame_by_frame_and_each_session_by_itself(frames):
+    one = other = None
+    for frame in frames[:6]:
+        one, *_ = live_tab.follow(FakeAnswerer(), frame, one)
+    other, _, _, account = live_tab.follow(FakeAnswerer(), frames[0], other)
+    assert one[0].account.frames == 6
+    assert other[0].account.frames == 1
+    assert account.startswith("learning the idle gel")
+
+
+def test_watching_nothing_is_told():
+    with pytest.raises(GeoTLMError, match="^No recording was given; upload one first.$"):
+        next(live_tab.watch_recording(FakeAnswerer(), None))

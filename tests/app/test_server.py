@@ -1,0 +1,123 @@
+"""The served page and its typed interface, used as a program would: by a real client."""
+
+import re
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+gradio = pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
+
+from gradio_client import Client, handle_file  # noqa: E402
+from gradio_client.exceptions import AppError  # noqa: E402
+
+from app import api, ui  # noqa: E402
+from tests.app.fakes import FakeAnswerer  # noqa: E402
+
+
+@pytest.fixture(scope="module")
+def address():
+    page = ui.build(FakeAnswerer())
+    yield ui.launch(page, wait=False)
+    page.close()
+
+
+@pytest.fixture(scope="module")
+def client(address):
+    return Client(address, verbose=False)
+
+
+def saved(folder, name, level):
+    frames = np.full((6, 48, 64, 3), level, np.uint8)
+    frames[3:, 20:30, 20:30] += 9
+    np.save(folder / name, frames)
+    return folder / name
+
+
+def test_it_listens_on_this_machine_only(address):
+    assert address.startswith("http://127.0.0.1:")
+
+
+def test_a_question_about_an_upload_is_answered(client, tmp_path):
+    clip = handle_file(saved(tmp_path, "bright.npy", 150))
+    answer = client.predict(clip, "Which way?", api_name="/ask")
+    assert (answer["direction"], answer["question"]) == ("right", "Which way?")
+    assert set(answer["second_opinions"]) == {"probe", "optical_flow", "timing_ms"}
+
+
+def test_evidence_comes_without_the_language_model(client, tmp_path):
+    clip = handle_file(saved(tmp_path, "bright.npy", 150))
+    evidence = client.predict(clip, api_name="/evidence")
+    assert evidence["contact_share"] == 0.5
+    assert np.shape(evidence["shear_change"]) == (14, 14, 2)
+
+
+def test_two_uploads_are_compared(client, tmp_path):
+    clips = [handle_file(saved(tmp_path, f"{level}.npy", level)) for level in (150, 60)]
+    assert client.predict(*clips, api_name="/compare")["relation"] == "opposite"
+
+
+def test_a_touch_is_simulated_and_judged(client):
+    facts = client.predict("key", 0.6, 0.0, 1.0, 0.0, 4.0, 1, api_name="/simulate")
+    assert facts["true_motion"] == "right"
+    assert set(facts["error"]) == {"rotation_deg", "slide_x_px", "slide_y_px"}
+
+
+def test_a_file_of_this_machine_that_was_not_uploaded_is_refused(client, tmp_path):
+    path = saved(tmp_path, "private.npy", 150)
+    for trick in ({"path": str(path)}, str(path), {"path": "../../etc/passwd"}):
+        with pytest.raises(AppError, match="The clip is no upload"):
+            client.predict(trick, api_name="/evidence")
+
+
+def test_a_mistake_is_one_sentence_and_no_trace(client, tmp_path):
+    (tmp_path / "text.npy").write_text("no array")
+    with pytest.raises(AppError) as caught:
+        client.predict(handle_file(tmp_path / "text.npy"), api_name="/evidence")
+    assert "text.npy: is cut off or is no numpy file" in str(caught.value)
+    assert "Traceback" not in str(caught.value)
+    with pytest.raises(AppError, match="There is no shape 'unicorn'"):
+        client.predict("unicorn", 0.6, 0.0, 1.0, 0.0, 4.0, 1, api_name="/simulate")
+
+
+def test_every_function_is_typed_and_documented(client):
+    described = client.view_api(return_format="dict")["named_endpoints"]
+    assert {"/ask", "/evidence", "/compare", "/simulate"} <= set(described)
+    parameters = [one["parameter_name"] for one in described["/simulate"]["parameters"]]
+    assert parameters[:3] == ["object_name", "depth_mm", "twist_deg"]
+
+
+def test_clients_at_once_never_get_each_others_answers(address, tmp_path):
+    levels = (40, 70, 130, 190)
+    clips = {level: saved(tmp_path, f"{level}.npy", level) for level in levels}
+
+    def talk(level):
+        client = Client(address, verbose=False)
+        clip = handle_file(clips[level])
+        return [
+            client.predict(clip, f"Question {level}-{number}", api_name="/ask")
+            for number in range(3)
+        ]
+
+    with ThreadPoolExecutor(len(levels)) as pool:
+        answers = dict(zip(levels, pool.map(talk, levels), strict=True))
+    for level, given in answers.items():
+        assert [one["question"] for one in given] == [f"Question {level}-{k}" for k in range(3)]
+        assert {one["direction"] for one in given} == {"right" if level > 100 else "left"}
+        told = float(given[0]["text"].split(" at ")[1].rstrip("."))
+        assert abs(told - level) < 2
+
+
+README = Path(__file__).resolve().parents[2] / "README.md"
+
+
+def test_the_readmes_client_runs_and_is_the_pages(address, capsys, monkeypatch):
+    monkeypatch.chdir(README.parent)
+    blocks = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
+    code = next(block for block in blocks if "gradio_client" in block)
+    assert code in api.SNIPPET
+    exec(code.replace("http://127.0.0.1:7860/", address).replace("http://127.0.0.1:7860", address))
+    printed = capsys.readouterr().out.splitlines()
+    assert "same" in printed
+    assert "0.5" in printed

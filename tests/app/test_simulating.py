@@ -1,0 +1,42 @@
+"""The Simulate tab's function: truth beside reading, and the error between them."""
+
+import numpy as np
+import pytest
+
+from app.simulating import OBJECTS, simulate
+from geotlm_lm import Touch
+from geotlm_lm.core.geometry import IMAGE_SIDE
+from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
+from tests.app.fakes import FakeAnswerer
+
+
+@pytest.fixture(scope="module")
+def made():
+    return simulate(FakeAnswerer(), Touch("key", slide_x_mm=1.0, seed=1))
+
+
+def test_the_truth_is_what_was_asked_for(made):
+    true = made.facts["true"]
+    assert true["rotation_deg"] == 0
+    assert true["slide_x_px"] == pytest.approx(IMAGE_SIDE / 20.3, abs=0.01)
+    assert made.facts["true_motion"] == "right"
+
+
+def test_the_error_is_the_reading_less_the_truth(made):
+    read, true, error = (made.facts[name] for name in ("read", "true", "error"))
+    assert error["slide_x_px"] == pytest.approx(read["slide_x_px"] - true["slide_x_px"], abs=0.02)
+    # The fake perceives a shear change of one unit, 4 px; four frames go 1.5 times as far.
+    assert read["slide_x_px"] == pytest.approx(6.0, abs=0.01)
+
+
+def test_the_true_field_is_drawn_on_the_contact(made):
+    assert made.truth_picture.shape == made.read_picture.shape == (448, 448, 3)
+    assert not np.array_equal(made.truth_picture, made.read_picture)
+
+
+def test_the_depth_is_shown(made):
+    assert made.shown.views[-1] == "depth"
+
+
+def test_the_shapes_on_offer_are_the_everyday_ones():
+    assert set(OBJECTS) == set(EVERYDAY_OBJECTS)

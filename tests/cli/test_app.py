@@ -1,0 +1,39 @@
+"""`app` starts the page from wherever it lies, and says what is missing before it loads a model."""
+
+import sys
+
+import pytest
+
+from geotlm_lm.cli import app as command
+from geotlm_lm.cli.main import main
+
+
+def run(capsys, *arguments):
+    with pytest.raises(SystemExit) as stopped:
+        main(["app", *arguments])
+    return stopped.value.code, capsys.readouterr().err
+
+
+def test_a_missing_toolkit_ends_with_one_sentence_and_code_7(capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "gradio", None)
+    assert run(capsys) == (
+        7,
+        "The app needs gradio, which is not installed; run `pip install 'geotlm-lm[app]'`.\n",
+    )
+
+
+def test_the_port_is_handed_on(capsys, monkeypatch):
+    served = []
+    monkeypatch.setattr("app.__main__.serve", served.append)
+    run(capsys, "--port", "7999")
+    assert served == [7999]
+
+
+def test_a_port_that_cannot_be_is_a_wrong_call(capsys):
+    code, said = run(capsys, "--port", "70000")
+    assert code == 2
+    assert said.startswith("Invalid value for '--port': ")
+
+
+def test_a_checkout_finds_the_page_beside_the_package():
+    assert command._home() == "app"

@@ -1,0 +1,84 @@
+"""`watch` prints events line by line, says what it cannot open, and draws without a window."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from geotlm_lm.cli.main import main
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.live import watcher as watcher_module
+from geotlm_lm.live.watcher import Window
+from tests.live.test_idle_tracker import gel, touched
+
+FRAMES = 50
+
+
+@pytest.fixture
+def recording(tmp_path):
+    """Half a second untouched, then touched; the reader says it turns all the while."""
+    frames = gel()
+    clip = [next(frames) for _ in range(12)] + [touched(next(frames)) for _ in range(FRAMES - 12)]
+    np.savez(tmp_path / "clip.npz", frames=np.stack(clip), fps=25.0)
+    return tmp_path / "clip.npz"
+
+
+@pytest.fixture(autouse=True)
+def _reader(monkeypatch):
+    def read(clip, among):
+        motion = Motion.CLOCKWISE if Motion.CLOCKWISE in among else Motion.STILL
+        return Window(motion, 0.8, turn_deg=4.0)
+
+    monkeypatch.setattr(watcher_module, "model_reader", lambda answerer: read)
+    monkeypatch.setattr("geotlm_lm.answering.Answerer.load", lambda folder=None: object())
+
+
+def run(capsys, *arguments):
+    with pytest.raises(SystemExit) as stopped:
+        main(["watch", *[str(one) for one in arguments]])
+    printed = capsys.readouterr()
+    return stopped.value.code, printed.out, printed.err
+
+
+def test_events_are_one_json_object_a_line_and_the_account_is_last(capsys, recording):
+    code, out, _ = run(capsys, "--source", recording, "--json")
+    lines = [json.loads(line) for line in out.splitlines()]
+    assert code == 0
+    assert [line.get("phase") for line in lines] == ["start", "end", None]
+    assert lines[0]["motion"] == "clockwise"
+    assert lines[-1]["type"] == "account"
+    assert (lines[-1]["frames"], lines[-1]["dropped"]) == (FRAMES, 0)
+
+
+def test_words_go_to_stdout_and_the_account_to_stderr(capsys, recording):
+    _, out, err = run(capsys, "--source", recording)
+    assert out.splitlines()[0].split(" s  ")[1] == "clockwise begins"
+    assert f"{FRAMES} frames, none dropped" in err
+
+
+def test_a_drawing_has_every_frame(capsys, recording, tmp_path):
+    code, _, _ = run(capsys, "--source", recording, "--draw", tmp_path / "out.mp4")
+    capture = cv2.VideoCapture(str(tmp_path / "out.mp4"))
+    assert code == 0
+    assert capture.get(cv2.CAP_PROP_FRAME_COUNT) == FRAMES
+
+
+def test_a_drawing_is_named_mp4(capsys, recording):
+    assert run(capsys, "--source", recording, "--draw", "out.gif") == (
+        2,
+        "",
+        "--draw out.gif was given, expected a name that ends in .mp4.\n",
+    )
+
+
+def test_a_camera_that_does_not_open_ends_with_advice_and_code_7(capsys):
+    code, out, err = run(capsys, "--source", "97")
+    assert (code, out) == (7, "")
+    assert err.startswith("Camera 97 does not open (")
+    assert err.count("\n") == 1
+
+
+def test_a_missing_recording_ends_with_code_3(capsys):
+    code, out, err = run(capsys, "--source", "gone.avi")
+    assert (code, out, err) == (3, "", "gone.avi: no such file or folder; check the path.\n")

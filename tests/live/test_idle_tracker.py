@@ -1,0 +1,67 @@
+"""The idle gel is learnt while nothing touches, also where a stream starts touched."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.live.idle_tracker import LEARNING_FRAMES, STEADY_FRAMES, IdleTracker
+from geotlm_lm.recordings.choose import FAINT_IMPRINT
+
+ROWS, COLUMNS = 120, 160
+
+
+def gel(seed=0):
+    """Return frames without end of a shaded, noisy gel."""
+    rng = np.random.default_rng(seed)
+    shading = 110 + 30 * np.linspace(-1, 1, COLUMNS)[None, :, None]
+    while True:
+        noisy = shading + rng.normal(0, 1.5, (ROWS, COLUMNS, 3))
+        yield np.clip(noisy, 0, 255).astype(np.uint8)
+
+
+def touched(frame):
+    frame = frame.copy()
+    frame[40:80, 60:70] += 60
+    return frame
+
+
+def test_nothing_is_told_until_frames_agree():
+    tracker, frames = IdleTracker(), gel()
+    strengths = [tracker.strength(next(frames)) for _ in range(LEARNING_FRAMES)]
+    assert strengths[:-1] == [None] * (LEARNING_FRAMES - 1)
+    assert strengths[-1] < FAINT_IMPRINT
+
+
+def test_a_touch_is_told_from_the_idle_gel():
+    tracker, frames = IdleTracker(), gel()
+    for _ in range(LEARNING_FRAMES):
+        tracker.strength(next(frames))
+    assert tracker.strength(next(frames)) < FAINT_IMPRINT
+    assert tracker.strength(touched(next(frames))) > 2 * FAINT_IMPRINT
+
+
+def test_a_touch_that_stays_is_never_learnt():
+    tracker, frames = IdleTracker(), gel()
+    for _ in range(LEARNING_FRAMES):
+        tracker.strength(next(frames))
+    strengths = [tracker.strength(touched(next(frames))) for _ in range(4 * STEADY_FRAMES)]
+    assert min(strengths) > 2 * FAINT_IMPRINT
+
+
+def test_a_stream_that_starts_touched_learns_the_gel_once_it_is_free():
+    tracker, frames = IdleTracker(), gel()
+    for _ in range(2 * LEARNING_FRAMES):
+        tracker.strength(touched(next(frames)))
+    freed = [tracker.strength(next(frames)) for _ in range(2 * STEADY_FRAMES)]
+    assert freed[0] > FAINT_IMPRINT
+    assert freed[-1] < FAINT_IMPRINT
+    idle = tracker.background.astype(float)
+    assert np.abs(idle[40:80, 60:70] - next(frames)[40:80, 60:70]).mean() < 3
+
+
+def test_slow_light_is_followed():
+    tracker, frames = IdleTracker(), gel()
+    for step in range(300):
+        frame = next(frames)
+        shift = min(step / 100, 2)
+        assert (tracker.strength(np.clip(frame + shift, 0, 255).astype(np.uint8)) or 0) < 0.75
+    assert tracker.background.mean() == pytest.approx(next(frames).mean() + 2, abs=0.7)

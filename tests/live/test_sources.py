@@ -1,0 +1,119 @@
+"""Where frames come from; what is late is dropped and counted, what does not open is told."""
+
+import cv2
+import numpy as np
+import pytest
+
+from geotlm_lm.core.errors import MissingDependency, UnreadableClip
+from geotlm_lm.live.sources import LatestFrames, StreamFrame, open_source
+
+
+@pytest.fixture
+def film(tmp_path):
+    """A lossless video of 9 frames at 20 per second, frame k of grey level 10 k."""
+    path = tmp_path / "film.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 20.0, (32, 24))
+    for number in range(9):
+        writer.write(np.full((24, 32, 3), 10 * number, np.uint8))
+    writer.release()
+    return path
+
+
+def test_a_recording_gives_every_frame_with_its_time(film):
+    source = open_source(str(film))
+    frames = list(source)
+    assert source.fps == 20.0
+    assert [frame.time_s for frame in frames] == pytest.approx([0.05 * k for k in range(9)])
+    assert [int(frame.image.mean()) for frame in frames] == [10 * k for k in range(9)]
+    assert source.dropped == 0
+
+
+def test_an_array_is_a_stream_too(tmp_path):
+    frames = np.random.default_rng(0).integers(0, 255, (6, 24, 32, 3)).astype(np.uint8)
+    np.savez(tmp_path / "clip.npz", frames=frames, fps=10.0)
+    given = list(open_source(str(tmp_path / "clip.npz")))
+    assert np.array_equal(np.stack([one.image for one in given]), frames)
+    assert given[-1].time_s == pytest.approx(0.5)
+
+
+def test_a_recording_at_its_rate_gives_the_same_frames_to_a_reader_in_time(film):
+    source = open_source(str(film), at_its_rate=True)
+    assert [int(frame.image.mean()) for frame in source] == [10 * k for k in range(9)]
+    assert source.dropped == 0
+
+
+def test_the_oldest_frames_are_dropped_and_counted_when_the_reader_is_late():
+    buffer = LatestFrames(capacity=4)
+    for number in range(10):
+        buffer.put(StreamFrame(np.zeros((8, 8, 3), np.uint8), float(number)))
+    buffer.close()
+    assert [frame.time_s for frame in buffer] == [6.0, 7.0, 8.0, 9.0]
+    assert buffer.dropped == 6
+
+
+def test_a_camera_that_fails_raises_after_what_it_gave():
+    buffer = LatestFrames()
+    buffer.put(StreamFrame(np.zeros((8, 8, 3), np.uint8), 0.0))
+    buffer.close(MissingDependency("Camera 0 stopped."))
+    frames = iter(buffer)
+    assert next(frames).time_s == 0.0
+    with pytest.raises(MissingDependency, match="Camera 0 stopped"):
+        next(frames)
+
+
+@pytest.mark.parametrize("name", ["97", "/dev/video97"])
+def test_a_camera_that_does_not_open_is_told_with_what_to_do(name):
+    with pytest.raises(MissingDependency) as caught:
+        open_source(name)
+    assert str(caught.value).startswith(f"Camera {name} does not open (")
+    assert str(caught.value).endswith(
+        "); plug the sensor in, close other programs that use it, see that your user is in the "
+        "group 'video', or give a recording's path."
+    )
+
+
+def test_a_missing_recording_is_told():
+    with pytest.raises(UnreadableClip, match="^gone.avi: no such file or folder"):
+        open_source("gone.avi")
+
+
+def test_a_recording_without_frames_is_told(tmp_path):
+    (tmp_path / "broken.avi").write_bytes(b"RIFF no frames")
+    with pytest.raises(UnreadableClip, match="broken.avi: no frame of it can be decoded"):
+        open_source(str(tmp_path / "broken.avi"))
+
+
+class FakeCapture:
+    """A camera of three frames, BGR, that then stops."""
+
+    left = 4
+
+    def isOpened(self):  # noqa: N802
+        return True
+
+    def grab(self):
+        return True
+
+    def get(self, name):
+        return 30.0
+
+    def read(self):
+        self.left -= 1
+        return self.left > 0, np.full((24, 32, 3), (10, 20, 30), np.uint8)
+
+    def release(self):
+        pass
+
+
+def test_a_camera_gives_rgb_frames_until_it_stops(monkeypatch):
+    monkeypatch.setattr(cv2, "VideoCapture", lambda *source: FakeCapture())
+    camera = open_source("0")
+    frames, said = [], ""
+    try:
+        for frame in camera:
+            frames.append(frame)
+    except MissingDependency as error:
+        said = str(error)
+    assert camera.fps == 30.0
+    assert [one.image[0, 0].tolist() for one in frames] == [[30, 20, 10]] * 3
+    assert said.startswith("Camera 0 stopped giving frames after ")

@@ -1,0 +1,128 @@
+"""The sliding window: what is perceived when, and the events of streams whose motions are known."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import geotlm_lm
+from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.live.watcher import SAMPLE_S, WITHOUT_DIRECTION, Watcher, Window, model_reader
+from tests.live.stream import FPS, LIFT_S, TOUCH_S, TURN_END_S, TURN_START_S, stream
+from tests.live.test_idle_tracker import gel, touched
+
+needs_bundle = pytest.mark.skipif(
+    not (Path(geotlm_lm.__file__).parent / "bundle").is_dir(), reason="needs the trained bundle"
+)
+
+
+class Scripted:
+    """Says stillness, and remembers what it was asked."""
+
+    def __init__(self):
+        self.clips, self.among = [], []
+
+    def __call__(self, clip, among):
+        self.clips.append(clip)
+        self.among.append(tuple(among))
+        return Window(Motion.STILL, 1.0)
+
+
+def watch(watcher, frames, fps=FPS):
+    events = []
+    for number, frame in enumerate(frames):
+        events += watcher.push(frame, number / fps)
+    return events + watcher.finish()
+
+
+def test_the_model_is_left_out_while_nothing_touches():
+    read, frames = Scripted(), gel()
+    watcher = Watcher(read)
+    watch(watcher, [next(frames) for _ in range(40)])
+    assert read.clips == []
+    assert watcher.account.frames == 40
+
+
+def test_no_direction_is_asked_of_a_window_that_is_untouched_in_part():
+    read, frames = Scripted(), gel()
+    watch(
+        Watcher(read),
+        [next(frames) for _ in range(12)] + [touched(next(frames)) for _ in range(18)],
+    )
+    assert read.among[0] == WITHOUT_DIRECTION
+    assert read.among[-1] == tuple(Motion)
+    assert not set(WITHOUT_DIRECTION) & set(DIRECTED)
+
+
+@pytest.mark.parametrize("fps", [10.0, 25.0, 60.0])
+def test_samples_are_equally_far_apart_at_any_rate(fps):
+    read, frames = Scripted(), gel()
+    rest = [next(frames) for _ in range(8)]
+    watcher = Watcher(read)
+    watch(watcher, rest + [touched(next(frames)) for _ in range(round(2 * fps))], fps)
+    apart = np.diff([sample.time_s for sample in watcher._samples])
+    assert apart == pytest.approx(np.full(len(apart), apart[0]), abs=1.01 / fps)
+    assert SAMPLE_S - 1 / fps <= apart.mean() <= SAMPLE_S + 1 / fps
+
+
+def test_a_window_carries_the_idle_gel():
+    read, frames = Scripted(), gel()
+    watch(
+        Watcher(read),
+        [next(frames) for _ in range(12)] + [touched(next(frames)) for _ in range(18)],
+    )
+    clip = read.clips[-1]
+    assert len(clip) == 4
+    assert np.abs(clip.background.astype(float) - next(frames)).mean() < 3
+
+
+@pytest.fixture(scope="module")
+def answerer():
+    import torch
+
+    from geotlm_lm.answering import Answerer
+
+    before = torch.get_num_threads()
+    torch.set_num_threads(1)
+    yield Answerer.load()
+    torch.set_num_threads(before)
+
+
+STREAMS = {
+    "a turn of the key to the left": ("key", {"turn_deg": -25.0}, Motion.COUNTERCLOCKWISE),
+    "a turn of the nut to the right": ("hex_nut", {"turn_deg": 30.0}, Motion.CLOCKWISE),
+    "a slide of the cap": ("bottle_cap", {"turn_deg": 0.0, "slide_mm": 2.0}, Motion.RIGHT),
+}
+
+
+@needs_bundle
+@pytest.mark.parametrize("name", STREAMS)
+def test_the_events_of_a_simulated_stream_are_told_in_order_and_time(answerer, name):
+    body, path, motion = STREAMS[name]
+    clip = stream(body, **path)
+    watcher = Watcher(model_reader(answerer))
+    events = watch(watcher, clip.frames)
+    over = [event for event in events if event.phase == "end"]
+    assert [event.motion for event in over] == [Motion.PRESS, motion, Motion.RELEASE]
+    assert len(events) == 6
+    pressed, moved, released = over
+    # A window's readings are a sample apart, and a press is felt before it is seen in full.
+    assert pressed.start_s == pytest.approx(TOUCH_S, abs=1.5 * SAMPLE_S)
+    assert moved.start_s == pytest.approx(TURN_START_S, abs=1.5 * SAMPLE_S)
+    assert moved.end_s == pytest.approx(TURN_END_S, abs=1.5 * SAMPLE_S)
+    assert released.end_s == pytest.approx(LIFT_S, abs=1.5 * SAMPLE_S)
+
+
+@needs_bundle
+def test_how_far_a_simulated_slide_goes_is_told_in_pixels(answerer):
+    clip = stream("bottle_cap", turn_deg=0.0, slide_mm=2.0)
+    watcher = Watcher(model_reader(answerer))
+    event = next(
+        e for e in watch(watcher, clip.frames) if (e.phase, e.motion) == ("end", Motion.RIGHT)
+    )
+    true_px = 2.0 / (20.3 / 224)
+    assert event.slide_x_px == pytest.approx(true_px, rel=0.15)
+    assert abs(event.slide_y_px) < 0.1 * true_px
+    asked = watcher.clip_of(event)
+    answer = answerer.ask(answerer.encode(asked), "Which way is it sliding?")
+    assert answer.direction is Motion.RIGHT

@@ -1,0 +1,113 @@
+"""Pictures show what they are drawn from, where it is: pixels against known geometry."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.backbone.stem import View
+from geotlm_lm.views.pictures import (
+    ARROW_COLOUR,
+    PICTURE_SIDE,
+    VIEW_NAMES,
+    Seen,
+    draw_arrows,
+    draw_contact,
+    in_image,
+    picture,
+    views_of,
+)
+
+GREY = np.full((448, 448, 3), 90, np.uint8)
+WHOLE = View()
+
+
+def one_patch(row, column, side=14):
+    mask = np.zeros((side, side), np.float32)
+    mask[row, column] = 1
+    return mask
+
+
+def centre_of(change):
+    """Return (x, y) of the middle of an image's weight."""
+    rows, columns = np.indices(change.shape)
+    return float((columns * change).sum() / change.sum()), float(
+        (rows * change).sum() / change.sum()
+    )
+
+
+def yellow(image):
+    return (np.abs(image.astype(int) - ARROW_COLOUR) < 40).all(axis=-1)
+
+
+@pytest.mark.parametrize(
+    ("step", "axis", "sign"), [((1, 0), 0, 1), ((-1, 0), 0, -1), ((0, 1), 1, 1), ((0, -1), 1, -1)]
+)
+def test_an_arrow_goes_from_the_middle_of_its_patch_the_way_of_the_shear(step, axis, sign):
+    field = np.broadcast_to(np.float32(step), (14, 14, 2))
+    drawn = yellow(draw_arrows(GREY, field, one_patch(6, 8), WHOLE))
+    tail = (8.5 * 32, 6.5 * 32)
+    middle = centre_of(drawn)
+    # 1.2 patches of 32 px, drawn from the middle of the patch on.
+    assert sign * (middle[axis] - tail[axis]) > 0.4 * 32
+    assert abs(middle[1 - axis] - tail[1 - axis]) < 2
+
+
+def test_arrows_stand_in_the_views_place():
+    view = View(centre_x_px=150.0, centre_y_px=70.0, side_px=112.0)
+    field = np.broadcast_to(np.float32((1, 0)), (14, 14, 2))
+    drawn = yellow(draw_arrows(GREY, field, one_patch(0, 0), view))
+    x, y = centre_of(drawn)
+    # The view's corner is at (94, 14) of 224, its patches are 8 px of 224, 16 of the picture.
+    assert 2 * 94 + 8 < x < 2 * 94 + 8 + 20
+    assert y == pytest.approx(2 * 14 + 8, abs=2)
+
+
+def test_the_contact_is_tinted_in_its_place_on_an_image_that_is_not_square():
+    image = np.full((336, 448, 3), 90, np.uint8)
+    tinted = draw_contact(image, one_patch(10, 3), WHOLE).astype(int) - 90
+    x, y = centre_of(np.maximum(tinted[..., 0], 0)[4:-4, 4:-4])
+    assert x + 4 == pytest.approx(3.5 / 14 * 448, abs=2)
+    assert y + 4 == pytest.approx(10.5 / 14 * 336, abs=2)
+
+
+def test_a_mask_of_one_covers_the_view_and_nothing_else():
+    view = View(centre_x_px=112.0, centre_y_px=112.0, side_px=112.0)
+    share = in_image(np.ones((14, 14), np.float32), view, (224, 224))
+    assert share[60:164, 60:164].min() == pytest.approx(1.0, abs=1e-5)
+    assert share[:50].max() == share[:, 180:].max() == 0
+
+
+def test_a_field_of_nothing_draws_nothing():
+    assert np.array_equal(draw_arrows(GREY, np.zeros((4, 5, 2)), np.zeros((4, 5)), WHOLE), GREY)
+
+
+def seen(depth=None):
+    frames = np.full((4, 60, 80, 3), 100, np.uint8)
+    frames[2, 20:30, 40:50] = 120
+    idle = np.full((60, 80, 3), 100, np.uint8)
+    field, mask = np.ones((14, 14, 2), np.float32), one_patch(3, 3)
+    return Seen(frames, idle, field, mask, WHOLE, depth)
+
+
+def test_a_difference_is_neutral_where_nothing_changed_and_bright_where_it_grew():
+    image = picture(seen(), "difference", 2)
+    scale = PICTURE_SIDE / 80
+    changed = image[round(25 * scale), round(45 * scale)]
+    assert changed.tolist() == [128 + 4 * 20] * 3
+    assert image[5, 5].tolist() == [128] * 3
+    assert (picture(seen(), "difference", 0) == 128).all()
+
+
+def test_depth_is_shown_only_where_it_is_known():
+    depth = np.zeros((4, 14, 14), np.float32)
+    depth[1, :, 7:] = 0.5
+    assert views_of(seen()) == VIEW_NAMES[:-1]
+    image = picture(seen(depth), "depth", 1).astype(int).sum(axis=-1)
+    assert image[:, -60:].min() > image[:, :60].max()
+    with pytest.raises(ValueError, match="there is no view 'depth', expected one of raw, "):
+        picture(seen(), "depth")
+
+
+@pytest.mark.parametrize("name", VIEW_NAMES)
+def test_every_view_is_one_picture_of_the_same_size(name):
+    depth = np.ones((4, 14, 14), np.float32)
+    assert picture(seen(depth), name).shape == (336, 448, 3)
