@@ -21,6 +21,10 @@ FIRST_IDLE = 1
 BEFORE_TOUCH = 3
 """Frames before the labelled contact that are left out: the label was set by eye."""
 
+SURELY_IDLE = 5
+"""First frames taken as untouched beyond doubt: in some of the recordings seen, the gel changes by
+up to 70 grey levels before the labelled contact."""
+
 REQUIRED_COLUMNS = frozenset(("clip", "fps", "contact_start", "contact_end"))
 
 
@@ -46,8 +50,13 @@ class TouchRow:
 
     @property
     def idle(self) -> range:
-        """Numbers of the frames before anything touches."""
+        """Numbers of the frames before the labelled contact."""
         return range(FIRST_IDLE, max(self.contact_start - BEFORE_TOUCH, FIRST_IDLE + 1))
+
+    @property
+    def surely_idle(self) -> range:
+        """Numbers of the first idle frames, long before anything touches."""
+        return self.idle[:SURELY_IDLE]
 
     def check_length(self, frames: int) -> None:
         """Refuse a recording that ends before the touch does.

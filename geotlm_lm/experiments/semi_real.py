@@ -55,7 +55,7 @@ _TOWARDS = {
 
 @dataclass
 class UntouchedCases:
-    """Four frames of each recording before anything touches.
+    """Four of each recording's first frames, before anything touches.
 
     Args:
         rows: The recordings.
@@ -69,7 +69,8 @@ class UntouchedCases:
     def __iter__(self) -> Iterator[Case]:
         for row in self.rows:
             frames, idle = _read(row)
-            numbers = np.linspace(row.idle[0], row.idle[-1], FRAME_COUNT).round().astype(int)
+            first, last = row.surely_idle[0], row.surely_idle[-1]
+            numbers = np.linspace(first, last, FRAME_COUNT).round().astype(int)
             clip = Clip(
                 frames[numbers], fps=row.fps, background=_as_image(idle), name=row.path.name
             )
@@ -160,7 +161,7 @@ def _imprint(touched: NDArray[np.uint8], idle: NDArray[np.float32]) -> NDArray[n
 def _read(row: TouchRow) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     frames = read_clip(row.path).frames
     row.check_length(len(frames))
-    return frames, frames[row.idle].mean(axis=0, dtype=np.float32)
+    return frames, frames[row.surely_idle].mean(axis=0, dtype=np.float32)
 
 
 def _as_image(values: NDArray[np.floating]) -> NDArray[np.uint8]:

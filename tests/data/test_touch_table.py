@@ -27,6 +27,7 @@ def test_touched_recordings_are_read_and_untouched_ones_left_out(table):
 def test_the_idle_frames_end_before_the_touch_and_leave_the_first_out(table):
     (row,) = read_touch_table(table(HEADER + "a.mov,,,10,20,40\n"))
     assert row.idle == range(1, 17)
+    assert row.surely_idle == range(1, 6)
     (row,) = read_touch_table(table(HEADER + "a.mov,,,10,3,40\n"))
     assert len(row.idle) == 1
 
