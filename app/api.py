@@ -78,7 +78,7 @@ class Api:
             second: Another.
 
         Returns:
-            relation ("same", "opposite", "different" or "cannot tell"), sentence, both answers.
+            relation ("same", "opposite", "different" or "unknown"), text, both answers.
         """
         return handlers.compare(self._answerer, self._shown(first), self._shown(second))
 

@@ -33,7 +33,7 @@ def build(answerer: Answerer) -> None:
         result = handlers.compare(answerer, *shown)
         pictures = [handlers.draw(one, "arrows", 4) for one in shown]
         texts = [result["first"]["text"], result["second"]["text"]]
-        return (*pictures, *texts, f"### {result['sentence']}", result)
+        return (*pictures, *texts, f"### {result['text']}", result)
 
     (first, first_picture, first_text), (second, second_picture, second_text) = sides
     outputs = [first_picture, second_picture, first_text, second_text, verdict, details]

@@ -18,7 +18,6 @@ from geotlm_lm import (
     Seen,
     picture,
     read_clip,
-    relation,
     second_opinions,
     views_of,
 )
@@ -161,32 +160,17 @@ def ask(answerer: Answerer, shown: Shown | None, question: str) -> Reply:
 
 
 def compare(answerer: Answerer, first: Shown | None, second: Shown | None) -> dict[str, Any]:
-    """Answer about both clips, and compare their directions by rule.
+    """Answer about both clips and compare their directions.
 
     Returns:
-        Both answers under "first" and "second", and "relation".
+        Both answers under "first" and "second", "relation", and "text", the sentence.
 
     Raises:
         GeoTLMError: If a clip is missing.
     """
     if first is None or second is None:
         raise GeoTLMError("A comparison needs two recordings; upload both.")
-    answers = [answerer.ask(shown.encoded, DIRECTION_QUESTION) for shown in (first, second)]
-    related = relation(*(answer.direction for answer in answers))
-    return {
-        "relation": related,
-        "sentence": RELATION_SENTENCES[related],
-        "first": answers[0].to_dict(),
-        "second": answers[1].to_dict(),
-    }
-
-
-RELATION_SENTENCES = {
-    "same": "Both move the same way.",
-    "opposite": "They move in opposite ways.",
-    "different": "They move in different ways, neither the same nor opposite.",
-    "cannot tell": "I cannot compare them: at least one shows no direction that I can tell.",
-}
+    return answerer.compare(first.encoded, second.encoded).to_dict()
 
 
 def told_in(frame: FrameSpec, direction: Any) -> str:

@@ -26,7 +26,6 @@ _HOME_OF = {
     "open_source": "geotlm_lm.live.sources",
     "picture": "geotlm_lm.views.pictures",
     "read_clip": "geotlm_lm.recordings.read",
-    "relation": "geotlm_lm.core.labels",
     "second_opinions": "geotlm_lm.opinions",
     "simulate_touch": "geotlm_lm.simulation.touch",
     "views_of": "geotlm_lm.views.pictures",

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import Motion, along
 
 Regions = Mapping[str, Mapping[str, float]]
 """Shear change (x right, y down, unitless) and contact mass of each of the seven regions."""
@@ -48,17 +48,9 @@ class Pattern:
 
         None for motions that no shift shows: still and untouched.
         """
-        strengths = {
-            Motion.CLOCKWISE: self.turn,
-            Motion.COUNTERCLOCKWISE: -self.turn,
-            Motion.RIGHT: self.slide_x,
-            Motion.LEFT: -self.slide_x,
-            Motion.DOWN: self.slide_y,
-            Motion.UP: -self.slide_y,
-            Motion.PRESS: self.apart,
-            Motion.RELEASE: -self.apart,
-        }
-        return strengths.get(motion)
+        return along(
+            motion, turn=self.turn, right=self.slide_x, down=self.slide_y, inward=self.apart
+        )
 
 
 def pattern_of(regions: Regions) -> Pattern:

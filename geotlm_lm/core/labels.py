@@ -84,18 +84,28 @@ def reverse(motion: Motion) -> Motion:
     return _REVERSED.get(motion, motion)
 
 
-def relation(first: Motion | None, second: Motion | None) -> str:
-    """Return how two motions compare: "same", "opposite", "different", or "cannot tell".
+def along(
+    motion: Motion, *, turn: float, right: float, down: float, inward: float = 0.0
+) -> float | None:
+    """Return how far a movement goes the way `motion` names, negative against it.
 
     Args:
-        first: A motion; None where none could be told.
-        second: Another, named in the same frame of reference.
+        motion: A motion; stillness and absence go no way: None.
+        turn: Clockwise, in any unit, which is the result's for turns.
+        right: Travel to the right, likewise.
+        down: Travel down the image, likewise.
+        inward: Into the gel, likewise.
     """
-    if first is None or second is None:
-        return "cannot tell"
-    if first == second:
-        return "same"
-    return "opposite" if reverse(first) == second else "different"
+    return {
+        Motion.CLOCKWISE: turn,
+        Motion.COUNTERCLOCKWISE: -turn,
+        Motion.RIGHT: right,
+        Motion.LEFT: -right,
+        Motion.DOWN: down,
+        Motion.UP: -down,
+        Motion.PRESS: inward,
+        Motion.RELEASE: -inward,
+    }.get(motion)
 
 
 @dataclass(frozen=True)

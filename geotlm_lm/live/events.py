@@ -11,7 +11,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from geotlm_lm.core.labels import ROTATIONS, Motion
+from geotlm_lm.core.labels import ROTATIONS, Motion, along
 
 RESTING = (Motion.STILL, Motion.NONE)
 
@@ -51,16 +51,16 @@ class Reading:
 
     def along(self, motion: Motion) -> float:
         """Return how far the window goes the way `motion` names, in that motion's own unit."""
-        return {
-            Motion.CLOCKWISE: self.turn_deg,
-            Motion.COUNTERCLOCKWISE: -self.turn_deg,
-            Motion.RIGHT: self.slide_x_px,
-            Motion.LEFT: -self.slide_x_px,
-            Motion.DOWN: self.slide_y_px,
-            Motion.UP: -self.slide_y_px,
-            Motion.PRESS: self.growth_grey,
-            Motion.RELEASE: -self.growth_grey,
-        }[motion]
+        far = along(
+            motion,
+            turn=self.turn_deg,
+            right=self.slide_x_px,
+            down=self.slide_y_px,
+            inward=self.growth_grey,
+        )
+        if far is None:
+            raise ValueError(f"{motion} goes no way")
+        return far
 
 
 @dataclass(frozen=True)

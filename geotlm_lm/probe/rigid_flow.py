@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, along
 
 Grey = NDArray[np.uint8]
 Field = NDArray[np.float32]
@@ -216,12 +216,8 @@ def radius_of_gyration(weight: Field) -> float:
 
 def _dominant_direction(motion: RigidMotion, directed: list[Motion]) -> Motion:
     path = {
-        Motion.CLOCKWISE: motion.turn_px,
-        Motion.COUNTERCLOCKWISE: -motion.turn_px,
-        Motion.RIGHT: motion.slide_x_px,
-        Motion.LEFT: -motion.slide_x_px,
-        Motion.DOWN: motion.slide_y_px,
-        Motion.UP: -motion.slide_y_px,
+        one: along(one, turn=motion.turn_px, right=motion.slide_x_px, down=motion.slide_y_px)
+        for one in DIRECTED
     }
     turns = [one for one in directed if one in ROTATIONS]
     slides = [one for one in directed if one in SLIDES]

@@ -7,6 +7,7 @@ import torch
 
 from geotlm_lm import FrameSpec, Motion
 from geotlm_lm.answering import Encoded, evidence, four_frames_with_background
+from geotlm_lm.answering.several import compare_directions
 from geotlm_lm.backbone.stem import View
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.dgr.encoder import DGR
@@ -53,6 +54,7 @@ class FakeAnswerer:
             confidence=0.97,
             abstained=is_silent,
             direction=None if is_silent else direction,
+            frame=FrameSpec(),
             options={"right": 0.97, "left": 0.03},
             to_dict=lambda: {
                 "text": text,
@@ -65,3 +67,6 @@ class FakeAnswerer:
                 "evidence": evidence(encoded),
             },
         )
+
+    def compare(self, first, second):
+        return compare_directions(*(self.ask(one, "Which way?") for one in (first, second)))

@@ -7,9 +7,9 @@ from geotlm_lm.core.labels import (
     ROTATIONS,
     Motion,
     MotionLabel,
+    along,
     mirror,
     motion_class,
-    relation,
     reverse,
 )
 
@@ -43,17 +43,20 @@ def test_a_label_survives_json_values():
     assert label.to_dict()["motion"] == "clockwise"
 
 
-@pytest.mark.parametrize("motion", Motion)
-def test_a_motion_is_the_same_as_itself_and_cannot_be_told_from_nothing(motion):
-    assert relation(motion, motion) == "same"
-    assert relation(motion, None) == relation(None, motion) == "cannot tell"
-
-
 @pytest.mark.parametrize("motion", [*DIRECTED, Motion.PRESS, Motion.RELEASE])
-def test_what_is_played_backwards_is_opposite(motion):
-    assert relation(motion, reverse(motion)) == relation(reverse(motion), motion) == "opposite"
+def test_a_movement_goes_its_own_way_and_against_the_reversed_one(motion):
+    amounts = {"turn": 1.0, "right": 2.0, "down": 3.0, "inward": 4.0}
+    assert abs(along(motion, **amounts)) in amounts.values()
+    assert along(reverse(motion), **amounts) == -along(motion, **amounts)
 
 
-@pytest.mark.parametrize("pair", [(Motion.UP, Motion.LEFT), (Motion.CLOCKWISE, Motion.PRESS)])
-def test_motions_of_other_axes_are_different(pair):
-    assert relation(*pair) == "different"
+def test_clockwise_right_down_and_inward_are_positive():
+    assert along(Motion.CLOCKWISE, turn=1, right=0, down=0) == 1
+    assert along(Motion.RIGHT, turn=0, right=1, down=0) == 1
+    assert along(Motion.DOWN, turn=0, right=0, down=1) == 1
+    assert along(Motion.PRESS, turn=0, right=0, down=0, inward=1) == 1
+
+
+@pytest.mark.parametrize("motion", [Motion.STILL, Motion.NONE])
+def test_stillness_and_absence_go_no_way(motion):
+    assert along(motion, turn=1, right=1, down=1, inward=1) is None
