@@ -9,7 +9,7 @@ of 0.99 of the turns and the way of 0.97 of the slides, without anything learned
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import cv2
@@ -25,8 +25,9 @@ Floats = NDArray[np.float32]
 SIDE = 56
 """Side of the images that are aligned; finer ones gained nothing and took three times as long."""
 
-CHANNELS = 4
-"""Displacement x, displacement y, gain of the alignment over rest, correlation."""
+CHANNELS = 6
+"""Displacement x and y, laid on the first frame; the same summed over the steps; gain of the last
+step's alignment over rest; its correlation. Where the two displacements differ, neither is sure."""
 
 TURNS_RAD = np.radians(np.arange(-45.0, 45.1, 5.0)).astype(np.float32)
 """Turns that are searched; the refinement reaches half a step easily."""
@@ -72,86 +73,104 @@ class Rigid:
         turn_rad: Positive clockwise as drawn.
         x_px: Shift to the right, pixels of the aligned images.
         y_px: Shift down.
+        aspect: Width of a pixel over its height; a turn is rigid on the gel, not in an image that
+            was squashed to a square.
     """
 
     turn_rad: float = 0.0
     x_px: float = 0.0
     y_px: float = 0.0
+    aspect: float = 1.0
+
+    @property
+    def matrix(self) -> NDArray[np.float64]:
+        """The turn in pixels, (2, 2)."""
+        cos, sin = np.cos(self.turn_rad), np.sin(self.turn_rad)
+        return np.array([[cos, -sin / self.aspect], [sin * self.aspect, cos]])
 
     def after(self, first: Rigid) -> Rigid:
         """Return `first` followed by this motion."""
-        cos, sin = np.cos(self.turn_rad), np.sin(self.turn_rad)
-        return Rigid(
-            self.turn_rad + first.turn_rad,
-            float(cos * first.x_px - sin * first.y_px + self.x_px),
-            float(sin * first.x_px + cos * first.y_px + self.y_px),
-        )
+        x, y = self.matrix @ (first.x_px, first.y_px) + (self.x_px, self.y_px)
+        return Rigid(self.turn_rad + first.turn_rad, float(x), float(y), self.aspect)
 
     def moved(self, image: Floats) -> Floats:
         """Return a square image of side `SIDE` after the motion; zero comes in from outside."""
-        cos, sin = np.cos(self.turn_rad), np.sin(self.turn_rad)
-        x, y = _MIDDLE + self.x_px, _MIDDLE + self.y_px
-        back = np.array(
-            [[cos, sin, _MIDDLE - cos * x - sin * y], [-sin, cos, _MIDDLE + sin * x - cos * y]],
-            np.float32,
-        )
+        back = self._back()
+        middle = np.array([_MIDDLE, _MIDDLE])
+        rest = middle - back @ (middle + (self.x_px, self.y_px))
+        back = np.column_stack([back, rest])
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
         return cv2.warpAffine(image, back, (SIDE, SIDE), flags=flags)
 
     def displacement(self) -> Floats:
         """Return how far the point now under each patch centre has come, (14, 14, 2), pixels."""
-        cos, sin = np.cos(self.turn_rad), np.sin(self.turn_rad)
-        x, y = _patch_centres()
-        from_x, from_y = x - self.x_px, y - self.y_px
-        return np.stack([x - cos * from_x - sin * from_y, y + sin * from_x - cos * from_y], -1)
+        centres = np.stack(_patch_centres(), axis=-1)
+        return centres - (centres - np.float32([self.x_px, self.y_px])) @ self._back().T
+
+    def _back(self) -> NDArray[np.float32]:
+        """Return the turn back, (2, 2)."""
+        return np.float32(replace(self, turn_rad=-self.turn_rad).matrix)
 
 
-def alignment(reliefs: Sequence[Floats], greens: Sequence[Floats]) -> Floats:
-    """Align each frame with the one before, by its relief and from there by its green residual.
+def alignment(reliefs: Sequence[Floats], greens: Sequence[Floats], aspect: float = 1.0) -> Floats:
+    """Align each frame with the one before, then with the first, by relief and green residual.
+
+    The steps' errors add up, so that a small motion is surer laid on the first frame directly. On
+    734 simulated turns and slides of objects outside of training a small network told the ten
+    motions at 0.914 and 0.961 from the sums, 0.921 and 0.977 from both.
 
     Args:
         reliefs: Relief of each frame, any square size, about one unit deep.
         greens: Green residual of each frame, likewise.
+        aspect: Width of a pixel over its height.
 
     Returns:
         float32 (frames, 14, 14, 2 * CHANNELS), the relief's channels first: displacement since the
-        first frame in pixels of the 224-pixel view (x right, y down); log of how many times larger
-        the patch's squared error is without the last step's motion; correlation after that step.
+        first frame in pixels of the 224-pixel view (x right, y down), found directly and as a sum;
+        log of how many times larger the patch's squared error is without the last step's motion;
+        correlation after that step.
     """
     reliefs, greens = ([_small(image) for image in images] for images in (reliefs, greens))
     at_rest = np.zeros((GRID_SIDE, GRID_SIDE, CHANNELS), np.float32)
-    at_rest[..., 3] = 1
+    at_rest[..., -1] = 1
     frames = [np.concatenate([at_rest, at_rest], axis=-1)]
-    totals = [Rigid(), Rigid()]
+    direct = [Rigid(aspect=aspect)] * 2
+    summed = [Rigid(aspect=aspect)] * 2
     for k in range(1, len(reliefs)):
         start, parts = None, []
         for place, images in enumerate((reliefs, greens)):
             before, after = images[k - 1], images[k]
-            step = start = align(before, after, start)
-            totals[place] = step.after(totals[place])
-            parts.append(_channels(before, after, step, totals[place]))
+            step = start = align(before, after, start, aspect=aspect)
+            summed[place] = direct[place] = step.after(summed[place])
+            if k > 1:
+                direct[place] = align(images[0], after, direct[place], aspect=aspect)
+            totals = (direct[place], summed[place])
+            parts.append(_channels(before, after, step, totals))
         frames.append(np.concatenate(parts, axis=-1))
     return np.stack(frames)
 
 
-def align(before: Floats, after: Floats, start: Rigid | None = None) -> Rigid:
+def align(
+    before: Floats, after: Floats, start: Rigid | None = None, *, aspect: float = 1.0
+) -> Rigid:
     """Return the motion that lays `before` on `after`, both (SIDE, SIDE).
 
     Args:
         before: Earlier image.
         after: Later image.
         start: Where to begin; None searches all turns and shifts.
+        aspect: Width of a pixel over its height.
     """
     if np.array_equal(before, after):
-        return Rigid()
-    return _refined(before, after, _search(before, after) if start is None else start)
+        return Rigid(aspect=aspect)
+    return _refined(before, after, _search(before, after, aspect) if start is None else start)
 
 
-def _search(before: Floats, after: Floats) -> Rigid:
+def _search(before: Floats, after: Floats, aspect: float) -> Rigid:
     """Return the turn and whole-pixel shift of highest correlation, short ways preferred."""
     turned = np.zeros((len(TURNS_RAD), _PADDED, _PADDED), np.float32)
     for image, turn in zip(turned, TURNS_RAD, strict=True):
-        image[:SIDE, :SIDE] = Rigid(turn).moved(before)
+        image[:SIDE, :SIDE] = Rigid(turn, aspect=aspect).moved(before)
     target = np.zeros((_PADDED, _PADDED), np.float32)
     target[:SIDE, :SIDE] = after
     spectra = torch.fft.rfft2(torch.from_numpy(turned)).conj()
@@ -161,12 +180,13 @@ def _search(before: Floats, after: Floats) -> Rigid:
     turn, y, x = np.unravel_index(int(score.argmax()), score.shape)
     # The transform is periodic: shifts beyond half of it are negative.
     x, y = ((int(one) + _PADDED // 2) % _PADDED - _PADDED // 2 for one in (x, y))
-    return Rigid(float(TURNS_RAD[turn]), float(x), float(y))
+    return Rigid(float(TURNS_RAD[turn]), float(x), float(y), aspect)
 
 
 def _refined(before: Floats, after: Floats, motion: Rigid) -> Rigid:
     """Improve `motion` by robust Gauss-Newton steps; contrast and level may change besides."""
     x, y = _pixels()
+    x, y = x * np.float32(motion.aspect), y / np.float32(motion.aspect)
     changed = changed_weight(before, after).ravel()
     for _ in range(REFINEMENTS):
         moved = motion.moved(before)
@@ -180,7 +200,7 @@ def _refined(before: Floats, after: Floats, motion: Rigid) -> Rigid:
         normal = (weighted @ rows.T).astype(np.float64)
         normal[np.diag_indices(5)] += 1e-3 * normal.diagonal() + 1e-6
         turn, right, down, *_ = np.linalg.solve(normal, weighted @ error)
-        step = Rigid(float(turn), float(right), float(down))
+        step = Rigid(float(turn), float(right), float(down), motion.aspect)
         better = step.after(motion)
         if abs(better.turn_rad) > 1 or max(abs(better.x_px), abs(better.y_px)) > SIDE / 2:
             return motion
@@ -202,7 +222,7 @@ def _typical(error: Floats, changed: Floats) -> float:
     return float(np.median(moving if len(moving) > FEWEST_CHANGED else error))
 
 
-def _channels(before: Floats, after: Floats, step: Rigid, total: Rigid) -> Floats:
+def _channels(before: Floats, after: Floats, step: Rigid, totals: Sequence[Rigid]) -> Floats:
     moved = step.moved(before)
     errors = [np.square(after - image) for image in (before, moved)]
     rest, aligned = (
@@ -211,8 +231,8 @@ def _channels(before: Floats, after: Floats, step: Rigid, total: Rigid) -> Float
     gain = np.log((rest + ERROR_FLOOR) / (aligned + ERROR_FLOOR))
     scale = np.sqrt(np.square(moved).sum() * np.square(after).sum()) + 1e-6
     correlation = np.full_like(gain, (moved * after).sum() / scale)
-    displacement = total.displacement() * (IMAGE_SIDE / SIDE)
-    return np.concatenate([displacement, gain[..., None], correlation[..., None]], axis=-1)
+    moves = [total.displacement() * (IMAGE_SIDE / SIDE) for total in totals]
+    return np.concatenate([*moves, gain[..., None], correlation[..., None]], axis=-1)
 
 
 def _small(image: Floats) -> Floats:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE
+from geotlm_lm.core.geometry import CAMERA_PX, FRAME_COUNT, IMAGE_SIDE
 
 Size = tuple[int, int]
 """Rows and columns."""
@@ -20,9 +20,6 @@ IMAGENET = ((0.485, 0.456, 0.406), (0.229, 0.224, 0.225))
 
 CLIP_STATISTICS = ((0.48145466, 0.4578275, 0.40821073), (0.26862954, 0.26130258, 0.27577711))
 """The same of the images CLIP was trained on."""
-
-CAMERA_PX: Size = (240, 320)
-"""Rows and columns of a GelSight Mini's picture, which our square clips are squashed from."""
 
 
 def four_frames(clip: Clip) -> NDArray[np.uint8]:

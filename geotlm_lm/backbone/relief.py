@@ -47,7 +47,7 @@ _GAIN, _NEUTRAL = 0.5, 128.0
 Floats = NDArray[np.float32]
 
 
-def reliefs(residuals: Sequence[Floats]) -> Floats:
+def reliefs(residuals: Sequence[Floats], aspect: float = 1.0) -> Floats:
     """Integrate the shading of each frame.
 
     Optics with a mirror in them swap the lights left to right; the clip itself tells, because the
@@ -55,13 +55,17 @@ def reliefs(residuals: Sequence[Floats]) -> Floats:
 
     Args:
         residuals: Frames less the idle gel, float32 (side, side, 3), RGB grey levels.
+        aspect: Width of a pixel over its height: the shade tells the slope on the gel, and a wide
+            pixel climbs farther on it.
 
     Returns:
         Indentation, float32 (frames, 112, 112), in grey levels times pixels.
     """
     small = [cv2.resize(one, (RELIEF_SIDE,) * 2, interpolation=cv2.INTER_AREA) for one in residuals]
-    slope_x = np.stack([one[..., 1] for one in small]) / np.float32(SHADE_X)
-    slope_y = np.stack([one[..., 2] - one[..., 0] for one in small]) / np.float32(SHADE_Y)
+    slope_x = np.stack([one[..., 1] for one in small]) / np.float32(SHADE_X / aspect**0.5)
+    slope_y = np.stack([one[..., 2] - one[..., 0] for one in small]) / np.float32(
+        SHADE_Y * aspect**0.5
+    )
     if lights_are_mirrored(slope_x, slope_y):
         slope_x = -slope_x
     slope = (slope_x + 1j * slope_y).astype(np.complex64)

@@ -19,7 +19,14 @@ from geotlm_lm.backbone.alignment import CHANNELS as ALIGNMENT_CHANNELS
 from geotlm_lm.backbone.alignment import alignment
 from geotlm_lm.backbone.relief import RELIEF_SCALE, as_image, reliefs
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.geometry import FRAME_COUNT, GRID_SIDE, IMAGE_SIDE, TUBE_FRAMES
+from geotlm_lm.core.geometry import (
+    FRAME_COUNT,
+    GRID_SIDE,
+    IMAGE_SIDE,
+    TIME_BIN_COUNT,
+    TUBE_FRAMES,
+    pixel_aspect,
+)
 
 Floats = NDArray[np.float32]
 
@@ -38,9 +45,14 @@ CONTRAST_FLOOR_GREY2 = 4.0
 FLOW_CHANNELS = 6
 """Flow x, flow y, log contrast, and the gradients' orientation (3)."""
 
-PATCH_INPUT_DIM = 3 * CELLS**2 + 2 * FLOW_CHANNELS + 1 + 2 * ALIGNMENT_CHANNELS
-"""RGB residual cells, then the flow channels of the residual and of the relief, then the relief,
-then the alignment channels of the relief and of the residual."""
+PATCH_INPUT_DIM = 3 * CELLS**2 + 2 * FLOW_CHANNELS + 2 + 2 * ALIGNMENT_CHANNELS
+"""RGB residual cells, then the flow channels of the residual and of the relief, then the relief and
+the log of the view's magnification, then the alignment channels of the relief and of the
+residual."""
+
+MAGNIFICATION_AT = PATCH_INPUT_DIM - 2 * ALIGNMENT_CHANNELS - 1
+"""Place of the view's magnification, the same in every patch: without it nobody could tell how far
+on the gel a pixel of the view is."""
 
 ALIGNED_AT = PATCH_INPUT_DIM - 2 * ALIGNMENT_CHANNELS
 """Place of the aligned relief's displacement x among a patch's inputs; displacement y follows."""
@@ -102,13 +114,16 @@ def look(clip: Clip) -> tuple[Floats, View]:
     whole = [cv2.subtract(_square(frame), idle) for frame in clip.frames]
     view = contact_view([_structure(_green(image)) for image in whole])
     residual = [view.cut(image) for image in whole]
-    relief = reliefs(residual)
+    aspect = pixel_aspect(*clip.frames.shape[1:3])
+    relief = reliefs(residual, aspect)
+    magnification = np.log(IMAGE_SIDE / view.side_px)
     parts = [
         np.clip(_bin_means([_cells(image) for image in residual]) / RESIDUAL_SCALE_GREY, -4, 4),
         _motion([_green(image) for image in residual], RESIDUAL_FLOW),
         _motion([as_image(frame) for frame in relief], RELIEF_FLOW),
         _bin_means([_area_means(frame, GRID_SIDE) for frame in relief])[..., None] / RELIEF_SCALE,
-        _alignment(residual, relief),
+        np.full((TIME_BIN_COUNT, GRID_SIDE, GRID_SIDE, 1), magnification),
+        _alignment(residual, relief, aspect),
     ]
     return np.concatenate(parts, axis=-1, dtype=np.float32), view
 
@@ -242,14 +257,15 @@ def _motion(images: list[NDArray[np.uint8]], settings: FlowSettings) -> Floats:
     return np.concatenate([flow, orientation], axis=-1)
 
 
-def _alignment(residual: Sequence[Floats], relief: Sequence[Floats]) -> Floats:
-    """Return the alignment channels of each patch, (2, 14, 14, 8), early bin first."""
+def _alignment(residual: Sequence[Floats], relief: Sequence[Floats], aspect: float) -> Floats:
+    """Return the alignment channels of each patch, (2, 14, 14, 12), early bin first."""
     frames = alignment(
         [frame / RELIEF_SCALE for frame in relief],
         [image[..., 1] / RESIDUAL_SCALE_GREY for image in residual],
+        aspect,
     )
     for start in range(0, frames.shape[-1], ALIGNMENT_CHANNELS):
-        moved = frames[..., start : start + 2]
+        moved = frames[..., start : start + 4]
         # Far from the middle a wrong turn moves a patch right out of the view.
         moved[:] = moved.clip(-IMAGE_SIDE, IMAGE_SIDE) / FLOW_SCALE_PX
     return _bin_means(frames)

@@ -3,6 +3,9 @@
 IMAGE_SIDE = 224
 """Pixels per side of the square image a backbone reads (paper, Sec. Method)."""
 
+CAMERA_PX = (240, 320)
+"""Rows and columns of a GelSight Mini's picture, which clips of our square are squashed from."""
+
 PATCH_SIDE = 16
 """Pixels per side of one patch (ViT-B/16)."""
 
@@ -31,3 +34,18 @@ REGION_COUNT = len(REGIONS)
 
 DESCRIPTOR_DIM = REGION_COUNT * SHEAR_CHANNEL_COUNT
 """Length of the descriptor r: the seven regions of x, then the seven regions of y (Eq. 8)."""
+
+
+def pixel_aspect(rows: int, columns: int) -> float:
+    """Return the width of a pixel over its height, once a picture is squashed to our square.
+
+    A camera's pixels are square. Pictures that come as our square were squashed from a camera of
+    four to three, as the simulator's are.
+
+    Args:
+        rows: Height of the picture as it came, pixels.
+        columns: Width.
+    """
+    if (rows, columns) == (IMAGE_SIDE, IMAGE_SIDE):
+        rows, columns = CAMERA_PX
+    return columns / rows

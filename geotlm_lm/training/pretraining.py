@@ -1,9 +1,9 @@
 """Pretrain the embedded backbone on the simulator's dense truth, then freeze it.
 
 Patch tokens learn, through one linear map, how far the imprint moved, whether the patch is in
-contact and how deep. The global token learns how much is touched, how deep, how much moves, and
-what kind of motion it is: turning or sliding, pressing or letting go. No loss asks it which way,
-though attention lets it give most of that away.
+contact and how deep. The global token learns how much is touched, how deep, how much moves, how
+far the view is magnified, and what kind of motion it is: turning or sliding, pressing or letting
+go. No loss asks it which way, though attention lets it give most of that away.
 """
 
 from __future__ import annotations
@@ -19,7 +19,12 @@ import torch.nn.functional as F
 from torch import Tensor, nn
 
 from geotlm_lm.backbone.frozen import FrozenBackbone
-from geotlm_lm.backbone.stem import ALIGNED_AT, FLOW_SCALE_PX, PATCH_INPUT_DIM
+from geotlm_lm.backbone.stem import (
+    ALIGNED_AT,
+    FLOW_SCALE_PX,
+    MAGNIFICATION_AT,
+    PATCH_INPUT_DIM,
+)
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.vit import ViT, ViTConfig
 from geotlm_lm.core.labels import MotionClass, MotionLabel, motion_class
@@ -34,7 +39,7 @@ from geotlm_lm.training.progress import Progress
 CHECKPOINT_EVERY_S = 30.0
 WEIGHT_DECAY = 0.05
 WARMUP_SHARE = 0.05
-GLOBAL_TARGET_COUNT = 5
+GLOBAL_TARGET_COUNT = 6
 DEPTH_SCALE_MM = 0.3
 
 KIND_SHARE = 0.5
@@ -76,7 +81,8 @@ class DenseTruth:
     """One batch of truth on the device, float32; shapes as in `Examples`.
 
     `counts_motion` is 1 for the clips whose displacement is a target; `kind` is the place of the
-    motion's kind in `MotionClass`, `UNSEEN` where the motion leaves no trace.
+    motion's kind in `MotionClass`, `UNSEEN` where the motion leaves no trace; `magnification` is
+    what the stem tells of the view, (b,).
     """
 
     displacement: Tensor
@@ -84,6 +90,7 @@ class DenseTruth:
     depth: Tensor
     counts_motion: Tensor
     kind: Tensor
+    magnification: Tensor
 
 
 def pretrain(
@@ -211,7 +218,8 @@ def _summary(truth: DenseTruth) -> Tensor:
     depth = truth.depth.mean(dim=(2, 3)) / (share + 0.05) / DEPTH_SCALE_MM
     weighted = truth.displacement.square().sum(dim=-1) * truth.contact
     moved_px = (weighted.mean(dim=(1, 2, 3)) / (share.mean(dim=1) + 1e-4)).sqrt()
-    return torch.cat([share.sqrt() * 2, depth, torch.log1p(moved_px)[:, None]], dim=1)
+    whole = [torch.log1p(moved_px), truth.magnification]
+    return torch.cat([share.sqrt() * 2, depth, torch.stack(whole, dim=1)], dim=1)
 
 
 def _batch(examples: Examples, rows: np.ndarray, device: str) -> tuple[Tensor, DenseTruth]:
@@ -219,14 +227,16 @@ def _batch(examples: Examples, rows: np.ndarray, device: str) -> tuple[Tensor, D
         return torch.from_numpy(values[rows]).to(device).float()
 
     counts = np.array([counts_motion(examples.labels[row]) for row in rows], dtype=np.float32)
+    inputs = moved(examples.inputs)
     truth = DenseTruth(
         displacement=moved(examples.displacement_px),
         contact=moved(examples.contact),
         depth=moved(examples.depth_mm),
         counts_motion=torch.from_numpy(counts).to(device),
         kind=torch.tensor([_kind(examples.labels[row]) for row in rows], device=device),
+        magnification=inputs[:, 0, 0, 0, MAGNIFICATION_AT],
     )
-    return moved(examples.inputs), truth
+    return inputs, truth
 
 
 def _kind(label: MotionLabel) -> int:

@@ -34,17 +34,20 @@ def sensor_noise(seed, grey=0.02):
         Rigid(0.6, 0.0, 0.0),
         Rigid(-0.5, -5, 4),
         Rigid(0.0, 9.4, 0.0),
+        Rigid(0.3, 2.0, 1.0, aspect=4 / 3),
+        Rigid(-0.4, 0.0, -3.0, aspect=0.75),
     ],
 )
 def test_a_known_motion_is_found_again(motion):
     after = 0.9 * motion.moved(IMPRINT) + 0.05 + sensor_noise(1)
-    found = align(IMPRINT + sensor_noise(2), after)
+    found = align(IMPRINT + sensor_noise(2), after, aspect=motion.aspect)
     assert found.turn_rad == pytest.approx(motion.turn_rad, abs=0.02)
     assert (found.x_px, found.y_px) == pytest.approx((motion.x_px, motion.y_px), abs=0.15)
 
 
-def test_motions_follow_each_other_as_the_images_do():
-    first, second = Rigid(0.3, 2.0, -1.0), Rigid(-0.1, 1.0, 3.0)
+@pytest.mark.parametrize("aspect", [1.0, 4 / 3])
+def test_motions_follow_each_other_as_the_images_do(aspect):
+    first, second = Rigid(0.3, 2.0, -1.0, aspect), Rigid(-0.1, 1.0, 3.0, aspect)
     twice = second.moved(first.moved(IMPRINT))
     once = second.after(first).moved(IMPRINT)
     assert np.abs(once - twice)[8:-8, 8:-8].max() < 0.05
@@ -56,6 +59,34 @@ def test_displacement_is_how_far_the_point_under_a_patch_has_come():
     assert moved[:, -1, 1].min() > 0  # and the right side down
     shifted = Rigid(0.0, 3.0, -2.0).displacement()
     assert shifted.reshape(-1, 2) == pytest.approx(np.tile([3.0, -2.0], (196, 1)))
+
+
+def test_a_round_outline_squashed_to_an_ellipse_may_turn_in_itself():
+    """The round head of a screw: its rim stays where it is, its slot turns."""
+    aspect = 4 / 3
+
+    def squashed_head(turn_rad):
+        x, y = X * aspect, Y
+        across = x * np.cos(turn_rad) + y * np.sin(turn_rad)
+        rim = 3.0 * np.exp(-((np.hypot(x, y) - 20) ** 2) / 8)
+        slot = np.exp(-(across**2) / 8) * (np.hypot(x, y) < 17)
+        return (rim + slot).astype(np.float32)
+
+    before = squashed_head(0.2) + sensor_noise(6)
+    after = squashed_head(0.35) + sensor_noise(7)
+    assert align(before, after, aspect=aspect).turn_rad == pytest.approx(0.15, rel=0.1)
+    assert align(before, after).turn_rad < 0.12
+
+
+def test_displacement_of_a_turn_is_one_on_the_gel():
+    motion = Rigid(0.2, aspect=4 / 3)
+    moved = motion.displacement() * (4 / 3, 1)
+    plain = Rigid(0.2).displacement()
+    # A column is 4/3 as wide on the gel: its patches lie farther out, those of the rows do not.
+    assert moved[..., 0][:, 7] == pytest.approx(plain[..., 0][:, 7], abs=0.3)
+    sizes = np.hypot(*np.moveaxis(moved, -1, 0))
+    x, y = np.meshgrid((np.arange(14) - 6.5) * 4 * 4 / 3, (np.arange(14) - 6.5) * 4)
+    assert sizes == pytest.approx(2 * np.sin(0.1) * np.hypot(x, y), rel=1e-4)
 
 
 def test_the_same_image_twice_has_not_moved():
@@ -72,11 +103,12 @@ def test_channels_tell_the_motion_from_the_first_frame_and_what_it_explains():
     frames = [Rigid(0.0, 2.0 * k, 0.0).moved(IMPRINT) for k in range(3)]
     told = alignment(frames, [5 * frame for frame in frames])
     assert told.shape == (3, 14, 14, 2 * CHANNELS)
-    assert not told[0, ..., :3].any()
+    assert not told[0, ..., : CHANNELS - 1].any()
     for start in (0, CHANNELS):
-        assert told[2, ..., start] == pytest.approx(np.full((14, 14), 4.0 * 4), abs=0.5)
-        assert told[1:, 4:10, 4:10, start + 2].mean() > 0.3
-        assert told[1:, ..., start + 3].min() > 0.98
+        for found in (start, start + 2):
+            assert told[2, ..., found] == pytest.approx(np.full((14, 14), 4.0 * 4), abs=0.5)
+        assert told[1:, 4:10, 4:10, start + 4].mean() > 0.3
+        assert told[1:, ..., start + 5].min() > 0.98
 
 
 @pytest.mark.parametrize("level", [0.0, 1e-20, 1e4])

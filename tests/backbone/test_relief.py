@@ -28,6 +28,20 @@ def test_a_bump_is_integrated_from_its_shading(radius_px):
     assert 0.55 < found.max() / expected.max() < 1.05
 
 
+def test_a_squashed_picture_gives_the_relief_of_the_gel():
+    """The shade tells slopes on the gel, where a column is 4/3 as wide as a row is high."""
+    aspect = 4 / 3
+    y, x = np.mgrid[:224, :224] - 111.5
+    ridge = 100 * np.exp(-(y**2) / 100 - x**2 / 6000)
+    (expected,) = reliefs([shaded(ridge.astype(np.float32))])
+    slope_y, slope_x = (-one for one in np.gradient(ridge))
+    on_gel_x, on_gel_y = slope_x / aspect**0.5, slope_y * aspect**0.5
+    shade = np.stack([0 * y, SHADE_X * on_gel_x, SHADE_Y * on_gel_y], axis=-1).astype(np.float32)
+    (found,), (taken_as_square,) = reliefs([shade], aspect), reliefs([shade])
+    assert np.abs(found - expected).max() < 1e-3 * np.abs(expected).max()
+    assert np.abs(taken_as_square - expected).max() > 0.1 * np.abs(expected).max()
+
+
 def test_shading_without_relief_does_not_integrate():
     """A field of pure curl is the shading of no relief."""
     slope_y, slope_x = np.gradient(100 * bump(12))

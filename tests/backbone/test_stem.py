@@ -7,6 +7,7 @@ import pytest
 from geotlm_lm.backbone.stem import (
     CELLS,
     FLOW_SCALE_PX,
+    MAGNIFICATION_AT,
     MIN_VIEW_PX,
     PATCH_INPUT_DIM,
     View,
@@ -110,6 +111,12 @@ def test_an_untouched_gel_is_looked_at_as_a_whole():
     rng = np.random.default_rng(0)
     frames = (110 + rng.normal(size=(4, 224, 224, 3))).astype(np.uint8)
     assert look(Clip(frames, background=np.full((224, 224, 3), 110, np.uint8)))[1] == View()
+
+
+def test_every_patch_knows_how_far_the_view_is_magnified():
+    inputs, view = look(imprint_at(112, 112, sigma_px=12))
+    assert inputs[..., MAGNIFICATION_AT] == pytest.approx(np.log(224 / view.side_px), rel=1e-5)
+    assert inputs[0, 0, 0, MAGNIFICATION_AT] > 0.3
 
 
 def test_the_whole_view_cuts_nothing_and_a_half_view_magnifies_twice():

@@ -64,6 +64,7 @@ def random_case():
         depth=random(3, 2, 14, 14),
         counts_motion=torch.tensor([1.0, 1.0, 0.0]),
         kind=torch.tensor([0, 1, pretraining.UNSEEN]),
+        magnification=torch.tensor([0.0, 0.3, 0.8]),
     )
     torch.manual_seed(0)
     return tokens, DenseHeads(8), truth
