@@ -65,7 +65,7 @@ def test_an_answer_carries_direction_frame_options_evidence_and_timing(bundle):
     assert sum(answer.options.values()) == pytest.approx(1.0)
     # Ten options, one at -1 and nine at -3: e^2 / (e^2 + 9).
     assert answer.confidence == pytest.approx(np.e**2 / (np.e**2 + 9))
-    assert set(answer.timing_ms) == {"choose", "encode", "generate", "score", "total"}
+    assert set(answer.timing_ms) == {"choose", "touch", "encode", "generate", "score", "total"}
     assert set(answer.evidence["regions"]) >= {"upper_minus_lower", "left_minus_right"}
     required = {"text", "direction", "confidence", "abstained", "frame", "options", "timing_ms"}
     assert required <= set(json.loads(json.dumps(answer.to_dict())))

@@ -40,11 +40,14 @@ class Encoded:
         clip: The four frames that were used, with the background they were compared with.
         perception: Tokens and geometry, batch of one.
         timing_ms: Milliseconds of each stage that ran.
+        is_untouched: Whether no frame differs from the background by more than noise; what is
+            perceived is then the background itself.
     """
 
     clip: Clip
     perception: Perception
     timing_ms: dict[str, float]
+    is_untouched: bool = False
 
     @property
     def view(self) -> View | None:

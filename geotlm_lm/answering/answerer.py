@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from geotlm_lm.answering.answer import (
     Answer,
     Encoded,
@@ -39,6 +41,7 @@ from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.wording import known
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.recordings.touch import is_untouched
 
 
 @dataclass(frozen=True)
@@ -87,10 +90,17 @@ class Answerer:
         started = time.perf_counter()
         clip = four_frames_with_background(clip, span)
         chosen = time.perf_counter()
-        perception = self.bundle.model.perceive([clip])
+        untouched = is_untouched(clip)
+        judged = time.perf_counter()
+        # Of what is not there, noise decides which motion it looks like: leave the noise out.
+        perception = self.bundle.model.perceive([_at_rest(clip) if untouched else clip])
         done = time.perf_counter()
-        timing = {"choose": 1e3 * (chosen - started), "encode": 1e3 * (done - chosen)}
-        return Encoded(clip, perception, timing)
+        timing = {
+            "choose": 1e3 * (chosen - started),
+            "touch": 1e3 * (judged - chosen),
+            "encode": 1e3 * (done - judged),
+        }
+        return Encoded(clip, perception, timing, untouched)
 
     def session(self, encoded: Encoded, frame: FrameSpec = CAMERA) -> Session:
         """Return a conversation about a clip, which remembers its turns and the frame."""
@@ -178,6 +188,10 @@ class Answerer:
             (steps[0], heard.text, *steps[2:]),
             "the second sentence in the model's words, the others by rule from its geometry",
         )
+
+
+def _at_rest(clip: Clip) -> Clip:
+    return replace(clip, frames=np.stack([clip.background] * len(clip)))
 
 
 _CLAIMS_AS_SEEN = ("direction", "verify", "choice", "negation", "premise", "viewpoint", "actor")

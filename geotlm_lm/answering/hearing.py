@@ -7,7 +7,10 @@ from dataclasses import dataclass, field
 
 from geotlm_lm.answering.answer import Encoded, deciding_word, offered_letters
 from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.kinds import asks_direction
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
+from geotlm_lm.recordings.touch import UNTOUCHED_PROBABILITY
 
 OPEN_QUESTION = "Which way is it moving?"
 """Asked of a model in place of a question it was not trained on."""
@@ -34,7 +37,16 @@ class Heard:
 
 
 def hear(bundle: Bundle, encoded: Encoded, question: str) -> Heard:
-    """Return the model's words and the probabilities of their kind."""
+    """Return the model's words and the probabilities of their kind.
+
+    Where nothing touches, an open question about direction needs no model to be answered; any other
+    question does, to be understood.
+    """
+    if encoded.is_untouched and asks_direction(question):
+        slots = Slots("direction", Motion.NONE)
+        return Heard(
+            slots, bundle.grammar.sentence(slots), {slots.direction: UNTOUCHED_PROBABILITY}
+        )
     started = time.perf_counter()
     text = bundle.speaker.generate(encoded.perception.fused_token, [question])[0]
     generated = time.perf_counter()

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import claimed_motion
+from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered_options
 
 _GO = r"(?:go|goes|move|moves|moved|turn|turns|turned|slide|slides|slid|went)"
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
@@ -167,6 +167,31 @@ _PREMISE = re.compile(
     r"|often|many times|hard)\b|\b(?:by how much|at what speed|at which rate|since when)\b"
     r"|\b(?:when|where) did\b|\bwhat (?:keeps|kept)\b|\b(?:stop|start|begin|keep) "
 )
+
+
+_DIRECTION = re.compile(
+    r"\b(?:which|what) (?:way|direction)\b|\bdirection (?:of|is|was)\b"
+    r"|^(?:(?:describe|report|say|tell me|give me|what (?:is|was)) )?the (?:motion|movement) of\b"
+    r"|^(?:the )?(?:direction|motion|movement)\W*$"
+    r"|\b(?:where|how) (?:is|was|does|did) (?:\S+ ){1,4}(?:go|going|move|moving|moved)\W*$"
+)
+_MORE_THAN_DIRECTION = re.compile(
+    r"\b(?:will|would|should|who|whose|why|when|and|or|if|not|price|tomorrow|next|later"
+    r"|kind|type|class|category|sort|some|any|gel|sensor)\b"
+)
+
+
+def asks_direction(question: str) -> bool:
+    """Tell whether `question` surely asks openly how the object moves, and nothing besides.
+
+    Many ways to ask it are not recognised: what is not sure is left to the model.
+    """
+    text = " ".join(question.lower().split())
+    if asked_kind(question) is not None or claimed_motion(text) is not None:
+        return False
+    return bool(_DIRECTION.search(text)) and not (
+        _MORE_THAN_DIRECTION.search(text) or motions_named(text) or offered_options(question)
+    )
 
 
 def asked_kind(question: str) -> str | None:

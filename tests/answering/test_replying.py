@@ -84,7 +84,7 @@ def test_what_no_rule_can_tell_is_refused_in_one_sentence_without_a_model_run(
     answerer = feeling(bundle, "clockwise")
     answer = answerer.ask(answerer.encode(recording()), question)
     assert (answer.text, answer.abstained, answer.direction) == (text, True, None)
-    assert set(answer.timing_ms) == {"choose", "encode", "total"}
+    assert set(answer.timing_ms) == {"choose", "touch", "encode", "total"}
 
 
 def test_evidence_of_an_untrained_model_is_its_geometry_in_words(bundle):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered_options
-from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 from geotlm_lm.data.templates import load_templates
@@ -96,3 +96,18 @@ def test_words_of_motion_in_another_sense_name_no_motion(text, named):
 )
 def test_questions_nobody_wrote_a_template_for_find_their_kind(question, kind):
     assert asked_kind(question) == kind
+
+
+def test_only_open_questions_about_direction_are_surely_those():
+    recognised = {
+        type_id: np.mean(
+            [
+                asks_direction(one.question)
+                for wordings in ("seen", "held_out")
+                for one in questions(type_id, wordings)
+            ]
+        )
+        for type_id in TEMPLATES.types
+    }
+    assert recognised.pop("T1") > 0.35
+    assert set(recognised.values()) == {0.0}

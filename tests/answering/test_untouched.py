@@ -1,0 +1,64 @@
+"""Where nothing touches, noise names no motion and an open question needs no language model."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.answering import Answerer
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.labels import Motion
+from tests.answering.scripted import feeling, recording
+
+IDLE = np.random.default_rng(3).integers(90, 140, (120, 160, 3)).astype(np.uint8)
+
+
+def untouched(seed=0):
+    noise = np.random.default_rng(seed).integers(-1, 2, (4, *IDLE.shape))
+    frames = np.clip(IDLE.astype(int) + noise, 0, 255).astype(np.uint8)
+    return Clip(frames, background=IDLE)
+
+
+def test_an_open_question_is_answered_without_the_language_model(bundle):
+    answerer = feeling(bundle, "press")
+    answer = answerer.ask(answerer.encode(untouched()), "Which way is the cap turning?")
+    assert (answer.text, answer.direction) == ("Nothing is touching the gel.", Motion.NONE)
+    assert answer.confidence > 0.99
+    assert not answer.abstained
+    assert answerer.bundle.speaker.heard == []
+    assert list(answer.timing_ms) == ["choose", "touch", "encode", "total"]
+
+
+def test_what_follows_from_the_direction_needs_no_language_model_either(bundle):
+    answerer = feeling(bundle, "press")
+    answer = answerer.ask(answerer.encode(untouched()), "And mirrored?")
+    assert answer.text == "Nothing is touching the gel, if the clip is mirrored."
+    assert answerer.bundle.speaker.heard == []
+
+
+def test_any_other_question_is_still_understood_by_the_model(bundle):
+    answerer = feeling(bundle, "press")
+    answerer.ask(answerer.encode(untouched()), "What colour is it?")
+    assert answerer.bundle.speaker.heard == ["What colour is it?"]
+
+
+def test_noise_is_not_perceived(bundle):
+    answerer = Answerer(bundle)
+    one, other = (answerer.encode(untouched(seed)) for seed in (1, 2))
+    assert one.is_untouched
+    assert one.perception.fused_token.equal(other.perception.fused_token)
+    assert not np.array_equal(one.clip.frames, other.clip.frames)  # shown as they were recorded
+
+
+def test_a_touched_clip_is_perceived_as_it_is(bundle):
+    answerer = feeling(bundle, "press")
+    encoded = answerer.encode(recording())
+    assert not encoded.is_untouched
+    answer = answerer.ask(encoded, "Which way is it going?")
+    assert answer.direction is Motion.PRESS
+    assert list(answer.timing_ms) == ["choose", "touch", "encode", "generate", "score", "total"]
+
+
+@pytest.mark.parametrize("question", ["Is it turning clockwise?", "Is anything touching?"])
+def test_a_yes_or_no_is_left_to_the_model(bundle, question):
+    answerer = feeling(bundle, "press")
+    answerer.ask(answerer.encode(untouched()), question)
+    assert answerer.bundle.speaker.heard == [question]

@@ -1,0 +1,68 @@
+"""An idle gel is told from a faint touch by its change alone."""
+
+import cv2
+import numpy as np
+import pytest
+
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle_grey, is_untouched
+from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
+from geotlm_lm.simulation.series import simulate_series
+
+IDLE = np.full((240, 320, 3), 110, np.uint8)
+
+
+def recorded(change, noise_grey=1.5, seed=0):
+    noise = np.random.default_rng(seed).normal(0, noise_grey, (4, 240, 320, 3))
+    frames = np.clip(np.rint(110.0 + change[..., None] + noise), 0, 255)
+    return Clip(frames.astype(np.uint8), background=IDLE)
+
+
+def imprint(grey, radius_px=14):
+    rows, columns = np.mgrid[:240, :320]
+    return grey * np.exp(-((rows - 60) ** 2 + (columns - 250) ** 2) / (2 * radius_px**2))
+
+
+def test_camera_noise_and_a_change_of_exposure_are_no_touch():
+    assert is_untouched(recorded(np.zeros((240, 320))))
+    assert is_untouched(recorded(np.full((240, 320), 6.0)))
+
+
+@pytest.mark.parametrize("grey", [4.0, -4.0])
+def test_a_small_faint_imprint_is_a_touch_wherever_it_lies(grey):
+    assert not is_untouched(recorded(imprint(grey)))
+
+
+def test_one_touched_frame_is_enough():
+    clip = recorded(imprint(0))
+    frames = clip.frames.copy()
+    frames[2] = recorded(imprint(8.0)).frames[0]
+    assert not is_untouched(Clip(frames, background=IDLE))
+
+
+def test_the_change_does_not_depend_on_the_recorded_size():
+    clip = recorded(imprint(8.0), noise_grey=0)
+    small = [cv2.resize(one, (160, 120), interpolation=cv2.INTER_AREA) for one in clip.frames]
+    half = Clip(np.stack(small), background=IDLE[::2, ::2])
+    assert change_from_idle_grey(half) == pytest.approx(change_from_idle_grey(clip), rel=0.1)
+
+
+def test_the_smallest_and_the_narrowest_frames_are_judged():
+    for shape in ((8, 8, 3), (8, 400, 3), (400, 8, 3)):
+        clip = Clip(np.full((4, *shape), 110, np.uint8), background=np.full(shape, 110, np.uint8))
+        assert is_untouched(clip)
+
+
+def test_without_an_idle_frame_there_is_nothing_to_compare_with():
+    with pytest.raises(ValueError, match="idle"):
+        change_from_idle_grey(Clip(np.stack([IDLE] * 4)))
+
+
+def test_no_readable_simulated_touch_counts_as_untouched():
+    clips = [
+        one
+        for one in simulate_series(515, 40, objects=TRAINING_OBJECTS)
+        if one.label.is_readable and max(one.label.contact_fraction) > 0
+    ]
+    assert len(clips) > 20
+    assert min(change_from_idle_grey(one.clip) for one in clips) > UNTOUCHED_GREY
