@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.geometry import CAMERA_PX, FRAME_COUNT, IMAGE_SIDE
+from geotlm_lm.core.geometry import FRAME_COUNT, camera_size
 
 Size = tuple[int, int]
 """Rows and columns."""
@@ -46,9 +46,10 @@ def background(clip: Clip) -> NDArray[np.uint8]:
 
 def unsquashed(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Return a square picture of our own size in the shape of the camera's, others as they are."""
-    if image.shape[:2] != (IMAGE_SIDE, IMAGE_SIDE):
+    size = camera_size(*image.shape[:2])
+    if size == image.shape[:2]:
         return image
-    return cv2.resize(image, CAMERA_PX[::-1], interpolation=cv2.INTER_LINEAR)
+    return cv2.resize(image, size[::-1], interpolation=cv2.INTER_LINEAR)
 
 
 def to_unit(frames: NDArray[np.uint8]) -> Tensor:

@@ -36,16 +36,25 @@ DESCRIPTOR_DIM = REGION_COUNT * SHEAR_CHANNEL_COUNT
 """Length of the descriptor r: the seven regions of x, then the seven regions of y (Eq. 8)."""
 
 
-def pixel_aspect(rows: int, columns: int) -> float:
-    """Return the width of a pixel over its height, once a picture is squashed to our square.
+def camera_size(rows: int, columns: int) -> tuple[int, int]:
+    """Return the rows and columns of a picture before it was squashed to our square.
 
     A camera's pixels are square. Pictures that come as our square were squashed from a camera of
-    four to three, as the simulator's are.
+    four to three, as the simulator's are; others are as the camera took them.
 
     Args:
         rows: Height of the picture as it came, pixels.
         columns: Width.
     """
-    if (rows, columns) == (IMAGE_SIDE, IMAGE_SIDE):
-        rows, columns = CAMERA_PX
+    return CAMERA_PX if (rows, columns) == (IMAGE_SIDE, IMAGE_SIDE) else (rows, columns)
+
+
+def pixel_aspect(rows: int, columns: int) -> float:
+    """Return the width of a pixel over its height, on the gel, in a picture squashed to a square.
+
+    Args:
+        rows: Height of the picture as it came, pixels.
+        columns: Width.
+    """
+    rows, columns = camera_size(rows, columns)
     return columns / rows

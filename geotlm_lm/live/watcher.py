@@ -19,7 +19,7 @@ import numpy as np
 
 from geotlm_lm.backbone.stem import FLOW_SCALE_PX
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE
+from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, camera_size
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.live.events import MotionEvent, Reading, Segmenter
 from geotlm_lm.live.idle_tracker import IdleTracker
@@ -219,10 +219,11 @@ def learned_motion(encoded: Encoded) -> tuple[float, float, float]:
     """
     geometry = encoded.perception.geometry
     mask = np.asarray(geometry.mask[0], np.float32)
-    rows, columns = encoded.clip.frames.shape[1:3]
+    own = encoded.clip.frames.shape[1:3]
+    rows, columns = camera_size(*own)
     # The grid's pixels are those of the view, which is a part of the 224-pixel image.
     pixel = encoded.view.side_px / IMAGE_SIDE**2 * np.array([columns, rows], np.float32)
     field = np.asarray(geometry.shear_change[0], np.float32) * FLOW_SCALE_PX * pixel
     across, down = (float(size) * IMAGE_SIDE / len(mask) for size in pixel)
     turn_rad, x, y = fit_rigid(field, mask, grid_px=(across, down))
-    return float(np.degrees(turn_rad)), x, y
+    return float(np.degrees(turn_rad)), x * own[1] / columns, y * own[0] / rows

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.geometry import camera_size
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, along
 
 Grey = NDArray[np.uint8]
@@ -23,9 +24,12 @@ Field = NDArray[np.float32]
 class RigidMotion:
     """What one rigid motion explains of a clip, from its first to its last frame.
 
+    Lengths are in px of the clip's own frames; of a camera's 320 x 240 where they were squashed to
+    a square (`core.geometry.camera_size`): only there is a turn rigid.
+
     Args:
         rotation_deg: Turn of the imprint, positive clockwise as drawn in the image.
-        slide_x_px: Travel of the imprint's centre to the right, in px of the clip's own frames.
+        slide_x_px: Travel of the imprint's centre to the right.
         slide_y_px: Travel of the imprint's centre down the image, same unit.
         radius_px: Radius of gyration of the imprint's contrast, same unit.
         side_px: Longer side of the clip's frames.
@@ -92,7 +96,7 @@ class RigidFlow:
             slide_x_px=float(total[1] / shrink),
             slide_y_px=float(total[2] / shrink),
             radius_px=float(radius / shrink),
-            side_px=max(clip.frames.shape[1:3]),
+            side_px=max(camera_size(*clip.frames.shape[1:3])),
             contrast=(float(contrast[0].mean()), float(contrast[-1].mean())),
         )
 
@@ -232,11 +236,12 @@ def _residuals(clip: Clip, background: Frames | None) -> tuple[list[Field], floa
     frames = [frame[..., GREEN].astype(np.float32) for frame in clip.frames]
     idle_green = np.mean(frames, axis=0) if idle is None else idle[..., GREEN].astype(np.float32)
     residuals = [frame - idle_green for frame in frames]
-    shrink = min(1.0, LONGEST_SIDE / max(clip.frames.shape[1:3]))
-    if shrink < 1:
-        rows, columns = clip.frames.shape[1:3]
-        size = (round(columns * shrink), round(rows * shrink))
-        residuals = [cv2.resize(one, size, interpolation=cv2.INTER_AREA) for one in residuals]
+    rows, columns = camera_size(*clip.frames.shape[1:3])
+    shrink = min(1.0, LONGEST_SIDE / max(rows, columns))
+    size = (round(columns * shrink), round(rows * shrink))
+    if size != residuals[0].shape[::-1]:
+        how = cv2.INTER_AREA if shrink < 1 else cv2.INTER_LINEAR
+        residuals = [cv2.resize(one, size, interpolation=how) for one in residuals]
     return residuals, shrink
 
 

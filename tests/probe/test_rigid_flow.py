@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.geometry import CAMERA_PX, IMAGE_SIDE
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, mirror, reverse
 from geotlm_lm.probe.rigid_flow import (
     RigidFlow,
@@ -85,6 +86,19 @@ def test_mirroring_a_grey_clip_mirrors_the_answer():
     )
     motion = RigidFlow().predict(clip, ROTATIONS)
     assert RigidFlow().predict(flipped, ROTATIONS) == mirror(motion)
+
+
+def test_a_turn_is_measured_in_a_picture_squashed_to_a_square():
+    rows, columns = CAMERA_PX
+    clip = moved_clip(textured_imprint(8, rows, columns), [0, 3, 6, 9], [(0, 0)] * 4)
+    squashed = Clip(
+        np.stack([cv2.resize(frame, (IMAGE_SIDE, IMAGE_SIDE)) for frame in clip.frames]),
+        background=cv2.resize(clip.background, (IMAGE_SIDE, IMAGE_SIDE)),
+    )
+    found, as_taken = RigidFlow().fit(squashed), RigidFlow().fit(clip)
+    assert found.rotation_deg == pytest.approx(as_taken.rotation_deg, rel=0.08)
+    assert found.radius_px == pytest.approx(as_taken.radius_px, rel=0.05)
+    assert found.side_px == as_taken.side_px
 
 
 def test_large_frames_report_their_own_pixels():
