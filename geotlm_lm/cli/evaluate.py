@@ -20,6 +20,7 @@ from geotlm_lm.cli.options import (
     HeadsPresetName,
     HeadsRunFolder,
     Seed,
+    require_one_model,
     require_writable,
     require_writable_file,
 )
@@ -70,10 +71,7 @@ def evaluate(
         raise UsageError("nothing to judge: give --clips above 0, or --real with a folder.")
     if out is not None:
         require_writable_file(out, "--out")
-    if weights is None and (encoder or heads):
-        raise UsageError("--encoder and --heads need --weights with the encoder's file.")
-    if weights is not None and model is not None:
-        raise UsageError("--model and --weights exclude each other: give one of them.")
+    require_one_model(model, weights, encoder, heads)
     if weights is None:
         answerer, name, about = _embedded(model)
     else:
@@ -134,8 +132,12 @@ def command_line(arguments: list[str]) -> str:
     return shlex.join(["geotlm-lm", *arguments[1:]])
 
 
-def progress_on_stderr() -> Callable[[str, int, int], None]:
-    """Return a progress report that prints at most every `REPORT_EVERY_S`, and at each end."""
+def progress_on_stderr(unit: str = " clips") -> Callable[[str, int, int], None]:
+    """Return a progress report that prints at most every `REPORT_EVERY_S`, and at each end.
+
+    Args:
+        unit: What is counted, with a space before it.
+    """
     last = time.monotonic()
 
     def report(what: str, done: int, total: int) -> None:
@@ -143,6 +145,6 @@ def progress_on_stderr() -> Callable[[str, int, int], None]:
         now = time.monotonic()
         if done == total or now - last > REPORT_EVERY_S:
             last = now
-            typer.echo(f"{what}: {done} of {total} clips", err=True)
+            typer.echo(f"{what}: {done} of {total}{unit}", err=True)
 
     return report

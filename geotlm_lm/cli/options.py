@@ -79,6 +79,20 @@ Seed = Annotated[
 ]
 
 
+def require_one_model(
+    model: Path | None, weights: Path | None, encoder: str | None, heads: int | None
+) -> None:
+    """Refuse options of a released encoder that do not go together.
+
+    Raises:
+        UsageError: If an encoder has no file, or is given beside a bundle.
+    """
+    if weights is None and (encoder or heads):
+        raise UsageError("--encoder and --heads need --weights with the encoder's file.")
+    if weights is not None and model is not None:
+        raise UsageError("--model and --weights exclude each other: give one of them.")
+
+
 def span_of(frames: str | None) -> tuple[int, int] | None:
     """Return FIRST and LAST of `frames`, None when not given.
 

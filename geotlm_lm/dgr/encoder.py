@@ -63,13 +63,15 @@ class DGR(nn.Module):
             raise ValueError(f"patches are (b, 2, gh, gw, d), found {tuple(patches.shape)}")
         shear = self.to_shear(patches)  # Eq. 2
         shear_change = shear[:, 1] - shear[:, 0]  # Eq. 3
-        mask = torch.sigmoid(self.to_mask(patches)).squeeze(-1).mean(dim=1)  # Eq. 4
-        return self.pool(shear, shear_change, mask)
+        return self.pool(shear, shear_change, self.contact_mask(patches))
+
+    def contact_mask(self, patches: Tensor) -> Tensor:
+        """Return the contact confidence of each patch, mean over bins, (b, gh, gw) (Eq. 4)."""
+        return torch.sigmoid(self.to_mask(patches)).squeeze(-1).mean(dim=1)
 
     def pool(self, shear: Tensor, shear_change: Tensor, mask: Tensor) -> Geometry:
         """Pool a shear change and a mask into the descriptor and the feature (Eqs. 5-8)."""
-        regions = [pool_regions(shear_change[..., axis], mask) for axis in range(2)]
-        descriptor = torch.cat(regions, dim=-1)
+        descriptor = self.describe(shear_change, mask)
         return Geometry(
             shear=shear,
             shear_change=shear_change,
@@ -78,3 +80,8 @@ class DGR(nn.Module):
             descriptor=descriptor,
             feature=self.to_feature(descriptor.to(self.to_feature.weight.dtype)),
         )
+
+    def describe(self, shear_change: Tensor, mask: Tensor) -> Tensor:
+        """Return the descriptor r: seven regions of x, then of y, shape (b, 14) (Eqs. 5-8)."""
+        regions = [pool_regions(shear_change[..., axis], mask) for axis in range(2)]
+        return torch.cat(regions, dim=-1)

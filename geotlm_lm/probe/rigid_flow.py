@@ -80,8 +80,8 @@ class RigidFlow:
             clip: Frames in time order; frames larger than `LONGEST_SIDE` are shrunk to it.
             background: The idle gel; None takes the clip's own, and without one the mean frame.
         """
-        residuals, shrink = _residuals(clip, background)
-        imprints = [_to_grey(residual) for residual in residuals]
+        residuals, shrink = imprint_residuals(clip, background)
+        imprints = [as_grey(residual) for residual in residuals]
         contrast = [imprint_contrast(residual) for residual in residuals]
         flow = cv2.DISOpticalFlow_create(self.preset)
         flow.setPatchSize(self.patch_px)
@@ -230,7 +230,7 @@ def _dominant_direction(motion: RigidMotion, directed: list[Motion]) -> Motion:
     return max(directed, key=path.__getitem__)
 
 
-def _residuals(clip: Clip, background: Frames | None) -> tuple[list[Field], float]:
+def imprint_residuals(clip: Clip, background: Frames | None = None) -> tuple[list[Field], float]:
     """Return each frame's green channel less the idle gel, and the factor it was shrunk by."""
     idle = clip.background if background is None else background
     frames = [frame[..., GREEN].astype(np.float32) for frame in clip.frames]
@@ -245,7 +245,8 @@ def _residuals(clip: Clip, background: Frames | None) -> tuple[list[Field], floa
     return residuals, shrink
 
 
-def _to_grey(residual: Field) -> Grey:
+def as_grey(residual: Field) -> Grey:
+    """Return a residual as the 8-bit image that the flow matches."""
     return np.clip(NEUTRAL + GAIN * residual, 0, 255).astype(np.uint8)
 
 

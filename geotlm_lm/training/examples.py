@@ -218,7 +218,7 @@ def _example(recorded: Recorded) -> tuple[NDArray, ...]:
 
     inputs, view = look(recorded.clip)
     truth = truth_in(view, recorded.truth)
-    return inputs, *(_bin_means(values[recorded.order]) for values in truth)
+    return inputs, *(bin_means(values[recorded.order]) for values in truth)
 
 
 def mirrored(simulated: SimulatedClip) -> SimulatedClip:
@@ -267,7 +267,8 @@ def _frame_order(rng: np.random.Generator) -> list[int]:
     return [0, 0, last, last]
 
 
-def _bin_means(values: NDArray) -> NDArray:
+def bin_means(values: NDArray) -> NDArray:
+    """Return the mean of each time-bin's frames: (4, ...) to (2, ...)."""
     return values.reshape(TIME_BIN_COUNT, -1, *values.shape[1:]).mean(axis=1)
 
 

@@ -243,7 +243,7 @@ def _one_epoch(model, train: TokenSet, optimiser, mode: DGRMode, rng) -> None:
         logits, geometry = _forward(model, train, rows)
         loss = _readable_loss(logits, train, rows)
         if mode == "grounded":
-            loss = loss + _grounding_loss(geometry, train, rows)
+            loss = loss + grounding_loss(geometry, train, rows)
         optimiser.zero_grad(set_to_none=True)
         loss.backward()
         optimiser.step()
@@ -263,7 +263,7 @@ def _forward(model: GeometryModel, data: TokenSet, rows) -> tuple[Tensor, Geomet
     return model.probe(global_token + geometry.feature), geometry
 
 
-def _grounding_loss(geometry: Geometry, data: TokenSet, rows) -> Tensor:
+def grounding_loss(geometry: Geometry, data: TokenSet, rows) -> Tensor:
     """Hold shear change to the true displacement change, and the mask to the true contact."""
     contact = data.contact[rows].float()
     weight = contact * data.counts_motion[rows].float()[:, None, None]

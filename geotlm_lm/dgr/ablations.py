@@ -1,0 +1,68 @@
+"""DGR with parts taken out, or with the differential operators put in: the paper's ablations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor, nn
+
+from geotlm_lm.core.geometry import REGION_COUNT, REGIONS, SHEAR_CHANNEL_COUNT
+from geotlm_lm.dgr.encoder import DGR
+from geotlm_lm.dgr.operators import OPERATORS, differential_operators
+from geotlm_lm.dgr.regions import pool_regions
+
+
+@dataclass(frozen=True)
+class DGRParts:
+    """Which parts of DGR there are; those of the paper by default.
+
+    Args:
+        regions: Seven regions; without them the mean over the whole grid alone.
+        mask: The learned contact mask; without it every patch weighs the same.
+        operators: Curl, divergence and strains of the shear change are pooled beside it.
+    """
+
+    regions: bool = True
+    mask: bool = True
+    operators: bool = False
+
+    @property
+    def descriptor_dim(self) -> int:
+        """Length of the descriptor."""
+        fields = SHEAR_CHANNEL_COUNT + len(OPERATORS) * self.operators
+        return fields * (REGION_COUNT if self.regions else 1)
+
+
+class AblatedDGR(DGR):
+    """DGR of chosen parts; with the parts of the paper it is `DGR`.
+
+    Args:
+        width: Width of a patch token.
+        feature_width: Width of the feature; None for `width`.
+        parts: What there is.
+    """
+
+    def __init__(self, width: int, feature_width: int | None, parts: DGRParts) -> None:
+        super().__init__(width, feature_width)
+        self.parts = parts
+        self.to_feature = nn.Linear(parts.descriptor_dim, feature_width or width)
+        if not parts.mask:
+            del self.to_mask  # what is not there is not counted, nor trained
+
+    def contact_mask(self, patches: Tensor) -> Tensor:
+        """Return the contact mask, 1 everywhere where there is none; shape (b, gh, gw)."""
+        if self.parts.mask:
+            return super().contact_mask(patches)
+        return torch.ones_like(patches[:, 0, ..., 0])
+
+    def describe(self, shear_change: Tensor, mask: Tensor) -> Tensor:
+        """Return the pooled fields, shape (b, descriptor_dim): each field's regions in a row."""
+        fields = shear_change
+        if self.parts.operators:
+            fields = torch.cat([fields, differential_operators(shear_change)], dim=-1)
+        pooled = [pool_regions(field, mask) for field in fields.unbind(dim=-1)]
+        if not self.parts.regions:
+            whole = REGIONS.index("global")
+            pooled = [one[..., whole : whole + 1] for one in pooled]
+        return torch.cat(pooled, dim=-1)
