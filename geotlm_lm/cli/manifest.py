@@ -63,22 +63,21 @@ def manifest(
     )
     write_manifest(out, made.rows)
     counts = Counter(row.motion for row in made.rows)
-    objects, sensors = (
-        {getattr(row, name) for row in made.rows} for name in ("object_id", "sensor")
-    )
+    objects = len({row.object_id for row in made.rows})
+    sensors = len({row.sensor for row in made.rows})
     told = ", ".join(f"{count} {motion}" for motion, count in sorted(counts.items()))
     typer.echo(
-        f"{out}: {len(made.rows)} clips of {len(objects)} objects and {len(sensors)} sensors: "
-        f"{told or 'none'}"
+        f"{out}: clips: {len(made.rows)}, objects: {objects}, sensors: {sensors}; {told or 'none'}"
     )
     if made.unmatched:
         typer.echo(
-            f"{len(made.unmatched)} pictures do not fit the pattern, the first {made.unmatched[0]}",
+            f"pictures that do not fit the pattern: {len(made.unmatched)}, the first "
+            f"{made.unmatched[0]}",
             err=True,
         )
     if made.too_short:
         typer.echo(
-            f"{len(made.too_short)} clips of a single frame left out, the first "
+            f"clips of less than two frames, left out: {len(made.too_short)}, the first "
             f"{made.too_short[0]}",
             err=True,
         )

@@ -128,7 +128,7 @@ def _require_known(found: Mapping[tuple[str, ...], list], words: Mapping[str, st
         told = ", ".join(f"'{token}' ({count} images)" for token, count in unknown.items())
         raise UsageError(
             f"found the actions {told}, expected {', '.join(words)}; say what they mean with "
-            f"--action TOKEN=ACTION, or narrow the pattern."
+            f"--action WORD=ACTION, or narrow the pattern."
         )
 
 

@@ -195,10 +195,12 @@ def nearest_rule(
 ) -> PairRule:
     """Return the swept rule whose number of pairs comes nearest to `target`; the first of equals.
 
-    Numbers of pairs alone decide; no method has seen a pair yet.
+    Numbers of pairs alone decide; no method has seen a pair yet. A rule without any pair is taken
+    only where no other has one.
     """
     rules = [one for one, _ in _swept(rule, task)]
-    best = min(range(len(rules)), key=lambda index: abs(rows[index]["pairs"] - target))
+    counts = [row["pairs"] for row in rows]
+    best = min(range(len(rules)), key=lambda k: (counts[k] == 0, abs(counts[k] - target)))
     return rules[best]
 
 

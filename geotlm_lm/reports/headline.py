@@ -28,6 +28,9 @@ WORDS = "language model, words"
 
 _FINE_SHARE = re.compile(r", (pairs, .*|\d+ fps|sensor .*)$")
 
+_ASIDE = re.compile(r", (no idle frame|no visible contact|pressed in|held or pressed)$")
+"""Tables that get no column of their own where tables stand side by side."""
+
 
 def accuracy_headline(record: RunRecord) -> str:
     """Return one row per table and one column per method, the interval of the words beside it."""
@@ -85,7 +88,11 @@ def time_headline(record: RunRecord) -> str:
 
 def _whole_tables(record: RunRecord) -> dict[str, dict[str, Any]]:
     tables = record.numbers["tables"].items()
-    return {title: table for title, table in tables if not SHARE_OF_A_TABLE.search(title)}
+    return {
+        title: table
+        for title, table in tables
+        if not (SHARE_OF_A_TABLE.search(title) or _ASIDE.search(title))
+    }
 
 
 def _in_order(names: Iterable[Any]) -> list[Any]:

@@ -39,7 +39,7 @@ def test_a_manifest_is_written_and_summed_up(invoke, tmp_path):
     done = invoke(
         "--out", str(out), "--action", "twist=rotate_ccw", "--background-frame", "bg", "--fps", "18"
     )
-    assert done.stdout == (f"{out}: 2 clips of 2 objects and 1 sensors: 1 counterclockwise, 1 up\n")
+    assert done.stdout == (f"{out}: clips: 2, objects: 2, sensors: 1; 1 counterclockwise, 1 up\n")
     rows = read_manifest(out).rows
     assert [row.background for row in rows] == ["../data/cap/slide_up/bg.png", None]
     assert {row.fps for row in rows} == {18}
@@ -49,8 +49,8 @@ def test_what_was_passed_over_is_told(invoke, root, tmp_path):
     write_image(root / "notes.png", np.zeros((16, 16, 3), np.uint8))
     (root / "key" / "twist" / "1.png").unlink()
     done = invoke("--out", str(tmp_path / "a.csv"), "--action", "twist=rotate_ccw")
-    assert f"1 pictures do not fit the pattern, the first {root / 'notes.png'}" in done.stderr
-    assert "1 clips of a single frame left out, the first key/twist" in done.stderr
+    assert f"do not fit the pattern: 1, the first {root / 'notes.png'}" in done.stderr
+    assert "clips of less than two frames, left out: 1, the first key/twist" in done.stderr
 
 
 @pytest.mark.parametrize(

@@ -72,7 +72,7 @@ def test_an_unknown_action_is_refused_with_its_count(tmp_path):
         make_manifest(tmp_path, r"(?P<object>\w+)/(?P<action>\w+)/(?P<frame>\d+)")
     assert str(caught.value) == (
         "found the actions 'press' (2 images), expected rotate_cw, rotate_ccw, slide_left, "
-        "slide_right, slide_up, slide_down; say what they mean with --action TOKEN=ACTION, or "
+        "slide_right, slide_up, slide_down; say what they mean with --action WORD=ACTION, or "
         "narrow the pattern."
     )
 

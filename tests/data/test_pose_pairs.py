@@ -190,6 +190,13 @@ def test_the_rule_nearest_to_a_number_of_pairs_is_taken():
     assert (rule.gap_frames, len(labelled_pairs(steady_turn(1.0), rule, "rotation"))) == (25, 35)
 
 
+def test_a_rule_without_pairs_is_the_last_resort():
+    rows = sweep([steady_turn(1.0)], PairRule(), "rotation")
+    assert 0 in [row["pairs"] for row in rows]
+    rule = nearest_rule(rows, PairRule(), "rotation", 1)
+    assert len(labelled_pairs(steady_turn(1.0), rule, "rotation")) > 0
+
+
 def test_a_trial_shorter_than_the_gap_has_no_pairs():
     assert labelled_pairs(steady_turn(1.0, count=4), PairRule(), "rotation") == []
 

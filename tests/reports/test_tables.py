@@ -103,6 +103,14 @@ def test_the_headline_leaves_fine_shares_to_the_page(record):
     assert len(cells(difference_headline(record).splitlines()[0])) == 2
 
 
+def test_tables_beside_the_main_ones_get_no_column(record):
+    tables = record.numbers["tables"]
+    tables["real x, no idle frame"] = tables["simulated rotation"]
+    assert len(cells(difference_headline(record).splitlines()[0])) == 2
+    assert len(cells(time_headline(record).splitlines()[0])) == 2
+    assert "| real x, no idle frame " in accuracy_headline(record)
+
+
 def test_differences_have_a_row_per_pair_and_a_column_per_table(record):
     lines = difference_headline(record).splitlines()
     assert cells(lines[0]) == ["difference, 95 %", "simulated rotation"]
