@@ -37,6 +37,13 @@ def evaluate(
         Path | None,
         typer.Option(help="Folder of labelled recordings (clips and a CSV of windows) to add."),
     ] = None,
+    data: Annotated[
+        list[Path] | None,
+        typer.Option(
+            help="TactileTracking's folder, or a manifest of clips such as ToucHD-Sim's, to add; "
+            "may be given again."
+        ),
+    ] = None,
     clips: Annotated[
         int, typer.Option(min=0, help="Simulated clips per task; 0 leaves simulation out.")
     ] = 120,
@@ -67,8 +74,8 @@ def evaluate(
     """
     from geotlm_lm.core.errors import BelowMinimum, UsageError
 
-    if clips == 0 and real is None:
-        raise UsageError("nothing to judge: give --clips above 0, or --real with a folder.")
+    if clips == 0 and real is None and not data:
+        raise UsageError("nothing to judge: give --clips above 0, --real with a folder, or --data.")
     if out is not None:
         require_writable_file(out, "--out")
     require_one_model(model, weights, encoder, heads)
@@ -85,6 +92,7 @@ def evaluate(
         clips_per_task=clips,
         seed=seed,
         real_folder=real,
+        data_paths=data or (),
         model_name=name,
         command=command_line(sys.argv),
         progress=progress_on_stderr(),

@@ -13,6 +13,7 @@ from geotlm_lm.cli.app import app as serve_app
 from geotlm_lm.cli.chat import chat
 from geotlm_lm.cli.evaluate import evaluate
 from geotlm_lm.cli.info import info
+from geotlm_lm.cli.manifest import manifest
 from geotlm_lm.cli.report import app as report
 from geotlm_lm.cli.simulate import simulate
 from geotlm_lm.cli.train import train
@@ -37,7 +38,7 @@ STOPPED = "Stopped; files already complete are kept."
 ParseError = typer.BadParameter.__base__
 """What the option parser raises on unknown or missing options; typer names no public alias."""
 
-for command in (answer, chat, info, simulate, train, watch):
+for command in (answer, chat, info, manifest, simulate, train, watch):
     app.command()(command)
 app.command(name="app")(serve_app)
 app.command(epilog="Example: geotlm-lm evaluate --clips 40 --out reports/mine.json")(evaluate)

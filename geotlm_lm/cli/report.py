@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Seed, require_writable_file
+from geotlm_lm.cli.options import Seed, require_writable, require_writable_file
 from geotlm_lm.cli.protocols import protocols
 
 if TYPE_CHECKING:
@@ -49,6 +49,34 @@ def readme(
         return
     changed = write_readme(path, records)
     typer.echo(f"{path}: {'updated' if changed else 'already up to date'}")
+
+
+@app.command()
+def confusions(
+    records: Annotated[Path, typer.Option("--record", help="The recorded evaluation.")] = Path(
+        "reports/recorded/evaluate.json"
+    ),
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder of the pictures. [default: beside the page that shows them]"),
+    ] = None,
+) -> None:
+    """Draw who is taken for whom, a picture per table of a recorded evaluation.
+
+    Example: geotlm-lm report confusions
+    """
+    from geotlm_lm.core.errors import UsageError
+    from geotlm_lm.core.record import RunRecord
+    from geotlm_lm.reports.confusions import FOLDER, draw_confusions
+
+    if not records.is_file():
+        raise UsageError(
+            f"{records}: no such record; write it with `geotlm-lm evaluate --out {records}`."
+        )
+    folder = records.parent.parent / FOLDER if out is None else out
+    require_writable(folder, "--out")
+    for path in draw_confusions(RunRecord.load(records), folder):
+        typer.echo(path)
 
 
 @app.command()

@@ -44,6 +44,14 @@ OTHER_WORDS = {
 }
 """Directions people write that are not the values of `Motion`."""
 
+SETTLING_FRAMES = 16
+"""First frames that a guessed background leaves out of a long recording: some cameras begin with
+pictures of an earlier recording and settle their exposure (seen in gripper recordings)."""
+
+SETTLED_SHARE = 10
+"""How many times longer a recording must be for that; the start of a short one may be the only part
+that is untouched."""
+
 PAIR_DISTANCE = 2
 """Frames between the two of a pair: about 2.4 degrees of a hand-held turn at 25 fps."""
 
@@ -199,7 +207,10 @@ def _with_background(recording: Clip) -> Clip:
     idle = find_idle(recording)
     if idle is not None:
         return replace(recording, background=idle)
-    guess = estimate_background(recording.frames)
+    settled = recording.frames
+    if len(settled) >= SETTLED_SHARE * SETTLING_FRAMES:
+        settled = settled[SETTLING_FRAMES:]
+    guess = estimate_background(settled)
     return replace(recording, background=guess).with_note(
         "no idle frames at either end: the background is guessed from the shading"
     )

@@ -2,12 +2,14 @@
 
 A row names the recording in `clip`, its `fps`, and the first and last touched frame in
 `contact_start` and `contact_end`, counted from 0; recordings never touched leave both empty.
-`object` and `object_family` are read where there are such columns.
+`object` and `object_family` are read where there are such columns, and so is when the first turn
+begins: `rotation_start`, and `other_segments` such as "25-35:+10" for others.
 """
 
 from __future__ import annotations
 
 import csv
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +27,13 @@ SURELY_IDLE = 5
 """First frames taken as untouched beyond doubt: in some of the recordings seen, the gel changes by
 up to 70 grey levels before the labelled contact."""
 
+LEAST_PRESS = 4
+"""Frames from the labelled contact to the first turn without which no press is told apart: contact
+and turn were labelled two frames apart."""
+
+PRESS_ONLY = "P"
+"""Tier of a recording that was looked through for turns and has none."""
+
 REQUIRED_COLUMNS = frozenset(("clip", "fps", "contact_start", "contact_end"))
 
 
@@ -39,6 +48,7 @@ class TouchRow:
         contact_end: Last touched frame.
         object_id: What touches; the file's name without its ending when the table is silent.
         object_family: Objects that belong together; else `object_id`.
+        still_until: Last frame by which nothing has turned yet; None where the table is silent.
     """
 
     path: Path
@@ -47,6 +57,7 @@ class TouchRow:
     contact_end: int
     object_id: str
     object_family: str
+    still_until: int | None = None
 
     @property
     def idle(self) -> range:
@@ -57,6 +68,13 @@ class TouchRow:
     def surely_idle(self) -> range:
         """Numbers of the first idle frames, long before anything touches."""
         return self.idle[:SURELY_IDLE]
+
+    @property
+    def pressing(self) -> range | None:
+        """Numbers of the frames in which it is pressed in and does nothing else, if surely any."""
+        if self.still_until is None or self.still_until < self.contact_start + LEAST_PRESS - 1:
+            return None
+        return range(max(self.contact_start - BEFORE_TOUCH, FIRST_IDLE), self.still_until + 1)
 
     def check_length(self, frames: int) -> None:
         """Refuse a recording that ends before the touch does.
@@ -71,6 +89,16 @@ class TouchRow:
             )
 
 
+@dataclass(frozen=True)
+class UntouchedRow:
+    """A recording in which nothing is seen to touch; arguments as of `TouchRow`."""
+
+    path: Path
+    fps: float
+    object_id: str
+    object_family: str
+
+
 def read_touch_table(path: str | Path) -> list[TouchRow]:
     """Return the touched recordings of a table, none where there is no such file.
 
@@ -78,6 +106,24 @@ def read_touch_table(path: str | Path) -> list[TouchRow]:
         UnreadableClip: If a column is missing or the frames of a row are out of order.
     """
     path = Path(path)
+    return [_row(path, values) for values in _values(path) if values["contact_start"]]
+
+
+def read_untouched(path: str | Path) -> list[UntouchedRow]:
+    """Return the recordings of a table that show no contact, none where there is no such file.
+
+    Raises:
+        UnreadableClip: As of `read_touch_table`.
+    """
+    path = Path(path)
+    return [
+        UntouchedRow(path.parent / values["clip"], _fps(path, values), *_object(path, values))
+        for values in _values(path)
+        if not values["contact_start"] and not values["contact_end"]
+    ]
+
+
+def _values(path: Path) -> list[dict[str, str]]:
     if not path.is_file():
         return []
     with path.open(newline="", encoding="utf-8-sig", errors="replace") as stream:
@@ -88,7 +134,7 @@ def read_touch_table(path: str | Path) -> list[TouchRow]:
             f"{path}: found the columns {', '.join(map(str, columns))}, expected clip, fps, "
             f"contact_start and contact_end among them."
         )
-    return [_row(path, values) for values in rows if values["contact_start"]]
+    return rows
 
 
 def _row(path: Path, values: dict[str, str]) -> TouchRow:
@@ -99,13 +145,32 @@ def _row(path: Path, values: dict[str, str]) -> TouchRow:
             f"{path}: {values['clip']} is touched from frame '{first}' to '{last}', expected two "
             f"numbers in order, the first above {FIRST_IDLE}: idle frames come before it."
         )
-    recording = path.parent / values["clip"]
-    object_id = (values.get("object") or "").strip() or recording.stem
-    family = (values.get("object_family") or "").strip() or object_id
+    object_id, family = _object(path, values)
+    still_until = _still_until(values, begins, ends)
+    recording, fps = path.parent / values["clip"], _fps(path, values)
+    return TouchRow(recording, fps, begins, ends, object_id, family, still_until)
+
+
+def _still_until(values: dict[str, str], begins: int, ends: int) -> int | None:
+    """Return the last frame before any labelled turn; a press alone lasts half of its contact."""
+    if (values.get("tier") or "").strip() == PRESS_ONLY:
+        return (begins + ends) // 2
+    turns = re.findall(r"(\d+)-\d+:", values.get("other_segments") or "")
+    start = (values.get("rotation_start") or "").strip()
+    if not start.isdecimal():
+        return None
+    return min(map(int, [start, *turns])) - 1
+
+
+def _object(path: Path, values: dict[str, str]) -> tuple[str, str]:
+    object_id = (values.get("object") or "").strip() or (path.parent / values["clip"]).stem
+    return object_id, (values.get("object_family") or "").strip() or object_id
+
+
+def _fps(path: Path, values: dict[str, str]) -> float:
     try:
-        fps = float(values["fps"])
+        return float(values["fps"])
     except ValueError as error:
         raise UnreadableClip(
             f"{path}: {values['clip']} has '{values['fps']}' frames per second, expected a number."
         ) from error
-    return TouchRow(recording, fps, begins, ends, object_id, family)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from geotlm_lm.core.errors import UnreadableClip
@@ -106,6 +106,48 @@ class RealCases:
             }
             row = window.row
             yield Case(window.clip, window.motion, row.object_id, row.object_family, tags)
+
+
+@dataclass(frozen=True)
+class StartingInContact:
+    """The four-frame windows of labelled recordings as a clip that shows no idle gel anywhere.
+
+    The recordings' own idle frames are withheld: each method guesses the background from the four
+    frames, as it must where a user's clip starts in contact.
+
+    Args:
+        recordings: One folder of labelled recordings.
+    """
+
+    recordings: LabelledRecordings
+
+    def __len__(self) -> int:
+        return 2 * len(self.recordings.rows)
+
+    def __iter__(self) -> Iterator[Case]:
+        for window in self.recordings.windows(frames=("four",), backwards=True):
+            clip, row = replace(window.clip, background=None), window.row
+            yield Case(clip, window.motion, row.object_id, row.object_family, {})
+
+
+def by_task(cases: RealCases) -> dict[str, RealCases]:
+    """Split recordings whose labels are of more than one task, so that each is asked as a task.
+
+    Returns:
+        What to add to the name -> the recordings of that part; nothing is added where all labels
+        are of one task.
+    """
+    recordings = cases.recordings
+    tasks = {" rotation": ROTATIONS, " sliding": SLIDES}
+    others = tuple(motion for motion in Motion if motion not in DIRECTED)
+    parts = {
+        name: tuple(row for row in recordings.rows if row.motion in among)
+        for name, among in (tasks | {" without direction": others}).items()
+    }
+    kept = {name: rows for name, rows in parts.items() if rows}
+    if len(kept) == 1:
+        return {"": cases}
+    return {name: RealCases(replace(recordings, rows=rows)) for name, rows in kept.items()}
 
 
 def real_cases(folder: str | Path) -> dict[str, RealCases]:

@@ -22,6 +22,7 @@ from geotlm_lm.evaluation.scores import (
     confusion,
     correctness,
     macro_accuracy,
+    mean_by_group,
     recall_per_class,
 )
 from geotlm_lm.evaluation.uncertainty import clustered_interval, paired_difference
@@ -183,6 +184,17 @@ def summarise(
             )
             for first, second in contrasts
         ],
+    }
+
+
+def per_object(replies: Replies, methods: Sequence[str]) -> dict[str, Any]:
+    """Return, object by object, how many clips there are and what share each method got right."""
+    objects = sorted(set(replies.objects))
+    counts = {one: replies.objects.count(one) for one in objects}
+    rights = {name: mean_by_group(replies.right(name), replies.objects) for name in methods}
+    return {
+        one: {"clips": counts[one]} | {name: right[one] for name, right in rights.items()}
+        for one in objects
     }
 
 

@@ -11,13 +11,30 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.core.record import RunRecord
-from geotlm_lm.data.touch_table import TABLE_NAME, TouchRow, read_touch_table
-from geotlm_lm.experiments.cases import TASKS, UNREADABLE, RealCases, SimulatedCases, real_cases
-from geotlm_lm.experiments.compare import Method, Replies, ask_all, summarise
-from geotlm_lm.experiments.methods import CONTRASTS, GENERATED, all_methods
-from geotlm_lm.experiments.semi_real import SemiRealSlides, UntouchedCases
+from geotlm_lm.data.touch_table import (
+    TABLE_NAME,
+    TouchRow,
+    UntouchedRow,
+    read_touch_table,
+    read_untouched,
+)
+from geotlm_lm.experiments.cases import (
+    TASKS,
+    UNREADABLE,
+    RealCases,
+    SimulatedCases,
+    StartingInContact,
+    by_task,
+    real_cases,
+)
+from geotlm_lm.experiments.compare import Method, Replies, ask_all, per_object, summarise
+from geotlm_lm.experiments.data_sets import judge_data_set, open_data_sets
+from geotlm_lm.experiments.methods import BY_OBJECT, CONTRASTS, GENERATED, all_methods
+from geotlm_lm.experiments.negatives import NoContactWindows, PressedIn
+from geotlm_lm.experiments.semi_real import SemiRealHeld, SemiRealSlides, UntouchedCases
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer
@@ -32,6 +49,7 @@ def evaluate(
     clips_per_task: int,
     seed: int,
     real_folder: Path | None = None,
+    data_paths: Sequence[Path] = (),
     model_name: str = "embedded",
     command: str = "",
     progress: Progress = lambda what, done, total: None,
@@ -43,31 +61,39 @@ def evaluate(
         clips_per_task: Readable simulated clips per task; 0 leaves the simulated tasks out.
         seed: Root of scenes, question wordings and resampling.
         real_folder: Labelled recordings, judged in addition.
+        data_paths: Data sets judged in addition: TactileTracking's folder, or a manifest.
         model_name: What the record calls the model.
         command: The command line, for the record.
         progress: Told how far the run is.
 
     Raises:
-        UnreadableClip: If the recordings cannot be read.
+        UnreadableClip: If the recordings or a data set cannot be read, or nothing was judged.
+        UsageError: If two data sets have one name.
     """
     recordings = {} if real_folder is None else real_cases(real_folder)
+    data_sets = open_data_sets(data_paths)
     started = time.perf_counter()
     methods = all_methods(answerer, seed)
     tables: dict[str, Any] = {}
+    about: dict[str, Any] = {}
     with one_thread():
         for task in TASKS if clips_per_task else ():
             cases = SimulatedCases(task, clips_per_task, seed, with_unreadable=True)
             tables[f"simulated {task}"] = judge_simulated(methods, cases, seed, progress)
         for name, real in recordings.items():
-            tables |= judge_real(methods, name, real, seed, progress)
-            touched = read_touch_table(real.recordings.folder / TABLE_NAME)
-            tables |= judge_made(methods, name, touched, seed, progress) if touched else {}
+            tables |= judge_recordings(methods, name, real, seed, progress)
+        for name, data_set in data_sets.items():
+            found, about[name] = judge_data_set(methods, data_set, seed, progress)
+            tables |= found
+    if not tables:
+        raise UnreadableClip(f"no clip could be judged ({_left_out(about)}); give other data.")
     return RunRecord(
         name="evaluate",
         command=command,
         seed=seed,
         seconds=time.perf_counter() - started,
-        numbers={"tables": tables, "minimum": minimum_accuracy(tables)},
+        numbers={"tables": tables, "minimum": minimum_accuracy(tables)}
+        | ({"data_sets": about} if about else {}),
         config={
             "model": model_name,
             "model_digest": answerer.bundle.digest(),
@@ -94,6 +120,48 @@ def judge_simulated(
     }
 
 
+def judge_recordings(
+    methods: Mapping[str, Method], name: str, real: RealCases, seed: int, progress: Progress
+) -> dict[str, Any]:
+    """Return every table of one folder: its windows task by task, and what else it can be asked."""
+    tables: dict[str, Any] = {}
+    for part, cases in by_task(real).items():
+        tables |= judge_real(methods, name + part, cases, seed, progress)
+        title = f"real {name}{part}, no idle frame"
+        shown = StartingInContact(cases.recordings)
+        replies = ask_all(methods, shown, cases.among, _telling(progress, title, len(shown)))
+        tables[title] = _table(replies, seed) | _by_object(replies)
+    table = real.recordings.folder / TABLE_NAME
+    touched = read_touch_table(table)
+    tables |= judge_made(methods, name, touched, seed, progress) if touched else {}
+    return tables | judge_negatives(methods, name, touched, read_untouched(table), seed, progress)
+
+
+def judge_negatives(
+    methods: Mapping[str, Method],
+    name: str,
+    touched: Sequence[TouchRow],
+    untouched: Sequence[UntouchedRow],
+    seed: int,
+    progress: Progress,
+    contrasts: Sequence[tuple[str, str]] = CONTRASTS,
+) -> dict[str, Any]:
+    """Return the tables of clips without a direction: no contact, pressed in only, held still."""
+    tables = {}
+    windows = NoContactWindows(untouched)
+    for title, cases, total in (
+        (f"real {name}, no visible contact", windows, len(untouched)),
+        (f"real {name}, pressed in", PressedIn(touched), len(PressedIn(touched))),
+        (f"semi-real {name}, held or pressed", SemiRealHeld(touched, seed), 3 * len(touched)),
+    ):
+        replies = ask_all(methods, cases, tuple(Motion), _telling(progress, title, total))
+        if len(replies):
+            tables[title] = summarise(replies, contrasts, seed=seed)
+    if windows.too_short and (title := f"real {name}, no visible contact") in tables:
+        tables[title]["too_short_left_out"] = windows.too_short
+    return tables
+
+
 def judge_real(
     methods: Mapping[str, Method], name: str, cases: RealCases, seed: int, progress: Progress
 ) -> dict[str, Any]:
@@ -112,7 +180,7 @@ def judge_real(
     tables = {}
     for frames, title in (("four", "four frames"), ("pair", "pairs")):
         part = replies.where(frames=frames)
-        tables[f"real {name}, {title}"] = _table(part, seed) | left_out
+        tables[f"real {name}, {title}"] = _table(part, seed) | left_out | _by_object(part)
         for played in ("forwards", "backwards"):
             key = f"real {name}, {title}, {played}"
             tables[key] = _table(part.where(played=played), seed)
@@ -168,6 +236,21 @@ def one_thread() -> Iterator[None]:
     finally:
         torch.set_num_threads(torch_before)
         cv2.setNumThreads(cv2_before)
+
+
+def _by_object(replies: Replies) -> dict[str, Any]:
+    return {"by_object": per_object(replies, BY_OBJECT)}
+
+
+def _telling(progress: Progress, title: str, total: int) -> Callable[[int], None]:
+    return lambda done: progress(title, done, max(done, total))
+
+
+def _left_out(about: Mapping[str, Any]) -> str:
+    """Return how many files of each data set were left out, and the first reason."""
+    counts = [f"{one['left_out']['count']} left out of {name}" for name, one in about.items()]
+    reasons = [reason for one in about.values() for reason in one["left_out"]["first"]]
+    return "; ".join([*counts, *reasons[:1]]) or "none was asked for"
 
 
 def _table(replies: Replies, seed: int) -> dict[str, Any]:

@@ -45,6 +45,9 @@ its straight cut would be seen."""
 LEAST_CHANGE_GREY = 1.5
 """RMS change over the image below which there is no imprint worth moving."""
 
+PRESS_FROM = 0.25
+"""Strength a press begins at, relative to the recorded touch."""
+
 _TOWARDS = {
     Motion.LEFT: (-1, 0),
     Motion.RIGHT: (1, 0),
@@ -68,12 +71,10 @@ class UntouchedCases:
 
     def __iter__(self) -> Iterator[Case]:
         for row in self.rows:
-            frames, idle = _read(row)
+            frames, idle = read_touched(row)
             first, last = row.surely_idle[0], row.surely_idle[-1]
             numbers = np.linspace(first, last, FRAME_COUNT).round().astype(int)
-            clip = Clip(
-                frames[numbers], fps=row.fps, background=_as_image(idle), name=row.path.name
-            )
+            clip = Clip(frames[numbers], fps=row.fps, background=as_image(idle), name=row.path.name)
             yield Case(clip, Motion.NONE, row.object_id, row.object_family, {})
 
 
@@ -98,7 +99,7 @@ class SemiRealSlides:
     def __iter__(self) -> Iterator[Case]:
         self.cut_off = given = 0
         for index, row in enumerate(self.rows):
-            frames, idle = _read(row)
+            frames, idle = read_touched(row)
             imprint = _imprint(frames[row.contact_start : row.contact_end + 1], idle)
             if imprint is None:
                 self.cut_off += 1
@@ -108,6 +109,43 @@ class SemiRealSlides:
             clip = slid(imprint, idle, motion, rng, name=row.path.name)
             for shown, truth in ((clip, motion), (clip.reversed(), reverse(motion))):
                 yield Case(shown, truth, row.object_id, row.object_family, {})
+
+
+@dataclass
+class SemiRealHeld:
+    """Each imprint held still, pressed in and let go, in the place where it was recorded.
+
+    Held, only fresh noise changes from frame to frame. Pressed in, the recorded change against the
+    idle gel grows from `PRESS_FROM` of it to all of it: real contacts also widen, which lacks here.
+
+    Args:
+        rows: The recordings.
+        seed: Root of the noise.
+    """
+
+    rows: Sequence[TouchRow]
+    seed: int
+
+    def __len__(self) -> int:
+        return 3 * len(self.rows)
+
+    def __iter__(self) -> Iterator[Case]:
+        for index, row in enumerate(self.rows):
+            frames, idle = read_touched(row)
+            imprint = _imprint(frames[row.contact_start : row.contact_end + 1], idle)
+            if imprint is None:
+                continue
+            rng = generator_for(self.seed, "semi-real held", index)
+            still, pressed = (
+                carried(imprint, idle, rng, growth=(begin, 1.0), name=row.path.name)
+                for begin in (1.0, PRESS_FROM)
+            )
+            for clip, motion in (
+                (still, Motion.STILL),
+                (pressed, Motion.PRESS),
+                (pressed.reversed(), Motion.RELEASE),
+            ):
+                yield Case(clip, motion, row.object_id, row.object_family, {})
 
 
 def slid(
@@ -127,21 +165,47 @@ def slid(
         rng: Draws the travel, what goes astray, and noise.
         name: What the clip is called.
     """
-    rows, columns = idle.shape[:2]
+    columns = idle.shape[1]
     along = rng.uniform(*TRAVEL_SHARE) * columns
     aside = rng.uniform(-SIDEWAYS_SHARE, SIDEWAYS_SHARE) * along
     toward = np.array(_TOWARDS[motion], float)
     path = along * toward + aside * toward[::-1]
     turn_deg = rng.uniform(-TURN_DEG, TURN_DEG)
+    return carried(imprint, idle, rng, path_px=path, turn_deg=turn_deg, name=name)
+
+
+def carried(
+    imprint: NDArray[np.float32],
+    idle: NDArray[np.float32],
+    rng: np.random.Generator,
+    *,
+    path_px: Sequence[float] | NDArray[np.float64] = (0.0, 0.0),
+    turn_deg: float = 0.0,
+    growth: tuple[float, float] = (1.0, 1.0),
+    name: str = "",
+) -> Clip:
+    """Return four frames of an imprint on the idle gel, evenly from its own place to another.
+
+    Args:
+        imprint: As of `slid`.
+        idle: As of `slid`.
+        rng: Draws the noise.
+        path_px: Travel, right and down.
+        turn_deg: Turn about the image's middle, positive clockwise.
+        growth: Strength in the first frame and in the last, 1 as recorded.
+        name: What the clip is called.
+    """
+    rows, columns = idle.shape[:2]
     frames = []
     for share in np.linspace(0, 1, FRAME_COUNT):
         # OpenCV turns counterclockwise for positive angles; here clockwise is positive.
         matrix = cv2.getRotationMatrix2D((columns / 2, rows / 2), -turn_deg * share, 1.0)
-        matrix[:, 2] += share * path
+        matrix[:, 2] += share * np.asarray(path_px)
         moved = cv2.warpAffine(imprint, matrix, (columns, rows), flags=cv2.INTER_CUBIC)
+        strength = growth[0] + share * (growth[1] - growth[0])
         noise = rng.normal(0, NOISE_GREY, idle.shape)
-        frames.append(_as_image(idle + moved + noise))
-    return Clip(np.stack(frames), background=_as_image(idle), name=name)
+        frames.append(as_image(idle + strength * moved + noise))
+    return Clip(np.stack(frames), background=as_image(idle), name=name)
 
 
 def _imprint(touched: NDArray[np.uint8], idle: NDArray[np.float32]) -> NDArray[np.float32] | None:
@@ -158,11 +222,13 @@ def _imprint(touched: NDArray[np.uint8], idle: NDArray[np.float32]) -> NDArray[n
     return imprint.astype(np.float32)
 
 
-def _read(row: TouchRow) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+def read_touched(row: TouchRow) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    """Return a recording's frames, and its idle gel in grey levels."""
     frames = read_clip(row.path).frames
     row.check_length(len(frames))
     return frames, frames[row.surely_idle].mean(axis=0, dtype=np.float32)
 
 
-def _as_image(values: NDArray[np.floating]) -> NDArray[np.uint8]:
+def as_image(values: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Return grey levels as 8 bit hold them."""
     return np.clip(np.rint(values), 0, 255).astype(np.uint8)

@@ -28,7 +28,7 @@ def read_array(path: Path, layout: Layout | None = None) -> Clip:
     Raises:
         UnreadableClip: If it holds no frames this can read.
     """
-    stored = _map_array(path)
+    stored = map_array(path)
     return _to_clip(stored, layout, str(path))
 
 
@@ -71,10 +71,15 @@ def read_still_array(path: Path) -> Frames:
     Raises:
         UnreadableClip: If it holds no single image.
     """
-    return still_to_rgb(_map_array(path), str(path))
+    return still_to_rgb(map_array(path), str(path))
 
 
-def _map_array(path: Path) -> NDArray:
+def map_array(path: Path) -> NDArray:
+    """Return the array in a .npy file without reading its numbers yet; Python objects never.
+
+    Raises:
+        UnreadableClip: If the file is cut off, damaged, declares too much, or holds objects.
+    """
     with _refusing_damage(str(path)):
         with path.open("rb") as stream:
             shape, dtype = _read_header(stream, str(path))

@@ -21,7 +21,7 @@ def read_folder(folder: Path) -> Clip:
     Raises:
         UnreadableClip: If there are none, one is damaged, or their sizes differ.
     """
-    paths = sorted((path for path in _listed(folder) if _is_frame(path)), key=_natural_key)
+    paths = image_paths(folder)
     if not paths:
         raise UnreadableClip(
             f"{folder}: the folder holds no images, expected {', '.join(IMAGE_SUFFIXES)}; "
@@ -47,6 +47,22 @@ def read_folder(folder: Path) -> Clip:
         frame_numbers=tuple(range(0, len(paths), stride)),
         notes=notes,
     )
+
+
+def image_paths(folder: Path) -> list[Path]:
+    """Return the images in `folder` in natural order of their names; hidden files are passed over.
+
+    Raises:
+        UnreadableClip: If the folder cannot be opened.
+    """
+    frames = [path for path in _listed(folder) if _is_frame(path)]
+    return sorted(frames, key=lambda path: natural_key(path.name))
+
+
+def natural_key(name: str) -> list[tuple[int, int, str]]:
+    """Return what sorts names naturally: frame2 before frame10."""
+    parts = re.split(r"(\d+)", name.lower())
+    return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts if part]
 
 
 def read_still_image(path: Path) -> Frames:
@@ -82,8 +98,3 @@ def _is_frame(path: Path) -> bool:
     # Copies made on a Mac bring a hidden `._frame1.png`, which is no image, beside every frame.
     is_hidden = path.name.startswith(".")
     return path.suffix.lower() in IMAGE_SUFFIXES and not is_hidden and path.is_file()
-
-
-def _natural_key(path: Path) -> list[tuple[int, int, str]]:
-    parts = re.split(r"(\d+)", path.name.lower())
-    return [(0, int(part), "") if part.isdigit() else (1, 0, part) for part in parts if part]

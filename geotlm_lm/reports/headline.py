@@ -6,8 +6,11 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
+from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.record import RunRecord
-from geotlm_lm.reports.tables import markdown, provenance
+from geotlm_lm.reports.facts import SHARE_OF_A_TABLE
+from geotlm_lm.reports.markdown import markdown
+from geotlm_lm.reports.tables import provenance
 
 SHORT_NAMES = {
     "language model, words": "words",
@@ -23,10 +26,10 @@ SHORT_NAMES = {
 
 WORDS = "language model, words"
 
-_SHARE_OF_A_TABLE = re.compile(r", (pairs, .*|\d+ fps|forwards|backwards)$")
-"""Titles of tables that are parts of another one."""
+_FINE_SHARE = re.compile(r", (pairs, .*|\d+ fps|sensor .*)$")
 
-_FINE_SHARE = re.compile(r", (pairs, .*|\d+ fps)$")
+_ASIDE = re.compile(r", (no idle frame|no visible contact|pressed in|held or pressed)$")
+"""Tables that get no column of their own where tables stand side by side."""
 
 
 def accuracy_headline(record: RunRecord) -> str:
@@ -56,6 +59,22 @@ def difference_headline(record: RunRecord) -> str:
     return markdown(["difference, 95 %", *tables], rows) + "\n\n" + provenance(record)
 
 
+def false_claim_headline(record: RunRecord) -> str:
+    """Return how often a direction is claimed where none is, a row per table with such clips."""
+    tables = {
+        title: table
+        for title, table in record.numbers["tables"].items()
+        if any(own["false_claim_rate"] is not None for own in table["methods"].values())
+    }
+    methods = _in_order(name for table in tables.values() for name in table["methods"])
+    rows = [
+        [title, str(_undirected(table)), *(_claimed(table["methods"].get(m)) for m in methods)]
+        for title, table in tables.items()
+    ]
+    header = ["clips without a direction", "n", *(SHORT_NAMES.get(name, name) for name in methods)]
+    return markdown(header, rows) + "\n\n" + provenance(record)
+
+
 def time_headline(record: RunRecord) -> str:
     """Return one row per method and one column per table: median and 95th percentile."""
     tables = _whole_tables(record)
@@ -69,7 +88,11 @@ def time_headline(record: RunRecord) -> str:
 
 def _whole_tables(record: RunRecord) -> dict[str, dict[str, Any]]:
     tables = record.numbers["tables"].items()
-    return {title: table for title, table in tables if not _SHARE_OF_A_TABLE.search(title)}
+    return {
+        title: table
+        for title, table in tables
+        if not (SHARE_OF_A_TABLE.search(title) or _ASIDE.search(title))
+    }
 
 
 def _in_order(names: Iterable[Any]) -> list[Any]:
@@ -81,6 +104,15 @@ def _in_order(names: Iterable[Any]) -> list[Any]:
 
 def _pair_title(pair: tuple[str, str]) -> str:
     return " less ".join(SHORT_NAMES.get(name, name) for name in pair)
+
+
+def _undirected(table: dict[str, Any]) -> int:
+    return sum(n for motion, n in table["truths"].items() if Motion(motion) not in DIRECTED)
+
+
+def _claimed(scores: dict[str, Any] | None) -> str:
+    rate = None if scores is None else scores["false_claim_rate"]
+    return "-" if rate is None else f"{rate:.3f}"
 
 
 def _accuracy(scores: dict[str, Any] | None) -> str:

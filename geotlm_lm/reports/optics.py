@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from geotlm_lm.core.record import RunRecord
-from geotlm_lm.reports.tables import markdown, provenance
+from geotlm_lm.reports.markdown import markdown
+from geotlm_lm.reports.tables import provenance
 
 HEADER = ("unit", "real, median (spread)", "simulated, median (spread)", "simulated median is",
           "simulated inside", "real covered")  # fmt: skip

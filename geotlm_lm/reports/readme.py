@@ -13,13 +13,20 @@ from pathlib import Path
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.record import RunRecord
-from geotlm_lm.reports.headline import accuracy_headline, difference_headline, time_headline
+from geotlm_lm.reports.confusions import FOLDER, stale_pictures
+from geotlm_lm.reports.headline import (
+    accuracy_headline,
+    difference_headline,
+    false_claim_headline,
+    time_headline,
+)
 from geotlm_lm.reports.protocols import protocols_page
 from geotlm_lm.reports.tables import answer_example, evaluation_page, training_overview
 
 BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "accuracy": ("evaluate.json", accuracy_headline),
     "differences": ("evaluate.json", difference_headline),
+    "false-claims": ("evaluate.json", false_claim_headline),
     "times": ("evaluate.json", time_headline),
     "example": ("answer.json", answer_example),
     "training": ("train.json", training_overview),
@@ -36,6 +43,9 @@ PAGES: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "protocols.md": ("protocols.json", protocols_page),
 }
 """Page -> the record it is made from, and how; written where there is that record."""
+
+ILLUSTRATED = ("evaluation.md",)
+"""Pages that show who is taken for whom in pictures."""
 
 _BEGIN = re.compile(r"^<!-- begin: (\S+) -->$", re.MULTILINE)
 
@@ -81,7 +91,7 @@ def write_readme(readme: Path, records: Path) -> bool:
 
 
 def check_readme(readme: Path, records: Path) -> None:
-    """Compare the blocks of a README and the pages with the records.
+    """Compare the blocks of a README, the pages and their pictures with the records.
 
     Raises:
         UnusableReadme: If one says something else than its record.
@@ -91,6 +101,14 @@ def check_readme(readme: Path, records: Path) -> None:
             raise UnusableReadme(
                 f"{path}: its numbers differ from the records in {records}; run "
                 f"`geotlm-lm report readme`."
+            )
+    for page, (name, _) in PAGES.items():
+        if page not in ILLUSTRATED or not (records / name).is_file():
+            continue
+        for picture in stale_pictures(RunRecord.load(records / name), records.parent / FOLDER):
+            raise UnusableReadme(
+                f"{picture}: is missing or shows other numbers than {records / name}; run "
+                f"`geotlm-lm report confusions`."
             )
 
 

@@ -8,7 +8,8 @@ from typing import Any
 
 from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.record import RunRecord
-from geotlm_lm.reports.tables import markdown, provenance
+from geotlm_lm.reports.markdown import markdown
+from geotlm_lm.reports.tables import provenance
 
 MEASURES = {
     "height_um": "height, um RMS",

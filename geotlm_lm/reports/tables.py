@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from typing import Any
 
 from geotlm_lm.core.record import RunRecord
+from geotlm_lm.reports.confusions import confusion_pictures
+from geotlm_lm.reports.facts import data_set_facts, facts, object_table
+from geotlm_lm.reports.markdown import markdown
 
 COLUMNS = (
     "method",
@@ -19,36 +21,35 @@ COLUMNS = (
     "ms, p95",
 )
 
+CONFUSIONS = """## Who is taken for whom
 
-def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a Markdown table padded so that it reads as plain text too.
+A row is a truth, a column an answer, a number the clips; blue is right, orange is wrong, and the
+stronger the colour, the larger the share of the row."""
 
-    The first column is set left, all others right.
-    """
-    cells = [list(header), *(list(row) for row in rows)]
-    widths = [max(len(line[column]) for line in cells) for column in range(len(header))]
+NO_ANSWER = COLUMNS.index("no answer")
 
-    def line(values: Sequence[str]) -> str:
-        first = values[0].ljust(widths[0])
-        others = [value.rjust(width) for value, width in zip(values[1:], widths[1:], strict=True)]
-        return "| " + " | ".join([first, *others]) + " |"
-
-    rule = "| " + " | ".join(["-" * widths[0], *("-" * (w - 1) + ":" for w in widths[1:])]) + " |"
-    return "\n".join([line(cells[0]), rule, *(line(row) for row in cells[1:])])
+CLAIMED = "direction claimed where none is"
 
 
 def evaluation_tables(record: RunRecord) -> str:
     """Return every table of an evaluation, each with its clips and paired differences."""
     parts = []
     for name, table in record.numbers["tables"].items():
-        parts += [f"### {name}", "", _facts(table), "", method_table(table), ""]
+        parts += [f"### {name}", "", facts(table), "", method_table(table), ""]
         parts += [difference_line(one) for one in table["differences"]] + [""]
+        if "by_object" in table:
+            parts += ["Object by object:", "", object_table(table["by_object"]), ""]
+    for name, about in record.numbers.get("data_sets", {}).items():
+        parts += [data_set_facts(name, about), ""]
     return "\n".join(parts).rstrip() + "\n"
 
 
 def method_table(table: dict[str, Any]) -> str:
-    """Return one row per method."""
-    rows = []
+    """Return one row per method; where clips have no direction, also how often one is claimed."""
+    rows, columns = [], list(COLUMNS)
+    has_undirected = any(own["false_claim_rate"] is not None for own in table["methods"].values())
+    if has_undirected:
+        columns.insert(NO_ANSWER, CLAIMED)
     for name, scores in table["methods"].items():
         low, high = scores["interval"]
         worst = min(scores["recall"], key=scores["recall"].get)
@@ -64,7 +65,9 @@ def method_table(table: dict[str, Any]) -> str:
                 f"{scores['ms_p95']:.1f}",
             ]
         )
-    return markdown(COLUMNS, rows)
+        if has_undirected:
+            rows[-1].insert(NO_ANSWER, f"{scores['false_claim_rate']:.3f}")
+    return markdown(columns, rows)
 
 
 def difference_line(difference: dict[str, Any]) -> str:
@@ -83,7 +86,9 @@ def evaluation_page(record: RunRecord) -> str:
 Rows of *all motions* and *words* choose among ten; words are free, any sentence may come, and one
 that does not parse counts as wrong. The other rows choose among the motions of the task. Intervals
 and p-values are clustered by object; simulated and real clips are never pooled."""
-    return f"{intro}\n\n{evaluation_tables(record)}\n{provenance(record)}\n"
+    pictures = [f"![{title}]({path})" for title, path in confusion_pictures(record).items()]
+    shown = "\n\n".join([CONFUSIONS, *pictures]) + "\n\n" if pictures else ""
+    return f"{intro}\n\n{evaluation_tables(record)}\n{shown}{provenance(record)}\n"
 
 
 def answer_example(record: RunRecord) -> str:
@@ -164,18 +169,3 @@ def provenance(record: RunRecord) -> str:
         f"{record.seconds / 60:.1f} min on {machine['cores']} cores of {machine['processor']}, "
         f"{record.made_utc[:10]}."
     )
-
-
-def _facts(table: dict[str, Any]) -> str:
-    truths = ", ".join(f"{count} {motion}" for motion, count in table["truths"].items())
-    facts = f"{table['clips']} clips of {table['objects']} objects: {truths}"
-    if table.get("unreadable_left_out"):
-        facts += f"; {table['unreadable_left_out']} left out, their images do not show the motion"
-        if "unreadable_right" in table:
-            facts += f" (the language model's words name {table['unreadable_right']} of them)"
-    if table.get("cut_off_left_out"):
-        facts += f"; {table['cut_off_left_out']} imprints left out, faint or cut off by the border"
-    if table.get("rows_left_out"):
-        left = ", ".join(f"{count} {word}" for word, count in table["rows_left_out"].items())
-        facts += f"; labels left out: {left}"
-    return facts + "."

@@ -88,3 +88,10 @@ def test_importing_the_commands_loads_no_torch():
         "sys.exit(any(name in sys.modules for name in ('torch', 'transformers', 'cv2')))"
     )
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_data_sets_reach_the_run(judged, invoke, tmp_path):
+    paths = [tmp_path / "trials", tmp_path / "touchd.csv"]
+    words = [word for path in paths for word in ("--data", str(path))]
+    assert invoke("--clips", "0", *words).exit_code == 0
+    assert judged["data_paths"] == paths

@@ -78,3 +78,28 @@ def test_closed_forms_are_recorded_and_tabled_with_their_command(tmp_path, monke
     assert RunRecord.load(out).command == "geotlm-lm report closed-forms"
     assert "| mirror |" in table.read_text()
     assert table.read_text().startswith("# Simulator: closed forms and orders of convergence\n")
+
+
+def test_confusions_are_drawn_beside_the_page_that_shows_them(tmp_path, monkeypatch):
+    from geotlm_lm.reports import confusions
+
+    drawn = []
+    monkeypatch.setattr(
+        confusions, "draw_confusions", lambda record, folder: drawn.append(folder) or [folder / "a"]
+    )
+    record = tmp_path / "reports" / "recorded" / "evaluate.json"
+    RunRecord("evaluate", "", 0, 1.0, {"tables": {}}).save(record)
+    done = CliRunner().invoke(app, ["confusions", "--record", str(record)])
+    folder = tmp_path / "reports" / "confusions"
+    assert drawn == [folder]
+    assert done.stdout == f"{folder / 'a'}\n"
+    CliRunner().invoke(app, ["confusions", "--record", str(record), "--out", str(tmp_path / "b")])
+    assert drawn[-1] == tmp_path / "b"
+
+
+def test_a_missing_record_names_the_command_that_writes_it(tmp_path):
+    path = tmp_path / "evaluate.json"
+    error = CliRunner().invoke(app, ["confusions", "--record", str(path)]).exception
+    assert str(error) == (
+        f"{path}: no such record; write it with `geotlm-lm evaluate --out {path}`."
+    )

@@ -144,6 +144,24 @@ def test_a_guessed_background_is_said(folder):
     assert "guessed" in next(only(folder).windows()).clip.notes[-1]
 
 
+@pytest.mark.parametrize(("count", "expected"), [(159, 0), (160, 16)])
+def test_a_long_recordings_unsettled_start_stays_out_of_the_guess(
+    tmp_path, monkeypatch, count, expected
+):
+    (tmp_path / "clips").mkdir()
+    levels = np.arange(count, dtype=np.uint8)[:, None, None, None]
+    np.save(tmp_path / "clips" / "a.npy", np.broadcast_to(levels, (count, 16, 20, 3)))
+    write_table(tmp_path, "clips/a.npy,40,60,up")
+    first = []
+    monkeypatch.setattr(
+        labelled_recordings,
+        "estimate_background",
+        lambda frames: first.append(frames[0, 0, 0, 0]) or frames[0],
+    )
+    next(only(tmp_path).windows())
+    assert first == [expected]
+
+
 def test_a_window_past_the_end_is_refused_with_the_numbers(folder):
     write_table(folder, "clips/cap_0.npy,10,25,up")
     with pytest.raises(UnreadableClip, match="names frame 25, the recording holds frames 0 to 19"):

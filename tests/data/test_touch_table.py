@@ -1,7 +1,7 @@
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.data.touch_table import read_touch_table
+from geotlm_lm.data.touch_table import read_touch_table, read_untouched
 
 HEADER = "clip,object,object_family,fps,contact_start,contact_end\n"
 
@@ -61,3 +61,37 @@ def test_a_recording_that_ends_too_early_is_refused(table):
     row.check_length(10)
     with pytest.raises(UnreadableClip, match="names frame 9, the recording holds frames 0 to 8"):
         row.check_length(9)
+
+
+TURNS = "clip,fps,contact_start,contact_end,rotation_start,other_segments,tier\n"
+
+
+@pytest.mark.parametrize(
+    ("row", "expected"),
+    [
+        ("a.mov,25,20,60,30,,A", range(17, 30)),
+        ("a.mov,25,20,60,30,25-29:+10,A", range(17, 25)),
+        ("a.mov,25,20,60,30,40-45:+10,A", range(17, 30)),
+        ("a.mov,25,20,60,24,,A", range(17, 24)),
+        ("a.mov,25,20,60,23,,A", None),  # contact and turn are too close to be told apart
+        ("a.mov,25,20,60,20,,A", None),
+        ("a.mov,25,20,60,,,U", None),  # nobody looked for a turn
+        ("a.mov,25,20,60,,,P", range(17, 41)),
+        ("a.mov,25,3,60,30,,A", range(1, 30)),
+    ],
+)
+def test_it_is_only_pressed_in_until_the_first_turn_begins(table, row, expected):
+    (found,) = read_touch_table(table(f"{TURNS}{row}\n"))
+    assert found.pressing == expected
+
+
+def test_a_table_without_turns_tells_no_presses(table):
+    (row,) = read_touch_table(table(HEADER + "a.mov,,,10,20,40\n"))
+    assert row.pressing is None
+
+
+def test_recordings_that_show_no_contact_are_read_apart(table):
+    path = table(HEADER + "clips/a.mov,cap,caps,25.0,20,40\nclips/b.mov,key,keys,25.0,,\n")
+    (row,) = read_untouched(path)
+    assert (row.path, row.fps) == (path.parent / "clips/b.mov", 25.0)
+    assert (row.object_id, row.object_family) == ("key", "keys")

@@ -5,8 +5,14 @@ import pytest
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion, MotionLabel
-from geotlm_lm.experiments.cases import UNREADABLE, SimulatedCases, real_cases
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
+from geotlm_lm.experiments.cases import (
+    UNREADABLE,
+    SimulatedCases,
+    StartingInContact,
+    by_task,
+    real_cases,
+)
 
 
 @pytest.fixture
@@ -100,3 +106,32 @@ def test_a_folder_without_usable_labels_says_what_it_found(tmp_path):
     folder = labelled_folder(tmp_path / "mine", "up-left", "up-left")
     with pytest.raises(UnreadableClip, match=r"no row has a usable direction .*'up-left': 2"):
         real_cases(folder)
+
+
+def test_a_clip_that_starts_in_contact_shows_no_idle_gel(tmp_path):
+    (cases,) = real_cases(labelled_folder(tmp_path / "mine", "left")).values()
+    found = StartingInContact(cases.recordings)
+    shown = list(found)
+    assert len(found) == len(shown) == 2
+    assert [case.motion for case in shown] == [Motion.LEFT, Motion.RIGHT]
+    assert [case.clip.background for case in shown] == [None, None]
+    assert shown[0].clip.frame_numbers == (0, 3, 6, 9)
+
+
+def test_labels_of_several_tasks_are_asked_task_by_task(tmp_path):
+    folder = labelled_folder(tmp_path / "mine", "clockwise", "left", "up", "press", "up-left")
+    (cases,) = real_cases(folder).values()
+    parts = by_task(cases)
+    found = {name: [row.motion for row in part.recordings.rows] for name, part in parts.items()}
+    assert found == {
+        " rotation": [Motion.CLOCKWISE],
+        " sliding": [Motion.LEFT, Motion.UP],
+        " without direction": [Motion.PRESS],
+    }
+    assert (parts[" rotation"].among, parts[" sliding"].among) == (ROTATIONS, SLIDES)
+    assert parts[" sliding"].recordings.skipped == {"up-left": 1}
+
+
+def test_labels_of_one_task_stay_together(tmp_path):
+    (cases,) = real_cases(labelled_folder(tmp_path / "mine", "left", "up")).values()
+    assert by_task(cases) == {"": cases}

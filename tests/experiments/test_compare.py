@@ -3,7 +3,15 @@ import pytest
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import ROTATIONS, Motion
-from geotlm_lm.experiments.compare import Case, Reply, ask_all, compare, summarise, timed
+from geotlm_lm.experiments.compare import (
+    Case,
+    Reply,
+    ask_all,
+    compare,
+    per_object,
+    summarise,
+    timed,
+)
 
 CW, CCW, STILL = Motion.CLOCKWISE, Motion.COUNTERCLOCKWISE, Motion.STILL
 
@@ -124,3 +132,11 @@ def test_progress_counts_the_cases():
 def test_no_case_is_refused():
     with pytest.raises(ValueError, match="no case to score"):
         summarise(ask_all(METHODS, [], ROTATIONS))
+
+
+def test_objects_are_told_apart():
+    replies = ask_all(METHODS, CASES, ROTATIONS)
+    assert per_object(replies, ["oracle", "first"]) == {
+        "cap": {"clips": 2, "oracle": 1.0, "first": 0.5},
+        "key": {"clips": 2, "oracle": 1.0, "first": 1.0},
+    }

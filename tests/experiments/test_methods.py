@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -5,6 +7,8 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.experiments import methods
 from geotlm_lm.experiments.methods import all_methods, direction_questions, most_probable
+from geotlm_lm.probe.rigid_flow import RigidFlow
+from geotlm_lm.recordings.idle import estimate_background
 from tests.experiments.fakes import ALL, FakeAnswerer
 
 
@@ -98,3 +102,22 @@ def test_the_same_seed_asks_the_same_questions():
 )
 def test_the_most_probable_motion_is_sought_among_those_asked(options, expected):
     assert most_probable(options, SLIDES) == expected
+
+
+def test_flow_is_given_the_gel_that_the_model_would_guess():
+    """Against the mean frame a small slide nearly cancels; the guessed gel shows it."""
+    from geotlm_lm.simulation.touch import Touch, simulate_touch
+
+    clip = simulate_touch(Touch("key", slide_x_mm=0.4, seed=1)).clip
+    without = replace(clip, background=None)
+    assert methods.flow_on_the_guessed_gel(without, SLIDES) == Motion.RIGHT
+    guessed = replace(clip, background=estimate_background(clip.frames))
+    assert RigidFlow().fit(guessed).slide_x_px > 2 * RigidFlow().fit(without).slide_x_px
+
+
+def test_flow_uses_the_background_where_there_is_one(monkeypatch):
+    def refuse(frames):
+        raise AssertionError("a known background was guessed")
+
+    monkeypatch.setattr(methods, "estimate_background", refuse)
+    assert methods.flow_on_the_guessed_gel(clip_of(Motion.UP), SLIDES) in SLIDES

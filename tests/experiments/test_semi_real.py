@@ -5,7 +5,7 @@ from geotlm_lm.core.labels import SLIDES, Motion, reverse
 from geotlm_lm.data.touch_table import TouchRow
 from geotlm_lm.experiments.compare import Reply
 from geotlm_lm.experiments.evaluate import judge_made
-from geotlm_lm.experiments.semi_real import SemiRealSlides, UntouchedCases, slid
+from geotlm_lm.experiments.semi_real import SemiRealHeld, SemiRealSlides, UntouchedCases, slid
 
 ROWS, COLUMNS = 120, 160
 TOWARDS = {Motion.LEFT: (-1, 0), Motion.RIGHT: (1, 0), Motion.UP: (0, -1), Motion.DOWN: (0, 1)}
@@ -98,3 +98,27 @@ def test_both_tables_are_made_and_say_what_was_left_out(tmp_path):
     slides = tables["semi-real mine, sliding"]
     assert (slides["clips"], slides["cut_off_left_out"]) == (2, 1)
     assert slides["methods"]["language model, words"]["accuracy"] == 0.5
+
+
+def test_a_held_imprint_changes_by_noise_only(tmp_path):
+    (still, *_) = SemiRealHeld([recording(tmp_path, "a.npy", blob(80, 60))], seed=0)
+    assert still.motion == Motion.STILL
+    change = np.diff(still.clip.frames.astype(int), axis=0)
+    assert 0.1 < change.std() < 1.0
+    assert np.linalg.norm(middles(still.clip)[-1] - middles(still.clip)[0]) < 0.2
+
+
+def test_a_pressed_imprint_grows_where_it_is_and_a_release_is_it_backwards(tmp_path):
+    _, press, release = SemiRealHeld([recording(tmp_path, "a.npy", blob(80, 60))], seed=0)
+    assert (press.motion, release.motion) == (Motion.PRESS, Motion.RELEASE)
+    change = press.clip.frames[..., 1].astype(float) - press.clip.background[..., 1]
+    strength = np.abs(change).max(axis=(1, 2))
+    # The recorded imprint's steepest point is 24 grey levels; a quarter of it at first.
+    assert strength / strength[-1] == pytest.approx([0.25, 0.5, 0.75, 1.0], abs=0.08)
+    assert np.linalg.norm(middles(press.clip)[-1] - middles(press.clip)[0]) < 1.0
+    assert np.array_equal(release.clip.frames, press.clip.frames[::-1])
+
+
+def test_faint_imprints_are_not_held(tmp_path):
+    rows = [recording(tmp_path, "faint.npy", blob(80, 60, strength=0.5))]
+    assert list(SemiRealHeld(rows, seed=0)) == []

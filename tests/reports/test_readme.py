@@ -100,3 +100,30 @@ def test_an_open_block_is_refused(records):
 def test_a_missing_readme_is_refused(tmp_path, records):
     with pytest.raises(UnusableReadme, match="cannot be read"):
         check_readme(tmp_path / "gone.md", records)
+
+
+def test_pictures_of_older_numbers_fail_the_check(file, records, monkeypatch):
+    """The picture that was drawn is fresh until the record's numbers change."""
+    pytest.importorskip("matplotlib", reason="pictures need matplotlib (extra: eval)")
+    from geotlm_lm.reports.confusions import draw_confusions
+
+    page = {"evaluation.md": ("evaluate.json", lambda record: "page")}
+    monkeypatch.setattr(readme, "PAGES", page)
+
+    def recorded(right):
+        confusion = {"labels": ["left", "right"], "counts": [[right, 5 - right, 0], [0, 5, 0]]}
+        table = {"truths": {"left": 5, "right": 5}, "methods": {"m": {"confusion": confusion}}}
+        record = RunRecord("evaluate", "", 0, 1.0, {"tables": {"simulated sliding": table}})
+        record.save(records / "evaluate.json")
+        write_readme(file, records)
+        return record
+
+    missing = r"simulated-sliding.png: is missing or shows other numbers .* report confusions"
+    record = recorded(3)
+    with pytest.raises(UnusableReadme, match=missing):
+        check_readme(file, records)
+    draw_confusions(record, records.parent / "confusions")
+    check_readme(file, records)
+    recorded(4)
+    with pytest.raises(UnusableReadme, match=missing):
+        check_readme(file, records)

@@ -5,10 +5,12 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import ROTATIONS, Motion
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.experiments.compare import Case, Reply, compare
+from geotlm_lm.reports.facts import facts
 from geotlm_lm.reports.headline import (
     WORDS,
     accuracy_headline,
     difference_headline,
+    false_claim_headline,
     time_headline,
 )
 from geotlm_lm.reports.tables import (
@@ -101,6 +103,14 @@ def test_the_headline_leaves_fine_shares_to_the_page(record):
     assert len(cells(difference_headline(record).splitlines()[0])) == 2
 
 
+def test_tables_beside_the_main_ones_get_no_column(record):
+    tables = record.numbers["tables"]
+    tables["real x, no idle frame"] = tables["simulated rotation"]
+    assert len(cells(difference_headline(record).splitlines()[0])) == 2
+    assert len(cells(time_headline(record).splitlines()[0])) == 2
+    assert "| real x, no idle frame " in accuracy_headline(record)
+
+
 def test_differences_have_a_row_per_pair_and_a_column_per_table(record):
     lines = difference_headline(record).splitlines()
     assert cells(lines[0]) == ["difference, 95 %", "simulated rotation"]
@@ -115,3 +125,98 @@ def test_times_have_a_row_per_method(record):
 
 def cells(line):
     return [cell.strip() for cell in line.strip("|").split("|")]
+
+
+def test_false_claims_stand_beside_clips_without_a_direction():
+    clip = Clip(np.zeros((1, 8, 8, 3), np.uint8))
+    cases = [Case(clip, motion, "gel", "gel", {}) for motion in (Motion.NONE, Motion.STILL)]
+    said = iter([Motion.LEFT, Motion.STILL])
+    table = compare({"m": lambda clip, among: Reply(next(said), 1.0)}, cases, tuple(Motion))
+    header, _, row = method_table(table).splitlines()
+    assert cells(row)[cells(header).index("direction claimed where none is")] == "0.500"
+
+
+def test_clips_with_a_direction_have_no_column_of_false_claims(record):
+    assert "claimed" not in method_table(record.numbers["tables"]["simulated rotation"])
+
+
+def test_the_first_page_tells_false_claims_by_table_and_method(record):
+    tables = record.numbers["tables"]
+    methods = tables["simulated rotation"]["methods"]
+    undirected = {name: scores | {"false_claim_rate": 0.25} for name, scores in methods.items()}
+    truths = {"none": 5, "still": 2, "left": 3}
+    tables["real x, untouched"] = {"truths": truths, "methods": undirected}
+    lines = false_claim_headline(record).splitlines()
+    assert cells(lines[0]) == ["clips without a direction", "n", "words", "mute"]
+    assert cells(lines[2]) == ["real x, untouched", "7", "0.250", "0.250"]
+    assert lines[3] == ""
+
+
+def test_objects_are_listed_under_their_table(record):
+    table = record.numbers["tables"]["simulated rotation"]
+    table["by_object"] = {"cap": {"clips": 3, WORDS: 1.0}, "key": {"clips": 1, WORDS: 0.0}}
+    lines = evaluation_tables(record).splitlines()
+    begin = lines.index("Object by object:")
+    assert cells(lines[begin + 2]) == ["object", "clips", WORDS]
+    assert cells(lines[begin + 4]) == ["cap", "3", "1.000"]
+
+
+RULE = {
+    "gap_frames": 10,
+    "least_turn_deg": 5.0,
+    "most_aside_px": 10.0,
+    "least_slide_px": 12.5,
+    "most_aside_deg": 4.0,
+    "least_purity": 0.92,
+    "most_tilt_deg": 5.0,
+    "most_lift_mm": 0.5,
+    "least_contact_px": 500,
+}
+
+
+def test_a_table_of_pairs_states_its_thresholds(record):
+    table = record.numbers["tables"]["simulated rotation"]
+    table["pairs"] = {"rule": RULE, "found": 77, "paper": 4088, "paper_share": 0.25}
+    text = facts(table)
+    assert "Pairs 10 frames apart; a rotation turns by 5 degrees or more and travels" in text
+    assert "a slide travels 12.5 px or more, 0.92 of it along its axis, and turns by at" in text
+    assert text.endswith(
+        "77 pairs are such; the paper, which gives no threshold, has 4088 in all trials, of which "
+        "25% are here."
+    )
+
+
+def test_recordings_shorter_than_a_window_are_said(record):
+    table = record.numbers["tables"]["simulated rotation"] | {"too_short_left_out": 3}
+    assert "3 recordings left out, shorter than a window" in facts(table)
+
+
+def test_what_a_data_set_lacks_and_how_thresholds_were_swept_is_told(record):
+    sweep = [
+        {"gap_frames": gap, "least": least, "pairs": int(gap * least), "of": {}}
+        for gap in (5, 10)
+        for least in (2.0, 3.5)
+    ]
+    record.numbers["data_sets"] = {
+        "TactileTracking x": {
+            "left_out": {"count": 2, "first": ["key0: gone.", "key1: gone."]},
+            "backgrounds": {"trials": 3, "share": 0.125},
+            "sweeps": {"rotation": sweep},
+        }
+    }
+    text = evaluation_tables(record)
+    assert "### TactileTracking x: files and thresholds" in text
+    assert "2 trials or clips left out because their files cannot be used. key0: gone." in text
+    assert "Backgrounds: trials: 3; share: 12.5%." in text
+    lines = text.splitlines()
+    begin = lines.index("Pairs of frames that count as rotation, by gap and least degrees:")
+    assert cells(lines[begin + 2]) == ["gap", "2", "3.5"]
+    assert cells(lines[begin + 5]) == ["10 frames", "20", "35"]
+
+
+def test_the_page_shows_a_picture_per_whole_table(record):
+    tables = record.numbers["tables"]
+    tables["simulated rotation, pairs, forwards"] = tables["simulated rotation"]
+    text = evaluation_page(record)
+    assert text.count("![") == 1
+    assert "![simulated rotation](confusions/simulated-rotation.png)" in text

@@ -1,0 +1,93 @@
+"""`geotlm-lm manifest`: list the clips of a data set whose layout is its owner's own."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geotlm_lm.cli.options import require_writable_file
+from geotlm_lm.core.errors import UsageError
+
+
+def manifest(
+    root: Annotated[Path, typer.Option(help="Folder of the data set, pictures anywhere in it.")],
+    pattern: Annotated[
+        str,
+        typer.Option(
+            help="Regular expression over paths below --root with the named groups object, action "
+            "and, where there are such, sensor, trial and frame."
+        ),
+    ],
+    out: Annotated[Path, typer.Option(help="The manifest to write, .csv or .jsonl.")],
+    background_frame: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="What the frame group says of the untouched gel's picture, if one lies among a "
+            "clip's frames.",
+        ),
+    ] = None,
+    action: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="WORD=ACTION",
+            help="What a word in the paths means: rotate_cw, rotate_ccw, slide_left, slide_right, "
+            "slide_up or slide_down; may be given again.",
+        ),
+    ] = None,
+    fps: Annotated[
+        float | None, typer.Option(min=0.01, help="Frames per second. [default: unknown]")
+    ] = None,
+) -> None:
+    """Gather pictures into clips by their names, for `geotlm-lm evaluate --data`.
+
+    Example: geotlm-lm manifest --root ToucHD-Sim --out touchd.csv --pattern
+    '(?P<object>[^/]+)/(?P<sensor>[^/]+)/(?P<action>[^/]+)/(?P<trial>[^/]+)/(?P<frame>[0-9]+)[.]png'
+    """
+    from geotlm_lm.data.manifest import SUFFIXES, write_manifest
+    from geotlm_lm.data.manifest_maker import make_manifest
+
+    if out.suffix.lower() not in SUFFIXES:
+        raise UsageError(f"--out {out} was given, expected a name that ends in .csv or .jsonl.")
+    require_writable_file(out, "--out")
+    made = make_manifest(
+        root,
+        pattern,
+        relative_to=out.parent,
+        background_frame=background_frame,
+        actions=_meanings(action or []),
+        fps=fps,
+    )
+    write_manifest(out, made.rows)
+    counts = Counter(row.motion for row in made.rows)
+    objects = len({row.object_id for row in made.rows})
+    sensors = len({row.sensor for row in made.rows})
+    told = ", ".join(f"{count} {motion}" for motion, count in sorted(counts.items()))
+    typer.echo(
+        f"{out}: clips: {len(made.rows)}, objects: {objects}, sensors: {sensors}; {told or 'none'}"
+    )
+    if made.unmatched:
+        typer.echo(
+            f"pictures that do not fit the pattern: {len(made.unmatched)}, the first "
+            f"{made.unmatched[0]}",
+            err=True,
+        )
+    if made.too_short:
+        typer.echo(
+            f"clips of less than two frames, left out: {len(made.too_short)}, the first "
+            f"{made.too_short[0]}",
+            err=True,
+        )
+
+
+def _meanings(words: list[str]) -> dict[str, str]:
+    meanings = {}
+    for word in words:
+        token, sign, action = word.rpartition("=")
+        if not sign or not token:
+            raise UsageError(f"--action '{word}' was given, expected WORD=ACTION.")
+        meanings[token] = action
+    return meanings

@@ -1,0 +1,285 @@
+"""A manifest: one row per clip of a data set whose layout is its owner's own, such as ToucHD-Sim's.
+
+The public pages of ToucHD-Sim (huggingface.co/datasets/BAAI/ToucHD-Sim) name its sensors, objects
+and six actions, but no folders and no files: a manifest says where they are. It is a CSV table, or
+JSONL with one object a line, with
+
+    clip_id      any name, once each
+    object_id    what is touched: clips are split and averaged by it
+    sensor       which sensor; may be empty
+    action       rotate_cw, rotate_ccw, slide_left, slide_right, slide_up or slide_down
+    frames       in order, parted by ';': images, folders, patterns such as obj/7/*.png; or one
+                 recording of any kind `read_clip` takes; relative to the manifest
+    background   image of the untouched gel, relative too; may be empty
+    fps          frames per second; may be empty
+
+Actions name the motion of the object as displayed. Knows files, not what is done with the clips.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geotlm_lm.core.atomic import write_text_atomically
+from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.recordings.idle import find_idle
+from geotlm_lm.recordings.images import (
+    IMAGE_SUFFIXES,
+    image_paths,
+    natural_key,
+    read_still_image,
+)
+from geotlm_lm.recordings.limits import kept_frames
+from geotlm_lm.recordings.read import read_background, read_clip
+
+ACTIONS = {
+    "rotate_cw": Motion.CLOCKWISE,
+    "rotate_ccw": Motion.COUNTERCLOCKWISE,
+    "slide_left": Motion.LEFT,
+    "slide_right": Motion.RIGHT,
+    "slide_up": Motion.UP,
+    "slide_down": Motion.DOWN,
+}
+"""The six atomic actions of ToucHD-Sim -> motions."""
+
+COLUMNS = ("clip_id", "object_id", "sensor", "action", "frames", "background", "fps")
+REQUIRED = ("clip_id", "object_id", "action", "frames")
+SUFFIXES = (".csv", ".jsonl")
+
+GIVEN, FOUND, NONE = "given", "the clip's own untouched frames", "none, each method guesses it"
+"""Where a clip's background comes from, as reports say it."""
+
+
+@dataclass(frozen=True)
+class ManifestRow:
+    """One clip of a manifest.
+
+    Args:
+        clip_id: Its name.
+        object_id: What is touched.
+        sensor: Which sensor; "" when the manifest is silent.
+        motion: What its action means.
+        frames: Images, folders, patterns or one recording, relative to the manifest.
+        background: Image of the untouched gel, relative; None when the manifest is silent.
+        fps: Frames per second; None when the manifest is silent.
+    """
+
+    clip_id: str
+    object_id: str
+    sensor: str
+    motion: Motion
+    frames: tuple[str, ...]
+    background: str | None = None
+    fps: float | None = None
+
+
+@dataclass(eq=False)
+class Manifest:
+    """The clips of a manifest.
+
+    Args:
+        path: The manifest.
+        rows: One per clip.
+        left_out: Clip -> the sentence that says why it cannot be read; filled while reading.
+        backgrounds: How many clips had which kind of background; filled while reading.
+    """
+
+    path: Path
+    rows: tuple[ManifestRow, ...]
+    left_out: dict[str, str] = field(default_factory=dict)
+    backgrounds: Counter[str] = field(default_factory=Counter)
+
+    def clips(self, among: Sequence[Motion]) -> Iterator[tuple[ManifestRow, Clip]]:
+        """Read the clips of some motions one at a time; one that cannot be read is left out, named.
+
+        Args:
+            among: The motions wanted.
+        """
+        for row in self.rows:
+            if row.motion not in among:
+                continue
+            try:
+                clip, background = _read(self.path.parent, row)
+            except UnreadableClip as error:
+                self.left_out[row.clip_id] = str(error)
+                continue
+            self.backgrounds[background] += 1
+            yield row, clip
+
+
+def read_manifest(path: str | Path) -> Manifest:
+    """Read a manifest; its files are looked at when their clips are wanted.
+
+    Raises:
+        UnreadableClip: If it is missing, no manifest, or a row of it says something unusable.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in SUFFIXES or not path.is_file():
+        raise UnreadableClip(
+            f"{path}: is no manifest, expected a {' or '.join(SUFFIXES)} file with one row per "
+            f"clip; write one with `geotlm-lm manifest`."
+        )
+    text = path.read_text(encoding="utf-8-sig", errors="replace")
+    table = _csv_rows(path, text) if path.suffix.lower() == ".csv" else _json_rows(path, text)
+    rows = [_row(f"{path}:{line}", values) for line, values in table]
+    if not rows:
+        raise UnreadableClip(f"{path}: holds no row; write one with `geotlm-lm manifest`.")
+    twice = [name for name, count in Counter(row.clip_id for row in rows).items() if count > 1]
+    if twice:
+        raise UnreadableClip(
+            f"{path}: the clip '{twice[0]}' stands in it more than once, expected every clip_id "
+            f"once; rename one."
+        )
+    return Manifest(path, tuple(rows))
+
+
+def write_manifest(path: Path, rows: Iterable[ManifestRow]) -> None:
+    """Write a manifest, as JSONL where the name ends so, else as CSV.
+
+    Raises:
+        UsageError: If a path holds the sign that parts frames in a CSV.
+    """
+    names = {motion: action for action, motion in ACTIONS.items()}
+    written = [
+        {
+            "clip_id": row.clip_id,
+            "object_id": row.object_id,
+            "sensor": row.sensor,
+            "action": names[row.motion],
+            "frames": list(row.frames),
+            "background": row.background or "",
+            "fps": "" if row.fps is None else f"{row.fps:g}",
+        }
+        for row in rows
+    ]
+    if path.suffix.lower() == ".jsonl":
+        lines = (json.dumps(values) + "\n" for values in written)
+        write_text_atomically(path, "".join(lines))
+        return
+    parted = [entry for values in written for entry in values["frames"] if ";" in entry]
+    if parted:
+        raise UsageError(
+            f"{parted[0]}: a path with ';' cannot stand in a CSV, which parts frames by it; name "
+            f"the manifest .jsonl."
+        )
+    stream = io.StringIO()
+    table = csv.DictWriter(stream, COLUMNS, lineterminator="\n")
+    table.writeheader()
+    table.writerows(values | {"frames": ";".join(values["frames"])} for values in written)
+    write_text_atomically(path, stream.getvalue())
+
+
+def _read(root: Path, row: ManifestRow) -> tuple[Clip, str]:
+    """Return a clip with its background if there is one, and where that comes from."""
+    paths = [path for entry in row.frames for path in _files_of(root, entry)]
+    is_stills = all(path.suffix.lower() in IMAGE_SUFFIXES for path in paths)
+    if len(paths) == 1 and not is_stills:
+        clip = replace(read_clip(paths[0], fps=row.fps), name=row.clip_id)
+    elif len(paths) < 2 or not is_stills:
+        raise UnreadableClip(
+            f"{row.clip_id}: its frames name {len(paths)} file{'s' * (len(paths) != 1)}, expected "
+            f"2 or more images, or one recording; correct the manifest's row."
+        )
+    else:
+        clip = Clip(_stills(paths), fps=row.fps, name=row.clip_id)
+    if row.background is not None:
+        return replace(clip, background=read_background(root / row.background)), GIVEN
+    if clip.background is not None:
+        return clip, GIVEN
+    idle = find_idle(clip)
+    return (clip, NONE) if idle is None else (replace(clip, background=idle), FOUND)
+
+
+def _files_of(root: Path, entry: str) -> list[Path]:
+    """Return the files an entry names: itself, a folder's images, or what a pattern matches."""
+    path = root / entry
+    if path.is_dir():
+        return image_paths(path)
+    if path.exists() or not any(sign in entry for sign in "*?["):
+        return [path]
+    return sorted(root.glob(entry), key=lambda one: natural_key(one.as_posix()))
+
+
+def _stills(paths: Sequence[Path]) -> Frames:
+    first = read_still_image(paths[0])
+    if len(paths) > kept_frames(*first.shape[:2], str(paths[0])):
+        raise UnreadableClip(
+            f"{paths[0]}: is the first of {len(paths)} frames of a clip, more than fit in memory; "
+            f"name fewer of them in the manifest."
+        )
+    frames = [first, *map(read_still_image, paths[1:])]
+    for path, frame in zip(paths, frames, strict=True):
+        if frame.shape != frames[0].shape:
+            raise UnreadableClip(
+                f"{path}: is {frame.shape[1]}x{frame.shape[0]} pixels, {paths[0].name} is "
+                f"{frames[0].shape[1]}x{frames[0].shape[0]}; keep frames of one size in a clip."
+            )
+    return np.stack(frames)
+
+
+def _csv_rows(path: Path, text: str) -> Iterator[tuple[int, dict[str, Any]]]:
+    reader = csv.DictReader(io.StringIO(text))
+    missing = [name for name in REQUIRED if name not in (reader.fieldnames or ())]
+    if missing:
+        raise UnreadableClip(
+            f"{path}: lacks the column{'s' * (len(missing) > 1)} {', '.join(missing)}, expected "
+            f"{', '.join(COLUMNS)}; write it with `geotlm-lm manifest`."
+        )
+    for values in reader:
+        yield reader.line_num, dict(values)
+
+
+def _json_rows(path: Path, text: str) -> Iterator[tuple[int, dict[str, Any]]]:
+    for line, row in enumerate(text.splitlines(), start=1):
+        if not row.strip():
+            continue
+        try:
+            values = json.loads(row)
+        except ValueError:
+            values = None
+        if not isinstance(values, dict) or any(name not in values for name in REQUIRED):
+            raise UnreadableClip(
+                f"{path}:{line}: is no JSON object with {', '.join(REQUIRED)}; correct it."
+            )
+        yield line, values
+
+
+def _row(where: str, values: dict[str, Any]) -> ManifestRow:
+    def text(name: str) -> str:
+        return str(values.get(name) if values.get(name) is not None else "").strip()
+
+    action = text("action")
+    if action not in ACTIONS:
+        raise UnreadableClip(
+            f"{where}: the action '{action}' is not known, expected one of {', '.join(ACTIONS)}; "
+            f"correct it, or leave the row out."
+        )
+    listed = values["frames"]
+    entries = listed if isinstance(listed, list) else str(listed or "").split(";")
+    frames = tuple(entry.strip() for entry in map(str, entries) if entry.strip())
+    if not frames or not text("clip_id") or not text("object_id"):
+        raise UnreadableClip(
+            f"{where}: clip_id, object_id or frames is empty; name the clip, the object and the "
+            f"files."
+        )
+    try:
+        fps = float(text("fps")) if text("fps") else None
+    except ValueError as error:
+        raise UnreadableClip(
+            f"{where}: '{text('fps')}' frames per second, expected a number or nothing; correct it."
+        ) from error
+    background = text("background") or None
+    return ManifestRow(
+        text("clip_id"), text("object_id"), text("sensor"), ACTIONS[action], frames, background, fps
+    )

@@ -1,0 +1,72 @@
+import numpy as np
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from geotlm_lm.cli.manifest import manifest
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.data.manifest import read_manifest
+from tests.data.action_clips import write_image
+
+PATTERN = r"(?P<object>\w+)/(?P<action>\w+)/(?P<frame>\w+)[.]png"
+
+
+@pytest.fixture
+def root(tmp_path):
+    for name in (
+        "cap/slide_up/0",
+        "cap/slide_up/1",
+        "cap/slide_up/bg",
+        "key/twist/0",
+        "key/twist/1",
+    ):
+        path = tmp_path / "data" / f"{name}.png"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_image(path, np.zeros((16, 16, 3), np.uint8))
+    return tmp_path / "data"
+
+
+@pytest.fixture
+def invoke(root):
+    app = typer.Typer()
+    app.command()(manifest)
+    words = ["--root", str(root), "--pattern", PATTERN]
+    return lambda *more: CliRunner().invoke(app, [*words, *more])
+
+
+def test_a_manifest_is_written_and_summed_up(invoke, tmp_path):
+    out = tmp_path / "lists" / "touchd.csv"
+    done = invoke(
+        "--out", str(out), "--action", "twist=rotate_ccw", "--background-frame", "bg", "--fps", "18"
+    )
+    assert done.stdout == (f"{out}: clips: 2, objects: 2, sensors: 1; 1 counterclockwise, 1 up\n")
+    rows = read_manifest(out).rows
+    assert [row.background for row in rows] == ["../data/cap/slide_up/bg.png", None]
+    assert {row.fps for row in rows} == {18}
+
+
+def test_what_was_passed_over_is_told(invoke, root, tmp_path):
+    write_image(root / "notes.png", np.zeros((16, 16, 3), np.uint8))
+    (root / "key" / "twist" / "1.png").unlink()
+    done = invoke("--out", str(tmp_path / "a.csv"), "--action", "twist=rotate_ccw")
+    assert f"do not fit the pattern: 1, the first {root / 'notes.png'}" in done.stderr
+    assert "clips of less than two frames, left out: 1, the first key/twist" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--out", "a.txt"], "--out a.txt was given, expected a name that ends in .csv or .jsonl."),
+        (
+            ["--out", "a.csv", "--action", "twist"],
+            "--action 'twist' was given, expected WORD=ACTION.",
+        ),
+        (["--out", "a.csv"], "found the actions 'twist' (2 images), expected rotate_cw"),
+    ],
+)
+def test_a_wrong_call_is_refused_in_one_sentence(invoke, tmp_path, monkeypatch, words, said):
+    monkeypatch.chdir(tmp_path)
+    error = invoke(*words).exception
+    assert isinstance(error, UsageError)
+    assert str(error).startswith(said)
+    assert not (tmp_path / "a.csv").exists()

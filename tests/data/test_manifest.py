@@ -1,0 +1,187 @@
+import json
+
+import numpy as np
+import pytest
+
+from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion
+from geotlm_lm.data.manifest import (
+    ACTIONS,
+    FOUND,
+    GIVEN,
+    NONE,
+    ManifestRow,
+    read_manifest,
+    write_manifest,
+)
+from geotlm_lm.probe.rigid_flow import RigidFlow
+from tests.data.action_clips import write_actions, write_image
+
+HEADER = "clip_id,object_id,sensor,action,frames,background,fps\n"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    root = tmp_path_factory.mktemp("touchd")
+    write_actions(root)
+    rows = [
+        f"{action},letter_l,gsmini,{action},letter_l/gsmini/{action}-0/[0-9]*.png,"
+        f"letter_l/gsmini/{action}-0/bg.png,18"
+        for action in ACTIONS
+    ]
+    (root / "clips.csv").write_text(HEADER + "\n".join(rows) + "\n")
+    return root
+
+
+def manifest(folder, *rows, header=HEADER, name="clips.csv"):
+    (folder / name).write_text(header + "\n".join(rows) + "\n")
+    return folder / name
+
+
+def grey_frames(folder, count, *, side=16, first=20):
+    """Frames whose grey levels tell their order."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for number in range(count):
+        write_image(folder / f"{number}.png", np.full((side, side, 3), first + number, np.uint8))
+
+
+def read_one(path):
+    found = read_manifest(path)
+    clips = list(found.clips(DIRECTED))
+    return found, clips
+
+
+def test_flow_reads_every_action_off_its_clip(folder):
+    flow, found = RigidFlow(), read_manifest(folder / "clips.csv")
+    said = {row.clip_id: flow.predict(clip, DIRECTED) for row, clip in found.clips(DIRECTED)}
+    assert said == ACTIONS
+    assert found.backgrounds == {GIVEN: 6}
+
+
+def test_a_pattern_gives_frames_in_natural_order(folder):
+    (_, clip), *_ = read_manifest(folder / "clips.csv").clips(ROTATIONS)
+    direct = [folder / "letter_l" / "gsmini" / "rotate_cw-0" / f"{n}.png" for n in (8, 9, 10, 11)]
+    again = read_manifest(manifest_of(folder, direct))
+    (_, expected), *_ = again.clips(ROTATIONS)
+    assert np.array_equal(clip.frames, expected.frames)
+    assert clip.fps == 18
+
+
+def manifest_of(folder, paths):
+    names = ";".join(path.relative_to(folder).as_posix() for path in paths)
+    return manifest(folder, f"direct,letter_l,,rotate_cw,{names},,", name="direct.csv")
+
+
+def test_only_the_motions_wanted_are_read(folder):
+    found = read_manifest(folder / "clips.csv")
+    assert {row.motion for row, _ in found.clips(SLIDES)} == set(SLIDES)
+
+
+def test_a_folder_may_stand_for_its_images(tmp_path):
+    grey_frames(tmp_path / "a", 11)
+    _, ((_, clip),) = read_one(manifest(tmp_path, "1,cap,,slide_up,a,,"))
+    assert clip.frames[:, 0, 0, 0].tolist() == list(range(20, 31))
+
+
+def test_a_recording_of_any_kind_may_stand_for_its_frames(tmp_path):
+    np.save(tmp_path / "a.npy", np.zeros((5, 16, 16, 3), np.uint8))
+    _, ((row, clip),) = read_one(manifest(tmp_path, "1,cap,,slide_up,a.npy,,30"))
+    assert (len(clip), clip.fps, clip.name, row.object_id) == (5, 30, "1", "cap")
+
+
+def test_an_untouched_start_becomes_the_background_and_is_counted(tmp_path):
+    rng = np.random.default_rng(0)
+    frames = np.full((9, 48, 64, 3), 120.0) + rng.normal(0, 0.5, (9, 48, 64, 3))
+    frames[4:, 16:32, 20:40] += 40
+    np.save(tmp_path / "a.npy", frames.astype(np.uint8))
+    found, ((_, clip),) = read_one(manifest(tmp_path, "1,cap,,slide_up,a.npy,,"))
+    assert found.backgrounds == {FOUND: 1}
+    assert np.abs(clip.background.astype(int) - 120).max() <= 3
+
+
+def test_a_clip_without_untouched_frames_gets_no_background(tmp_path):
+    grey_frames(tmp_path / "a", 4)
+    found, ((_, clip),) = read_one(manifest(tmp_path, "1,cap,,slide_up,a,,"))
+    assert clip.background is None
+    assert found.backgrounds == {NONE: 1}
+
+
+ROWS = (
+    ManifestRow("1", "cap", "gsmini", Motion.LEFT, ("a/1.png", "a/2.png"), "a/bg.png", 18.0),
+    ManifestRow("2", "key", "", Motion.CLOCKWISE, ("b.npy",)),
+)
+
+
+@pytest.mark.parametrize("name", ["out.csv", "out.jsonl"])
+def test_what_is_written_is_read_back(tmp_path, name):
+    write_manifest(tmp_path / name, ROWS)
+    assert read_manifest(tmp_path / name).rows == ROWS
+
+
+def test_a_path_that_a_csv_would_part_is_refused(tmp_path):
+    row = ManifestRow("1", "cap", "", Motion.LEFT, ("a;b/1.png", "a;b/2.png"))
+    with pytest.raises(UsageError, match=r"a;b/1.png: a path with ';' cannot stand in a CSV"):
+        write_manifest(tmp_path / "out.csv", [row])
+    write_manifest(tmp_path / "out.jsonl", [row])
+    assert read_manifest(tmp_path / "out.jsonl").rows == (row,)
+
+
+@pytest.mark.parametrize(
+    ("frames", "background", "said"),
+    [
+        ("gone/*.png", "", "bad: its frames name 0 files, expected 2 or more images"),
+        ("a/0.png", "", "bad: its frames name 1 file, expected 2 or more images"),
+        ("a/0.png;a/gone.png", "", "gone.png: is cut off or is no image"),
+        ("a/0.png;b/0.png", "", "b/0.png: is 24x24 pixels, 0.png is 16x16"),
+        ("a/0.png;a.npy", "", "bad: its frames name 2 files, expected 2 or more images, or one"),
+        ("gone.npy", "", "gone.npy: no such file or folder"),
+        ("a", "gone.png", "gone.png: no such file or folder"),
+        ("a", "b/0.png", "the background has shape (24, 24, 3)"),
+    ],
+)
+def test_a_clip_that_cannot_be_read_is_left_out_and_named(tmp_path, frames, background, said):
+    grey_frames(tmp_path / "a", 4)
+    grey_frames(tmp_path / "b", 1, side=24)
+    rows = ["good,cap,,slide_up,a,,", f"bad,cap,,slide_up,{frames},{background},"]
+    found, clips = read_one(manifest(tmp_path, *rows))
+    assert [row.clip_id for row, _ in clips] == ["good"]
+    assert list(found.left_out) == ["bad"]
+    assert said in found.left_out["bad"]
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ("1,cap,,press,a,,", "clips.csv:2: the action 'press' is not known, expected one of"),
+        ("1,cap,,slide_up,,,", "clips.csv:2: clip_id, object_id or frames is empty"),
+        ("1,,,slide_up,a,,", "clips.csv:2: clip_id, object_id or frames is empty"),
+        ("1,cap,,slide_up,a,,fast", "clips.csv:2: 'fast' frames per second, expected a number"),
+        ("1,cap,,slide_up,a,,\n1,cap,,slide_up,a,,", "the clip '1' stands in it more than once"),
+        ("", "holds no row"),
+    ],
+)
+def test_an_unusable_row_is_refused_with_its_line(tmp_path, row, said):
+    with pytest.raises(UnreadableClip) as caught:
+        read_manifest(manifest(tmp_path, row))
+    assert said in str(caught.value)
+
+
+def test_missing_columns_are_named(tmp_path):
+    with pytest.raises(
+        UnreadableClip, match="lacks the columns object_id, frames, expected clip_id"
+    ):
+        read_manifest(manifest(tmp_path, header="clip_id,action\n"))
+
+
+@pytest.mark.parametrize("line", ["[1]", "{", json.dumps({"clip_id": "1"})])
+def test_a_broken_line_of_json_is_refused_with_its_number(tmp_path, line):
+    path = manifest(tmp_path, "", line, header="", name="clips.jsonl")
+    with pytest.raises(UnreadableClip, match=r"clips.jsonl:2: is no JSON object with clip_id"):
+        read_manifest(path)
+
+
+@pytest.mark.parametrize("name", ["gone.csv", "notes.txt"])
+def test_something_else_is_no_manifest(tmp_path, name):
+    (tmp_path / "notes.txt").write_text("hello")
+    with pytest.raises(UnreadableClip, match="is no manifest, expected a .csv or .jsonl file"):
+        read_manifest(tmp_path / name)
