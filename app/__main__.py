@@ -6,26 +6,30 @@ import sys
 
 from geotlm_lm import GeoTLMError
 
+from .agents import require_mcp
 from .told import gradio
 
 
-def serve(port: int | None = None) -> None:
+def serve(port: int | None = None, *, mcp: bool = False) -> None:
     """Load the model, build the page, serve it until stopped.
 
     Args:
         port: To listen on; None takes a free one from 7860 on.
+        mcp: Whether to serve agents as well, over the Model Context Protocol.
 
     Raises:
         GeoTLMError: If the toolkit or the model is missing, or the port is taken.
     """
     gradio()  # told before the model is loaded
+    if mcp:
+        require_mcp()
     from geotlm_lm import Answerer
 
     from .ui import build, launch
 
     page = build(Answerer.load())
     try:
-        launch(page, port=port)
+        launch(page, port=port, mcp=mcp)
     except OSError as error:
         raise GeoTLMError(
             f"Port {port} is taken or not allowed; give another by --port, or none."

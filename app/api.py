@@ -1,16 +1,19 @@
-"""The same answers for programs: typed functions over the page's REST interface."""
+"""The same answers for programs: typed functions over REST and, with the extra, over MCP."""
 
 from __future__ import annotations
 
-from pathlib import Path
+import inspect
+from collections.abc import Callable
 from typing import Any
 
-from geotlm_lm import Answerer, GeoTLMError, Touch
+from geotlm_lm import Answerer, Touch
 from geotlm_lm import evidence as evidence_of
 
 from . import handlers
+from .results import Answered, Compared, Field, Told
 from .simulating import simulate as simulate_and_ask
 from .told import MODEL, gradio, told
+from .uploads import Upload, Uploads
 
 SNIPPET = """
 ```python
@@ -25,42 +28,71 @@ print(client.predict("key", 0.6, 15.0, 0.0, 0.0, 4.0, 0, api_name="/simulate")["
 ```
 """
 
+REST_SNIPPET = """
+```bash
+url=http://127.0.0.1:7860/gradio_api
+clip=$(curl -s -F files=@app/examples/bottle_cap_clockwise.npz $url/upload | cut -d'"' -f2)
+asked='{"data": ["'$clip'", "Which way is it turning?"]}'
+call=$(curl -s $url/call/ask --json "$asked")
+curl -s $url/call/ask/$(echo $call | cut -d'"' -f4)
+```
+"""
+
+MCP_SNIPPET = """
+```python
+import asyncio, base64, json
+from pathlib import Path
+from mcp import ClientSession
+from mcp.client.streamable_http import streamable_http_client
+
+
+async def main():
+    stored = Path("app/examples/bottle_cap_clockwise.npz").read_bytes()
+    clip = "data:;base64," + base64.b64encode(stored).decode()
+    async with streamable_http_client("http://127.0.0.1:7860/gradio_api/mcp/") as (read, write, _):
+        async with ClientSession(read, write) as session:
+            await session.initialize()
+            asked = {"clip": clip, "question": "Which way is it turning?"}
+            answer = await session.call_tool("ask", asked)
+            print(json.loads(answer.content[0].text)["direction"])
+
+
+asyncio.run(main())
+```
+"""
+
 
 class Api:
     """The functions programs call; each is documented where it is served.
 
     Args:
         answerer: The model.
-        uploads: Folder that uploads are put in; a clip from elsewhere is refused.
+        uploads: Finds the recordings that were sent.
     """
 
-    def __init__(self, answerer: Answerer, uploads: str) -> None:
-        self._answerer, self._uploads = answerer, Path(uploads).resolve()
+    def __init__(self, answerer: Answerer, uploads: Uploads) -> None:
+        self._answerer, self._uploads = answerer, uploads
 
-    def ask(self, clip: dict, question: str) -> dict:
+    def ask(self, clip: Upload | str, question: str) -> Answered:
         """Answer a question about how the object in a clip moves.
 
         Args:
-            clip: An uploaded recording: .npy, .npz, .mp4, .avi, .mov or .mkv.
+            clip: Recording: an upload, its address, or a data URI in base64.
             question: In plain English, at most 500 characters.
 
         Returns:
-            text, direction (camera image, object relative to sensor), confidence, abstained,
-            frame, options, evidence, timing_ms, notes, second_opinions.
+            Words, direction (camera image, object relative to sensor), confidence, evidence.
         """
         return handlers.ask(self._answerer, self._shown(clip), question).details
 
-    def evidence(self, clip: dict) -> dict:
+    def evidence(self, clip: Upload | str) -> Field:
         """Return the geometry a clip's answers rest on, without asking the language model.
 
         Args:
-            clip: An uploaded recording.
+            clip: Recording: an upload, its address, or a data URI in base64.
 
         Returns:
-            contact_share, view (pixels of a 224-pixel image), regions (shear_change_x,
-            shear_change_y, contact_mass of seven regions; x right, y down, unitless),
-            shear_change and contact_mask of each patch of the view, frames_used, and
-            second_opinions of the linear probe and of optical flow.
+            Contact, shear change of seven regions and of each patch; x right, y down, unitless.
         """
         shown = self._shown(clip)
         return evidence_of(shown.encoded) | {
@@ -70,15 +102,15 @@ class Api:
             "second_opinions": shown.opinions,
         }
 
-    def compare(self, first: dict, second: dict) -> dict:
+    def compare(self, first: Upload | str, second: Upload | str) -> Compared:
         """Tell whether the objects in two clips move the same way.
 
         Args:
-            first: An uploaded recording.
+            first: Recording: an upload, its address, or a data URI in base64.
             second: Another.
 
         Returns:
-            relation ("same", "opposite", "different" or "unknown"), text, both answers.
+            The relation (same, opposite, different or unknown), in words too, and both answers.
         """
         return handlers.compare(self._answerer, self._shown(first), self._shown(second))
 
@@ -91,7 +123,7 @@ class Api:
         slide_y_mm: float,
         thickness_mm: float,
         seed: int,
-    ) -> dict:
+    ) -> Told:
         """Simulate a touch of a GelSight-like sensor and answer about it.
 
         Args:
@@ -104,7 +136,7 @@ class Api:
             seed: Of the noise.
 
         Returns:
-            answer, direction, true_motion, is_right, and true, read and error of the amounts.
+            The answer, the true motion, and the true amounts, the ones read, and their error.
         """
         numbers = {
             "depth_mm": depth_mm,
@@ -117,17 +149,7 @@ class Api:
         return simulate_and_ask(self._answerer, touch).facts
 
     def _shown(self, clip: Any) -> handlers.Shown:
-        return handlers.show_clip(self._answerer, self._uploaded(clip))
-
-    def _uploaded(self, clip: Any) -> str:
-        """Return the path of an upload; nothing else on this machine is opened."""
-        path = clip.get("path") if isinstance(clip, dict) else clip
-        inside = isinstance(path, str) and Path(path).resolve().is_relative_to(self._uploads)
-        if not inside:
-            raise GeoTLMError(
-                "The clip is no upload; send the file itself, in Python by handle_file('clip.npz')."
-            )
-        return path
+        return handlers.show_clip(self._answerer, self._uploads.path_of(clip))
 
 
 def build(answerer: Answerer) -> None:
@@ -135,10 +157,19 @@ def build(answerer: Answerer) -> None:
     gr = gradio()
     from gradio.utils import get_upload_folder
 
-    served = Api(answerer, get_upload_folder())
+    served = Api(answerer, Uploads(get_upload_folder()))
     for function in (served.ask, served.evidence, served.compare, served.simulate):
-        gr.api(told(function, is_page=False), api_name=function.__name__, **MODEL)
+        gr.api(_typed(function), api_name=function.__name__, **MODEL)
     gr.Markdown(
         "The page is also a typed REST interface; its full description is behind *Use via API* at "
-        "the foot of the page. From Python, after `pip install gradio_client`:\n" + SNIPPET
+        "the foot of the page. From Python, after `pip install gradio_client`:\n"
+        f"{SNIPPET}\nFrom a shell:\n{REST_SNIPPET}\nFor agents, where the page was started by "
+        f"`geotlm-lm app --mcp`:\n{MCP_SNIPPET}"
     )
+
+
+def _typed(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the function with its errors told, and its types as types: postponed they are text."""
+    shown = told(function, is_page=False)
+    shown.__signature__ = inspect.signature(function, eval_str=True)
+    return shown

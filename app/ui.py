@@ -6,6 +6,7 @@ from typing import Any
 
 from geotlm_lm import Answerer
 
+from .agents import require_mcp, speak_json
 from .told import gradio
 
 FRAME_OF_REFERENCE = (
@@ -41,22 +42,37 @@ def build(answerer: Answerer) -> Any:
     return page
 
 
-def launch(page: Any, *, port: int | None = None, wait: bool = True) -> str:
+QUEUE = 64
+"""Requests that may wait; one more is told to come back. Uses of the model run one by one."""
+
+
+def launch(page: Any, *, port: int | None = None, wait: bool = True, mcp: bool = False) -> str:
     """Serve the page on this machine only and return its address.
 
     Args:
         page: What `build` returned.
         port: To listen on; None takes a free one from 7860 on.
         wait: Whether to serve until stopped; otherwise it is served in the background.
+        mcp: Whether to serve its functions over the Model Context Protocol as well.
+
+    Raises:
+        MissingDependency: If the protocol's package is missing.
     """
-    page.queue(max_size=64)
+    if mcp:
+        require_mcp()
+    page.queue(max_size=QUEUE)
     _, address, _ = page.launch(
         server_name="127.0.0.1",
         server_port=port,
         share=False,
         max_file_size="512mb",
-        prevent_thread_lock=not wait,
+        prevent_thread_lock=True,
         quiet=not wait,
         ssr_mode=False,
+        mcp_server=mcp,
     )
+    if mcp:
+        speak_json(page)
+    if wait:
+        page.block_thread()
     return address

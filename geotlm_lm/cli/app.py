@@ -15,12 +15,15 @@ def app(
         int | None,
         typer.Option(min=1, max=65535, help="To listen on. [default: a free one from 7860 on]"),
     ] = None,
+    mcp: Annotated[
+        bool, typer.Option("--mcp", help="Serve agents too, over MCP. Needs the extra mcp.")
+    ] = False,
 ) -> None:
     """Serve a page to look at clips and ask about them, on this machine only (127.0.0.1).
 
     Example: geotlm-lm app --port 7860
     """
-    import_module(f"{_home()}.__main__").serve(port)
+    import_module(f"{_home()}.__main__").serve(port, mcp=mcp)
 
 
 def _home() -> str:

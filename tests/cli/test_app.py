@@ -22,11 +22,12 @@ def test_a_missing_toolkit_ends_with_one_sentence_and_code_7(capsys, monkeypatch
     )
 
 
-def test_the_port_is_handed_on(capsys, monkeypatch):
+@pytest.mark.parametrize("is_served", [True, False])
+def test_the_port_and_the_wish_to_serve_agents_are_handed_on(capsys, monkeypatch, is_served):
     served = []
-    monkeypatch.setattr("app.__main__.serve", served.append)
-    run(capsys, "--port", "7999")
-    assert served == [7999]
+    monkeypatch.setattr("app.__main__.serve", lambda port, mcp: served.append((port, mcp)))
+    run(capsys, "--port", "7999", *["--mcp"] * is_served)
+    assert served == [(7999, is_served)]
 
 
 def test_a_port_that_cannot_be_is_a_wrong_call(capsys):

@@ -1,0 +1,70 @@
+"""What programs get back, field by field; plain JSON values."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, TypedDict
+
+from geotlm_lm import Motion
+
+
+class Evidence(TypedDict):
+    """The geometry an answer rests on; x runs right, y down, shear changes are unitless."""
+
+    contact_share: float
+    view: dict[str, float] | None
+    regions: dict[str, dict[str, float]]
+
+
+class Field(Evidence):
+    """The evidence, the fields it was pooled from (a number a patch of the view), and others' view.
+
+    `shear_change` is 14 x 14 x 2, `contact_mask` 14 x 14, rows first.
+    """
+
+    shear_change: list[list[list[float]]]
+    contact_mask: list[list[float]]
+    frames_used: list[int]
+    second_opinions: dict[str, Any]
+
+
+class Answered(TypedDict):
+    """An answer, its probability, the frame it is told in, and what it rests on."""
+
+    text: str
+    direction: Motion | None
+    confidence: float
+    abstained: bool
+    frame: dict[str, Any]
+    options: dict[str, float]
+    timing_ms: dict[str, float]
+    kind: str | None
+    evidence: Evidence
+    frames_used: list[int]
+    notes: list[str]
+    second_opinions: dict[str, Any]
+
+
+class Compared(TypedDict):
+    """How two clips relate, and the answer about each."""
+
+    text: str
+    relation: Literal["same", "opposite", "different", "unknown"]
+    confidence: float
+    abstained: bool
+    first: dict[str, Any]
+    second: dict[str, Any]
+
+
+class Told(TypedDict):
+    """A simulated touch: the answer, the truth, and the error of the amounts that were read."""
+
+    answer: str
+    direction: Motion | None
+    confidence: float
+    true_motion: Motion
+    is_right: bool
+    is_readable: bool
+    true: dict[str, float]
+    read: dict[str, float]
+    error: dict[str, float]
+    timing_ms: dict[str, float]

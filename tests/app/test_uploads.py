@@ -1,0 +1,123 @@
+"""A program names what it sent, in any of the ways it can; everything else is refused."""
+
+import base64
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app import uploads
+from app.uploads import Uploads
+from geotlm_lm import GeoTLMError
+
+REFUSED = (
+    "The clip is no upload; send the file itself, in Python by handle_file('clip.npz'), or as a "
+    "data URI in base64."
+)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "uploads" / "abc").mkdir(parents=True)
+    (tmp_path / "uploads" / "abc" / "a clip.npz").write_bytes(b"PK\x03\x04")
+    (tmp_path / "private.npz").write_bytes(b"PK\x03\x04")
+    return tmp_path / "uploads"
+
+
+def data_uri(stored, form="data:;base64"):
+    return f"{form},{base64.b64encode(stored).decode()}"
+
+
+def test_an_upload_is_found_by_path_by_address_and_as_the_client_sends_it(folder):
+    path = str(folder / "abc" / "a clip.npz")
+    address = f"http://127.0.0.1:7860/gradio_api/file={path.replace(' ', '%20')}"
+    sent = {"path": path, "meta": {"_type": "gradio.FileData"}}
+    assert {Uploads(folder).path_of(one) for one in (path, address, sent)} == {path}
+
+
+@pytest.mark.parametrize(
+    "trick",
+    [
+        "private.npz",
+        "../private.npz",
+        "abc/../../private.npz",
+        "/etc/passwd",
+        "file:///etc/passwd",
+        "http://127.0.0.1:7860/gradio_api/file=/etc/passwd",
+        "http://127.0.0.1:7860/gradio_api/file=../private.npz",
+        "http://127.0.0.1:7860/gradio_api/file=%2e%2e/private.npz",
+        "https://example.com/clip.npz",
+        "a\0b",
+        "x" * 100_000,
+        "",
+        None,
+        7,
+        [],
+        {"path": None},
+        {"path": {"path": "private.npz"}},
+        {},
+    ],
+    ids=lambda trick: repr(trick)[:40],
+)
+def test_nothing_else_on_the_machine_is_opened(folder, trick, monkeypatch):
+    monkeypatch.chdir(folder.parent)
+    with pytest.raises(GeoTLMError) as caught:
+        Uploads(folder).path_of(trick)
+    assert str(caught.value) == REFUSED
+
+
+def test_a_link_out_of_the_folder_is_refused(folder):
+    (folder / "abc" / "link.npz").symlink_to(folder.parent / "private.npz")
+    with pytest.raises(GeoTLMError, match="^The clip is no upload"):
+        Uploads(folder).path_of(str(folder / "abc" / "link.npz"))
+
+
+def test_a_recording_inside_a_message_is_named_after_its_kind(folder):
+    beginnings = {
+        ".avi": b"RIFF\0\0\0\0AVI LIST",
+        ".mp4": b"\0\0\0\x1cftypisom",
+        ".mkv": b"\x1a\x45\xdf\xa3",
+        ".npz": b"PK\x03\x04",
+    }
+    array = io.BytesIO()
+    np.save(array, np.zeros(3))
+    for suffix, stored in (beginnings | {".npy": array.getvalue()}).items():
+        path = Path(Uploads(folder).path_of(data_uri(stored)))
+        assert (path.suffix, path.read_bytes()) == (suffix, stored)
+        assert path.is_relative_to(folder)
+
+
+def test_the_same_recording_is_kept_once_whatever_it_is_called(folder):
+    sent = [data_uri(b"PK\x03\x04", form) for form in ("data:;base64", "data:a/b;x=../y;base64")]
+    assert len({Uploads(folder).path_of(one) for one in sent}) == 1
+
+
+@pytest.mark.parametrize(
+    ("uri", "said"),
+    [
+        (
+            "data:application/zip,PK",
+            "The clip's data URI is not in base64; send 'data:;base64,' and the file in base64.",
+        ),
+        (
+            "data:;base64,PK*",
+            "The clip's data URI is cut off or no base64; send the whole file.",
+        ),
+        (
+            "data:;base64,\u00e4",
+            "The clip's data URI is cut off or no base64; send the whole file.",
+        ),
+        (
+            "data:;base64," + "A" * (3 * 2**20),
+            "The clip is 2 MiB long, expected at most 1 inside a message; upload it and send its "
+            "address.",
+        ),
+    ],
+    ids=["plain", "no base64", "no ascii", "too long"],
+)
+def test_a_message_that_holds_no_recording_is_told(folder, monkeypatch, uri, said):
+    monkeypatch.setattr(uploads, "INLINE_BYTES", 2**20)
+    with pytest.raises(GeoTLMError) as caught:
+        Uploads(folder).path_of(uri)
+    assert str(caught.value) == said

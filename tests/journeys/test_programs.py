@@ -1,0 +1,92 @@
+"""The README's programs, run as they stand there against the shipped model behind a server."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+gradio = pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
+
+from app import api, ui  # noqa: E402
+from geotlm_lm import Answerer  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[2]
+BLOCKS = re.findall(r"```(python|bash)\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+
+
+def example(mark, address):
+    """Return the README's only block that holds a mark, for a server of ours."""
+    (code,) = (text for _, text in BLOCKS if mark in text)
+    assert "http://127.0.0.1:7860" in code
+    return code.replace("http://127.0.0.1:7860", address.rstrip("/"))
+
+
+@pytest.fixture(scope="module")
+def answerer():
+    return Answerer.load()
+
+
+@pytest.fixture(scope="module")
+def address(answerer):
+    page = ui.build(answerer)
+    yield ui.launch(page, wait=False)
+    page.close()
+
+
+@pytest.fixture(autouse=True)
+def _in_the_checkout(monkeypatch):
+    monkeypatch.chdir(ROOT)
+
+
+def test_the_python_example_tells_the_caps_direction(address, capsys):
+    exec(example("gradio_client", address), {})
+    asked, contact, relation, simulated = capsys.readouterr().out.splitlines()[-4:]
+    assert asked == "Clockwise, in the camera image."
+    assert float(contact) > 0.05
+    assert relation == "same"
+    assert simulated
+
+
+def test_the_shells_example_tells_it_too(address):
+    if shutil.which("curl") is None:
+        pytest.skip("needs curl")
+    code = example("curl", address)
+    done = subprocess.run(["bash", "-euc", code], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert '"text": "Clockwise, in the camera image."' in done.stdout
+
+
+def test_the_agents_example_tells_it_too(answerer, capsys):
+    pytest.importorskip("mcp", reason="serving agents needs mcp (extra: mcp)")
+    page = ui.build(answerer)
+    address = ui.launch(page, wait=False, mcp=True)
+    try:
+        exec(example("call_tool", address), {})
+        assert capsys.readouterr().out.splitlines()[-1] == "clockwise"
+    finally:
+        page.close()
+
+
+def test_the_pages_examples_are_the_readmes():
+    readme = (ROOT / "README.md").read_text()
+    for snippet in (api.SNIPPET, api.REST_SNIPPET, api.MCP_SNIPPET):
+        assert snippet.strip() in readme
+
+
+def test_every_promised_field_is_in_the_answer(address):
+    from gradio_client import Client, handle_file
+
+    from app import results
+
+    client = Client(address, verbose=False)
+    clip = handle_file("app/examples/hex_nut_counterclockwise.npz")
+    calls = {
+        "/ask": ((clip, "Which way?"), results.Answered),
+        "/evidence": ((clip,), results.Field),
+        "/compare": ((clip, clip), results.Compared),
+        "/simulate": (("key", 0.6, 15.0, 0.0, 0.0, 4.0, 0), results.Told),
+    }
+    for name, (given, promised) in calls.items():
+        assert set(client.predict(*given, api_name=name)) == set(promised.__annotations__)
