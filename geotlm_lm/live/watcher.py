@@ -19,6 +19,7 @@ import numpy as np
 
 from geotlm_lm.backbone.stem import FLOW_SCALE_PX
 from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.live.events import MotionEvent, Reading, Segmenter
@@ -200,7 +201,10 @@ def model_reader(answerer: Answerer) -> ReadWindow:
     """
 
     def read(clip: Clip, among: Sequence[Motion]) -> Window:
-        encoded = answerer.encode(clip)
+        try:
+            encoded = answerer.encode(clip)
+        except UnreadableClip:  # a flash or a covered lens must not end the stream
+            return Window(Motion.NONE, 0.0)
         token = encoded.perception.fused_token
         odds = answerer.bundle.model.probe.probabilities(token, among)[0].tolist()
         best = int(np.argmax(odds))
