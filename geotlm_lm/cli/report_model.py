@@ -1,0 +1,64 @@
+"""What `geotlm-lm report` measures of the model: each function runs and saves one report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from geotlm_lm.cli.options import require_writable_file
+
+if TYPE_CHECKING:
+    from geotlm_lm.core.record import RunRecord
+
+
+def model_stability(
+    model: Path | None, clips: int, seed: int, out: Path, table: Path, figure: Path | None
+) -> None:
+    """Put the model under stress and write down what came of it."""
+    import sys
+
+    from geotlm_lm.answering import Answerer
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.experiments.evaluate import one_thread
+    from geotlm_lm.experiments.model_stability import model_stability as run
+    from geotlm_lm.reports.stability import draw_fall, stability_page, summary
+
+    require_all_writable(out, table, figure)
+    with one_thread():
+        record = run(
+            Answerer.load(model),
+            seed=seed,
+            clips=clips,
+            command=command_line(sys.argv),
+            progress=show,
+        )
+    save_page(record, out, table, stability_page(record))
+    if figure is not None:
+        draw_fall(record, figure)
+    typer.echo(summary(record))
+
+
+def require_all_writable(out: Path, table: Path, figure: Path | None) -> None:
+    """Create the folders of all three, so that a place that cannot be written is told first.
+
+    Raises:
+        UsageError: If one cannot be written.
+    """
+    for path, option in ((out, "--out"), (table, "--table"), (figure, "--figure")):
+        if path is not None:
+            require_writable_file(path, option)
+
+
+def save_page(record: RunRecord, out: Path, table: Path, page: str) -> None:
+    """Write the record as JSON and its page as Markdown."""
+    from geotlm_lm.core.atomic import write_text_atomically
+
+    record.save(out)
+    write_text_atomically(table, page)
+
+
+def show(what: str, done: int, total: int) -> None:
+    """Tell on stderr how far a run is."""
+    typer.echo(f"{what}: {done} of {total}", err=True)
