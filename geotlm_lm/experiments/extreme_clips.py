@@ -15,12 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE
+from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.experiments.degradations import noisy, resized
 from geotlm_lm.recordings.read import read_clip
-
-SHAPE = (FRAME_COUNT, IMAGE_SIDE, IMAGE_SIDE, 3)
 
 LONG_FRAMES = 10_000
 LONG_SIDE = 64
@@ -54,8 +53,10 @@ def extreme_clips(touched: Clip, motion: Motion) -> dict[str, Extreme]:
     return {
         **dict(_flat_clips(idle)),
         **dict(_dotted_clips(idle)),
-        "noise alone, all greys": Extreme(UNKNOWABLE, lambda: Clip(_noise())),
-        "noise alone, idle gel given": Extreme(UNKNOWABLE, lambda: Clip(_noise(), background=idle)),
+        "noise alone, all greys": Extreme(UNKNOWABLE, lambda: Clip(_noise(idle))),
+        "noise alone, idle gel given": Extreme(
+            UNKNOWABLE, lambda: Clip(_noise(idle), background=idle)
+        ),
         "idle gel, noise of 4 grey": Extreme(UNTOUCHED, lambda: _idle_with_noise(idle, 4.0)),
         "idle gel, exactly the background": Extreme(UNTOUCHED, lambda: _still(idle, idle)),
         "a touch frozen in one frame": Extreme(
@@ -89,7 +90,7 @@ _ALPHA = ((0, 0), (0, 0), (0, 0), (0, 1))
 def _flat_clips(idle: Frames) -> Iterator[tuple[str, Extreme]]:
     """Yield constant images, without a background and against a real idle gel."""
     for name, grey in (("black", 0), ("grey 128", 128), ("white", 255)):
-        flat = np.full(SHAPE, grey, np.uint8)
+        flat = np.full((FRAME_COUNT, *idle.shape), grey, np.uint8)
         # A constant image without a background might be an idle gel, unless it is no image.
         right = UNTOUCHED if 0 < grey < 255 else UNKNOWABLE
         yield name, Extreme(right, lambda flat=flat: Clip(flat))
@@ -97,7 +98,7 @@ def _flat_clips(idle: Frames) -> Iterator[tuple[str, Extreme]]:
             f"{name}, idle gel given",
             Extreme(UNKNOWABLE, lambda flat=flat: Clip(flat, background=idle)),
         )
-    flicker = np.zeros(SHAPE, np.uint8)
+    flicker = np.zeros((FRAME_COUNT, *idle.shape), np.uint8)
     flicker[1::2] = 255
     yield "black and white in turn", Extreme(UNKNOWABLE, lambda: Clip(flicker, background=idle))
 
@@ -111,8 +112,9 @@ def _dotted_clips(idle: Frames) -> Iterator[tuple[str, Extreme]]:
         yield name, Extreme(UNTOUCHED, lambda frames=frames: Clip(frames, background=idle))
 
 
-def _noise() -> Frames:
-    return np.random.default_rng(0).integers(0, 256, SHAPE).astype(np.uint8)
+def _noise(idle: Frames) -> Frames:
+    rng = np.random.default_rng(0)
+    return rng.integers(0, 256, (FRAME_COUNT, *idle.shape)).astype(np.uint8)
 
 
 def _still(frame: Frames, idle: Frames) -> Clip:
@@ -147,7 +149,10 @@ def _filed(array: NDArray, background: Frames | None) -> Clip:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "clip.npy"
         np.save(path, array)
-        clip = read_clip(path)
+        try:
+            clip = read_clip(path)
+        except UnreadableClip as error:  # told without the folder, which is another every time
+            raise UnreadableClip(str(error).replace(f"{folder}/", "")) from error
     return replace(clip, background=background, name=path.name)
 
 

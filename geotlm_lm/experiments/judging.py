@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import GeoTLMError
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import DIRECTED, Motion
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer
@@ -36,12 +36,14 @@ class Verdict:
         confidence: Of an answer; 0 otherwise.
         says: The answer or the sentence of the refusal.
         seconds: From the recording's making to the answer.
+        motion: What an answer names.
     """
 
     outcome: str
     confidence: float
     says: str
     seconds: float
+    motion: Motion | None = None
 
 
 def judge(answerer: Answerer, make: Callable[[], Clip], right: Set[Motion]) -> Verdict:
@@ -54,8 +56,10 @@ def judge(answerer: Answerer, make: Callable[[], Clip], right: Set[Motion]) -> V
     """
     started = time.perf_counter()
 
-    def verdict(outcome: str, says: str, confidence: float = 0.0) -> Verdict:
-        return Verdict(outcome, confidence, says, time.perf_counter() - started)
+    def verdict(
+        outcome: str, says: str, confidence: float = 0.0, motion: Motion | None = None
+    ) -> Verdict:
+        return Verdict(outcome, confidence, says, time.perf_counter() - started, motion)
 
     try:
         answer = answerer.ask(answerer.encode(make()), QUESTION)
@@ -66,7 +70,7 @@ def judge(answerer: Answerer, make: Callable[[], Clip], right: Set[Motion]) -> V
     if answer.abstained:
         return verdict(ABSTAINED, answer.text)
     outcome = RIGHT if answer.direction in right else WRONG
-    return verdict(outcome, answer.text, answer.confidence)
+    return verdict(outcome, answer.text, answer.confidence, answer.direction)
 
 
 def tally(verdicts: Sequence[Verdict]) -> dict[str, Any]:
@@ -84,6 +88,9 @@ def tally(verdicts: Sequence[Verdict]) -> dict[str, Any]:
         "confidence": sum(answered) / len(answered) if answered else None,
         "confidence_wrong": max(sure[WRONG], default=None),
         "confidently_wrong": sum(value >= CONFIDENT for value in sure[WRONG]),
+        "false_directions": sum(
+            one.outcome == WRONG and one.motion in DIRECTED for one in verdicts
+        ),
         "says": worst.says,
         "slowest_s": max(one.seconds for one in verdicts),
     }

@@ -110,10 +110,12 @@ def _gradient_norms(field: Tensor, value: float) -> dict[str, float]:
 def _is_checked(value: float, generator: torch.Generator) -> bool:
     dgr = DGR(GRADIENT_WIDTH).double()
     with torch.no_grad():
+        for parameter in dgr.parameters():
+            parameter.normal_(0.0, 0.5, generator=generator)
         # Noise on the mask's logit, so that the cells differ; its middle gives `value`.
         dgr.to_mask.weight.mul_(0.1)
         dgr.to_mask.bias.fill_(
-            float(torch.logit(torch.tensor(min(value, 0.5), dtype=torch.float64)))
+            float(torch.logit(torch.tensor(min(value, 1 - 1e-6), dtype=torch.float64)))
         )
     shape = (1, TIME_BIN_COUNT, 4, 4, GRADIENT_WIDTH)
     patches = torch.randn(shape, generator=generator, dtype=torch.float64).requires_grad_(True)
@@ -125,13 +127,13 @@ def _is_checked(value: float, generator: torch.Generator) -> bool:
 def precision_rows(answerer: Answerer, truths: Truths) -> list[dict[str, Any]]:
     """Return what each number format does to the descriptor and to the answers.
 
-    Errors of the descriptor are the largest over clips and numbers, in parts of the largest number
-    of the descriptors in float64.
+    Errors are against the same parts in float64; those of the descriptor are the largest over clips
+    and numbers, in parts of its largest number.
     """
-    exact, said = _answers_in(answerer.bundle, "float64", PARTS, truths)
-    size = float(exact.abs().max())
     rows = []
     for parts in ((GEOMETRY,), PARTS):
+        exact, said = _answers_in(answerer.bundle, "float64", parts, truths)
+        size = float(exact.abs().max())
         for precision in FLOATS:
             found, answers = _answers_in(answerer.bundle, precision, parts, truths)
             changes = [abs(a[1] - b[1]) for a, b in zip(answers, said, strict=True)]

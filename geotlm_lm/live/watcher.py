@@ -17,14 +17,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE
+from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.live.events import MotionEvent, Reading, Segmenter
 from geotlm_lm.live.idle_tracker import IdleTracker
-from geotlm_lm.probe.rigid_flow import fit_rigid
 from geotlm_lm.recordings.choose import FAINT_IMPRINT
 
 if TYPE_CHECKING:
@@ -221,12 +219,9 @@ def learned_motion(encoded: Encoded) -> tuple[float, float, float]:
 
     Pixels are those of the clip's own frames.
     """
-    geometry = encoded.perception.geometry
-    mask = np.asarray(geometry.mask[0], np.float32)
-    rows, columns = encoded.clip.frames.shape[1:3]
-    # The grid's pixels are those of the view, which is a part of the 224-pixel image.
-    pixel = encoded.view.side_px / IMAGE_SIDE**2 * np.array([columns, rows], np.float32)
-    field = np.asarray(geometry.shear_change[0], np.float32) * FLOW_SCALE_PX * pixel
-    across, down = (float(size) * IMAGE_SIDE / len(mask) for size in pixel)
-    turn_rad, x, y = fit_rigid(field, mask, grid_px=(across, down))
-    return float(np.degrees(turn_rad)), x, y
+    from geotlm_lm.model import (
+        rigid_motion,
+    )  # by now the model is loaded; a stream alone needs none
+
+    size = encoded.clip.frames.shape[1:3]
+    return rigid_motion(encoded.perception.geometry, encoded.view, size)

@@ -76,14 +76,9 @@ class RigidFlow:
             clip: Frames in time order; frames larger than `LONGEST_SIDE` are shrunk to it.
             background: The idle gel; None takes the clip's own, and without one the mean frame.
         """
-        residuals, shrink = _residuals(clip, background)
-        imprints = [_to_grey(residual) for residual in residuals]
-        contrast = [imprint_contrast(residual) for residual in residuals]
-        flow = cv2.DISOpticalFlow_create(self.preset)
-        flow.setPatchSize(self.patch_px)
+        fields, contrast, shrink = self.displacements(clip, background)
         total = np.zeros(3)
-        for early, late, weight in zip(imprints[:-1], imprints[1:], contrast[:-1], strict=True):
-            field = flow.calc(early, late, None)[::FIT_STRIDE, ::FIT_STRIDE]
+        for field, weight in zip(fields, contrast[:-1], strict=True):
             turn_rad, slide_x, slide_y = fit_rigid(field, weight, self.reweightings, FIT_STRIDE)
             total += (turn_rad, slide_x, slide_y)
         radius = radius_of_gyration(np.mean(contrast, axis=0)) * FIT_STRIDE
@@ -95,6 +90,31 @@ class RigidFlow:
             side_px=max(clip.frames.shape[1:3]),
             contrast=(float(contrast[0].mean()), float(contrast[-1].mean())),
         )
+
+    def displacements(
+        self, clip: Clip, background: Frames | None = None
+    ) -> tuple[list[Field], list[Field], float]:
+        """Measure the flow between neighbouring frames and how far each is from the idle gel.
+
+        Args:
+            clip: As in `fit`.
+            background: As in `fit`.
+
+        Returns:
+            On every `FIT_STRIDE`-th pixel: displacements (rows, columns, 2), one fewer than frames,
+            in px of the frames that were compared; contrast (rows, columns) of every frame, grey
+            levels; and the factor by which the clip's frames were shrunk.
+        """
+        residuals, shrink = _residuals(clip, background)
+        imprints = [_to_grey(residual) for residual in residuals]
+        contrast = [imprint_contrast(residual) for residual in residuals]
+        flow = cv2.DISOpticalFlow_create(self.preset)
+        flow.setPatchSize(self.patch_px)
+        fields = [
+            flow.calc(early, late, None)[::FIT_STRIDE, ::FIT_STRIDE]
+            for early, late in zip(imprints[:-1], imprints[1:], strict=True)
+        ]
+        return fields, contrast, shrink
 
     def predict(
         self,

@@ -13,10 +13,12 @@ TITLE = "# The model under stress"
 
 INTRO = """\
 Every clip is asked for its motion. A row counts what became of that: right, wrong, abstained,
-refused in a sentence, or crashed; `sure` is the mean probability of the answers given, `wrong at`
-the highest of a wrong one. What is quoted is the gravest case of the row: a crash before a wrong
-answer before a refusal. Damage rows ask about simulated objects kept from training, all ten
-motions; where nothing can be told (a black image) only an abstention or a refusal is right."""
+refused in a sentence, or crashed; `false direction` is how many of the wrong ones name a turn or a
+slide, the others overlook one, as where a contact is too faint to see. `sure` is the mean
+probability of the answers given, `wrong at` the highest of a wrong one. What is quoted is the
+gravest case of the row: a crash before a wrong answer before a refusal. Damage rows ask about
+simulated objects kept from training, all ten motions; where nothing can be told (a black image)
+only an abstention or a refusal is right."""
 
 FLOOR_NOTE = """\
 A unit field, pooled as the model pools it (float32). As written, Eq. 5 shrinks it under a faint
@@ -30,7 +32,7 @@ down to the floor; by what the mask is the sigmoid of, which is what training ch
 bounded and vanishes with the contact. `agrees` is the whole of DGR against central differences."""
 
 PRECISION_NOTE = """\
-Against everything in float64. The descriptor's error is the largest over clips and numbers, in
+Against the same parts in float64. The descriptor's error is the largest over clips and numbers, in
 parts of the largest number. `geometry` is standardisation, DGR and probes alone."""
 
 SCALE_NOTE = """\
@@ -96,14 +98,15 @@ def outcome_table(record: RunRecord) -> str:
                 _name(row),
                 str(row["clips"]),
                 *(_count(row[name]) for name in _OUTCOMES),
+                _count(row["false_directions"]),
                 _share(row["accuracy_of_answers"]),
                 _share(row["confidence"]),
                 _share(row["confidence_wrong"]),
                 _plain(row["says"]) + (f" [{row['solver']}]" if "solver" in row else ""),
             ]
         )
-    header = ["case", "clips", *_OUTCOMES, "right of answers", "sure", "wrong at", "gravest case"]
-    return markdown(header, rows)
+    header = ["case", "clips", *_OUTCOMES, "false direction", "right of answers", "sure"]
+    return markdown([*header, "wrong at", "gravest case"], rows)
 
 
 _OUTCOMES = ("right", "wrong", "abstained", "refused", "crashed")

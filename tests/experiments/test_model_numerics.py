@@ -58,7 +58,7 @@ def test_gradients_stay_finite_and_right_while_contact_vanishes():
     )
     assert all(row["checked"] for row in rows)
     by_logit = [row["by_logit"] for row in rows]
-    assert by_logit[-1] < 1e-4 * max(by_logit)
+    assert by_logit[-1] < 1e-3 * max(by_logit)  # 98e-12 against a floor of 1e-6
     # By the mask itself it grows tenfold a decade until the floor holds it.
     assert rows[4]["by_mask"] / rows[3]["by_mask"] == pytest.approx(10, rel=0.2)
 
@@ -80,7 +80,7 @@ def test_an_unknown_format_is_refused(answerer):
 def test_coarser_formats_err_more(answerer, truths):
     rows = [r for r in precision_rows(answerer, truths) if r["parts"] == "geometry"]
     errors = {row["precision"]: row["descriptor_error"] for row in rows}
-    assert errors["float64"] < errors["float32"] < errors["float16"] < errors["bfloat16"]
+    assert 0 == errors["float64"] < errors["float32"] < errors["float16"] < errors["bfloat16"]
     assert errors["float32"] < 1e-4
     assert all(row["is_finite"] for row in rows)
 
@@ -89,5 +89,6 @@ def test_statistics_that_are_scaled_along_take_a_scale_out_again(answerer, truth
     rows = scale_rows(answerer, truths)
     along = [row for row in rows if row["statistics"] == "scaled along"]
     assert [row["factor"] for row in along] == list(SCALES)
-    assert len({round(row["confidence"] or 0, 4) for row in along}) == 1
+    said = [row["confidence"] or 0.0 for row in along]
+    assert max(said) - min(said) < 1e-3
     assert len(rows) == 2 * len(SCALES)

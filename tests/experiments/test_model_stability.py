@@ -118,8 +118,8 @@ def test_a_row_counts_outcomes_and_quotes_the_gravest():
     row = tally(
         [
             Verdict("right", 0.8, "yes", 0.1),
-            Verdict("wrong", 0.95, "no", 0.3),
-            Verdict("wrong", 0.5, "hm", 0.1),
+            Verdict("wrong", 0.95, "no", 0.3, Motion.LEFT),
+            Verdict("wrong", 0.5, "hm", 0.1, Motion.STILL),
             Verdict("refused", 0.0, "black", 0.1),
         ]
     )
@@ -127,6 +127,7 @@ def test_a_row_counts_outcomes_and_quotes_the_gravest():
     assert row["accuracy_of_answers"] == pytest.approx(1 / 3)
     assert row["confidence"] == pytest.approx(0.75)
     assert (row["confidence_wrong"], row["confidently_wrong"]) == (0.95, 1)
+    assert row["false_directions"] == 1
     assert (row["says"], row["slowest_s"]) == ("no", 0.3)
 
 

@@ -19,6 +19,7 @@ def row(case, level="-", group="damage", **values):
         "confidence": None,
         "confidence_wrong": None,
         "confidently_wrong": 0,
+        "false_directions": 0,
         "says": "Clockwise.",
         "slowest_s": 0.2,
     } | values
@@ -35,6 +36,7 @@ ROWS = [
         confidence=0.7,
         confidence_wrong=0.96,
         confidently_wrong=1,
+        false_directions=1,
     ),
     row("black", group="extreme", refused=4, says="x: 100% of | frame 0 is black"),
     row("friction 1e6", group="stiff scene", crashed=1, slowest_s=3.0, solver="good, converged"),
@@ -83,6 +85,7 @@ def test_the_page_shows_every_row_with_its_outcome(record):
         "-",
         "-",
         "-",
+        "1",
         "0.50",
         "0.70",
         "0.96",
