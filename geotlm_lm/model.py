@@ -7,14 +7,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
 import torch
 from torch import Tensor
 
-from geotlm_lm.backbone.stem import View
+from geotlm_lm.backbone.stem import FLOW_SCALE_PX, View
 from geotlm_lm.backbone.tokens import Backbone, Tokens
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
 from geotlm_lm.dgr.encoder import DGR, Geometry
 from geotlm_lm.probe.linear import LinearProbe
+from geotlm_lm.probe.rigid_flow import fit_rigid
 from geotlm_lm.probe.standardise import Standardiser
 
 
@@ -67,3 +70,28 @@ class GeoTLM:
         geometry = self.dgr(patches)  # Eqs. 2-8
         fused_token = global_token + geometry.feature  # Eq. 9
         return Perception(global_token, geometry, fused_token, tokens.views)
+
+
+def rigid_motion(
+    geometry: Geometry, view: View, size: tuple[int, int]
+) -> tuple[float, float, float]:
+    """Return the rigid motion in the learned shear change of one clip, between its time-bins.
+
+    Physical where DGR was trained with the simulator's true displacement, as in the shipped bundle.
+
+    Args:
+        geometry: Of one clip.
+        view: The square of the image that its grid covers.
+        size: Rows and columns of the clip's own frames.
+
+    Returns:
+        Degrees clockwise, and pixels of the clip's own frames to the right and down.
+    """
+    rows, columns = camera_size(*size)
+    mask = geometry.mask[0].float().numpy()
+    # The grid's pixels are those of the view, which is a part of the 224-pixel image.
+    pixel = view.side_px / IMAGE_SIDE**2 * np.array([columns, rows], np.float32)
+    field = geometry.shear_change[0].float().numpy() * FLOW_SCALE_PX * pixel
+    across, down = (float(length) * IMAGE_SIDE / len(mask) for length in pixel)
+    turn_rad, x, y = fit_rigid(field, mask, grid_px=(across, down))
+    return float(np.degrees(turn_rad)), x * size[1] / columns, y * size[0] / rows

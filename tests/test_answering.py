@@ -50,7 +50,7 @@ def answerer_saying(bundle, slots=None, text=None, **calibration):
 
 def recording(frames=4):
     rng = np.random.default_rng(1)
-    return Clip(rng.integers(80, 130, (frames, 48, 64, 3)).astype(np.uint8), name="x.npy")
+    return Clip(rng.integers(95, 120, (frames, 48, 64, 3)).astype(np.uint8), name="x.npy")
 
 
 CLOCKWISE = Slots("direction", direction=Motion.CLOCKWISE)

@@ -41,6 +41,7 @@ from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.wording import known
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.touch import is_untouched
 
 
@@ -84,11 +85,11 @@ class Answerer:
             span: First and last frame to use, both included; None chooses them.
 
         Raises:
-            UnreadableClip: If there is only one frame.
+            UnreadableClip: If there is only one frame, or the frames hold no picture of a gel.
             UsageError: If the span is not inside the clip.
         """
         started = time.perf_counter()
-        clip = four_frames_with_background(clip, span)
+        clip = require_legible(four_frames_with_background(clip, span))
         chosen = time.perf_counter()
         untouched = is_untouched(clip)
         judged = time.perf_counter()

@@ -10,6 +10,7 @@ import typer
 
 from geotlm_lm.cli.options import Seed, require_writable, require_writable_file
 from geotlm_lm.cli.protocols import protocols
+from geotlm_lm.cli.report_model import model_stability, runtime
 
 if TYPE_CHECKING:
     from geotlm_lm.core.record import RunRecord
@@ -20,6 +21,7 @@ OMISSIONS_TITLE = "## What each omission saves and costs"
 
 app = typer.Typer(help="Tables from recorded runs.", no_args_is_help=True)
 app.command()(protocols)
+app.command()(runtime)
 
 
 @app.callback()
@@ -146,29 +148,46 @@ def simulator(
 @app.command()
 def stability(
     is_simulator: Annotated[
-        bool, typer.Option("--simulator", help="Stiff and extreme scenes of the simulator.")
+        bool, typer.Option("--simulator", help="Stiff scenes of the simulator, without the model.")
     ] = False,
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/simulator_stability.json"
-    ),
-    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
-        "reports/simulator_stability.md"
-    ),
+    clips: Annotated[
+        int, typer.Option(min=1, help="Simulated clips of every level of damage.")
+    ] = 60,
+    seed: Seed = 0,
+    model: Annotated[
+        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="The record, as JSON. [default: reports/recorded/stability.json]"),
+    ] = None,
+    table: Annotated[
+        Path | None, typer.Option(help="The table, as Markdown. [default: reports/stability.md]")
+    ] = None,
+    figure: Annotated[
+        Path | None, typer.Option(help="Also draw the model's figure here; needs matplotlib.")
+    ] = None,
 ) -> None:
-    """Run stiff and extreme cases and write down what came of each.
+    """Put the model under stress, or with --simulator the contact solver; write what came of it.
 
-    Example: geotlm-lm report stability --simulator
+    Example: geotlm-lm report stability --figure reports/stability.png
     """
+    name = "simulator_stability" if is_simulator else "stability"
+    out, table = out or Path(f"reports/recorded/{name}.json"), table or Path(f"reports/{name}.md")
+    if is_simulator:
+        _simulator_stability(out, table)
+    else:
+        model_stability(model, clips, seed, out, table, figure)
+
+
+def _simulator_stability(out: Path, table: Path) -> None:
     import sys
 
     from geotlm_lm.cli.evaluate import command_line
-    from geotlm_lm.core.errors import UsageError
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.experiments.simulator_stability import simulator_stability
     from geotlm_lm.reports.simulator import stability_table
 
-    if not is_simulator:
-        raise UsageError("say what to test; --simulator runs its stiff and extreme scenes.")
     _require_writable(out, table)
     with one_thread():
         record = simulator_stability(command=command_line(sys.argv), progress=_show)

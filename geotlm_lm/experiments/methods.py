@@ -5,10 +5,12 @@ Binds the loaded model's parts to the form `compare` asks for; holds no numbers 
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.data.questions import WORDINGS, questions_for
@@ -137,7 +139,12 @@ def _after_perceiving(perceive: PerceivedOnce, read: Read) -> Method:
     method = timed(lambda encoded, among: read(encoded, among))
 
     def whole(clip: Clip, among: tuple[Motion, ...]) -> Reply:
-        encoded = perceive(clip)
+        started = time.perf_counter()
+        try:
+            encoded = perceive(clip)
+        except UnreadableClip:
+            # Whoever refuses a clip has not named its motion; the others are still asked.
+            return Reply(None, 1e3 * (time.perf_counter() - started))
         reply = method(encoded, among)
         return Reply(reply.motion, sum(encoded.timing_ms.values()) + reply.milliseconds)
 

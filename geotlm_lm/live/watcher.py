@@ -17,13 +17,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, camera_size
+from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.live.events import MotionEvent, Reading, Segmenter
 from geotlm_lm.live.idle_tracker import IdleTracker
-from geotlm_lm.probe.rigid_flow import fit_rigid
 from geotlm_lm.recordings.choose import FAINT_IMPRINT
 
 if TYPE_CHECKING:
@@ -200,7 +199,10 @@ def model_reader(answerer: Answerer) -> ReadWindow:
     """
 
     def read(clip: Clip, among: Sequence[Motion]) -> Window:
-        encoded = answerer.encode(clip)
+        try:
+            encoded = answerer.encode(clip)
+        except UnreadableClip:  # a flash or a covered lens must not end the stream
+            return Window(Motion.NONE, 0.0)
         token = encoded.perception.fused_token
         odds = answerer.bundle.model.probe.probabilities(token, among)[0].tolist()
         best = int(np.argmax(odds))
@@ -217,13 +219,7 @@ def learned_motion(encoded: Encoded) -> tuple[float, float, float]:
 
     Pixels are those of the clip's own frames.
     """
-    geometry = encoded.perception.geometry
-    mask = np.asarray(geometry.mask[0], np.float32)
-    own = encoded.clip.frames.shape[1:3]
-    rows, columns = camera_size(*own)
-    # The grid's pixels are those of the view, which is a part of the 224-pixel image.
-    pixel = encoded.view.side_px / IMAGE_SIDE**2 * np.array([columns, rows], np.float32)
-    field = np.asarray(geometry.shear_change[0], np.float32) * FLOW_SCALE_PX * pixel
-    across, down = (float(size) * IMAGE_SIDE / len(mask) for size in pixel)
-    turn_rad, x, y = fit_rigid(field, mask, grid_px=(across, down))
-    return float(np.degrees(turn_rad)), x * own[1] / columns, y * own[0] / rows
+    from geotlm_lm.model import rigid_motion  # by now it is loaded; a stream alone needs none
+
+    size = encoded.clip.frames.shape[1:3]
+    return rigid_motion(encoded.perception.geometry, encoded.view, size)

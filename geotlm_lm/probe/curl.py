@@ -6,20 +6,21 @@ as in `rigid_flow`. Nothing in the features is learned.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
+import torch
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import GRID_SIDE
-from geotlm_lm.probe.rigid_flow import (
-    FIT_STRIDE,
-    Field,
-    RigidFlow,
-    as_grey,
-    imprint_contrast,
-    imprint_residuals,
-)
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.probe.linear import LinearProbe
+from geotlm_lm.probe.logistic import fit_logistic
+from geotlm_lm.probe.rigid_flow import FIT_STRIDE, Field, RigidFlow
+from geotlm_lm.probe.standardise import Standardiser
 
 CURL_FEATURES = ("upper", "lower", "left", "right", "global")
 """Where the curl is averaged: the paper's halves and the whole."""
@@ -59,20 +60,46 @@ def imprint_travel(clip: Clip) -> tuple[Field, Field, tuple[float, float]]:
         Travel (x right, y down), summed over neighbouring frames, (14, 14, 2), px of the frames the
         flow reads; contrast (14, 14), grey levels; and the size (x, y) of a patch in the same px.
     """
-    residuals, _ = imprint_residuals(clip)
-    images = [as_grey(residual) for residual in residuals]
-    contrast = [imprint_contrast(residual) for residual in residuals]
-    settings = RigidFlow()
-    flow = cv2.DISOpticalFlow_create(settings.preset)
-    flow.setPatchSize(settings.patch_px)
+    fields, contrast, _ = RigidFlow().displacements(clip)
     grid = (GRID_SIDE, GRID_SIDE)
     total = np.zeros((*grid, 2), np.float32)
-    for early, late, weight in zip(images[:-1], images[1:], contrast[:-1], strict=True):
-        step = flow.calc(early, late, None)[::FIT_STRIDE, ::FIT_STRIDE]
+    for step, weight in zip(fields, contrast[:-1], strict=True):
         moved = cv2.resize(step * weight[..., None], grid, interpolation=cv2.INTER_AREA)
         seen = cv2.resize(weight, grid, interpolation=cv2.INTER_AREA)
         total += moved / (seen[..., None] + LEAST_CONTRAST_GREY)
     mean_contrast = np.mean(contrast, axis=0, dtype=np.float32)
-    rows, columns = images[0].shape
-    patch_px = (columns / GRID_SIDE, rows / GRID_SIDE)
+    rows, columns = mean_contrast.shape
+    patch_px = (FIT_STRIDE * columns / GRID_SIDE, FIT_STRIDE * rows / GRID_SIDE)
     return total, cv2.resize(mean_contrast, grid, interpolation=cv2.INTER_AREA), patch_px
+
+
+@dataclass(frozen=True, eq=False)
+class CurlRegression:
+    """Logistic regression on the curl.
+
+    Args:
+        statistics: Of the training clips' features.
+        probe: The fitted layer.
+    """
+
+    statistics: Standardiser
+    probe: LinearProbe
+
+    @classmethod
+    def fit(cls, clips: Iterable[Clip], motions: Sequence[Motion]) -> CurlRegression:
+        """Fit on labelled clips of two motions or more.
+
+        Raises:
+            ValueError: If there are fewer than two motions, or another number of clips.
+        """
+        features = torch.from_numpy(np.stack([curl_features(clip) for clip in clips]))
+        labels = sorted(set(motions), key=list(Motion).index)
+        if len(features) != len(motions) or len(labels) < 2:
+            raise ValueError(f"{len(features)} clips have {len(motions)} motions: {labels}")
+        statistics = Standardiser.fit(features)
+        return cls(statistics, fit_logistic(statistics.apply(features), motions, labels))
+
+    def predict(self, clip: Clip) -> Motion:
+        """Return the most probable of the motions it was fitted on."""
+        features = torch.from_numpy(curl_features(clip))[None]
+        return self.probe.predict(self.statistics.apply(features))[0]

@@ -80,14 +80,9 @@ class RigidFlow:
             clip: Frames in time order; frames larger than `LONGEST_SIDE` are shrunk to it.
             background: The idle gel; None takes the clip's own, and without one the mean frame.
         """
-        residuals, shrink = imprint_residuals(clip, background)
-        imprints = [as_grey(residual) for residual in residuals]
-        contrast = [imprint_contrast(residual) for residual in residuals]
-        flow = cv2.DISOpticalFlow_create(self.preset)
-        flow.setPatchSize(self.patch_px)
+        fields, contrast, shrink = self.displacements(clip, background)
         total = np.zeros(3)
-        for early, late, weight in zip(imprints[:-1], imprints[1:], contrast[:-1], strict=True):
-            field = flow.calc(early, late, None)[::FIT_STRIDE, ::FIT_STRIDE]
+        for field, weight in zip(fields, contrast[:-1], strict=True):
             turn_rad, slide_x, slide_y = fit_rigid(field, weight, self.reweightings, FIT_STRIDE)
             total += (turn_rad, slide_x, slide_y)
         radius = radius_of_gyration(np.mean(contrast, axis=0)) * FIT_STRIDE
@@ -99,6 +94,31 @@ class RigidFlow:
             side_px=max(camera_size(*clip.frames.shape[1:3])),
             contrast=(float(contrast[0].mean()), float(contrast[-1].mean())),
         )
+
+    def displacements(
+        self, clip: Clip, background: Frames | None = None
+    ) -> tuple[list[Field], list[Field], float]:
+        """Measure the flow between neighbouring frames and how far each is from the idle gel.
+
+        Args:
+            clip: As in `fit`.
+            background: As in `fit`.
+
+        Returns:
+            On every `FIT_STRIDE`-th pixel: displacements (rows, columns, 2), one fewer than frames,
+            in px of the frames that were compared; contrast (rows, columns) of every frame, grey
+            levels; and the factor by which the clip's frames were shrunk.
+        """
+        residuals, shrink = _residuals(clip, background)
+        imprints = [_to_grey(residual) for residual in residuals]
+        contrast = [imprint_contrast(residual) for residual in residuals]
+        flow = cv2.DISOpticalFlow_create(self.preset)
+        flow.setPatchSize(self.patch_px)
+        fields = [
+            flow.calc(early, late, None)[::FIT_STRIDE, ::FIT_STRIDE]
+            for early, late in zip(imprints[:-1], imprints[1:], strict=True)
+        ]
+        return fields, contrast, shrink
 
     def predict(
         self,
@@ -230,7 +250,7 @@ def _dominant_direction(motion: RigidMotion, directed: list[Motion]) -> Motion:
     return max(directed, key=path.__getitem__)
 
 
-def imprint_residuals(clip: Clip, background: Frames | None = None) -> tuple[list[Field], float]:
+def _residuals(clip: Clip, background: Frames | None = None) -> tuple[list[Field], float]:
     """Return each frame's green channel less the idle gel, and the factor it was shrunk by."""
     idle = clip.background if background is None else background
     frames = [frame[..., GREEN].astype(np.float32) for frame in clip.frames]
@@ -245,7 +265,7 @@ def imprint_residuals(clip: Clip, background: Frames | None = None) -> tuple[lis
     return residuals, shrink
 
 
-def as_grey(residual: Field) -> Grey:
+def _to_grey(residual: Field) -> Grey:
     """Return a residual as the 8-bit image that the flow matches."""
     return np.clip(NEUTRAL + GAIN * residual, 0, 255).astype(np.uint8)
 

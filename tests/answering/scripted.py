@@ -56,5 +56,5 @@ def feeling(bundle, motion, **calibration):
 
 def recording(frames=4, fps=None, seed=1):
     rng = np.random.default_rng(seed)
-    images = rng.integers(80, 130, (frames, 48, 64, 3)).astype(np.uint8)
+    images = rng.integers(95, 120, (frames, 48, 64, 3)).astype(np.uint8)
     return Clip(images, fps=fps, background=images[0], name="x.npy")

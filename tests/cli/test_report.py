@@ -103,3 +103,38 @@ def test_a_missing_record_names_the_command_that_writes_it(tmp_path):
     assert str(error) == (
         f"{path}: no such record; write it with `geotlm-lm evaluate --out {path}`."
     )
+
+
+def test_the_models_stability_is_recorded_tabled_and_drawn(tmp_path, monkeypatch):
+    from geotlm_lm import answering
+    from geotlm_lm.experiments import model_stability
+
+    row = {"group": "extreme", "case": "black", "level": "-", "unit": "", "clips": 1}
+    row |= dict.fromkeys(("right", "wrong", "abstained", "crashed", "confidently_wrong"), 0)
+    row |= {"refused": 1, "false_directions": 0, "says": "x: is black", "slowest_s": 0.25}
+    row |= dict.fromkeys(("accuracy_of_answers", "confidence", "confidence_wrong"))
+
+    def stressed(answerer, *, seed, clips, command, progress):
+        tables = dict.fromkeys(("mass_floor", "gradients", "precision", "scales"), [])
+        numbers = {"rows": [row], **tables}
+        return RunRecord("stability", command, seed, 1.0, numbers, {"clips": clips})
+
+    monkeypatch.setattr(model_stability, "model_stability", stressed)
+    monkeypatch.setattr(answering.Answerer, "load", classmethod(lambda cls, folder: folder))
+    monkeypatch.setattr("sys.argv", ["geotlm-lm", "report", "stability"])
+    places = {"--out": tmp_path / "s.json", "--table": tmp_path / "s.md"}
+    words = [word for option, path in places.items() for word in (option, str(path))]
+    done = CliRunner().invoke(app, ["stability", "--clips", "3", "--seed", "5", *words])
+    assert done.exit_code == 0, done.exception
+    assert done.stdout.splitlines()[:2] == [
+        "- crashed: none of 1 rows",
+        "- wrong at a probability of 0.9 or more: none",
+    ]
+    record = RunRecord.load(tmp_path / "s.json")
+    assert (record.seed, record.config["clips"]) == (5, 3)
+    assert (tmp_path / "s.md").read_text().startswith("# The model under stress\n")
+
+
+def test_an_unknown_size_of_the_runtime_report_is_refused_before_a_model_is_loaded(tmp_path):
+    done = CliRunner().invoke(app, ["runtime", "--size", "huge"])
+    assert str(done.exception) == "--size 'huge' is unknown, expected default or tiny."

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import geotlm_lm
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.live.watcher import SAMPLE_S, WITHOUT_DIRECTION, Watcher, Window, model_reader
 from tests.live.stream import FPS, LIFT_S, TOUCH_S, TURN_END_S, TURN_START_S, stream
@@ -126,3 +128,14 @@ def test_how_far_a_simulated_slide_goes_is_told_in_pixels(answerer):
     asked = watcher.clip_of(event)
     answer = answerer.ask(answerer.encode(asked), "Which way is it sliding?")
     assert answer.direction is Motion.RIGHT
+
+
+def test_a_flash_ends_no_stream():
+    """What no camera shows is refused by the model; the stream reads it as nothing and goes on."""
+
+    class Refusing:
+        def encode(self, clip):
+            raise UnreadableClip(f"{clip.name}: is overexposed")
+
+    window = model_reader(Refusing())(Clip(np.zeros((4, 16, 16, 3), np.uint8)), tuple(Motion))
+    assert (window.motion, window.probability, window.encoded) == (Motion.NONE, 0.0, None)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.probe.curl import CURL_FEATURES, curl_features
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.probe.curl import CURL_FEATURES, CurlRegression, curl_features
 from tests.probe.imprints import moved_clip, textured_imprint
 
 WHOLE = CURL_FEATURES.index("global")
@@ -29,3 +30,21 @@ def test_an_untouched_gel_has_no_curl():
     idle = np.full((64, 64, 3), 100, np.uint8)
     clip = Clip(np.repeat(idle[None], 4, axis=0), background=idle)
     assert np.array_equal(curl_features(clip), np.zeros(len(CURL_FEATURES), np.float32))
+
+
+def turned(turn_deg, seed):
+    return moved_clip(textured_imprint(seed), np.linspace(0, turn_deg, 4), [(0, 0)] * 4)
+
+
+def test_the_regression_tells_turns_of_textures_it_has_not_seen():
+    turns = [(seed, sign * (3 + seed)) for seed in range(4) for sign in (-1, 1)]
+    motions = [Motion.CLOCKWISE if turn > 0 else Motion.COUNTERCLOCKWISE for _, turn in turns]
+    fitted = CurlRegression.fit([turned(turn, seed) for seed, turn in turns], motions)
+    assert fitted.predict(turned(5.0, 9)) is Motion.CLOCKWISE
+    assert fitted.predict(turned(-5.0, 9)) is Motion.COUNTERCLOCKWISE
+
+
+@pytest.mark.parametrize("motions", [[Motion.CLOCKWISE], [Motion.CLOCKWISE, Motion.LEFT]])
+def test_a_label_for_each_clip_and_two_motions_are_asked_for(motions):
+    with pytest.raises(ValueError, match="1 clips have"):
+        CurlRegression.fit([turned(5.0, 0)], motions)

@@ -55,7 +55,7 @@ def finished(anytouch2, tmp_path_factory):
 
 
 def recording(size=(240, 320)):
-    frames = np.random.default_rng(0).integers(90, 120, (4, *size, 3)).astype(np.uint8)
+    frames = np.random.default_rng(0).integers(95, 115, (4, *size, 3)).astype(np.uint8)
     return Clip(frames, background=np.full((*size, 3), 105, np.uint8))
 
 

@@ -1,0 +1,118 @@
+"""What `geotlm-lm report` measures of the model: each function runs and saves one report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from geotlm_lm.cli.options import Seed, require_writable_file
+
+if TYPE_CHECKING:
+    from geotlm_lm.core.record import RunRecord
+
+
+def model_stability(
+    model: Path | None, clips: int, seed: int, out: Path, table: Path, figure: Path | None
+) -> None:
+    """Put the model under stress and write down what came of it."""
+    import sys
+
+    from geotlm_lm.answering import Answerer
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.experiments.evaluate import one_thread
+    from geotlm_lm.experiments.model_stability import model_stability as run
+    from geotlm_lm.reports.stability import draw_fall, stability_page, summary
+
+    require_all_writable(out, table, figure)
+    with one_thread():
+        record = run(
+            Answerer.load(model),
+            seed=seed,
+            clips=clips,
+            command=command_line(sys.argv),
+            progress=show,
+        )
+    save_page(record, out, table, stability_page(record))
+    if figure is not None:
+        draw_fall(record, figure)
+    typer.echo(summary(record))
+
+
+def runtime(
+    real: Annotated[
+        Path | None, typer.Option(help="Folder of labelled recordings to add; see `evaluate`.")
+    ] = None,
+    size: Annotated[
+        str, typer.Option(help="default, or tiny to see that it runs; tiny proves nothing.")
+    ] = "default",
+    seed: Seed = 0,
+    model: Annotated[
+        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/runtime.json"
+    ),
+    table: Annotated[Path, typer.Option(help="Where the tables go, as Markdown.")] = Path(
+        "reports/runtime.md"
+    ),
+    figure: Annotated[
+        Path | None, typer.Option(help="Also draw the figure here; needs matplotlib.")
+    ] = None,
+) -> None:
+    """Hold every way to name a motion, error against run time; say what to pick for which use.
+
+    Times mean something on an idle machine only.
+
+    Example: geotlm-lm report runtime --real DIR --figure reports/runtime.png
+    """
+    import sys
+
+    from geotlm_lm.answering import Answerer
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.core.errors import UsageError
+    from geotlm_lm.experiments.runtime import SIZES
+    from geotlm_lm.experiments.runtime import runtime as run
+    from geotlm_lm.reports.runtime import draw_runtime, pick_table, runtime_page
+
+    if size not in SIZES:
+        raise UsageError(f"--size '{size[:40]}' is unknown, expected {' or '.join(SIZES)}.")
+    require_all_writable(out, table, figure)
+    record = run(
+        Answerer.load(model),
+        sizes=SIZES[size],
+        seed=seed,
+        real_folder=real,
+        model=model,
+        command=command_line(sys.argv),
+        progress=show,
+    )
+    save_page(record, out, table, runtime_page(record))
+    if figure is not None:
+        draw_runtime(record, figure)
+    typer.echo(pick_table(record))
+
+
+def require_all_writable(out: Path, table: Path, figure: Path | None) -> None:
+    """Create the folders of all three, so that a place that cannot be written is told first.
+
+    Raises:
+        UsageError: If one cannot be written.
+    """
+    for path, option in ((out, "--out"), (table, "--table"), (figure, "--figure")):
+        if path is not None:
+            require_writable_file(path, option)
+
+
+def save_page(record: RunRecord, out: Path, table: Path, page: str) -> None:
+    """Write the record as JSON and its page as Markdown."""
+    from geotlm_lm.core.atomic import write_text_atomically
+
+    record.save(out)
+    write_text_atomically(table, page)
+
+
+def show(what: str, done: int, total: int) -> None:
+    """Tell on stderr how far a run is."""
+    typer.echo(f"{what}: {done} of {total}", err=True)

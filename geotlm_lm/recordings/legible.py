@@ -1,0 +1,125 @@
+"""Whether frames hold a picture at all: exposure and noise, far outside what a working camera does.
+
+A model asked about what no camera meant to show still names a motion, and with confidence; such
+frames are refused in a sentence instead. Knows the idle gel, not what touches it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.errors import UnreadableClip
+
+DARK_GREY = 8
+"""A pixel counts as black up to this level in every colour."""
+
+MOST_BLACK = 0.4
+"""Share of a frame that may be black: a letterbox is 0.25 of it, half a frame 0.5."""
+
+MOST_WHITE = 0.3
+"""Share of a frame in which a colour may be at its end; 0.00 on real recordings, at most 0.01 on
+simulated ones."""
+
+MOST_NOISE_GREY = 9.0
+"""White noise a frame may carry. Real recordings have 0.5 at most, simulated ones 2.5; at 10 one
+answer in ten is wrong with a probability above 0.9."""
+
+MOST_CHANGE_GREY = 12.0
+"""Change of the whole image's brightness within the clip: 4 at most on 792 real windows and 6 on
+1,200 simulated clips; at 15 one answer in five is wrong."""
+
+MOST_OFFSET_GREY = 25.0
+"""The same against the idle gel, where a large contact counts too: at most 6, and 19."""
+
+SAMPLED_SIDE = 32
+"""Rows, and columns where single pixels will do, that are looked at."""
+
+FINE_SIDE = 32
+"""Below it neighbouring pixels differ by the imprint itself, and noise cannot be told from it."""
+
+
+def require_legible(clip: Clip) -> Clip:
+    """Return the clip, unless its frames hold no picture of a gel.
+
+    Args:
+        clip: A few frames with their background, known or guessed.
+
+    Raises:
+        UnreadableClip: If a frame is mostly black or overexposed, if the frames are mostly noise,
+            or if their brightness is far from the background's or changes within the clip.
+    """
+    rows, columns = (max(1, side // SAMPLED_SIDE) for side in clip.frames.shape[1:3])
+    sample = clip.frames[:, ::rows, ::columns]
+    _require_exposed(clip, sample)
+    if min(clip.frames.shape[1:3]) >= FINE_SIDE:
+        _require_quiet(clip, clip.frames[:, ::rows, :, GREEN])
+    if clip.background is not None:
+        _require_steady(clip, sample, clip.background[::rows, ::columns])
+    return clip
+
+
+def noise_grey(lines: NDArray[np.uint8]) -> float:
+    """Return the standard deviation of the white noise along rows of pixels, in grey levels.
+
+    From the median size of second differences, to which a smooth image adds next to nothing and a
+    few edges nothing at all (a normal distribution's median is 0.6745 of its deviation).
+
+    Args:
+        lines: Pixels of one colour, shape (..., columns).
+    """
+    wide = lines.astype(np.int16)
+    bend = wide[..., :-2] - 2 * wide[..., 1:-1] + wide[..., 2:]
+    return float(np.median(np.abs(bend))) / (0.6745 * np.sqrt(6.0))
+
+
+def _require_exposed(clip: Clip, sample: Frames) -> None:
+    black = (sample.max(axis=-1) <= DARK_GREY).mean(axis=(1, 2))
+    white = (sample == 255).any(axis=-1).mean(axis=(1, 2))
+    if black.max() > MOST_BLACK:
+        raise UnreadableClip(
+            f"{clip.name}: {black.max():.0%} of frame {_number(clip, black)} is black, expected "
+            f"at most {MOST_BLACK:.0%}; check the camera and the sensor's lights."
+        )
+    if white.max() > MOST_WHITE:
+        raise UnreadableClip(
+            f"{clip.name}: {white.max():.0%} of frame {_number(clip, white)} is overexposed, "
+            f"expected at most {MOST_WHITE:.0%}; shorten the camera's exposure."
+        )
+
+
+def _require_quiet(clip: Clip, lines: NDArray[np.uint8]) -> None:
+    noise = noise_grey(lines)
+    if noise > MOST_NOISE_GREY:
+        raise UnreadableClip(
+            f"{clip.name}: the frames carry noise of {noise:.0f} grey levels, expected at most "
+            f"{MOST_NOISE_GREY:g}; lower the camera's gain, or average several frames into each."
+        )
+
+
+def _require_steady(clip: Clip, sample: Frames, background: Frames) -> None:
+    residual = sample.astype(np.int16) - background
+    offsets = np.median(residual.reshape(len(sample), -1, 3), axis=1)
+    within = np.ptp(offsets, axis=0)
+    if within.max() > MOST_CHANGE_GREY:
+        raise UnreadableClip(
+            f"{clip.name}: the brightness of the whole image changes by {within.max():.0f} grey "
+            f"levels within the clip, expected at most {MOST_CHANGE_GREY:g}; lock the camera's "
+            f"exposure."
+        )
+    worst = np.abs(offsets).max(axis=1)
+    if worst.max() > MOST_OFFSET_GREY:
+        raise UnreadableClip(
+            f"{clip.name}: frame {_number(clip, worst)} is {worst.max():.0f} grey levels off the "
+            f"background, expected at most {MOST_OFFSET_GREY:g}; give a background taken with the "
+            f"same camera, lights and exposure."
+        )
+
+
+def _number(clip: Clip, values: NDArray[np.floating]) -> int:
+    return clip.frame_numbers[int(np.argmax(values))]
+
+
+GREEN = 1
+"""The colour whose noise is measured: two of a camera's four photosites read it."""
