@@ -79,7 +79,8 @@ def in_words(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec) 
         decided=deciding_word(slots),
         is_refusal=slots.kind == "refusal",
     )
-    return _with_contact(bundle, encoded, told, slots, heard.timing_ms)
+    answer = _with_contact(bundle, encoded, told, slots, heard.timing_ms)
+    return replace(answer, told_by="model") if answer.text == heard.text else answer
 
 
 def by_rule(bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: FrameSpec) -> Answer:
@@ -162,6 +163,7 @@ def _with_contact(
         confidence=0.0 if abstained else told.options.get(told.decided, 0.0),
         abstained=abstained,
         options=told.options,
+        decided=None if abstained else told.decided,
     )
 
 
