@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from geotlm_lm.answering.answer import Encoded, deciding_word, offered_letters
@@ -33,10 +34,23 @@ class Heard:
     timing_ms: dict[str, float] = field(default_factory=dict)
 
 
-def hear(bundle: Bundle, encoded: Encoded, question: str) -> Heard:
-    """Return the model's words and the probabilities of their kind."""
+def hear(
+    bundle: Bundle,
+    encoded: Encoded,
+    question: str,
+    listen: Callable[[str], None] | None = None,
+) -> Heard:
+    """Return the model's words and the probabilities of their kind.
+
+    Args:
+        bundle: The model.
+        encoded: The clip.
+        question: What to ask.
+        listen: Told the words so far, after each token.
+    """
     started = time.perf_counter()
-    text = bundle.speaker.generate(encoded.perception.fused_token, [question])[0]
+    told = {} if listen is None else {"listen": listen}
+    text = bundle.speaker.generate(encoded.perception.fused_token, [question], **told)[0]
     generated = time.perf_counter()
     slots = bundle.grammar.parse(text)
     options = score(bundle, encoded, question, slots.kind if slots else "direction")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from geotlm_lm.answering.answer import Answer, Encoded, deciding_word, evidence
@@ -53,9 +54,15 @@ _ASKED_ABOUT = {
 }
 
 
-def in_words(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec) -> Answer:
-    """Answer a question whose kind the model was trained on."""
-    heard = hear(bundle, encoded, question)
+def in_words(
+    bundle: Bundle,
+    encoded: Encoded,
+    question: str,
+    frame: FrameSpec,
+    listen: Callable[[str], None] | None = None,
+) -> Answer:
+    """Answer a question whose kind the model was trained on; `listen` hears its words so far."""
+    heard = hear(bundle, encoded, question, listen)
     slots = heard.slots
     if slots is None:
         answer = plain(encoded, NOT_UNDERSTOOD, None, frame, heard.timing_ms)
