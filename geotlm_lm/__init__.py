@@ -19,6 +19,7 @@ _HOME_OF = {
     "Session": "geotlm_lm.answering",
     "Touch": "geotlm_lm.simulation.touch",
     "Watcher": "geotlm_lm.live.watcher",
+    "answer_schema": "geotlm_lm.answering.schema",
     "draw_viewpoint": "geotlm_lm.views.viewpoint",
     "evidence": "geotlm_lm.answering",
     "learned_motion": "geotlm_lm.live.watcher",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from typing import Any, Literal
 
 from geotlm_lm.backbone.stem import View
 from geotlm_lm.core.clip import Clip
@@ -91,6 +91,10 @@ class Answer:
             when the model's words did not parse or the question is not English.
         frames_used: Numbers of the four frames in the recording.
         notes: What was guessed or chosen on the way, one sentence each.
+        decided: The word of `options` that this answer is, such as "yes", "clockwise" or "15 deg":
+            what a program reads; None when nothing was decided.
+        told_by: Whose sentence it is: the language model's own, or a rule's that follows from what
+            the model read or stands for what it could not say.
     """
 
     text: str
@@ -104,14 +108,18 @@ class Answer:
     kind: str | None
     frames_used: tuple[int, ...]
     notes: tuple[str, ...] = field(default=())
+    decided: str | None = None
+    told_by: Literal["model", "rule"] = "rule"
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON values."""
         return {
             "text": self.text,
             "direction": None if self.direction is None else self.direction.value,
+            "decided": self.decided,
             "confidence": round(self.confidence, 4),
             "abstained": self.abstained,
+            "told_by": self.told_by,
             "frame": self.frame.to_dict(),
             "options": {name: round(value, 4) for name, value in self.options.items()},
             "timing_ms": {name: round(value, 2) for name, value in self.timing_ms.items()},

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -32,6 +32,7 @@ from geotlm_lm.answering.several import (
     compare_directions,
     tell_order,
 )
+from geotlm_lm.answering.streaming import Listener, StandingWords, pieces
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
@@ -107,7 +108,14 @@ class Answerer:
         """Return a conversation about a clip, which remembers its turns and the frame."""
         return Session(self, encoded, frame)
 
-    def ask(self, encoded: Encoded, question: str, *, frame: FrameSpec = CAMERA) -> Answer:
+    def ask(
+        self,
+        encoded: Encoded,
+        question: str,
+        *,
+        frame: FrameSpec = CAMERA,
+        listen: Listener | None = None,
+    ) -> Answer:
         """Answer `question` about an encoded clip.
 
         Facts that the question begins with ("The image is mirrored. Which way?") hold for it.
@@ -116,6 +124,7 @@ class Answerer:
             encoded: The clip.
             question: In English; a fact about the frame alone is noted.
             frame: In which to tell directions.
+            listen: Told the model's words piece by piece, as far as they stand in the answer.
 
         Raises:
             UsageError: If the question is empty or longer than 500 characters.
@@ -130,7 +139,18 @@ class Answerer:
         kind = asked_kind(stated.rest)
         if kind is not None and kind not in self.bundle.grammar.kinds:
             return by_rule(self.bundle, encoded, stated.rest, kind, stated.frame)
-        return in_words(self.bundle, encoded, stated.rest, stated.frame)
+        words = listen and StandingWords(self.bundle, encoded, stated.frame, listen)
+        return in_words(self.bundle, encoded, stated.rest, stated.frame, words)
+
+    def stream(
+        self, encoded: Encoded, question: str, *, frame: FrameSpec = CAMERA
+    ) -> Iterator[str | Answer]:
+        """Yield the answer's text piece by piece as it is generated, and last the `Answer`.
+
+        Raises:
+            UsageError: As `ask` does, at the first piece.
+        """
+        return pieces(lambda listen: self.ask(encoded, question, frame=frame, listen=listen))
 
     def score(self, encoded: Encoded, question: str, kind: str = "direction") -> dict[str, float]:
         """Return the calibrated probability of every answer of `kind`, by its deciding word."""

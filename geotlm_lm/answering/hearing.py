@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from geotlm_lm.answering.answer import Encoded, deciding_word, offered_letters
@@ -36,11 +37,22 @@ class Heard:
     timing_ms: dict[str, float] = field(default_factory=dict)
 
 
-def hear(bundle: Bundle, encoded: Encoded, question: str) -> Heard:
+def hear(
+    bundle: Bundle,
+    encoded: Encoded,
+    question: str,
+    listen: Callable[[str], None] | None = None,
+) -> Heard:
     """Return the model's words and the probabilities of their kind.
 
     Where nothing touches, an open question about direction needs no model to be answered; any other
     question does, to be understood.
+
+    Args:
+        bundle: The model.
+        encoded: The clip.
+        question: What to ask.
+        listen: Told the words so far, after each token.
     """
     if encoded.is_untouched and asks_direction(question):
         slots = Slots("direction", Motion.NONE)
@@ -48,7 +60,8 @@ def hear(bundle: Bundle, encoded: Encoded, question: str) -> Heard:
             slots, bundle.grammar.sentence(slots), {slots.direction: UNTOUCHED_PROBABILITY}
         )
     started = time.perf_counter()
-    text = bundle.speaker.generate(encoded.perception.fused_token, [question])[0]
+    told = {} if listen is None else {"listen": listen}
+    text = bundle.speaker.generate(encoded.perception.fused_token, [question], **told)[0]
     generated = time.perf_counter()
     slots = bundle.grammar.parse(text)
     options = score(bundle, encoded, question, slots.kind if slots else "direction")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from geotlm_lm.answering.answer import Answer, Encoded, deciding_word, evidence
@@ -53,9 +54,15 @@ _ASKED_ABOUT = {
 }
 
 
-def in_words(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec) -> Answer:
-    """Answer a question whose kind the model was trained on."""
-    heard = hear(bundle, encoded, question)
+def in_words(
+    bundle: Bundle,
+    encoded: Encoded,
+    question: str,
+    frame: FrameSpec,
+    listen: Callable[[str], None] | None = None,
+) -> Answer:
+    """Answer a question whose kind the model was trained on; `listen` hears its words so far."""
+    heard = hear(bundle, encoded, question, listen)
     slots = heard.slots
     if slots is None:
         answer = plain(encoded, NOT_UNDERSTOOD, None, frame, heard.timing_ms)
@@ -79,7 +86,8 @@ def in_words(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec) 
         decided=deciding_word(slots),
         is_refusal=slots.kind == "refusal",
     )
-    return _with_contact(bundle, encoded, told, slots, heard.timing_ms)
+    answer = _with_contact(bundle, encoded, told, slots, heard.timing_ms)
+    return replace(answer, told_by="model") if answer.text == heard.text else answer
 
 
 def by_rule(bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: FrameSpec) -> Answer:
@@ -162,6 +170,7 @@ def _with_contact(
         confidence=0.0 if abstained else told.options.get(told.decided, 0.0),
         abstained=abstained,
         options=told.options,
+        decided=None if abstained else told.decided,
     )
 
 

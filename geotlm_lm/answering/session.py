@@ -8,11 +8,13 @@ repeats the answer with its probability and never turns it around: being asked t
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm.answering.answer import Answer, Encoded, check_question
 from geotlm_lm.answering.several import Comparison, Order
+from geotlm_lm.answering.streaming import Listener, pieces
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.retell import CAMERA
@@ -82,18 +84,30 @@ class Session:
         """Make another clip the one that questions are about; comparisons look back at the last."""
         self.clips.append(encoded)
 
-    def ask(self, question: str) -> Reply:
+    def ask(self, question: str, *, listen: Listener | None = None) -> Reply:
         """Answer the next question.
+
+        Args:
+            question: In English, or a fact about the recording.
+            listen: Told the model's words piece by piece, as far as they stand in the answer.
 
         Raises:
             UsageError: If the question is empty or longer than 500 characters.
         """
         question = check_question(question)
         repeated = self._said_again(question)
-        answer = repeated or self._reply(question)
+        answer = repeated or self._reply(question, listen)
         self.frame = read_facts(question, self.frame).lasting
         self.history.append(Turn(question, answer, repeated is not None))
         return answer
+
+    def stream(self, question: str) -> Iterator[str | Reply]:
+        """Yield the reply's text piece by piece as it is generated, and last the reply.
+
+        Raises:
+            UsageError: As `ask` does, at the first piece.
+        """
+        return pieces(lambda listen: self.ask(question, listen=listen))
 
     def to_dict(self) -> list[dict[str, Any]]:
         """Return the turns as plain JSON values."""
@@ -111,7 +125,7 @@ class Session:
         is_doubt = _DOUBT.fullmatch(words) or asked_kind(question) == "confidence"
         return _steadfast(last) if is_doubt else None
 
-    def _reply(self, question: str) -> Reply:
+    def _reply(self, question: str, listen: Listener | None) -> Reply:
         stated = read_facts(question, self.frame)
         kind = asked_kind(stated.rest)
         if kind == "comparison" and len(self.clips) > 1:
@@ -119,7 +133,7 @@ class Session:
             return self.answerer.compare(first, second, stated.rest, frame=stated.frame)
         if kind == "order" and len(self.clips) > 1:
             return self.answerer.order(self.clips, frame=stated.frame)
-        return self.answerer.ask(self.encoded, question, frame=self.frame)
+        return self.answerer.ask(self.encoded, question, frame=self.frame, listen=listen)
 
 
 def _steadfast(last: Reply) -> Reply:

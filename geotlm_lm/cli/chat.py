@@ -21,6 +21,7 @@ from geotlm_lm.core.errors import GeoTLMError
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded, Session
+    from geotlm_lm.answering.session import Reply
 
 PROMPT = "> "
 
@@ -119,9 +120,26 @@ class Conversation:
 
     def _ask(self, question: str) -> None:
         before = len(self.session.encoded.clip.notes)
-        answer = self.session.ask(question)
-        print(json.dumps(answer.to_dict()) if self.is_json else answer.text)
+        answer = self._tell_json(question) if self.is_json else self._tell_words(question)
         self._tell_notes(getattr(answer, "notes", ())[before:])
+
+    def _tell_json(self, question: str) -> Reply:
+        answer = self.session.ask(question)
+        print(json.dumps(answer.to_dict()))
+        return answer
+
+    def _tell_words(self, question: str) -> Reply:
+        """Print the words as they come; a text that turned out to be another one stands below."""
+        told = ""
+        for piece in self.session.stream(question):
+            if not isinstance(piece, str):
+                break
+            told += piece
+            print(piece, end="", flush=True)
+        print() if told else None
+        if piece.text != told:
+            print(piece.text)
+        return piece
 
     def _clip(self, path: str) -> None:
         if not path:

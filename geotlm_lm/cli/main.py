@@ -10,6 +10,7 @@ import typer
 from geotlm_lm import __version__
 from geotlm_lm.cli.answer import answer
 from geotlm_lm.cli.app import app as serve_app
+from geotlm_lm.cli.batch import batch
 from geotlm_lm.cli.chat import chat
 from geotlm_lm.cli.evaluate import evaluate
 from geotlm_lm.cli.info import info
@@ -38,7 +39,7 @@ STOPPED = "Stopped; files already complete are kept."
 ParseError = typer.BadParameter.__base__
 """What the option parser raises on unknown or missing options; typer names no public alias."""
 
-for command in (answer, chat, info, manifest, simulate, train, watch):
+for command in (answer, batch, chat, info, manifest, simulate, train, watch):
     app.command()(command)
 app.command(name="app")(serve_app)
 app.command(epilog="Example: geotlm-lm evaluate --clips 40 --out reports/mine.json")(evaluate)

@@ -10,6 +10,7 @@ import typer
 
 from geotlm_lm.cli.options import Seed, require_writable, require_writable_file
 from geotlm_lm.cli.protocols import protocols
+from geotlm_lm.cli.report_language import language
 from geotlm_lm.cli.report_model import model_stability, runtime
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ OMISSIONS_TITLE = "## What each omission saves and costs"
 app = typer.Typer(help="Tables from recorded runs.", no_args_is_help=True)
 app.command()(protocols)
 app.command()(runtime)
+app.command()(language)
 
 
 @app.callback()

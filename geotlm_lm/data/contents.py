@@ -7,7 +7,8 @@ the other side, ...) are answered with the motion in the camera image; rules der
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -60,6 +61,18 @@ def _claimed(
     """Claim the true motion or its rival, each half of the time; a negation denies the claim."""
     (rival,) = (m for m in draw_option_set(label.motion, 2, rng) if m != label.motion)
     claim = label.motion if rng.random() < 0.5 else rival
+    return claiming(templates, kind, wording, label, claim, rng)
+
+
+def claiming(
+    templates: Templates,
+    kind: QuestionType,
+    wording: Wording,
+    label: MotionLabel,
+    claim: Motion,
+    rng: np.random.Generator,
+) -> Content:
+    """Return a question that claims `claim`, or denies it where it is a negation."""
     text = wording.text
     for form in FORMS:
         phrases = templates.phrases[claim][form]
@@ -81,20 +94,45 @@ def _choice(
     """Offer the true motion among one to three rivals, in random order."""
     motions = draw_option_set(label.motion, int(rng.integers(2, 5)), rng)
     motions = [motions[i] for i in rng.permutation(len(motions))]
-    letters = "ABCD"[: len(motions)]
+    return offering(wording, label, motions, draw_layout(templates, motions, rng))
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How the options of a choice are written, whatever their order."""
+
+    style: str
+    phrases: Mapping[Motion, str]
+    separator: str
+
+
+def draw_layout(
+    templates: Templates, motions: Sequence[Motion], rng: np.random.Generator
+) -> Layout:
+    """Return how to write a choice among `motions`."""
     style = OPTION_STYLES[int(rng.integers(len(OPTION_STYLES)))]
-    form = templates.phrases
-    lines = []
-    for letter, motion in zip(letters, motions, strict=True):
-        phrases = form[motion]["short"]
-        phrase = phrases[int(rng.integers(len(phrases)))]
-        lines.append(style.replace("{letter}", letter).replace("{text}", phrase))
-    text = wording.text.replace("{options}", (", ", " ", "; ")[int(rng.integers(3))].join(lines))
+    phrases = {}
+    for motion in motions:
+        short = templates.phrases[motion]["short"]
+        phrases[motion] = short[int(rng.integers(len(short)))]
+    return Layout(style, phrases, (", ", " ", "; ")[int(rng.integers(3))])
+
+
+def offering(
+    wording: Wording, label: MotionLabel, motions: Sequence[Motion], layout: Layout
+) -> Content:
+    """Return a question that offers `motions` in this order."""
+    letters = "ABCD"[: len(motions)]
+    lines = [
+        layout.style.replace("{letter}", letter).replace("{text}", layout.phrases[motion])
+        for letter, motion in zip(letters, motions, strict=True)
+    ]
     options = [
         Slots("choice", motion, letter=letter)
         for letter, motion in zip(letters, motions, strict=True)
     ]
-    return text, options[motions.index(label.motion)], options
+    text = wording.text.replace("{options}", layout.separator.join(lines))
+    return text, options[list(motions).index(label.motion)], options
 
 
 def _class(

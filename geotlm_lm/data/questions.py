@@ -13,8 +13,8 @@ from typing import Literal
 import numpy as np
 
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.data.contents import CONTENTS, amount_of
-from geotlm_lm.data.templates import QuestionType, Templates, load_templates
+from geotlm_lm.data.contents import CONTENTS, Content, amount_of
+from geotlm_lm.data.templates import QuestionType, Templates, Wording, load_templates
 from geotlm_lm.language.parse_answer import Slots
 
 WORDINGS = Literal["seen", "held_out"]
@@ -105,9 +105,22 @@ def _ask(
 ) -> QuestionAnswer:
     among = kind.among(wordings)
     wording = among[int(rng.integers(len(among)))]
-    text, slots, options = CONTENTS[kind.kind](templates, kind, wording, label, rng)
+    content = CONTENTS[kind.kind](templates, kind, wording, label, rng)
+    return written(templates, kind, wording, content, label, rng)
+
+
+def written(
+    templates: Templates,
+    kind: QuestionType,
+    wording: Wording,
+    content: Content,
+    label: MotionLabel,
+    rng: np.random.Generator,
+) -> QuestionAnswer:
+    """Return the question as somebody types it: its words filled in, with its true answer."""
+    text, slots, options = content
     sentences = {filled: sentence for sentence, filled in kind.answers.items()}
-    filled = templates.fill(text, rng, held_out=wordings == "held_out")
+    filled = templates.fill(text, rng, held_out=wording.is_held_out)
     return QuestionAnswer(
         type_id=kind.id,
         wording_id=wording.id,

@@ -9,12 +9,16 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.seeding import seed_for
 from geotlm_lm.data.labelled_recordings import LabelledRecordings, find_labelled_recordings
 from geotlm_lm.experiments.compare import Case
+
+if TYPE_CHECKING:
+    from geotlm_lm.simulation.simulate import SimulatedClip
 
 TASKS: dict[str, tuple[Motion, ...]] = {
     "rotation": ROTATIONS,
@@ -56,6 +60,12 @@ class SimulatedCases:
         return TASKS[self.task]
 
     def __iter__(self) -> Iterator[Case]:
+        for made in self.made():
+            name, tags = made.object_name, {} if made.label.is_readable else UNREADABLE
+            yield Case(made.clip, made.label.motion, name, name, tags)
+
+    def made(self) -> Iterator[SimulatedClip]:
+        """Yield the same clips with the whole truth about them."""
         from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
         from geotlm_lm.simulation.series import simulate_series
 
@@ -71,8 +81,7 @@ class SimulatedCases:
             self.unreadable += not is_readable
             given += is_readable
             if is_readable or self.with_unreadable:
-                tags = {} if is_readable else UNREADABLE
-                yield Case(made.clip, made.label.motion, made.object_name, made.object_name, tags)
+                yield made
             if given == self.count:
                 return
 

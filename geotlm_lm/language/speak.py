@@ -5,7 +5,7 @@ Knows neither where the fused token comes from nor what an answer means.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -59,23 +59,32 @@ class Speaker:
         self.processor.save(folder)
 
     @torch.inference_mode()
-    def generate(self, fused_token: Tensor, questions: Sequence[str]) -> list[str]:
+    def generate(
+        self,
+        fused_token: Tensor,
+        questions: Sequence[str],
+        listen: Callable[[str], None] | None = None,
+    ) -> list[str]:
         """Return the most likely words, token by token, one answer per row.
 
         Args:
             fused_token: (b, fused width), unitless.
             questions: b questions.
+            listen: Told the words so far of a single question, after each token.
 
         Raises:
-            ValueError: If the shapes disagree or a token is not finite.
+            ValueError: If the shapes disagree, a token is not finite, or several questions are to
+                be listened to.
             UsageError: If a question is empty or too long.
         """
         fused_token = self._checked(fused_token, (len(questions), self.model.fused_width))
+        if listen is not None and len(questions) != 1:
+            raise ValueError(f"one question can be listened to, not {len(questions)}")
         prompts = [self.processor.prompt(question) for question in questions]
         answers: list[str] = []
         for start in range(0, len(prompts), BATCH):
             part = slice(start, start + BATCH)
-            answers += self._generate(fused_token[part], prompts[part])
+            answers += self._generate(fused_token[part], prompts[part], listen)
         return answers
 
     @torch.inference_mode()
@@ -124,7 +133,12 @@ class Speaker:
         )
         return self.model.logits(hidden).log_softmax(-1)
 
-    def _generate(self, fused_token: Tensor, prompts: list[list[int]]) -> list[str]:
+    def _generate(
+        self,
+        fused_token: Tensor,
+        prompts: list[list[int]],
+        listen: Callable[[str], None] | None,
+    ) -> list[str]:
         ids, is_text = _left_padded(prompts, self.processor.pad_id)
         rows, length = ids.shape
         visible = is_text[:, None, :] & torch.ones(length, length, dtype=torch.bool).tril()
@@ -139,6 +153,8 @@ class Speaker:
         for _ in range(MAX_ANSWER_TOKENS):
             token = self.model.logits(hidden[:, -1]).argmax(-1)
             written.append(token)
+            if listen is not None:
+                listen(self.processor.decode([int(one) for one in written]))
             is_done |= token == self.processor.eos_id
             if bool(is_done.all()):
                 break

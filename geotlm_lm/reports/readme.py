@@ -20,6 +20,7 @@ from geotlm_lm.reports.headline import (
     false_claim_headline,
     time_headline,
 )
+from geotlm_lm.reports.language import language_page
 from geotlm_lm.reports.protocols import protocols_page
 from geotlm_lm.reports.tables import answer_example, evaluation_page, training_overview
 
@@ -41,6 +42,7 @@ _COMMANDS = dict.fromkeys(BLOCKS, "geotlm-lm evaluate --out reports/recorded/eva
 PAGES: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "evaluation.md": ("evaluate.json", evaluation_page),
     "protocols.md": ("protocols.json", protocols_page),
+    "language.md": ("language.json", language_page),
 }
 """Page -> the record it is made from, and how; written where there is that record."""
 

@@ -230,3 +230,27 @@ def test_answers_of_a_kind_differ_in_their_deciding_words(bundle, kind):
     }
     verdicts = kind in ("verify", "contact", "moving", "negation", "premise")
     assert len(words) == (2 if verdicts else len(claims))
+
+
+@pytest.mark.parametrize(
+    ("question", "decided", "told_by"),
+    [
+        ("Which way is it going?", "left", "model"),
+        ("Seen in a mirror?", "right", "rule"),
+        ("Which way must I turn to undo this?", "right", "rule"),
+    ],
+)
+def test_an_answer_says_what_it_decides_and_whose_sentence_it_is(
+    bundle, question, decided, told_by
+):
+    answerer = feeling(bundle, "left")
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert (answer.decided, answer.told_by) == (decided, told_by)
+    assert answer.decided in answer.options
+    assert answer.to_dict()["decided"] == decided
+
+
+def test_an_answer_that_is_withheld_decides_nothing(bundle):
+    answerer = feeling(bundle, "left", contact_threshold=1.1)
+    answer = answerer.ask(answerer.encode(recording()), "Which way is it going?")
+    assert (answer.decided, answer.told_by) == (None, "rule")

@@ -54,6 +54,12 @@ def test_nothing_but_the_package_lands_at_the_top(wheel):
 
 
 @CHECKOUT
+def test_the_published_schema_travels_with_the_package(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        assert "geotlm_lm/answering/answer.schema.json" in archive.namelist()
+
+
+@CHECKOUT
 @pytest.mark.parametrize("folder", ["prompts", "data_templates", "app", "bundle"])
 def test_every_resource_is_found_inside_the_installed_package(installed, tmp_path, folder):
     if folder == "bundle" and not (ROOT / "geotlm_lm" / "bundle").is_dir():

@@ -7,6 +7,7 @@ import pytest
 import torch
 
 from geotlm_lm.core.errors import IncompatibleBundle
+from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS
 from geotlm_lm.language.speak import Speaker
 
 QUESTIONS = [
@@ -99,3 +100,17 @@ def test_another_format_names_both_numbers(speaker, tmp_path):
 def test_a_missing_folder_says_what_to_do(tmp_path):
     with pytest.raises(IncompatibleBundle, match="save or download the model again"):
         Speaker.load(tmp_path / "absent")
+
+
+def test_a_listener_hears_the_words_grow_into_the_answer(speaker):
+    token, heard = torch.zeros(1, speaker.model.fused_width), []
+    (said,) = speaker.generate(token, ["which way?"], heard.append)
+    assert heard[-1] == said
+    assert 1 < len(heard) <= MAX_ANSWER_TOKENS
+    assert [len(text) for text in heard] == sorted(len(text) for text in heard)
+
+
+def test_several_questions_cannot_be_listened_to(speaker):
+    tokens = torch.zeros(2, speaker.model.fused_width)
+    with pytest.raises(ValueError, match="one question can be listened to, not 2"):
+        speaker.generate(tokens, ["which way?", "how?"], print)

@@ -1,0 +1,154 @@
+"""Many questions about many clips to JSON lines: each clip encoded once, stopped runs continued.
+
+Rows are kept in `NAME.part` while the run lasts and take the place of NAME when it is complete, so
+that a reader of NAME never sees half a table.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geotlm_lm.answering.answer import Encoded
+from geotlm_lm.core.atomic import replacing, write_text_atomically
+from geotlm_lm.core.errors import GeoTLMError, UsageError
+from geotlm_lm.recordings.read import read_clip
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering.answerer import Answerer
+
+Progress = Callable[[int, int], None]
+"""Called with the number of clips done, and of all."""
+
+
+@dataclass(frozen=True)
+class BatchResult:
+    """What a run wrote.
+
+    Args:
+        rows: Rows in the file, one per clip and question.
+        errors: How many of them hold an error in place of an answer.
+        continued: How many of them an earlier, stopped run had written.
+    """
+
+    rows: int
+    errors: int
+    continued: int
+
+
+def answer_all(
+    answerer: Answerer,
+    clips: Sequence[Path],
+    questions: Sequence[str],
+    out: Path,
+    *,
+    fps: float | None = None,
+    progress: Progress = lambda done, total: None,
+) -> BatchResult:
+    """Write one row per clip and question to `out`, as JSON lines.
+
+    A row holds clip, question, answer (as in the published schema) and error; of the last two one
+    is null. A clip that cannot be read, or a question that cannot be asked, gives rows with the
+    error's one sentence. A run that was stopped continues behind the last whole clip.
+
+    Args:
+        answerer: The model.
+        clips: Recordings.
+        questions: What to ask about each.
+        out: The file to write.
+        fps: Frames per second of the recordings; None to take what each file says.
+        progress: Told how many clips are done.
+
+    Raises:
+        UsageError: If an unfinished run of other clips, questions or another model lies beside
+            `out`.
+    """
+    part = out.with_name(f"{out.name}.part")
+    settings = _settings(answerer, clips, questions, fps)
+    kept, errors = _continued(part, settings, len(questions))
+    if not kept:
+        write_text_atomically(part, f"{json.dumps(settings)}\n")
+    with part.open("a", encoding="utf-8") as stream:
+        for number, clip in enumerate(clips):
+            if number >= kept // len(questions):
+                rows = list(rows_of(answerer, clip, questions, fps))
+                stream.write("".join(f"{json.dumps(row)}\n" for row in rows))
+                stream.flush()
+                errors += sum(row["error"] is not None for row in rows)
+            progress(number + 1, len(clips))
+    with part.open("rb") as written, replacing(out) as stream:
+        next(written)  # what the run was of
+        shutil.copyfileobj(written, stream)
+    part.unlink()
+    return BatchResult(len(clips) * len(questions), errors, kept)
+
+
+def rows_of(
+    answerer: Answerer, clip: Path, questions: Sequence[str], fps: float | None = None
+) -> Iterator[dict[str, Any]]:
+    """Yield the rows of one clip, which is encoded once."""
+    encoded, error = _encode(answerer, clip, fps)
+    for question in questions:
+        answer = None
+        if encoded is not None:
+            try:
+                answer, error = answerer.ask(encoded, question).to_dict(), None
+            except GeoTLMError as refused:
+                error = str(refused)
+        yield {"clip": clip.name, "question": question, "answer": answer, "error": error}
+
+
+def _encode(answerer: Answerer, clip: Path, fps: float | None) -> tuple[Encoded | None, str | None]:
+    try:
+        return answerer.encode(read_clip(clip, fps=fps)), None
+    except GeoTLMError as error:
+        return None, str(error)
+
+
+def _settings(
+    answerer: Answerer, clips: Sequence[Path], questions: Sequence[str], fps: float | None
+) -> dict[str, Any]:
+    """Return what decides the rows, so that no other run's are taken for them."""
+    told = json.dumps([[_stamp(clip) for clip in clips], list(questions), fps])
+    digest = hashlib.sha256(told.encode()).hexdigest()[:16]
+    return {"model": answerer.bundle.digest(), "clips_and_questions": digest}
+
+
+def _stamp(clip: Path) -> list[Any]:
+    """Return what changes when a recording does; a link to nothing has no more than its name."""
+    try:
+        about = clip.stat()
+    except OSError:
+        return [clip.name]
+    return [clip.name, about.st_size, about.st_mtime_ns]
+
+
+def _continued(part: Path, settings: dict[str, Any], per_clip: int) -> tuple[int, int]:
+    """Return how many rows of whole clips a stopped run left, and how many of them hold errors.
+
+    What is behind them, half a clip or half a row, is cut off.
+    """
+    if not part.exists():
+        return 0, 0
+    kept = errors = pending = 0
+    with part.open("r+b") as stream:
+        first = stream.readline()
+        if not first.endswith(b"\n") or json.loads(first) != settings:
+            raise UsageError(
+                f"{part}: belongs to a run of other clips, questions or another model, expected "
+                f"this one's; delete it to begin anew, or give another --out."
+            )
+        end = stream.tell()
+        for number, line in enumerate(iter(stream.readline, b""), start=1):
+            if not line.endswith(b"\n"):
+                break
+            pending += json.loads(line)["error"] is not None
+            if number % per_clip == 0:
+                kept, errors, end = number, pending, stream.tell()
+        stream.truncate(end)
+    return kept, errors

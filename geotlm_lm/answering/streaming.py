@@ -1,0 +1,96 @@
+"""Words as they are generated, as far as they will stand in the answer.
+
+Most answers are the model's own sentence and may be told while it is written. Others are derived
+from it by rule, need a time, or are withheld for want of contact: of these nothing is told before
+the end. Which it will be is known from the first words on, because every answer is one of a closed
+set of sentences.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from queue import SimpleQueue
+from threading import Thread
+from typing import Any
+
+from geotlm_lm.answering.answer import Encoded
+from geotlm_lm.answering.replying import NEEDS_MORE, is_as_seen
+from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.retell import ALWAYS_RETOLD, RETOLD
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.language.parse_answer import Slots
+
+Listener = Callable[[str], None]
+"""Told each piece of an answer's words."""
+
+
+class StandingWords:
+    """Hands on those words that will stand, whatever comes after them.
+
+    Args:
+        bundle: The model that writes them; its grammar holds every sentence there may be.
+        encoded: The clip they are about.
+        frame: The frame they are to be told in.
+        tell: Told each piece.
+    """
+
+    def __init__(self, bundle: Bundle, encoded: Encoded, frame: FrameSpec, tell: Listener) -> None:
+        self._tell, self._told = tell, ""
+        self._stands = {
+            sentence: stands(bundle, encoded, frame, slots)
+            for kind in bundle.grammar.kinds
+            for sentence in bundle.grammar.options_for(kind)
+            if (slots := bundle.grammar.parse(sentence)) is not None
+        }
+
+    def __call__(self, text: str) -> None:
+        """Take the text so far."""
+        possible = [
+            is_told for sentence, is_told in self._stands.items() if sentence.startswith(text)
+        ]
+        if possible and all(possible) and len(text) > len(self._told):
+            self._tell(text[len(self._told) :])
+            self._told = text
+
+
+def stands(bundle: Bundle, encoded: Encoded, frame: FrameSpec, slots: Slots) -> bool:
+    """Tell whether a sentence of the model with these slots becomes the answer as it is."""
+    if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RETOLD:
+        return False
+    if slots.kind in RETOLD and not is_as_seen(frame):
+        return False
+    if slots.kind == "rate" and slots.amount is not None:
+        return False
+    return not bundle.calibration.withholds(slots.direction, encoded.contact_share)
+
+
+def pieces(ask: Callable[[Listener], Any]) -> Iterator[Any]:
+    """Yield the text of an answer piece by piece, and last the answer.
+
+    The pieces together are the answer's text. Only where the model begins a sentence and then ends
+    it as none of its answers is the text another one than they began; the answer's own text counts.
+
+    Args:
+        ask: Answers, telling its listener the words as they come.
+    """
+    waiting: SimpleQueue[tuple[str, Any]] = SimpleQueue()
+
+    def run() -> None:
+        try:
+            waiting.put(("answer", ask(lambda piece: waiting.put(("piece", piece)))))
+        except BaseException as error:  # raised again where the pieces are awaited
+            waiting.put(("error", error))
+
+    Thread(target=run, daemon=True).start()
+    told = ""
+    while True:
+        what, value = waiting.get()
+        if what == "error":
+            raise value
+        if what == "answer":
+            break
+        told += value
+        yield value
+    if value.text.startswith(told) and value.text != told:
+        yield value.text[len(told) :]
+    yield value

@@ -1,0 +1,82 @@
+"""`geotlm-lm batch`: a file of questions about a folder of clips, to JSON lines."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geotlm_lm.cli.options import FramesPerSecond, require_writable_file
+from geotlm_lm.core.errors import UsageError
+
+COMMENT = "#"
+"""Begins a line of a question file that is no question."""
+
+
+def batch(
+    clips: Annotated[
+        Path, typer.Option(help="Folder of recordings: files, and folders of images.")
+    ],
+    questions: Annotated[
+        Path, typer.Option(help="Text file, one question a line; # begins a comment.")
+    ],
+    out: Annotated[Path, typer.Option(help="Where the rows go, one JSON object a line.")],
+    fps: FramesPerSecond = None,
+    model: Annotated[
+        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
+    ] = None,
+) -> None:
+    """Ask every question about every clip; one row each, answer or error.
+
+    A clip is encoded once. A stopped run continues where it was when it is started again; the file
+    appears when all of it is there.
+
+    Example: geotlm-lm batch --clips recordings --questions questions.txt --out answers.jsonl
+    """
+    from geotlm_lm.recordings.listing import clips_in
+
+    if fps is not None and not 0 < fps < 1e5:
+        raise UsageError(f"A frame rate of {fps:g} was given, expected 0 to 100000 per second.")
+    found, asked = clips_in(clips), read_questions(questions)
+    require_writable_file(out, "--out")
+
+    # Imported only now: a wrong path must not wait for the model's libraries.
+    from geotlm_lm.answering import Answerer
+    from geotlm_lm.answering.batch import answer_all
+    from geotlm_lm.cli.evaluate import progress_on_stderr
+
+    report = progress_on_stderr()
+    result = answer_all(
+        Answerer.load(model),
+        found,
+        asked,
+        out,
+        fps=fps,
+        progress=lambda done, total: report("answered", done, total),
+    )
+    if result.continued:
+        print(f"note: {result.continued} rows were there from a stopped run", file=sys.stderr)
+    print(f"{out}: {result.rows} rows, {result.errors} of them errors")
+
+
+def read_questions(path: Path) -> list[str]:
+    """Return the questions of a text file, one a line; blank lines and # comments are left out.
+
+    Raises:
+        UsageError: If the file cannot be read, is no UTF-8 text, or holds no question.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise UsageError(
+            f"{path}: cannot be read ({error.strerror}); give a text file of questions."
+        ) from error
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{path}: is no UTF-8 text; save the questions as UTF-8.") from error
+    questions = [line.strip() for line in lines]
+    questions = [line for line in questions if line and not line.startswith(COMMENT)]
+    if not questions:
+        raise UsageError(f"{path}: holds no question; write one a line.")
+    return list(dict.fromkeys(questions))

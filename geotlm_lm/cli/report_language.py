@@ -1,0 +1,67 @@
+"""`geotlm-lm report language`: everything the model can be asked, graded type by type."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geotlm_lm.cli.options import AsJson, Seed, require_writable_file
+
+
+def language(
+    real: Annotated[
+        Path | None, typer.Option(help="Folder of labelled recordings to ask about as well.")
+    ] = None,
+    clips: Annotated[
+        int, typer.Option(min=0, help="Simulated clips; 0 leaves simulation out.")
+    ] = 120,
+    windows: Annotated[
+        int, typer.Option(min=1, help="With --real: windows of each folder, played both ways.")
+    ] = 50,
+    seed: Seed = 0,
+    model: Annotated[
+        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/language.json"
+    ),
+    table: Annotated[Path, typer.Option(help="Where the tables go, as Markdown.")] = Path(
+        "reports/language.md"
+    ),
+    as_json: AsJson = False,
+) -> None:
+    """Ask every type of question about clips nothing was trained on, and grade the answers.
+
+    Example: geotlm-lm report language --real DIR
+    """
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line, progress_on_stderr
+    from geotlm_lm.core.atomic import write_text_atomically
+    from geotlm_lm.core.errors import UsageError
+
+    if clips == 0 and real is None:
+        raise UsageError("nothing to ask about: give --clips above 0, or --real with a folder.")
+    for path, option in ((out, "--out"), (table, "--table")):
+        require_writable_file(path, option)
+    from geotlm_lm.answering import Answerer
+    from geotlm_lm.experiments.language_talk import evaluate_talk
+    from geotlm_lm.reports.language import language_page, language_tables
+
+    record = evaluate_talk(
+        Answerer.load(model),
+        clips=clips,
+        seed=seed,
+        real_folder=real,
+        windows=windows,
+        model_name="embedded" if model is None else model.name,
+        command=command_line(sys.argv),
+        progress=progress_on_stderr(),
+    )
+    record.save(out)
+    write_text_atomically(table, language_page(record))
+    typer.echo(json.dumps(asdict(record)) if as_json else language_tables(record), nl=as_json)

@@ -1,0 +1,144 @@
+"""Rows for every clip and question, whatever happens on the way."""
+
+import json
+
+import numpy as np
+import pytest
+
+from geotlm_lm import answer_schema
+from geotlm_lm.answering import Answerer
+from geotlm_lm.answering.batch import answer_all
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.recordings.listing import clips_in
+from tests.answering.json_schema import problems
+from tests.answering.scripted import feeling, recording
+
+QUESTIONS = ["Which way?", "And backwards?"]
+
+
+@pytest.fixture
+def clips(tmp_path):
+    """Three recordings, the second of which is damaged, and a file that is none."""
+    folder = tmp_path / "clips"
+    folder.mkdir()
+    for name in ("a", "c"):
+        np.save(folder / f"{name}.npy", recording(frames=6).frames)
+    (folder / "b.npy").write_bytes(b"no array")
+    (folder / "readme.txt").write_text("not a clip")
+    return folder
+
+
+def rows_in(path):
+    return [json.loads(line) for line in path.read_text().splitlines()]
+
+
+def test_every_clip_and_question_gets_a_row_in_order(bundle, clips, tmp_path):
+    out = tmp_path / "answers.jsonl"
+    result = answer_all(feeling(bundle, "left"), clips_in(clips), QUESTIONS, out)
+    rows = rows_in(out)
+    assert [(row["clip"], row["question"]) for row in rows] == [
+        (clip, question) for clip in ("a.npy", "b.npy", "c.npy") for question in QUESTIONS
+    ]
+    assert (result.rows, result.errors, result.continued) == (6, 2, 0)
+    assert [row["answer"]["direction"] for row in rows if row["answer"]] == ["left", "right"] * 2
+
+
+def test_a_damaged_clip_gives_rows_with_one_sentence(bundle, clips, tmp_path):
+    out = tmp_path / "answers.jsonl"
+    answer_all(feeling(bundle, "left"), clips_in(clips), QUESTIONS, out)
+    bad = [row for row in rows_in(out) if row["clip"] == "b.npy"]
+    assert [row["answer"] for row in bad] == [None, None]
+    assert bad[0]["error"] == bad[1]["error"]
+    assert bad[0]["error"].startswith(str(clips / "b.npy"))
+    assert "\n" not in bad[0]["error"]
+
+
+def test_a_question_that_cannot_be_asked_spoils_its_own_row_only(bundle, clips, tmp_path):
+    out = tmp_path / "answers.jsonl"
+    answer_all(feeling(bundle, "left"), [clips / "a.npy"], ["x" * 501, "Which way?"], out)
+    refused, answered = rows_in(out)
+    assert refused["error"].startswith("the question has 501 characters, expected at most 500")
+    assert answered["error"] is None
+    assert answered["answer"]["direction"] == "left"
+
+
+def test_rows_follow_the_published_schema(bundle, clips, tmp_path):
+    schema, out = answer_schema(), tmp_path / "answers.jsonl"
+    answer_all(feeling(bundle, "left"), clips_in(clips), QUESTIONS, out)
+    row_schema = schema["$defs"]["batch_row"]
+    assert [problems(row, row_schema, schema) for row in rows_in(out)] == [[]] * 6
+
+
+def test_a_clip_is_encoded_once(bundle, clips, tmp_path, monkeypatch):
+    seen, encode = [], Answerer.encode
+    monkeypatch.setattr(
+        Answerer, "encode", lambda self, clip: seen.append(clip.name) or encode(self, clip)
+    )
+    answer_all(feeling(bundle, "left"), [clips / "a.npy"], QUESTIONS, tmp_path / "x.jsonl")
+    assert len(seen) == 1
+
+
+class Stopped(BaseException):
+    """A run ended from outside, as by Ctrl-C."""
+
+
+def stop_after(count):
+    def progress(done, total):
+        if done == count:
+            raise Stopped
+
+    return progress
+
+
+def test_a_stopped_run_leaves_no_file_and_continues_with_the_same_rows(bundle, clips, tmp_path):
+    whole, out = tmp_path / "whole.jsonl", tmp_path / "answers.jsonl"
+    found, answerer = clips_in(clips), feeling(bundle, "left")
+    answer_all(answerer, found, QUESTIONS, whole)
+    with pytest.raises(Stopped):
+        answer_all(answerer, found, QUESTIONS, out, progress=stop_after(2))
+    assert not out.exists()
+    answerer.bundle.speaker.heard.clear()
+    result = answer_all(answerer, found, QUESTIONS, out)
+    assert (result.continued, result.errors) == (4, 2)
+    assert len(answerer.bundle.speaker.heard) == 2  # only the third clip was asked about
+    assert without_times(out) == without_times(whole)
+    assert not out.with_name("answers.jsonl.part").exists()
+
+
+def without_times(path):
+    rows = rows_in(path)
+    for row in rows:
+        if row["answer"]:
+            del row["answer"]["timing_ms"]
+    return rows
+
+
+def test_half_a_row_that_a_kill_left_is_written_again(bundle, clips, tmp_path):
+    out, part = tmp_path / "answers.jsonl", tmp_path / "answers.jsonl.part"
+    found, answerer = clips_in(clips), feeling(bundle, "left")
+    with pytest.raises(Stopped):
+        answer_all(answerer, found, QUESTIONS, out, progress=stop_after(2))
+    text = part.read_bytes()
+    part.write_bytes(text[: len(text) - 40])
+    assert answer_all(answerer, found, QUESTIONS, out).continued == 2
+    assert len(rows_in(out)) == 6
+
+
+@pytest.mark.parametrize("change", ["questions", "clip", "model"])
+def test_an_unfinished_run_of_something_else_is_not_continued(bundle, clips, tmp_path, change):
+    out, answerer, questions = tmp_path / "x.jsonl", feeling(bundle, "left"), list(QUESTIONS)
+    found = clips_in(clips)
+    with pytest.raises(Stopped):
+        answer_all(answerer, found, questions, out, progress=stop_after(1))
+    if change == "questions":
+        questions.append("Is it still?")
+    elif change == "clip":
+        np.save(clips / "a.npy", recording(frames=7).frames)
+    else:
+        answerer = feeling(bundle, "left", temperature=2.0)
+    with pytest.raises(UsageError) as error:
+        answer_all(answerer, found, questions, out)
+    assert str(error.value) == (
+        f"{out}.part: belongs to a run of other clips, questions or another model, expected this "
+        f"one's; delete it to begin anew, or give another --out."
+    )

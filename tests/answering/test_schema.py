@@ -1,0 +1,92 @@
+"""The published schema against what is really answered, and against answers broken on purpose."""
+
+import json
+
+import pytest
+
+from geotlm_lm import answer_schema
+from geotlm_lm.answering import Answerer
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.language.parse_answer import KINDS, Slots
+from tests.answering.json_schema import problems
+from tests.answering.scripted import answerer_saying, feeling, recording
+
+SCHEMA = answer_schema()
+
+
+@pytest.fixture(scope="module")
+def encoded(bundle):
+    return Answerer(bundle).encode(recording(fps=25.0))
+
+
+def as_json(answer):
+    return json.loads(json.dumps(answer.to_dict()))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_answers_of_every_kind_follow_the_schema(bundle, encoded, kind):
+    for sentence in bundle.grammar.options_for(kind):
+        answer = answerer_saying(bundle, {"*": sentence}).ask(encoded, "A) left B) right C) up?")
+        assert problems(as_json(answer), SCHEMA, SCHEMA) == []
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Which way?",
+        "The image is mirrored.",
+        "Wohin dreht es sich?",
+        "How far did it go?",
+        "Left-hand thread, touched at the head: does it tighten?",
+        "How do the halves move?",
+        "Compare the two clips.",
+    ],
+)
+def test_answers_by_rule_follow_the_schema(bundle, encoded, question):
+    answer = feeling(bundle, "clockwise").ask(encoded, question)
+    assert problems(as_json(answer), SCHEMA, SCHEMA) == []
+
+
+def test_an_answer_withheld_for_want_of_contact_follows_the_schema(bundle, encoded):
+    answer = feeling(bundle, "left", contact_threshold=1.1).ask(encoded, "Which way?")
+    assert problems(as_json(answer), SCHEMA, SCHEMA) == []
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        {"direction": "leftish"},
+        {"confidence": 1.5},
+        {"abstained": "no"},
+        {"told_by": "somebody"},
+        {"frames_used": [0, 1]},
+        {"frame": {}},
+        {"options": {"left": -0.1}},
+        {"surplus": 1},
+        {"kind": "nonsense"},
+        {"notes": [3]},
+    ],
+)
+def test_a_broken_answer_is_refused(bundle, encoded, broken):
+    answer = as_json(feeling(bundle, "left").ask(encoded, "Which way?"))
+    assert problems(answer | broken, SCHEMA, SCHEMA)
+
+
+@pytest.mark.parametrize("name", SCHEMA["required"])
+def test_no_field_may_be_missing(bundle, encoded, name):
+    answer = as_json(feeling(bundle, "left").ask(encoded, "Which way?"))
+    del answer[name]
+    assert problems(answer, SCHEMA, SCHEMA) == [f"$: lacks {name}"]
+
+
+def test_the_schema_names_every_motion_kind_and_fact():
+    assert SCHEMA["$defs"]["motion"]["enum"] == [motion.value for motion in Motion]
+    assert set(SCHEMA["properties"]["kind"]["enum"]) == {*KINDS, "frame", None}
+    assert set(SCHEMA["$defs"]["frame"]["required"]) == set(FrameSpec().to_dict())
+
+
+def test_an_amount_is_a_deciding_word_with_its_unit(bundle, encoded):
+    said = bundle.grammar.sentence(Slots("magnitude", amount=15.0, unit="deg"))
+    answer = answerer_saying(bundle, {"*": said}).ask(encoded, "How far?")
+    assert answer.decided == "15 deg"

@@ -1,0 +1,96 @@
+"""Pieces of text together are the text, for every sentence there is; nothing is told too early."""
+
+import pytest
+
+from geotlm_lm.answering import Answer, Answerer
+from geotlm_lm.answering.streaming import pieces
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.language.parse_answer import KINDS
+from tests.answering.scripted import answerer_saying, feeling, recording
+
+QUESTION = "A) left B) right C) up?"
+FRAMES = [FrameSpec(), FrameSpec(viewpoint="object"), FrameSpec(image_mirrored=True)]
+
+
+@pytest.fixture(scope="module", params=[None, 25.0], ids=["no time", "timed"])
+def encoded(bundle, request):
+    return Answerer(bundle).encode(recording(fps=request.param))
+
+
+def streamed(answerer, encoded, question, frame=FRAMES[0]):
+    *words, answer = answerer.stream(encoded, question, frame=frame)
+    assert all(isinstance(word, str) for word in words)
+    assert isinstance(answer, Answer)
+    return words, answer
+
+
+@pytest.mark.parametrize("frame", FRAMES, ids=lambda frame: frame.sentence())
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("threshold", [0.0, 1.1])
+def test_the_pieces_of_every_answer_are_its_text(bundle, encoded, kind, frame, threshold):
+    for sentence in bundle.grammar.options_for(kind):
+        answerer = answerer_saying(bundle, {"*": sentence}, contact_threshold=threshold)
+        words, answer = streamed(answerer, encoded, QUESTION, frame)
+        assert "".join(words) == answer.text
+
+
+@pytest.mark.parametrize(("kind", "parts"), [("direction", True), ("mirrored", False)])
+def test_own_words_come_in_pieces_and_those_of_a_rule_in_one(bundle, encoded, kind, parts):
+    sentence = bundle.grammar.options_for(kind)[0]
+    words, _ = streamed(answerer_saying(bundle, {"*": sentence}), encoded, QUESTION)
+    assert (len(words) > 3) == parts
+
+
+def test_a_direction_that_is_withheld_is_never_begun(bundle, encoded):
+    words, answer = streamed(feeling(bundle, "left", contact_threshold=1.1), encoded, "Which way?")
+    assert words == [answer.text]
+    assert answer.abstained
+
+
+def test_words_that_are_no_answer_are_told_apart_by_the_answer(bundle, encoded):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera, I suppose."})
+    words, answer = streamed(answerer, encoded, QUESTION)
+    assert "".join(words) == "Left, in the camera"[: len("".join(words))]
+    assert answer.text.startswith("I found no words for that")
+
+
+def test_a_question_answered_by_rule_comes_in_one_piece(bundle, encoded):
+    words, answer = streamed(feeling(bundle, "left"), encoded, "And played backwards?")
+    assert words == [answer.text]
+
+
+def test_streaming_changes_no_answer(bundle, encoded):
+    answerer = Answerer(bundle)
+    _, answer = streamed(answerer, encoded, "Which way?")
+    plain = answerer.ask(encoded, "Which way?")
+    assert (answer.text, answer.options) == (plain.text, plain.options)
+
+
+def test_what_goes_wrong_is_raised_where_the_pieces_are_awaited(bundle, encoded):
+    with pytest.raises(UsageError, match="the question is empty"):
+        next(feeling(bundle, "left").stream(encoded, " "))
+
+
+def test_a_session_streams_its_repetitions_and_comparisons_too(bundle, encoded):
+    session = feeling(bundle, "left").session(encoded)
+    session.add_clip(encoded)
+    for question in ("Which way?", "Are you sure?", "Do they go the same way?"):
+        *words, reply = session.stream(question)
+        assert "".join(words) == reply.text
+    assert [turn.question for turn in session.history][-1] == "Do they go the same way?"
+
+
+def test_pieces_wait_for_nothing_but_the_next_one():
+    told = []
+
+    def ask(listen):
+        listen("a")
+        told.append("after a")
+        raise RuntimeError("broken")
+
+    stream = pieces(ask)
+    assert next(stream) == "a"
+    with pytest.raises(RuntimeError, match="broken"):
+        next(stream)
+    assert told == ["after a"]

@@ -1,0 +1,69 @@
+import json
+
+import numpy as np
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from geotlm_lm.cli.batch import batch, read_questions
+from geotlm_lm.core.errors import UsageError
+from tests.answering.scripted import feeling, recording
+from tests.tiny_bundle import tiny_bundle
+
+
+@pytest.fixture
+def invoke(tmp_path, monkeypatch):
+    from geotlm_lm import answering
+
+    (tmp_path / "clips").mkdir()
+    np.save(tmp_path / "clips" / "cap.npy", recording().frames)
+    (tmp_path / "questions.txt").write_text("Which way?\nHow far?\n")
+    answerer = feeling(tiny_bundle(), "up")
+    monkeypatch.setattr(answering.Answerer, "load", classmethod(lambda cls, folder=None: answerer))
+    app = typer.Typer()
+    app.command()(batch)
+    named = {"--clips": "clips", "--questions": "questions.txt", "--out": "deep/answers.jsonl"}
+    places = [word for name, path in named.items() for word in (name, str(tmp_path / path))]
+    return lambda *arguments: CliRunner().invoke(app, [*places, *arguments])
+
+
+def test_rows_are_written_and_counted(invoke, tmp_path):
+    result = invoke()
+    out = tmp_path / "deep" / "answers.jsonl"
+    assert result.stdout == f"{out}: 2 rows, 0 of them errors\n"
+    assert "answered: 1 of 1 clips" in result.stderr
+    rows = [json.loads(line) for line in out.read_text().splitlines()]
+    assert rows[0]["answer"]["direction"] == "up"
+    assert rows[1]["answer"]["abstained"]
+
+
+def test_a_senseless_frame_rate_is_refused(invoke):
+    error = invoke("--fps", "-3").exception
+    assert isinstance(error, UsageError)
+    assert str(error) == "A frame rate of -3 was given, expected 0 to 100000 per second."
+
+
+def test_questions_are_lines_without_blanks_comments_and_repetitions(tmp_path):
+    path = tmp_path / "q.txt"
+    path.write_text("# about caps\nWhich way?\n\n  Is it still? \nWhich way?\n", encoding="utf-8")
+    assert read_questions(path) == ["Which way?", "Is it still?"]
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        (b"# nothing\n", "{}: holds no question; write one a line."),
+        (b"which \xff way", "{}: is no UTF-8 text; save the questions as UTF-8."),
+        (
+            None,
+            "{}: cannot be read (No such file or directory); give a text file of questions.",
+        ),
+    ],
+)
+def test_a_file_without_questions_is_refused(tmp_path, content, sentence):
+    path = tmp_path / "q.txt"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(UsageError) as error:
+        read_questions(path)
+    assert str(error.value) == sentence.format(path)
