@@ -56,9 +56,10 @@ def hear(
     """
     if encoded.is_untouched and asks_direction(question):
         slots = Slots("direction", Motion.NONE)
-        return Heard(
-            slots, bundle.grammar.sentence(slots), {slots.direction: UNTOUCHED_PROBABILITY}
-        )
+        text = bundle.grammar.sentence(slots)
+        if listen is not None:
+            listen(text)
+        return Heard(slots, text, {Motion.NONE.value: UNTOUCHED_PROBABILITY})
     started = time.perf_counter()
     told = {} if listen is None else {"listen": listen}
     text = bundle.speaker.generate(encoded.perception.fused_token, [question], **told)[0]
