@@ -26,36 +26,45 @@ RECORD, PAGE = Path("reports/recorded/protocols.json"), Path("reports/protocols.
 """Where a whole run of the embedded backbone is recorded."""
 
 
+Clips = Annotated[
+    int, typer.Option(min=2, help="Simulated clips of each of 12 objects, in each task.")
+]
+Epochs = Annotated[int, typer.Option(min=1, help="Epochs of every training.")]
+Only = Annotated[
+    list[str] | None,
+    typer.Option(help="One table: rotation, sliding, ablation or frames. [default: all]"),
+]
+Model = Annotated[
+    Path | None, typer.Option(help="Model bundle; the one in the package when not given.")
+]
+RunFolder = Annotated[
+    Path, typer.Option(help="Tokens and finished folds are kept here, to continue from.")
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        help=f"Where the record goes, as JSON. [default: {RECORD} for all tables of the embedded "
+        f"backbone, else nowhere]"
+    ),
+]
+Table = Annotated[
+    Path | None,
+    typer.Option(help=f"Where the page goes, as Markdown. [default: {PAGE} likewise]"),
+]
+
+
 def protocols(
-    clips: Annotated[
-        int, typer.Option(min=2, help="Simulated clips of each of 12 objects, in each task.")
-    ] = 100,
-    epochs: Annotated[int, typer.Option(min=1, help="Epochs of every training.")] = 30,
-    only: Annotated[
-        list[str] | None,
-        typer.Option(help="One table: rotation, sliding, ablation or frames. [default: all]"),
-    ] = None,
+    clips: Clips = 100,
+    epochs: Epochs = 30,
+    only: Only = None,
     seed: Seed = 42,
-    model: Annotated[
-        Path | None, typer.Option(help="Model bundle; the one in the package when not given.")
-    ] = None,
+    model: Model = None,
     encoder: EncoderName = None,
     weights: EncoderWeights = None,
     heads: EncoderHeads = None,
-    run_folder: Annotated[
-        Path, typer.Option(help="Tokens and finished folds are kept here, to continue from.")
-    ] = Path("runs/protocols"),
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            help=f"Where the record goes, as JSON. [default: {RECORD} for all tables of the "
-            f"embedded backbone, else nowhere]"
-        ),
-    ] = None,
-    table: Annotated[
-        Path | None,
-        typer.Option(help=f"Where the page goes, as Markdown. [default: {PAGE} likewise]"),
-    ] = None,
+    run_folder: RunFolder = Path("runs/protocols"),
+    out: Out = None,
+    table: Table = None,
 ) -> None:
     """Run the paper's protocols: five-fold and leave-one-object-out, with its ablations.
 

@@ -63,6 +63,7 @@ def test_the_true_change_is_the_simulators_displacement_between_the_bins(kept, s
         for name in ("displacement_px", "contact")
     )
     always = (contact > 0.5).all(axis=1)
+    assert always.any()
     four = kept[1].data[4].shear_change[:3].numpy()
     expected = moved[:, 2:].mean(axis=1) - moved[:, :2].mean(axis=1)
     np.testing.assert_allclose(four[always], expected[always], atol=1e-3)
