@@ -111,7 +111,8 @@ def all_methods(answerer: Answerer, seed: int) -> dict[str, Method]:
 def flow_on_the_guessed_gel(clip: Clip, among: tuple[Motion, ...]) -> Motion:
     """Return optical flow's choice, given the background the model would guess where none is known.
 
-    Against the mean frame, which it takes otherwise, it reads next to nothing of a small motion.
+    Against the mean frame, which it takes otherwise, the ghosts of the other frames' imprints drown
+    a small motion.
     """
     background = clip.background
     if background is None:

@@ -36,7 +36,7 @@ SHOWN = ("language model, words", FREE_PROBE, PROBE, "optical flow + rigid fit")
 NO_ANSWER = "no answer"
 
 PAPER = (255, 255, 255)
-INK = (20, 20, 20)
+INK = (0, 0, 0)
 RIGHT, WRONG = (23, 88, 160), (190, 75, 0)
 """Colours of a full cell, blue and orange: the colour-blind tell them apart."""
 

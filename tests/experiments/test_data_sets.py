@@ -29,9 +29,9 @@ def quietly(what, done, total):
 @pytest.fixture(scope="module")
 def tracked(tmp_path_factory):
     folder = tmp_path_factory.mktemp("trials") / "normalflow_dataset"
-    write_trial(folder / "key0", path_of(11, turn_deg=(0, 12)))
-    write_trial(folder / "key1", path_of(11, turn_deg=(12, 0)))
-    write_trial(folder / "bead0", path_of(11, x=(-0.8, 0.8)))
+    write_trial(folder / "key0", path_of(11, turn_deg=(0, 12), y=(-2.0, -2.0)))
+    write_trial(folder / "key1", path_of(11, turn_deg=(12, 0), y=(-2.0, -2.0)))
+    write_trial(folder / "bead0", path_of(11, x=(-0.8, 0.8), y=(1.5, 1.5)))
     (folder / "bead1").mkdir()
     (folder / "bead1" / "true_start_T_currs.npy").write_bytes(b"")
     return folder
