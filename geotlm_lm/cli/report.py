@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from geotlm_lm.cli.options import Seed, require_writable_file
+from geotlm_lm.cli.report_outside import fuzz
 
 if TYPE_CHECKING:
     from geotlm_lm.core.record import RunRecord
@@ -18,6 +19,7 @@ EXAMPLE_QUESTION = "Which way is the cap turning?"
 OMISSIONS_TITLE = "## What each omission saves and costs"
 
 app = typer.Typer(help="Tables from recorded runs.", no_args_is_help=True)
+app.command()(fuzz)
 
 
 @app.callback()

@@ -61,3 +61,13 @@ def test_a_recording_that_ends_too_early_is_refused(table):
     row.check_length(10)
     with pytest.raises(UnreadableClip, match="names frame 9, the recording holds frames 0 to 8"):
         row.check_length(9)
+
+
+def test_a_file_that_is_no_table_is_one_sentence(table):
+    path = table(HEADER + "x" * 200_000)
+    with pytest.raises(UnreadableClip) as caught:
+        read_touch_table(path)
+    assert str(caught.value) == (
+        f"{path}: is no table (field larger than field limit (131072) in line 1); save it as CSV "
+        f"again."
+    )
