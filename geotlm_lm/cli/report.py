@@ -12,6 +12,7 @@ from geotlm_lm.cli.options import Seed, require_writable, require_writable_file
 from geotlm_lm.cli.protocols import protocols
 from geotlm_lm.cli.report_language import language
 from geotlm_lm.cli.report_model import model_stability, runtime
+from geotlm_lm.cli.report_outside import fuzz
 
 if TYPE_CHECKING:
     from geotlm_lm.core.record import RunRecord
@@ -24,6 +25,7 @@ app = typer.Typer(help="Tables from recorded runs.", no_args_is_help=True)
 app.command()(protocols)
 app.command()(runtime)
 app.command()(language)
+app.command()(fuzz)
 
 
 @app.callback()

@@ -1,10 +1,35 @@
 """Errors a user can repair: one sentence, and the exit code the command line gives it."""
 
+LONGEST_MESSAGE = 900
+"""Characters of a sentence a person still reads."""
+
 
 class GeoTLMError(Exception):
-    """Something the user can repair: what was found, what was expected, what to do."""
+    """Something the user can repair: what was found, what was expected, what to do.
+
+    Names and values that a file or a person chose stand in the sentence, so it is kept to one line
+    of printable characters whatever these hold, and to a length; its end says what to do.
+
+    Args:
+        message: The sentence.
+    """
 
     exit_code = 1
+
+    def __init__(self, message: str = "") -> None:
+        super().__init__(_shortened("".join(map(_printable, str(message)))))
+
+
+def _printable(character: str) -> str:
+    if "\ud800" <= character <= "\udfff":  # a byte of a file's name that is no text
+        return "\ufffd"
+    return character if character.isprintable() else " "
+
+
+def _shortened(text: str) -> str:
+    if len(text) <= LONGEST_MESSAGE:
+        return text
+    return f"{text[: LONGEST_MESSAGE // 2]} ... {text[-(LONGEST_MESSAGE // 3) :]}"
 
 
 class UsageError(GeoTLMError):

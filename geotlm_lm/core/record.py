@@ -12,8 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from geotlm_lm.core.atomic import write_text_atomically
+from geotlm_lm.core.errors import GeoTLMError
 
 RECORD_FORMAT = 1
+
+
+class UnreadableRecord(GeoTLMError):
+    """A file of recorded numbers is missing, damaged, or something else."""
 
 
 @dataclass(frozen=True)
@@ -46,8 +51,19 @@ class RunRecord:
 
     @classmethod
     def load(cls, path: Path) -> RunRecord:
-        """Read a record written by `save`."""
-        return cls(**json.loads(path.read_text()))
+        """Read a record written by `save`.
+
+        Raises:
+            UnreadableRecord: If it is no such file.
+        """
+        try:
+            return cls(**json.loads(path.read_text(encoding="utf-8")))
+        except (OSError, ValueError, TypeError, RecursionError) as error:
+            said = (str(error).splitlines() or [type(error).__name__])[0]
+            raise UnreadableRecord(
+                f"{path}: is no record of a run ({said}); make it again by the command that wrote "
+                f"it."
+            ) from error
 
 
 def machine() -> dict[str, Any]:

@@ -226,19 +226,36 @@ def _read_folder(folder: Path) -> LabelledRecordings | None:
         # A letter in another encoding then spoils its own row, which is named, not the whole table.
         with table.open(newline="", encoding="utf-8-sig", errors="replace") as stream:
             reader = csv.DictReader(stream)
-            columns = reader.fieldnames or ()
-            direction = next((name for name in DIRECTION_COLUMNS if name in columns), None)
-            if direction is None or any(name not in columns for name in REQUIRED_COLUMNS):
-                continue
-            is_labelled = True
-            for values in reader:
-                word = (values[direction] or "").strip().lower()
-                motion = _motion_of(word)
-                if motion is None:
-                    skipped[word or "(empty)"] += 1
-                else:
-                    rows.append(_read_row(folder, f"{table}:{reader.line_num}", values, motion))
+            try:
+                is_labelled |= _read_table(folder, table, reader, rows, skipped)
+            except csv.Error as error:
+                raise UnreadableClip(
+                    f"{table}: is no table ({error} in line {reader.line_num}); save it as CSV "
+                    f"again, or take it away."
+                ) from error
     return LabelledRecordings(folder, tuple(rows), skipped) if is_labelled else None
+
+
+def _read_table(
+    folder: Path,
+    table: Path,
+    reader: csv.DictReader,
+    rows: list[WindowRow],
+    skipped: Counter[str],
+) -> bool:
+    """Add a table's windows to `rows`; return whether it is a table of windows at all."""
+    columns = reader.fieldnames or ()
+    direction = next((name for name in DIRECTION_COLUMNS if name in columns), None)
+    if direction is None or any(name not in columns for name in REQUIRED_COLUMNS):
+        return False
+    for values in reader:
+        word = (values[direction] or "").strip().lower()
+        motion = _motion_of(word)
+        if motion is None:
+            skipped[word or "(empty)"] += 1
+        else:
+            rows.append(_read_row(folder, f"{table}:{reader.line_num}", values, motion))
+    return True
 
 
 def _motion_of(word: str) -> Motion | None:

@@ -128,7 +128,12 @@ def _values(path: Path) -> list[dict[str, str]]:
         return []
     with path.open(newline="", encoding="utf-8-sig", errors="replace") as stream:
         reader = csv.DictReader(stream)
-        rows, columns = list(reader), reader.fieldnames or ()
+        try:
+            rows, columns = list(reader), reader.fieldnames or ()
+        except csv.Error as error:
+            raise UnreadableClip(
+                f"{path}: is no table ({error} in line {reader.line_num}); save it as CSV again."
+            ) from error
     if not set(columns) >= REQUIRED_COLUMNS:
         raise UnreadableClip(
             f"{path}: found the columns {', '.join(map(str, columns))}, expected clip, fps, "

@@ -10,7 +10,8 @@ import numpy as np
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.limits import stride_for, stride_note
+from geotlm_lm.core.image_size import declared_size
+from geotlm_lm.recordings.limits import kept_frames, stride_for, stride_note
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp")
 
@@ -69,11 +70,13 @@ def read_still_image(path: Path) -> Frames:
     """Return one image file as uint8 RGB, shape (rows, columns, 3).
 
     Raises:
-        UnreadableClip: If it is no image.
+        UnreadableClip: If it is no image, or too large a one.
     """
     try:
-        stored = np.frombuffer(path.read_bytes(), np.uint8)
-        image = cv2.imdecode(stored, cv2.IMREAD_COLOR) if stored.size else None
+        stored = path.read_bytes()
+        if (size := declared_size(stored)) is not None:
+            kept_frames(*size, str(path))  # refused before the decoder makes room for it
+        image = cv2.imdecode(np.frombuffer(stored, np.uint8), cv2.IMREAD_COLOR) if stored else None
     except (OSError, cv2.error):
         image = None
     if image is None:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.image_size import declared_size
 from geotlm_lm.simulation.indenter import HeightMap, Indenter
 from geotlm_lm.simulation.raster import OUTSIDE_MM, RASTER_MM
 
@@ -24,6 +25,9 @@ MM_PER_PX = (0.001, 2.0)
 
 TALLEST_MM = 20.0
 """Relief beyond which a map is most likely in another unit."""
+
+MOST_SAMPLES = 8192
+"""Of a side of a .png: two micrometres a sample on the pad, which no camera resolves."""
 
 WALL_SLOPE = 20.0
 """Rise around the map's edge, mm per mm: steep, yet finite, so that interpolation sees no jump."""
@@ -115,19 +119,31 @@ def _check(height_mm: NDArray[np.floating], mm_per_px: float, name: str) -> None
 
 def _read_npy(path: Path) -> NDArray[np.floating]:
     try:
-        return np.load(path, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
+        # Mapped first: a header may declare any size, a mapping only what the file holds.
+        return np.array(np.lib.format.open_memmap(path, mode="r"))
+    except Exception as error:
+        # A damaged header fails in a dozen ways: ValueError, TokenError, OverflowError, ...
+        said = (str(error).splitlines() or [type(error).__name__])[0]
         raise UsageError(
-            f"{path}: cannot be read as .npy ({str(error).splitlines()[0]}); save it with np.save."
+            f"{path}: cannot be read as .npy ({said}); save it with np.save."
         ) from error
 
 
 def _read_png(path: Path, relief_mm: float) -> NDArray[np.floating]:
     try:
-        stored = np.frombuffer(path.read_bytes(), np.uint8)
+        stored = path.read_bytes()
     except OSError as error:
         raise UsageError(f"{path}: cannot be opened ({error.strerror}); check the name.") from error
-    image = cv2.imdecode(stored, cv2.IMREAD_UNCHANGED) if stored.size else None
+    rows, columns = declared_size(stored) or (0, 0)
+    if max(rows, columns) > MOST_SAMPLES:
+        raise UsageError(
+            f"{path}: is {columns}x{rows} samples, expected at most {MOST_SAMPLES} a side; save a "
+            f"smaller one."
+        )
+    try:
+        image = cv2.imdecode(np.frombuffer(stored, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error:  # nothing in it, or sizes that cannot be
+        image = None
     if image is None or image.dtype not in (np.uint8, np.uint16):
         raise UsageError(
             f"{path}: is no .npy and no 8 or 16 bit .png; save the map as one of them."

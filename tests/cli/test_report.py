@@ -138,3 +138,42 @@ def test_the_models_stability_is_recorded_tabled_and_drawn(tmp_path, monkeypatch
 def test_an_unknown_size_of_the_runtime_report_is_refused_before_a_model_is_loaded(tmp_path):
     done = CliRunner().invoke(app, ["runtime", "--size", "huge"])
     assert str(done.exception) == "--size 'huge' is unknown, expected default or tiny."
+
+
+def fuzzed(findings):
+    def fuzz(targets, seconds, found, *, seed, command, progress):
+        counts = {"runs": 1200, "read": 200, "refused": 1000, "kept": 9, "pairs": 70}
+        numbers = {"targets": dict.fromkeys(targets, counts), "findings": findings}
+        return RunRecord("fuzz", command, seed, seconds, numbers)
+
+    return fuzz
+
+
+def run_fuzz(tmp_path, monkeypatch, findings, *words):
+    from geotlm_lm.fuzzing import run
+
+    monkeypatch.setattr(run, "fuzz", fuzzed(findings))
+    places = ["--out", str(tmp_path / "fuzz.json"), "--table", str(tmp_path / "fuzz.md")]
+    return CliRunner().invoke(app, ["fuzz", *places, *words])
+
+
+def test_fuzzing_is_recorded_and_tabled(tmp_path, monkeypatch):
+    done = run_fuzz(tmp_path, monkeypatch, [], "--target", "array", "--target", "avi")
+    assert done.stdout.startswith("2,400 inputs: none crashed, hung, ")
+    assert RunRecord.load(tmp_path / "fuzz.json").seconds == 600
+    table = (tmp_path / "fuzz.md").read_text()
+    assert "| array  |  1,200 |  200 |   1,000 |" in table
+
+
+def test_a_finding_fails_the_command_and_is_listed(tmp_path, monkeypatch):
+    finding = {"target": "avi", "kind": "crash", "said": "ended with -11"}
+    done = run_fuzz(tmp_path, monkeypatch, [finding], "--found", "kept")
+    assert str(done.exception) == (
+        f"Fuzzing found something (1 kinds, listed in {tmp_path}/fuzz.md); the inputs lie in kept."
+    )
+    assert "- avi: crash: `ended with -11`" in (tmp_path / "fuzz.md").read_text()
+
+
+def test_a_target_that_is_not_there_is_told(tmp_path, monkeypatch):
+    done = run_fuzz(tmp_path, monkeypatch, [], "--target", "teapot")
+    assert str(done.exception).startswith("There is no fuzzing target 'teapot', expected one of ")

@@ -28,6 +28,7 @@ LEVELS = (
     {"checkpoint"},
     {"answering", "training"},
     {"experiments", "reports", "live", "opinions"},
+    {"fuzzing"},
     {"cli"},
 )
 """Rooms and top-level modules, lowest first. Rooms of one level do not import each other."""

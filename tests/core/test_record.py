@@ -2,7 +2,9 @@
 
 import json
 
-from geotlm_lm.core.record import RunRecord
+import pytest
+
+from geotlm_lm.core.record import RunRecord, UnreadableRecord
 
 
 def test_a_record_survives_its_file(tmp_path):
@@ -16,3 +18,16 @@ def test_a_record_says_on_which_machine_it_was_made(tmp_path):
     assert record.machine["cores"] >= 1
     assert record.machine["versions"]["numpy"] != "absent"
     json.dumps(record.machine)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "no JSON", "[1]", '{"name": "a"}', "[" * 100_000, '{"stranger": 1}'],
+    ids=lambda text: text[:12] or "empty",
+)
+def test_a_file_that_is_no_record_is_one_sentence(tmp_path, text):
+    (tmp_path / "run.json").write_text(text)
+    with pytest.raises(UnreadableRecord) as caught:
+        RunRecord.load(tmp_path / "run.json")
+    assert str(caught.value).startswith(f"{tmp_path}/run.json: is no record of a run (")
+    assert str(caught.value).endswith("; make it again by the command that wrote it.")

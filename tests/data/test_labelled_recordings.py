@@ -209,3 +209,13 @@ def test_flow_names_the_turn_of_real_recordings_played_both_ways():
     right = [flow.predict(w.clip, ROTATIONS) == w.motion for w in some.windows()]
     # 542 of 542 measured on all windows; one of these 56 may go wrong with another decoder.
     assert np.mean(right) >= 0.98
+
+
+def test_a_file_that_is_no_table_is_one_sentence(tmp_path):
+    (tmp_path / "windows.csv").write_text("clip,first_frame,last_frame,direction\n" + "x" * 200_000)
+    with pytest.raises(UnreadableClip) as caught:
+        find_labelled_recordings(tmp_path)
+    assert str(caught.value) == (
+        f"{tmp_path}/windows.csv: is no table (field larger than field limit (131072) in line 1); "
+        f"save it as CSV again, or take it away."
+    )

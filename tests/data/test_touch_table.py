@@ -95,3 +95,13 @@ def test_recordings_that_show_no_contact_are_read_apart(table):
     (row,) = read_untouched(path)
     assert (row.path, row.fps) == (path.parent / "clips/b.mov", 25.0)
     assert (row.object_id, row.object_family) == ("key", "keys")
+
+
+def test_a_file_that_is_no_table_is_one_sentence(table):
+    path = table(HEADER + "x" * 200_000)
+    with pytest.raises(UnreadableClip) as caught:
+        read_touch_table(path)
+    assert str(caught.value) == (
+        f"{path}: is no table (field larger than field limit (131072) in line 1); save it as CSV "
+        f"again."
+    )

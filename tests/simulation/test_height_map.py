@@ -99,3 +99,39 @@ def test_files_that_are_no_maps_are_refused(tmp_path):
     ):
         with pytest.raises(UsageError, match=says):
             read_height_map(tmp_path / name, 0.1)
+
+
+def test_a_file_that_declares_more_than_it_holds_is_one_sentence_and_no_memory(tmp_path):
+    np.save(tmp_path / "a.npy", BALL)
+    stored = (tmp_path / "a.npy").read_bytes()
+    (tmp_path / "a.npy").write_bytes(stored.replace(b"(120, 120)", b"(120, 99999999999)"))
+    with pytest.raises(UsageError, match=r"a\.npy: cannot be read as \.npy \(.*\); save it with"):
+        read_height_map(tmp_path / "a.npy", 0.1)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda b: b.replace(b"}", b"("),
+        lambda b: b.replace(b"(120", b"(" + b"9" * 40),
+        lambda b: b[:9],
+    ],
+    ids=["open bracket", "huge number", "cut off"],
+)
+def test_a_damaged_header_is_one_sentence(tmp_path, damage):
+    np.save(tmp_path / "a.npy", BALL)
+    (tmp_path / "a.npy").write_bytes(damage((tmp_path / "a.npy").read_bytes()))
+    with pytest.raises(UsageError, match=r"a\.npy: cannot be read as \.npy \(.*\); save it with"):
+        read_height_map(tmp_path / "a.npy", 0.1)
+
+
+def test_a_picture_of_more_samples_than_make_sense_is_not_decoded(tmp_path):
+    code = bytearray(cv2.imencode(".png", np.zeros((16, 16), np.uint8))[1].tobytes())
+    code[16:24] = (30000).to_bytes(4) * 2
+    (tmp_path / "a.png").write_bytes(code)
+    with pytest.raises(UsageError) as caught:
+        read_height_map(tmp_path / "a.png", 0.1)
+    assert str(caught.value) == (
+        f"{tmp_path}/a.png: is 30000x30000 samples, expected at most 8192 a side; save a smaller "
+        f"one."
+    )

@@ -1,0 +1,76 @@
+"""Reports on what meets the outside world: damaged files, nonsense questions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from geotlm_lm.cli.options import Seed, require_writable_file
+
+if TYPE_CHECKING:
+    from geotlm_lm.fuzzing.target import Prepare
+
+
+def fuzz(
+    minutes: Annotated[
+        float, typer.Option(min=0.01, help="For all targets together, loading them not counted.")
+    ] = 10.0,
+    target: Annotated[
+        list[str] | None, typer.Option(help="Only this one; may be repeated. [default: all]")
+    ] = None,
+    seed: Seed = 0,
+    found: Annotated[Path, typer.Option(help="Folder for inputs that did what none must.")] = Path(
+        "runs/fuzz"
+    ),
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/fuzz.json"
+    ),
+    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
+        "reports/fuzz.md"
+    ),
+) -> None:
+    """Damage files and questions, guided by what they reach, and count what comes of it.
+
+    Example: geotlm-lm report fuzz --minutes 30
+    """
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.core.atomic import write_text_atomically
+    from geotlm_lm.core.errors import BelowMinimum
+    from geotlm_lm.fuzzing import run, targets
+    from geotlm_lm.reports.fuzz import fuzz_report, verdict
+
+    require_writable_file(out, "--out")
+    require_writable_file(table, "--table")
+    record = run.fuzz(
+        _chosen(target, targets.TARGETS),
+        60 * minutes,
+        found,
+        seed=seed,
+        command=command_line(sys.argv),
+        progress=lambda name, done, total: typer.echo(f"{name}: {done} of {total}", err=True),
+    )
+    record.save(out)
+    write_text_atomically(
+        table, f"# Damaged files and nonsense questions\n\n{fuzz_report(record)}\n"
+    )
+    typer.echo(verdict(record))
+    if record.numbers["findings"]:
+        raise BelowMinimum(
+            f"Fuzzing found something ({len(record.numbers['findings'])} kinds, listed in "
+            f"{table}); the inputs lie in {found}."
+        )
+
+
+def _chosen(names: list[str] | None, targets: Mapping[str, Prepare]) -> dict[str, Prepare]:
+    from geotlm_lm.core.errors import UsageError
+
+    if unknown := sorted(set(names or ()) - set(targets)):
+        raise UsageError(
+            f"There is no fuzzing target '{unknown[0]}', expected one of {', '.join(targets)}."
+        )
+    return {name: targets[name] for name in names or targets}

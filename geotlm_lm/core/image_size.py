@@ -1,0 +1,41 @@
+"""The size an image file declares, read before a decoder makes room for it."""
+
+from __future__ import annotations
+
+_PNG, _BMP, _JPEG = b"\x89PNG\r\n\x1a\n", b"BM", b"\xff\xd8"
+_FRAME_HEADERS = {0xC0, 0xC1, 0xC2, 0xC3, 0xC5, 0xC6, 0xC7, 0xC9, 0xCA, 0xCB, 0xCD, 0xCE, 0xCF}
+"""Markers of a JPEG (ISO/IEC 10918-1, table B.1) after which its size stands."""
+
+
+def declared_size(stored: bytes) -> tuple[int, int] | None:
+    """Return (rows, columns) as the header of a PNG, BMP or JPEG gives them.
+
+    Args:
+        stored: The file; its beginning is enough.
+
+    Returns:
+        None where it is no such file, or cut off before its size.
+    """
+    if stored.startswith(_PNG) and len(stored) >= 24:
+        return int.from_bytes(stored[20:24]), int.from_bytes(stored[16:20])
+    if stored.startswith(_BMP) and len(stored) >= 26:
+        # An OS/2 header is 12 bytes long and holds 16-bit numbers; rows run upwards if negative.
+        is_short = int.from_bytes(stored[14:18], "little") == 12
+        sides = (stored[18:20], stored[20:22]) if is_short else (stored[18:22], stored[22:26])
+        columns, rows = (int.from_bytes(side, "little", signed=not is_short) for side in sides)
+        return abs(rows), abs(columns)
+    return _jpeg_size(stored) if stored.startswith(_JPEG) else None
+
+
+def _jpeg_size(stored: bytes) -> tuple[int, int] | None:
+    at = 2
+    while at + 9 <= len(stored):
+        if stored[at] != 0xFF:  # decoders look for the next marker past bytes that do not belong
+            at += 1
+            continue
+        marker = stored[at + 1]
+        if marker in _FRAME_HEADERS:
+            return int.from_bytes(stored[at + 5 : at + 7]), int.from_bytes(stored[at + 7 : at + 9])
+        has_length = 0xC0 <= marker <= 0xFE and not 0xD0 <= marker <= 0xD9
+        at += 2 + int.from_bytes(stored[at + 2 : at + 4]) if has_length else 1
+    return None
