@@ -14,6 +14,8 @@ from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.reports.headline import accuracy_headline, difference_headline, time_headline
+from geotlm_lm.reports.runtime import runtime_page
+from geotlm_lm.reports.stability import stability_page
 from geotlm_lm.reports.tables import answer_example, evaluation_page, training_overview
 
 BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
@@ -32,6 +34,8 @@ _COMMANDS = dict.fromkeys(BLOCKS, "geotlm-lm evaluate --out reports/recorded/eva
 
 PAGES: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "evaluation.md": ("evaluate.json", evaluation_page),
+    "runtime.md": ("runtime.json", runtime_page),
+    "stability.md": ("stability.json", stability_page),
 }
 """Page -> the record it is made from, and how; written where there is that record."""
 

