@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -223,14 +223,14 @@ def minimum_accuracy(tables: Mapping[str, Any]) -> float | None:
 
 
 @contextmanager
-def one_thread() -> Iterator[None]:
-    """Keep torch and OpenCV on one thread each while inside."""
+def threads(count: int) -> Iterator[None]:
+    """Let torch and OpenCV use `count` threads each while inside."""
     import cv2
     import torch
 
     torch_before, cv2_before = torch.get_num_threads(), cv2.getNumThreads()
-    torch.set_num_threads(1)
-    cv2.setNumThreads(1)
+    torch.set_num_threads(count)
+    cv2.setNumThreads(count)
     try:
         yield
     finally:
@@ -251,6 +251,11 @@ def _left_out(about: Mapping[str, Any]) -> str:
     counts = [f"{one['left_out']['count']} left out of {name}" for name, one in about.items()]
     reasons = [reason for one in about.values() for reason in one["left_out"]["first"]]
     return "; ".join([*counts, *reasons[:1]]) or "none was asked for"
+
+
+def one_thread() -> AbstractContextManager[None]:
+    """Keep torch and OpenCV on one thread each while inside."""
+    return threads(1)
 
 
 def _table(replies: Replies, seed: int) -> dict[str, Any]:

@@ -161,8 +161,11 @@ def _answers_in(
     for clip in truths.clips:
         encoded = changed.encode(clip)
         descriptors.append(encoded.perception.geometry.descriptor[0].double())
-        answer = changed.ask(encoded, QUESTION)
-        answers.append((answer.direction, answer.confidence))
+        try:
+            answer = changed.ask(encoded, QUESTION)
+            answers.append((answer.direction, answer.confidence))
+        except ValueError:  # a token that overflowed is refused by the language model
+            answers.append((None, 0.0))
     return torch.stack(descriptors), answers
 
 

@@ -20,7 +20,7 @@ from geotlm_lm.experiments.cases import SimulatedCases
 from geotlm_lm.experiments.compare import Case
 from geotlm_lm.experiments.degradations import Degradation, degradations
 from geotlm_lm.experiments.extreme_clips import extreme_clips
-from geotlm_lm.experiments.judging import REFUSED, Verdict, judge, tally
+from geotlm_lm.experiments.judging import CRASHED, REFUSED, Verdict, judge, tally
 from geotlm_lm.experiments.simulator_stability import CASES as STIFF
 from geotlm_lm.experiments.simulator_stability import Case as StiffCase
 from geotlm_lm.simulation.scene import Path, Scene
@@ -147,17 +147,23 @@ def stiff_rows(
     rows = []
     for done, (name, case) in enumerate(stiff.items(), start=1):
         own = {"group": "stiff scene", "case": name, "level": "-", "unit": ""}
-        try:
-            made = simulate([_four_frames(case)], seed=seed, preset="good")[0]
-        except ValueError as error:
-            verdict = Verdict(REFUSED, 0.0, str(error), 0.0)
-            rows.append(own | tally([verdict]) | {"solver": "refused"})
-        else:
-            verdict = judge(answerer, lambda made=made: made.clip, _right(made))
-            solver = f"{made.status.preset}, {'' if made.status.is_converged else 'not '}converged"
-            rows.append(own | tally([verdict]) | {"solver": solver})
+        verdict, solver = _judged_scene(answerer, case, seed)
+        rows.append(own | tally([verdict]) | {"solver": solver})
         progress("stiff scenes", done, len(stiff))
     return rows
+
+
+def _judged_scene(answerer: Answerer, case: StiffCase, seed: int) -> tuple[Verdict, str]:
+    """Return what became of the question about a scene, and how its contact was solved."""
+    try:
+        made = simulate([_four_frames(case)], seed=seed, preset="good")[0]
+    except ValueError as error:
+        return Verdict(REFUSED, 0.0, str(error), 0.0), "refused"
+    except Exception as error:  # a defect of the simulator is a row like any other
+        return Verdict(CRASHED, 0.0, f"{type(error).__name__}: {error}", 0.0), "crashed"
+    status = made.status
+    solver = f"{status.preset}, {'' if status.is_converged else 'not '}converged"
+    return judge(answerer, lambda: made.clip, _right(made)), solver
 
 
 def _four_frames(case: StiffCase) -> Scene:

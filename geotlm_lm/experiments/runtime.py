@@ -9,7 +9,6 @@ from __future__ import annotations
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,6 +17,7 @@ import numpy as np
 
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.evaluation.uncertainty import wilson_interval
+from geotlm_lm.experiments.evaluate import threads
 from geotlm_lm.experiments.runtime_clips import (
     KnownClip,
     real_clips,
@@ -50,12 +50,12 @@ class RuntimeSizes:
     """
 
     clips: int = 60
-    real_windows: int = 60
+    real_windows: int = 40
     repeats: int = 3
     fitted_clips: int = 400
     precisions: tuple[str, ...] = ("float32", "bfloat16", "int8")
     batches: tuple[int, ...] = (1, 2, 4, 8, 16, 32, 64)
-    batch_repeats: int = 5
+    batch_repeats: int = 3
     threads: tuple[int, ...] = (1, 2)
     cold_runs: int = 5
 
@@ -102,52 +102,66 @@ def runtime(
         UnreadableClip: If the recordings cannot be read.
         CommandFailed: If a command exits with an error in its fresh process.
     """
-    from geotlm_lm.experiments import (
-        model_omissions,
-        runtime_batches,
-        runtime_processes,
-        runtime_stages,
-    )
-    from geotlm_lm.probe.curl import CurlRegression
-
     started = time.perf_counter()
-    curl = CurlRegression.fit(*turning_clips(sizes.fitted_clips, seed))
     clips = list(simulated_clips(sizes.clips, seed))
     if real_folder is not None:
         clips += real_clips(real_folder, sizes.real_windows)
-    groups = {"classical": flow_group(curl), **model_groups(answerer, sizes.precisions)}
-    with threads(1):
-        rows = method_rows(groups, clips, sizes.repeats, progress)
-        many = 10 * sizes.batch_repeats
-        stages = runtime_stages.stage_rows(answerer, clips[0].clip, many)
-        omitted = model_omissions.omission_rows(answerer, clips[0].clip, many)
-    some = [known.clip for known in clips if known.frames > 2]
-    batches = runtime_batches.batch_rows(answerer, some, sizes, progress)
-    memory = runtime_processes.memory_rows(model, progress)
-    commands = runtime_processes.command_rows(sizes.cold_runs, model, progress)
-    omitted += model_omissions.import_rows(sizes.cold_runs)
+    groups = model_groups(answerer, sizes.precisions)
+    left_out = [one for one in sizes.precisions if one not in groups]
+    numbers = _in_this_process(answerer, groups, clips, sizes, seed, progress)
+    fresh = _in_fresh_processes(sizes, model, progress)
+    numbers["omissions"] += fresh.pop("omissions")
     return RunRecord(
         name="runtime",
         command=command,
         seed=seed,
         seconds=time.perf_counter() - started,
-        numbers={
-            "methods": rows,
-            "stages": stages,
-            "omissions": omitted,
-            "batches": batches,
-            "memory": memory,
-            "commands": commands,
-        },
+        numbers=numbers | fresh,
         config={
             "clips_per_task": sizes.clips,
             "real_windows": sizes.real_windows if real_folder else 0,
             "repeats": sizes.repeats,
             "fitted_clips": sizes.fitted_clips,
-            "left_out": [one for one in sizes.precisions if one not in groups],
+            "left_out": left_out,
             "model_digest": answerer.bundle.digest(),
         },
     )
+
+
+def _in_this_process(
+    answerer: Answerer,
+    groups: Mapping[str, Ask],
+    clips: Sequence[KnownClip],
+    sizes: RuntimeSizes,
+    seed: int,
+    progress: Progress,
+) -> dict[str, Any]:
+    from geotlm_lm.experiments import model_omissions, runtime_batches, runtime_stages
+    from geotlm_lm.probe.curl import CurlRegression
+
+    many, first = 10 * sizes.batch_repeats, clips[0].clip
+    with threads(1):
+        curl = CurlRegression.fit(*turning_clips(sizes.fitted_clips, seed))
+        asked = {"classical": flow_group(curl), **groups}
+        numbers = {
+            "methods": method_rows(asked, clips, sizes.repeats, progress),
+            "stages": runtime_stages.stage_rows(answerer, first, many),
+            "omissions": model_omissions.omission_rows(answerer, first, many),
+        }
+    whole = [known.clip for known in clips if known.frames > 2]
+    return numbers | {"batches": runtime_batches.batch_rows(answerer, whole, sizes, progress)}
+
+
+def _in_fresh_processes(
+    sizes: RuntimeSizes, model: Path | None, progress: Progress
+) -> dict[str, Any]:
+    from geotlm_lm.experiments import model_omissions, runtime_processes
+
+    return {
+        "memory": runtime_processes.memory_rows(model, progress),
+        "commands": runtime_processes.command_rows(sizes.cold_runs, model, progress),
+        "omissions": model_omissions.import_rows(sizes.cold_runs),
+    }
 
 
 def method_rows(
@@ -224,19 +238,3 @@ def spread(milliseconds: Sequence[float]) -> dict[str, float]:
     """Return median, quartiles and 95th percentile, in milliseconds."""
     shares = {"ms_q25": 0.25, "ms_median": 0.5, "ms_q75": 0.75, "ms_p95": 0.95}
     return {name: float(np.quantile(milliseconds, share)) for name, share in shares.items()}
-
-
-@contextmanager
-def threads(count: int):
-    """Let torch and OpenCV use `count` threads each while inside."""
-    import cv2
-    import torch
-
-    before = torch.get_num_threads(), cv2.getNumThreads()
-    torch.set_num_threads(count)
-    cv2.setNumThreads(count)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(before[0])
-        cv2.setNumThreads(before[1])

@@ -7,8 +7,9 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.experiments.evaluate import threads
 from geotlm_lm.experiments.judging import QUESTION
-from geotlm_lm.experiments.runtime import RuntimeSizes, spread, threads
+from geotlm_lm.experiments.runtime import RuntimeSizes, spread
 from geotlm_lm.experiments.runtime_methods import changed_answerer
 from geotlm_lm.probe.rigid_flow import RigidFlow
 

@@ -98,16 +98,12 @@ class RigidFlow:
     def displacements(
         self, clip: Clip, background: Frames | None = None
     ) -> tuple[list[Field], list[Field], float]:
-        """Measure the flow between neighbouring frames and how far each is from the idle gel.
-
-        Args:
-            clip: As in `fit`.
-            background: As in `fit`.
+        """Measure the flow between neighbouring frames; arguments as in `fit`.
 
         Returns:
-            On every `FIT_STRIDE`-th pixel: displacements (rows, columns, 2), one fewer than frames,
-            in px of the frames that were compared; contrast (rows, columns) of every frame, grey
-            levels; and the factor by which the clip's frames were shrunk.
+            On every `FIT_STRIDE`-th pixel: displacements (rows, columns, 2) in px of the frames
+            compared, one fewer than frames; contrast (rows, columns) of every frame, grey levels;
+            and the factor by which the clip's frames were shrunk.
         """
         residuals, shrink = _residuals(clip, background)
         imprints = [_to_grey(residual) for residual in residuals]

@@ -22,6 +22,8 @@ from geotlm_lm.reports.headline import (
 )
 from geotlm_lm.reports.language import language_page
 from geotlm_lm.reports.protocols import protocols_page
+from geotlm_lm.reports.runtime import runtime_page
+from geotlm_lm.reports.stability import stability_page
 from geotlm_lm.reports.tables import answer_example, evaluation_page, training_overview
 
 BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
@@ -43,6 +45,8 @@ PAGES: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "evaluation.md": ("evaluate.json", evaluation_page),
     "protocols.md": ("protocols.json", protocols_page),
     "language.md": ("language.json", language_page),
+    "runtime.md": ("runtime.json", runtime_page),
+    "stability.md": ("stability.json", stability_page),
 }
 """Page -> the record it is made from, and how; written where there is that record."""
 

@@ -7,8 +7,9 @@ from geotlm_lm.answering import Answerer
 from geotlm_lm.checkpoint import save_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+from geotlm_lm.experiments import model_omissions, runtime_processes
 from geotlm_lm.experiments.model_omissions import omission_rows
-from geotlm_lm.experiments.runtime import SIZES, RuntimeSizes, method_rows, spread
+from geotlm_lm.experiments.runtime import SIZES, RuntimeSizes, method_rows, runtime, spread
 from geotlm_lm.experiments.runtime_batches import batch_rows
 from geotlm_lm.experiments.runtime_clips import KnownClip, simulated_clips, turning_clips
 from geotlm_lm.experiments.runtime_memory import peak_megabytes
@@ -32,6 +33,7 @@ from geotlm_lm.experiments.runtime_processes import (
 )
 from geotlm_lm.experiments.runtime_stages import stage_rows
 from geotlm_lm.probe.curl import CurlRegression
+from geotlm_lm.reports.runtime import runtime_page
 from tests.tiny_bundle import tiny_bundle
 
 
@@ -195,3 +197,21 @@ def test_the_tiny_size_is_smaller_in_every_way():
     default, tiny = SIZES["default"], SIZES["tiny"]
     assert tiny.clips * tiny.repeats < default.clips * default.repeats / 10
     assert max(tiny.batches) < max(default.batches)
+
+
+def test_a_whole_run_has_every_part_and_makes_a_page(tmp_path, monkeypatch):
+    save_bundle(tmp_path, tiny_bundle())
+    # One command, one way and no import: the fresh processes have tests of their own.
+    monkeypatch.setattr(runtime_processes, "WAYS", runtime_processes.WAYS[:1])
+    shown = [runtime_processes.Started("--version", ("--version",))]
+    monkeypatch.setattr(runtime_processes, "_commands", lambda folder, model: shown)
+    monkeypatch.setattr(model_omissions, "import_rows", lambda runs: [])
+    record = runtime(Answerer.load(tmp_path), sizes=SIZES["tiny"], seed=3, model=tmp_path)
+    assert {"methods", "stages", "omissions", "batches", "memory", "commands"} == set(
+        record.numbers
+    )
+    assert record.config["left_out"] == []
+    assert record.seed == 3
+    page = runtime_page(record)
+    assert "### simulated sliding, 2 frames, 2 clips" in page
+    assert page.count("| Curl + LR") == 2  # turns in four frames and in two
