@@ -16,6 +16,7 @@ from geotlm_lm.core.record import RunRecord
 from geotlm_lm.reports.headline import accuracy_headline, difference_headline, time_headline
 from geotlm_lm.reports.language import language_page
 from geotlm_lm.reports.tables import answer_example, evaluation_page, training_overview
+from geotlm_lm.reports.transcript import transcript_page
 
 BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "accuracy": ("evaluate.json", accuracy_headline),
@@ -34,6 +35,7 @@ _COMMANDS = dict.fromkeys(BLOCKS, "geotlm-lm evaluate --out reports/recorded/eva
 PAGES: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "evaluation.md": ("evaluate.json", evaluation_page),
     "language.md": ("language.json", language_page),
+    "transcript.md": ("transcript.json", transcript_page),
 }
 """Page -> the record it is made from, and how; written where there is that record."""
 
