@@ -139,7 +139,7 @@ class Answerer:
         kind = asked_kind(stated.rest)
         if kind is not None and kind not in self.bundle.grammar.kinds:
             return by_rule(self.bundle, encoded, stated.rest, kind, stated.frame)
-        words = listen and StandingWords(self.bundle, encoded, stated.frame, listen)
+        words = listen and StandingWords(self.bundle, encoded, stated.rest, stated.frame, listen)
         return in_words(self.bundle, encoded, stated.rest, stated.frame, words)
 
     def stream(

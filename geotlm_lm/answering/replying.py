@@ -8,6 +8,7 @@ from dataclasses import replace
 from geotlm_lm.answering.answer import Answer, Encoded, deciding_word, evidence
 from geotlm_lm.answering.hearing import OPEN_QUESTION, Heard, hear, score
 from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.claims import motions_named, nearly_named
 from geotlm_lm.conversation.reasons import halves
 from geotlm_lm.conversation.retell import (
     ALWAYS_RETOLD,
@@ -71,6 +72,8 @@ def in_words(
         return plain(encoded, NEEDS_MORE[slots.kind], slots.kind, frame, heard.timing_ms)
     if slots.kind == "confidence":
         return _from_open_question(bundle, encoded, question, slots.kind, frame)
+    if denies_nothing(slots, question):
+        return _from_open_question(bundle, encoded, question, slots.kind, frame)
     if slots.kind in ALWAYS_RETOLD or (slots.kind in RETOLD and not is_as_seen(frame)):
         return _retold(bundle, encoded, question, heard, frame)
     text = heard.text
@@ -88,6 +91,16 @@ def in_words(
     )
     answer = _with_contact(bundle, encoded, told, slots, heard.timing_ms)
     return replace(answer, told_by="model") if answer.text == heard.text else answer
+
+
+def denies_nothing(slots: Slots, question: str) -> bool:
+    """Tell whether a "no" answers a question in which no rule finds a motion to say no to.
+
+    The model then took words it does not know for a claim: the motion is read once more from a
+    question it knows, and a verdict given only where the question claims a kind of motion.
+    """
+    is_no = slots.kind in ("verify", "premise") and slots.verdict is False
+    return is_no and not motions_named(question) and not nearly_named(question)
 
 
 def by_rule(bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: FrameSpec) -> Answer:

@@ -34,6 +34,7 @@ _DOUBT = re.compile(
     r"(?: (?:you|that|it))?|no way|think again|check again|look again)[?!. ]*"
     r"|(?:no|wrong|nope)(?:[,.!;][^?]*)?"
 )
+_ENDS = re.compile(r"[,;.!?]+")
 _AGAIN = re.compile(
     r"(?:(?:please )?(?:repeat|say) (?:that|it)(?: again)?|again|repeat|pardon)[?!. ]*"
 )
@@ -122,7 +123,7 @@ class Session:
             return None
         if _AGAIN.fullmatch(words):
             return last
-        is_doubt = _DOUBT.fullmatch(words) or asked_kind(question) == "confidence"
+        is_doubt = _is_doubt(words) or asked_kind(question) == "confidence"
         return _steadfast(last) if is_doubt else None
 
     def _reply(self, question: str, listen: Listener | None) -> Reply:
@@ -134,6 +135,14 @@ class Session:
         if kind == "order" and len(self.clips) > 1:
             return self.answerer.order(self.clips, frame=stated.frame)
         return self.answerer.ask(self.encoded, question, frame=self.frame, listen=listen)
+
+
+def _is_doubt(words: str) -> bool:
+    """Tell whether a text is a doubt, or nothing but doubts: "you are wrong, look again!"."""
+    clauses = [clause.strip() for clause in _ENDS.split(words) if clause.strip()]
+    return bool(_DOUBT.fullmatch(words)) or bool(
+        clauses and all(_DOUBT.fullmatch(clause) for clause in clauses)
+    )
 
 
 def _steadfast(last: Reply) -> Reply:

@@ -14,7 +14,7 @@ from threading import Thread
 from typing import Any
 
 from geotlm_lm.answering.answer import Encoded
-from geotlm_lm.answering.replying import NEEDS_MORE, is_as_seen
+from geotlm_lm.answering.replying import NEEDS_MORE, denies_nothing, is_as_seen
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.retell import ALWAYS_RETOLD, RETOLD
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -30,14 +30,17 @@ class StandingWords:
     Args:
         bundle: The model that writes them; its grammar holds every sentence there may be.
         encoded: The clip they are about.
+        question: What they answer.
         frame: The frame they are to be told in.
         tell: Told each piece.
     """
 
-    def __init__(self, bundle: Bundle, encoded: Encoded, frame: FrameSpec, tell: Listener) -> None:
+    def __init__(
+        self, bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, tell: Listener
+    ) -> None:
         self._tell, self._told = tell, ""
         self._stands = {
-            sentence: stands(bundle, encoded, frame, slots)
+            sentence: stands(bundle, encoded, question, frame, slots)
             for kind in bundle.grammar.kinds
             for sentence in bundle.grammar.options_for(kind)
             if (slots := bundle.grammar.parse(sentence)) is not None
@@ -53,9 +56,9 @@ class StandingWords:
             self._told = text
 
 
-def stands(bundle: Bundle, encoded: Encoded, frame: FrameSpec, slots: Slots) -> bool:
+def stands(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, slots: Slots) -> bool:
     """Tell whether a sentence of the model with these slots becomes the answer as it is."""
-    if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RETOLD:
+    if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RETOLD or denies_nothing(slots, question):
         return False
     if slots.kind in RETOLD and not is_as_seen(frame):
         return False

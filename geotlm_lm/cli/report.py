@@ -10,7 +10,7 @@ import typer
 
 from geotlm_lm.cli.options import Seed, require_writable, require_writable_file
 from geotlm_lm.cli.protocols import protocols
-from geotlm_lm.cli.report_language import language
+from geotlm_lm.cli.report_language import language, transcript
 from geotlm_lm.cli.report_model import model_stability, runtime
 from geotlm_lm.cli.report_outside import fuzz
 
@@ -26,6 +26,7 @@ app.command()(protocols)
 app.command()(runtime)
 app.command()(language)
 app.command()(fuzz)
+app.command()(transcript)
 
 
 @app.callback()

@@ -1,4 +1,4 @@
-"""`geotlm-lm report language`: everything the model can be asked, graded type by type."""
+"""`geotlm-lm report language` and `transcript`: all the model can be asked, and fresh questions."""
 
 from __future__ import annotations
 
@@ -65,3 +65,39 @@ def language(
     record.save(out)
     write_text_atomically(table, language_page(record))
     typer.echo(json.dumps(asdict(record)) if as_json else language_tables(record), nl=as_json)
+
+
+def transcript(
+    model: Annotated[
+        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/transcript.json"
+    ),
+    table: Annotated[Path, typer.Option(help="Where the transcript goes, as Markdown.")] = Path(
+        "reports/transcript.md"
+    ),
+) -> None:
+    """Ask questions that nobody wrote a template for; write down what was said.
+
+    Example: geotlm-lm report transcript
+    """
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.core.atomic import write_text_atomically
+
+    for path, option in ((out, "--out"), (table, "--table")):
+        require_writable_file(path, option)
+    from geotlm_lm.answering import Answerer
+    from geotlm_lm.experiments.transcript import transcript as ask_all
+    from geotlm_lm.reports.transcript import transcript_page
+
+    record = ask_all(
+        Answerer.load(model),
+        model_name="embedded" if model is None else model.name,
+        command=command_line(sys.argv),
+    )
+    record.save(out)
+    write_text_atomically(table, transcript_page(record))
+    typer.echo(f"{record.numbers['as_wanted']} of {record.numbers['questions']} as wanted: {table}")

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from difflib import get_close_matches
 
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import Motion, MotionClass
 
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 
@@ -12,7 +13,7 @@ _NO_MOTION = re.compile(
     r"am i right|(?:what|which|option|answer|letter|one) is right|(?:is|was|sounds?) that right"
     r"|(?:are|be) right|right (?:or wrong|that|to say|now)"
     r"|, right\b|\b(?:upper|lower|left|right|both) hal(?:f|ves)|(?:left|right)[ -]hand\w*"
-    r"|left[ -](?:to[ -])?right|up to\b|speed\w* up|slow\w* down|screw\w* in"
+    r"|left[ -](?:to[ -])?right|up to\b|upside[ -]down|speed\w* up|slow\w* down|screw\w* in"
 )
 """Words of motion in another sense; taken out before motions are looked for."""
 
@@ -26,7 +27,7 @@ NAMES: tuple[tuple[Motion, str], ...] = (
     ),
     (
         Motion.STILL,
-        rf"\bstill\b|\bat rest\b|\bstatic\b|\bresting on the {_GEL}\b|\bmotionless\b",
+        rf"\bstill\b|\bat rest\b|\bstatic\b|\bresting(?: on the {_GEL})?\b|\bmotionless\b",
     ),
     (
         Motion.RELEASE,
@@ -40,6 +41,40 @@ NAMES: tuple[tuple[Motion, str], ...] = (
 )
 """In the order they are looked for; what is found is taken out, so that "counterclockwise" names no
 clockwise turn and "pressing down" no slide."""
+
+CLASS_NAMES: tuple[tuple[MotionClass, str], ...] = (
+    (MotionClass.ROTATION, r"\b(?:turn|rotat|twist|spin|spun|swivel|revolv)\w*"),
+    (MotionClass.SLIDE, r"\b(?:slid|slip|drag|glid|skid)\w*"),
+)
+"""Words of a kind of motion that leave its direction open."""
+
+_YES_OR_NO = re.compile(
+    r"(?:^|[,;:.!] |\b(?:and|so|but|hey|ok|please|now) )"
+    r"(?:is|are|was|were|does|do|did|has|have|had|would|will|can|could)(?:n't|nt| not)? (?!you\b)"
+)
+
+_OFTEN_MISTYPED = (
+    "clockwise",
+    "counterclockwise",
+    "anticlockwise",
+    "left",
+    "right",
+    "leftwards",
+    "rightwards",
+    "upwards",
+    "downwards",
+    "down",
+    "still",
+    "pressing",
+    "pushing",
+    "lifting",
+    "releasing",
+    "touching",
+)
+
+ALIKE = 0.85
+"""Similarity from which a word may be a mistyped other one: of "pressing" without an s it is 0.93,
+of "shifting" and "lifting" 0.80."""
 
 _OPTION = re.compile(r"(?<![A-Z])\(?([A-D])[).:]\s*(.*?)(?=[,;]?\s*\(?(?<![A-Z])[A-D][).:]|$)")
 
@@ -59,6 +94,21 @@ def claimed_motion(text: str) -> Motion | None:
     """Return the one motion that `text` names; None if it names none, or several."""
     named = motions_named(text)
     return named.pop() if len(named) == 1 else None
+
+
+def nearly_named(text: str) -> bool:
+    """Tell whether a word of `text` may be a mistyped motion, such as "clokwise"."""
+    words = re.findall(r"[a-z]+", text.lower())
+    return any(get_close_matches(word, _OFTEN_MISTYPED, 1, ALIKE) for word in words)
+
+
+def claimed_class(text: str) -> MotionClass | None:
+    """Return the one kind of motion a yes-or-no question claims without a direction, else None."""
+    text = " ".join(text.lower().split())
+    if motions_named(text) or not _YES_OR_NO.search(text):
+        return None
+    named = [kind for kind, words in CLASS_NAMES if re.search(words, text)]
+    return named[0] if len(named) == 1 else None
 
 
 def offered_options(question: str) -> dict[str, Motion]:

@@ -24,6 +24,7 @@ _MOVED = r"(?:moved|moves|turned|turns|slid|slides|is moving|was moving)"
 _TOUCHES = r"(?:touch|touches|touched|is on|is at|presses on|sees|see|looks at|look at|holds|grips)"
 _THREADED = r"(?:thread|threads|screw|bolt|nut|threaded)"
 
+_IT_IS = r"(?:(?:it is|it's|it has|this is|i have|we have) )?"
 _HAND = rf"(?:(?:it is|it's|it has|this is|the thread is) )?(?:a )?{{}}(?: {_THREADED})?"
 
 _SIDE = (
@@ -66,9 +67,9 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
     (_SIDE.format("(?:shank|tip)"), {"contact_side": "shank"}),
     (_SIDE.format("side") + r"|(?:a )?side grip", {"contact_side": "side"}),
     (_HAND.format(r"left[ -]?hand(?:ed)?"), {"thread": "left"}),
-    (rf"(?:a )?reversed? {_THREADED}", {"thread": "left"}),
+    (rf"{_IT_IS}(?:a )?reversed? {_THREADED}", {"thread": "left"}),
     (_HAND.format(r"right[ -]?hand(?:ed)?"), {"thread": "right"}),
-    (rf"(?:a )?(?:normal|standard|ordinary) {_THREADED}", {"thread": "right"}),
+    (rf"{_IT_IS}(?:a )?(?:normal|standard|ordinary) {_THREADED}", {"thread": "right"}),
     (
         r"(?:reset|forget) (?:the frame|all that|what i said)",
         {

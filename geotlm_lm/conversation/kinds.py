@@ -13,6 +13,9 @@ from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered
 
 _GO = r"(?:go|goes|move|moves|moved|turn|turns|turned|slide|slides|slid|went)"
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
+_HOLDER = rf"(?:{_GEL}|finger|gripper)"
+"""What moves the sensor, and the sensor with it."""
+
 _MOVES_OR_END = (
     rf"(?: {_GO}\b| (?:rotate|twist|spin|drag|slip|travel|make|heading|itself)\b"
     r"| (?:go|mov|turn|rotat|twist|spinn|slid|dragg|slipp)ing\b|$|[?,:.])"
@@ -25,6 +28,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\bout of the thread\b",
         r"\bunscrew\b",
         r"\b(?:tight|loos)(?:en|ens|ened|ening|er|e)?\b",
+        r"\b(?:righty|lefty|tighty|loosey)\b",
     ),
     "undo": (
         r"\b(?:undo|undoes|undone|revert|reverts|restore|restores|cancel)\b",
@@ -64,6 +68,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\b(?:in )?reversed?\b",
         r"\brew(?:ind|ound)\b",
         r"\blast frame first\b",
+        r"\bfrom (?:the )?(?:end|last) to (?:the )?(?:start|beginning|first)\b",
     ),
     "evidence": (
         r"\bhal(?:f|ves)\b",
@@ -74,6 +79,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\bhow (?:can|could|do|did) you (?:tell|know)\b",
         r"\bfrom what (?:can|could|do|did) you\b",
         r"\bwhy do you (?:say|think|believe)\b",
+        r"\bwhat makes you (?:say|think|believe)\b",
         r"\bwhy you think\b",
         r"\bbased? (?:on|that|it)\b",
         r"\bexplain (?:your answer|yourself|that|how you)\b",
@@ -111,6 +117,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\brely on\b",
         r"\bdoubt\b",
         r"\byou be (?:wrong|mistaken)\b",
+        r"\bwould you (?:bet|swear|stake|wager)\b",
         r"\b(?:really|quite) sure\b",
         r"\bchance (?:of that|that)\b",
         r"\bhow (?:good|safe|solid|reliable) is (?:that|your|this)\b",
@@ -120,16 +127,17 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\b(?:object|other|opposite|its own)(?:'?s)? (?:own )?(?:side|view|perspective|point)",
         r"\b(?:from|seen from) (?:behind|the back)\b",
         r"\bthe (?:view|viewpoint) (?:around|to the other)",
-        rf"\blooking (?:back )?(?:at|towards|into) the {_GEL}\b",
+        rf"\blook(?:ing|s)? (?:back )?(?:at|towards|into) the {_GEL}\b",
+        rf"\b(?:who|person|somebody|someone|when|while) (?:faces|facing) the {_GEL}\b",
         r"\bflip the viewpoint\b",
         r"\b(?:seen|viewed) by the object\b",
         r"\bdoes the object see\b",
     ),
     "actor": (
-        rf"\b(?:did|does|was|is|if|only|moved|but|of) the {_GEL}(?: itself)?{_MOVES_OR_END}",
+        rf"\b(?:did|does|was|is|if|only|moved|but|of) the {_HOLDER}(?: itself)?{_MOVES_OR_END}",
         rf"(?:^|[:,!] )(?:and|so|now) the {_GEL}(?: itself)?{_MOVES_OR_END}",
         rf"^(?:\W*\w+\W+){{0,4}}the {_GEL} itself\b",
-        rf"\b(?:how|where|which way) the {_GEL} {_GO}\b",
+        rf"\b(?:how|where|which way) the {_HOLDER} {_GO}\b",
     ),
     "rate": (
         r"\bhow (?:fast|quick|quickly|slowly)\b",

@@ -16,13 +16,21 @@ fails the direction is told without a verdict.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from geotlm_lm.conversation.claims import claimed_motion, offered_options
+from geotlm_lm.conversation.claims import claimed_class, claimed_motion, offered_options
 from geotlm_lm.conversation.wording import clause, level, name, place, sentence
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, mirror, reverse
+from geotlm_lm.core.labels import (
+    DIRECTED,
+    ROTATIONS,
+    SLIDES,
+    Motion,
+    mirror,
+    motion_class,
+    reverse,
+)
 
 CAMERA = FrameSpec()
 
@@ -201,17 +209,26 @@ def _judged(felt: Felt) -> Told:
     """Compare the claim in the question with the motion, both in the frame."""
     frame = felt.frame
     claim = claimed_motion(felt.question)
+    kind = claimed_class(felt.question)
+    if kind is not None:
+        claims = [motion for motion in Motion if motion_class(motion) == kind]
+        return _verdict(felt, felt.motion in claims, claims)
     if claim is None and felt.verdict is not None and felt.verdict != (felt.kind == "negation"):
         claim = felt.motion  # the model found the claim true of the camera image
     if claim is None:
         return _open(felt)
+    true = [motion for motion in Motion if frame.tell(motion) == claim]
+    return _verdict(felt, felt.motion in true, true)
+
+
+def _verdict(felt: Felt, is_true: bool, claims: Sequence[Motion]) -> Told:
+    """Return yes or no and the motion; `claims` are those, in the image, of which yes is true."""
     yes, no, *words = _VERDICTS[felt.kind]
-    told = frame.tell(felt.motion)
-    is_true = told == claim
-    share = sum(p for motion, p in felt.probabilities.items() if frame.tell(motion) == claim)
-    text = (yes if is_true else no).format(clause(told, frame))
+    told = felt.frame.tell(felt.motion)
+    share = sum(felt.probabilities.get(motion, 0.0) for motion in claims)
+    text = (yes if is_true else no).format(clause(told, felt.frame))
     options = {words[0]: share, words[1]: 1.0 - share}
-    return Told(text, told, frame, options, words[0] if is_true else words[1])
+    return Told(text, told, felt.frame, options, words[0] if is_true else words[1])
 
 
 def _choice(felt: Felt) -> Told:

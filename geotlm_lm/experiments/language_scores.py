@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from geotlm_lm.evaluation.calibration import expected_calibration_error
+from geotlm_lm.evaluation.scores import mean_by_group
 from geotlm_lm.evaluation.selective import (
     area_under_risk_coverage,
     brier_score,
@@ -89,6 +90,7 @@ def type_scores(rows: Sequence[Row], seed: int) -> dict[str, Any]:
                 "questions": len(own),
                 "accuracy": float(right.mean()),
                 "interval": [low, high],
+                "by_answer": balanced_accuracy_of(own, name),
             }
     truths = Counter(row.truth for row in rows)
     return {
@@ -102,6 +104,12 @@ def type_scores(rows: Sequence[Row], seed: int) -> dict[str, Any]:
         "faults": dict(Counter(row.fault for row in rows if row.fault)),
         "methods": methods,
     }
+
+
+def balanced_accuracy_of(rows: Sequence[Row], method: str) -> float:
+    """Return the mean over right answers of how often each is given: a constant one gets 1 / k."""
+    by_truth = mean_by_group(np.array([row.right[method] for row in rows]), [r.truth for r in rows])
+    return float(np.mean(list(by_truth.values())))
 
 
 def differences(rows: Sequence[Row], seed: int) -> list[dict[str, Any]]:

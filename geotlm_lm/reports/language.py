@@ -55,8 +55,10 @@ refusals of what can be answered, and answers of a type the model was not traine
 *Scored* is the likeliest of the options, *probe* and *flow* the linear probe's and optical flow's
 choice among all ten motions, turned into an answer by the exact rules of the type; *blind* is the
 same model shown the mean of all clips, *shuffled* shown a clip of another object. *Commonest* is
-what always giving the commonest answer would get. *Told by* says whose sentence it is: the model's,
-or a rule's that follows from what the model read. Intervals and p-values keep objects whole.
+what always giving the commonest answer would get, *by answer* the mean of how often each right
+answer is given, of which a constant one gets its share alone. *Told by* says whose sentence it is:
+the model's, or a rule's that follows from what the model read. Intervals and p-values keep objects
+whole.
 
 A dash stands where a method has no answer of that type: no probe says how far, and what is rightly
 declined is declined whatever the clip. Evidence told by rule says where the halves go and not which
@@ -90,7 +92,17 @@ def language_tables(record: RunRecord) -> str:
 
 def type_table(scores: Mapping[str, Any]) -> str:
     """Return one row per question type and per pool of types."""
-    header = ["type", "n", "told by", "commonest", "words", "95 %", *COLUMNS[1:], "why wrong"]
+    header = [
+        "type",
+        "n",
+        "told by",
+        "commonest",
+        "words",
+        "95 %",
+        "by answer",
+        *COLUMNS[1:],
+        "why wrong",
+    ]
     named = {f"{one} {TITLES[one]}": own for one, own in scores["types"].items()}
     return markdown(header, [_type_row(n, x) for n, x in (named | scores["pooled"]).items()])
 
@@ -147,6 +159,7 @@ def _type_row(name: str, own: Mapping[str, Any]) -> list[str]:
         f"{own.get('commonest', 0.0):.2f}",
         _accuracy(words),
         interval,
+        "-" if words is None else f"{words['by_answer']:.3f}",
         *(_accuracy(methods.get(column)) for column in COLUMNS[1:]),
         faults or "-",
     ]

@@ -25,6 +25,7 @@ from geotlm_lm.reports.protocols import protocols_page
 from geotlm_lm.reports.runtime import runtime_page
 from geotlm_lm.reports.stability import stability_page
 from geotlm_lm.reports.tables import answer_example, evaluation_page, training_overview
+from geotlm_lm.reports.transcript import transcript_page
 
 BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "accuracy": ("evaluate.json", accuracy_headline),
@@ -47,6 +48,7 @@ PAGES: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "language.md": ("language.json", language_page),
     "runtime.md": ("runtime.json", runtime_page),
     "stability.md": ("stability.json", stability_page),
+    "transcript.md": ("transcript.json", transcript_page),
 }
 """Page -> the record it is made from, and how; written where there is that record."""
 

@@ -1,5 +1,7 @@
 """A speaker that says what a test wrote down, and a model of random weights around it."""
 
+from types import SimpleNamespace
+
 import numpy as np
 
 from geotlm_lm.answering import OPEN_QUESTION, Answerer
@@ -16,6 +18,8 @@ class Scripted:
 
     An option is e^2 times as likely as each other one if it is what would be said.
     """
+
+    model = SimpleNamespace(state_dict=dict)  # no weights: a digest has nothing of it to hold
 
     def __init__(self, sentences):
         self.sentences = sentences

@@ -7,7 +7,7 @@ from geotlm_lm.answering import NOT_UNDERSTOOD, OPEN_QUESTION, deciding_word
 from geotlm_lm.conversation.english import ENGLISH_ONLY
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.language.parse_answer import KINDS
+from geotlm_lm.language.parse_answer import KINDS, Slots
 from tests.answering.scripted import answerer_saying, feeling, recording
 
 SURE = np.e**2 / (np.e**2 + 9)
@@ -254,3 +254,27 @@ def test_an_answer_that_is_withheld_decides_nothing(bundle):
     answerer = feeling(bundle, "left", contact_threshold=1.1)
     answer = answerer.ask(answerer.encode(recording()), "Which way is it going?")
     assert (answer.decided, answer.told_by) == (None, "rule")
+
+
+@pytest.mark.parametrize(
+    ("question", "text", "decided"),
+    [
+        ("rotation sense pls", "Clockwise, in the camera image.", "clockwise"),
+        ("Is the thing slipping?", "No, it goes clockwise in the camera image.", "no"),
+        ("Would it be spinning?", "Yes, it goes clockwise in the camera image.", "yes"),
+    ],
+)
+def test_a_no_to_nothing_that_was_claimed_is_not_said(bundle, question, text, decided):
+    denial = bundle.grammar.sentence(Slots("verify", Motion.DOWN, verdict=False))
+    opened = bundle.grammar.sentence(Slots("direction", Motion.CLOCKWISE))
+    answerer = answerer_saying(bundle, {question: denial, OPEN_QUESTION: opened})
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert (answer.text, answer.decided) == (text, decided)
+
+
+@pytest.mark.parametrize("question", ["Is it sliding left?", "is it sliding lefft?"])
+def test_a_no_to_a_claim_stands_in_the_models_words(bundle, question):
+    denial = bundle.grammar.sentence(Slots("verify", Motion.DOWN, verdict=False))
+    answerer = answerer_saying(bundle, {"*": denial})
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert (answer.text, answer.told_by) == (denial, "model")

@@ -27,6 +27,7 @@ def session(bundle):
         "how sure are you?",
         "r u sure??",
         "check again",
+        "You are wrong, look again!",
     ],
 )
 def test_doubt_repeats_the_answer_with_its_probability_and_never_turns_it(session, doubt):

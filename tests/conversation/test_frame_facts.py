@@ -25,6 +25,8 @@ MIRRORED = FrameSpec(image_mirrored=True)
         ("left-hand thread", {"thread": "left"}),
         ("It has a right handed thread.", {"thread": "right"}),
         ("a normal screw", {"thread": "right"}),
+        ("It is a normal thread.", {"thread": "right"}),
+        ("it has a reversed thread", {"thread": "left"}),
         ("the sensor touches the head", {"contact_side": "head"}),
         ("touched at its shank", {"contact_side": "shank"}),
         ("side grip", {"contact_side": "side"}),

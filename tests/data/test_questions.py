@@ -38,21 +38,71 @@ ONE_ANSWER = {"T9", "T17", "T19", "T22"}
 """Types whose questions are all answered alike: there is nothing to betray."""
 
 
-@pytest.mark.parametrize("type_id", sorted(set(load_templates().types) - ONE_ANSWER))
-def test_question_text_alone_predicts_no_answer(asked, type_id):
-    of_type = [question for question in asked if question.type_id == type_id]
-    if type_id == "T3":  # with fewer options fewer letters are possible, and that is no leak
-        of_type = [question for question in of_type if len(question.options) == 3]
-    texts, targets = [q.question for q in of_type], np.array([str(target(q)) for q in of_type])
+NAMES_MOTIONS = {"T2", "T3", "T4", "T18"}
+"""Types whose questions claim or offer motions, the true one among them as often as rules say."""
+
+
+def assert_at_chance(texts, targets):
+    """Fit a bag of words on half of the texts: on the other half it must not beat the commonest."""
+    texts, targets = np.array(texts), np.array([str(one) for one in targets])
     order = np.random.default_rng(1).permutation(len(texts))
     train, test = order[: len(order) // 2], order[len(order) // 2 :]
     vectors = TfidfVectorizer(token_pattern=r"[^\s]+")
-    features = vectors.fit_transform(np.array(texts)[train])
+    features = vectors.fit_transform(texts[train])
     model = LogisticRegression(max_iter=300).fit(features, targets[train])
-    accuracy = model.score(vectors.transform(np.array(texts)[test]), targets[test])
+    accuracy = model.score(vectors.transform(texts[test]), targets[test])
     chance = max(Counter(targets[test]).values()) / len(test)
     # Four standard errors of a share p over the n test questions.
     assert accuracy < chance + 4 * np.sqrt(chance * (1 - chance) / len(test))
+
+
+@pytest.mark.parametrize("type_id", sorted(set(load_templates().types) - ONE_ANSWER - {"T3"}))
+def test_question_text_alone_predicts_no_answer(asked, type_id):
+    of_type = [question for question in asked if question.type_id == type_id]
+    assert_at_chance([q.question for q in of_type], [target(q) for q in of_type])
+
+
+@pytest.mark.parametrize("count", [2, 3, 4])
+def test_the_text_of_a_choice_alone_predicts_no_letter(asked, count):
+    # With fewer options fewer letters are possible, and that is no leak.
+    of_type = [q for q in asked if q.type_id == "T3" and len(q.options) == count]
+    assert_at_chance([q.question for q in of_type], [q.slots.letter for q in of_type])
+
+
+@pytest.mark.parametrize("type_id", sorted(set(load_templates().types) - NAMES_MOTIONS))
+def test_question_text_alone_predicts_no_motion(type_id):
+    """Also where every question has the same answer: a blind model may use any hint of a motion."""
+    rng = np.random.default_rng(17)
+    pairs = [
+        (question.question, motion)
+        for _ in range(ROUNDS // 3)
+        for motion in Motion
+        for wordings in ("seen", "held_out")
+        for question in questions_for(MotionLabel(motion), rng, types=[type_id], wordings=wordings)
+    ]
+    assert_at_chance(*zip(*pairs, strict=True))
+
+
+def test_a_leak_would_be_found():
+    """The classifier of the tests above, where three questions in ten betray it."""
+    rng = np.random.default_rng(3)
+    motions = [list(Motion)[i] for i in rng.integers(len(Motion), size=1200)]
+    texts = [f"which way{f' {motion.value}ish' * (rng.random() < 0.3)}?" for motion in motions]
+    with pytest.raises(AssertionError):
+        assert_at_chance(texts, motions)
+
+
+@pytest.mark.parametrize("type_id", ["T1", "T10", "T11", "T12", "T13", "T14", "T15", "T21"])
+def test_every_answer_that_names_the_motion_is_right_equally_often(asked, type_id):
+    counts = Counter(question.answer for question in asked if question.type_id == type_id)
+    assert len(counts) == len(Motion)
+    assert len(set(counts.values())) == 1
+
+
+@pytest.mark.parametrize("type_id", ["T2", "T4", "T18"])
+def test_yes_is_right_half_of_the_time(asked, type_id):
+    verdicts = [question.slots.verdict for question in asked if question.type_id == type_id]
+    assert abs(np.mean(verdicts) - 0.5) < 4 * 0.5 / np.sqrt(len(verdicts))
 
 
 @pytest.mark.parametrize(

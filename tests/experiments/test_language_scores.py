@@ -47,6 +47,13 @@ def test_recall_is_told_by_the_right_answer():
     assert type_scores(rows, 0)["recall"] == {"left": 0.5, "up": 1.0}
 
 
+def test_by_answer_a_constant_answer_gets_its_share_alone():
+    rows = [row(clip=i, truth="yes") for i in range(9)]
+    rows.append(row(right=False, clip=9, truth="no"))
+    words = type_scores(rows, 0)["methods"]["words"]
+    assert (words["accuracy"], words["by_answer"]) == (0.9, 0.5)
+
+
 def test_differences_are_paired_by_question():
     rows = [row(others={"blind": False}, clip=i) for i in range(3)]
     rows.append(row(clip=3))  # the blind model was not asked
