@@ -22,7 +22,7 @@ from geotlm_lm.language.parse_answer import Slots
 from tests.answering.scripted import first_kinds_of, recording
 from tests.tiny_bundle import tiny_bundle
 
-PERCEIVED = {"choose", "encode", "total"}
+PERCEIVED = {"choose", "touch", "encode", "total"}
 SPOKEN = PERCEIVED | {"generate", "score"}
 
 
@@ -82,6 +82,16 @@ def test_a_question_runs_the_stages_it_needs(answerer, question, stages):
     assert set(answer.timing_ms) == stages
     speaker = answerer.bundle.speaker
     assert (speaker.generated, speaker.scored) == ((1, 1) if stages == SPOKEN else (0, 0))
+
+
+def test_an_open_question_about_an_idle_gel_runs_no_language_model(answerer):
+    idle = recording().background
+    answer = answerer.ask(
+        answerer.encode(Clip(np.stack([idle] * 4), background=idle)), "Which way?"
+    )
+    assert answer.direction is Motion.NONE
+    assert set(answer.timing_ms) == PERCEIVED
+    assert (answerer.bundle.speaker.generated, answerer.bundle.speaker.scored) == (0, 0)
 
 
 def test_several_questions_share_one_encoding(answerer, encodings):
