@@ -8,7 +8,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from tests.answering.scripted import feeling, recording
 
-IDLE = np.random.default_rng(3).integers(90, 140, (120, 160, 3)).astype(np.uint8)
+IDLE = np.add.outer(np.linspace(90, 140, 120), np.zeros((160, 3))).astype(np.uint8)
 
 
 def untouched(seed=0):
