@@ -19,6 +19,7 @@ Actions name the motion of the object as displayed. Knows files, not what is don
 from __future__ import annotations
 
 import csv
+import glob
 import io
 import json
 from collections import Counter
@@ -56,6 +57,9 @@ ACTIONS = {
 COLUMNS = ("clip_id", "object_id", "sensor", "action", "frames", "background", "fps")
 REQUIRED = ("clip_id", "object_id", "action", "frames")
 SUFFIXES = (".csv", ".jsonl")
+
+MOST_FPS = 1e5
+"""Frames per second beyond which a number is taken for a mistake, as `read_clip` takes it."""
 
 GIVEN, FOUND, NONE = "given", "the clip's own untouched frames", "none, each method guesses it"
 """Where a clip's background comes from, as reports say it."""
@@ -111,7 +115,7 @@ class Manifest:
                 continue
             try:
                 clip, background = _read(self.path.parent, row)
-            except UnreadableClip as error:
+            except (UnreadableClip, OSError) as error:
                 self.left_out[row.clip_id] = str(error)
                 continue
             self.backgrounds[background] += 1
@@ -130,7 +134,12 @@ def read_manifest(path: str | Path) -> Manifest:
             f"{path}: is no manifest, expected a {' or '.join(SUFFIXES)} file with one row per "
             f"clip; write one with `geotlm-lm manifest`."
         )
-    text = path.read_text(encoding="utf-8-sig", errors="replace")
+    try:
+        text = path.read_text(encoding="utf-8-sig", errors="replace")
+    except OSError as error:
+        raise UnreadableClip(
+            f"{path}: cannot be opened ({error.strerror}); check its permissions."
+        ) from error
     table = _csv_rows(path, text) if path.suffix.lower() == ".csv" else _json_rows(path, text)
     rows = [_row(f"{path}:{line}", values) for line, values in table]
     if not rows:
@@ -208,7 +217,9 @@ def _files_of(root: Path, entry: str) -> list[Path]:
         return image_paths(path)
     if path.exists() or not any(sign in entry for sign in "*?["):
         return [path]
-    return sorted(root.glob(entry), key=lambda one: natural_key(one.as_posix()))
+    # An absolute entry stands for itself; signs of a pattern in the manifest's own folder do not.
+    found = glob.glob(entry if path == Path(entry) else f"{glob.escape(str(root))}/{entry}")
+    return sorted(map(Path, found), key=lambda one: natural_key(one.as_posix()))
 
 
 def _stills(paths: Sequence[Path]) -> Frames:
@@ -230,14 +241,20 @@ def _stills(paths: Sequence[Path]) -> Frames:
 
 def _csv_rows(path: Path, text: str) -> Iterator[tuple[int, dict[str, Any]]]:
     reader = csv.DictReader(io.StringIO(text))
-    missing = [name for name in REQUIRED if name not in (reader.fieldnames or ())]
+    try:
+        rows, columns = [(reader.line_num, dict(row)) for row in reader], reader.fieldnames or ()
+    except csv.Error as error:
+        raise UnreadableClip(
+            f"{path}: is no table ({error} in line {reader.line_num}); write it with `geotlm-lm "
+            f"manifest`."
+        ) from error
+    missing = [name for name in REQUIRED if name not in columns]
     if missing:
         raise UnreadableClip(
             f"{path}: lacks the column{'s' * (len(missing) > 1)} {', '.join(missing)}, expected "
             f"{', '.join(COLUMNS)}; write it with `geotlm-lm manifest`."
         )
-    for values in reader:
-        yield reader.line_num, dict(values)
+    yield from rows
 
 
 def _json_rows(path: Path, text: str) -> Iterator[tuple[int, dict[str, Any]]]:
@@ -246,7 +263,7 @@ def _json_rows(path: Path, text: str) -> Iterator[tuple[int, dict[str, Any]]]:
             continue
         try:
             values = json.loads(row)
-        except ValueError:
+        except (ValueError, RecursionError):
             values = None
         if not isinstance(values, dict) or any(name not in values for name in REQUIRED):
             raise UnreadableClip(
@@ -273,13 +290,23 @@ def _row(where: str, values: dict[str, Any]) -> ManifestRow:
             f"{where}: clip_id, object_id or frames is empty; name the clip, the object and the "
             f"files."
         )
-    try:
-        fps = float(text("fps")) if text("fps") else None
-    except ValueError as error:
-        raise UnreadableClip(
-            f"{where}: '{text('fps')}' frames per second, expected a number or nothing; correct it."
-        ) from error
-    background = text("background") or None
+    background, fps = text("background") or None, _fps(where, text("fps"))
+    if any("\0" in name for name in (*frames, background or "")):
+        raise UnreadableClip(f"{where}: a path holds a zero byte, expected text; correct it.")
     return ManifestRow(
         text("clip_id"), text("object_id"), text("sensor"), ACTIONS[action], frames, background, fps
     )
+
+
+def _fps(where: str, text: str) -> float | None:
+    try:
+        fps = float(text) if text else None
+    except ValueError:
+        fps = 0.0
+    # A NaN fails every comparison, so that this refuses it too.
+    if fps is not None and not 0 < fps < MOST_FPS:
+        raise UnreadableClip(
+            f"{where}: '{text}' frames per second, expected a number above 0 or nothing; correct "
+            f"it."
+        )
+    return fps

@@ -120,7 +120,7 @@ def read_tactile_tracking(folder: str | Path) -> TactileTracking:
                     f"{path}: frames are {_size(trial.size_px)} pixels, those of "
                     f"{found[0].folder.name} {_size(found[0].size_px)}; export all at one size."
                 )
-        except UnreadableClip as error:
+        except (UnreadableClip, OSError) as error:
             left_out[path.name] = str(error)
         else:
             found.append(trial)
@@ -168,7 +168,7 @@ def _read_trial(folder: Path) -> tuple[Trial, MaskedFrames]:
         missing = VIDEOS[0] if video is None else MASKS
         raise UnreadableClip(f"{folder}: {missing} is missing; unpack the trial again.")
     poses = _read_poses(folder / POSES)
-    masks = map_array(folder / MASKS)
+    masks = _frames_of(folder / MASKS)
     recording = read_clip(video)
     size = recording.frames.shape[1:3]
     _require_agreement(folder, recording, poses, masks)
@@ -177,6 +177,17 @@ def _read_trial(folder: Path) -> tuple[Trial, MaskedFrames]:
     chosen = np.unique(np.linspace(0, len(poses) - 1, SAMPLED_FRAMES).round().astype(int))
     sampled = MaskedFrames(recording.frames[chosen], np.asarray(masks[chosen]) > 0)
     return trial, sampled
+
+
+def _frames_of(path: Path) -> NDArray:
+    """Return an array of numbers, one entry per frame, without reading them yet."""
+    array = map_array(path)
+    if array.ndim == 0 or array.dtype.kind not in "biuf":
+        raise UnreadableClip(
+            f"{path}: found {array.dtype} of shape {array.shape}, expected numbers, one entry per "
+            f"frame; copy it again."
+        )
+    return array
 
 
 def _read_poses(path: Path) -> Poses:
@@ -210,7 +221,7 @@ def _require_agreement(folder: Path, recording: Clip, poses: Poses, masks: NDArr
     """Refuse a trial whose files are not of the same frames."""
     lengths = {"the video": len(recording), "poses": len(poses), "masks": len(masks)}
     if (folder / GRADIENTS).exists():
-        lengths["gradient maps"] = len(map_array(folder / GRADIENTS))
+        lengths["gradient maps"] = len(_frames_of(folder / GRADIENTS))
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{count} of {name}" for name, count in lengths.items())
         raise UnreadableClip(f"{folder}: found {told}, expected equally many; copy it again.")

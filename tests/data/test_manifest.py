@@ -77,6 +77,15 @@ def test_only_the_motions_wanted_are_read(folder):
     assert {row.motion for row, _ in found.clips(SLIDES)} == set(SLIDES)
 
 
+def test_a_pattern_may_be_absolute_and_the_folder_hold_signs_of_one(tmp_path):
+    root = tmp_path / "set [1]"
+    grey_frames(root / "a", 3)
+    rows = ["1,cap,,slide_up,a/*.png,,", f"2,cap,,slide_up,{tmp_path}/*/a/*.png,,"]
+    found, clips = read_one(manifest(root, *rows))
+    assert found.left_out == {}
+    assert [len(clip) for _, clip in clips] == [3, 3]
+
+
 def test_a_folder_may_stand_for_its_images(tmp_path):
     grey_frames(tmp_path / "a", 11)
     _, ((_, clip),) = read_one(manifest(tmp_path, "1,cap,,slide_up,a,,"))
@@ -129,6 +138,8 @@ def test_a_path_that_a_csv_would_part_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("frames", "background", "said"),
     [
+        ("**a/gone*.png", "", "bad: its frames name 0 files, expected 2 or more images"),
+        ("a" * 300, "", "File name too long"),
         ("gone/*.png", "", "bad: its frames name 0 files, expected 2 or more images"),
         ("a/0.png", "", "bad: its frames name 1 file, expected 2 or more images"),
         ("a/0.png;a/gone.png", "", "gone.png: is cut off or is no image"),
@@ -156,6 +167,11 @@ def test_a_clip_that_cannot_be_read_is_left_out_and_named(tmp_path, frames, back
         ("1,cap,,slide_up,,,", "clips.csv:2: clip_id, object_id or frames is empty"),
         ("1,,,slide_up,a,,", "clips.csv:2: clip_id, object_id or frames is empty"),
         ("1,cap,,slide_up,a,,fast", "clips.csv:2: 'fast' frames per second, expected a number"),
+        ("1,cap,,slide_up,a,,nan", "clips.csv:2: 'nan' frames per second, expected a number"),
+        ("1,cap,,slide_up,a,,-3", "clips.csv:2: '-3' frames per second, expected a number"),
+        ("1,cap,,slide_up,a\0b,,", "clips.csv:2: a path holds a zero byte, expected text"),
+        ("1,cap,,slide_up", "clips.csv:2: clip_id, object_id or frames is empty"),
+        (f"1,cap,,slide_up,{'a' * 200_000},,", "is no table (field larger than field limit"),
         ("1,cap,,slide_up,a,,\n1,cap,,slide_up,a,,", "the clip '1' stands in it more than once"),
         ("", "holds no row"),
     ],
@@ -173,7 +189,7 @@ def test_missing_columns_are_named(tmp_path):
         read_manifest(manifest(tmp_path, header="clip_id,action\n"))
 
 
-@pytest.mark.parametrize("line", ["[1]", "{", json.dumps({"clip_id": "1"})])
+@pytest.mark.parametrize("line", ["[1]", "{", "[" * 100_000, json.dumps({"clip_id": "1"})])
 def test_a_broken_line_of_json_is_refused_with_its_number(tmp_path, line):
     path = manifest(tmp_path, "", line, header="", name="clips.jsonl")
     with pytest.raises(UnreadableClip, match=r"clips.jsonl:2: is no JSON object with clip_id"):

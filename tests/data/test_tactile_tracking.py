@@ -166,6 +166,10 @@ def test_a_trial_whose_files_disagree_is_left_out_and_named(written, tmp_path):
             "the sensor travels 5 m, expected at most 0.2; give translations in metres.",
         ),
         ("contact_masks.npy", np.zeros((6, 4, 5), bool), "masks have the shape (4, 5), the video"),
+        ("contact_masks.npy", np.float64(1), "found float64 of shape (), expected numbers, one"),
+        ("contact_masks.npy", np.array(["a"] * 6), "expected numbers, one entry per frame"),
+        ("true_start_T_currs.npy", np.float64(1), "found float64 of shape (), expected floating"),
+        ("gradient_maps.npy", np.float64(1), "gradient_maps.npy: found float64 of shape ()"),
         ("gradient_maps.npy", np.zeros((3, 4, 5, 2)), "3 of gradient maps, expected equally many"),
     ],
 )
