@@ -56,3 +56,21 @@ def test_nothing_to_ask_about_is_refused(invoke):
     error = invoke("--clips", "0").exception
     assert isinstance(error, UsageError)
     assert str(error) == ("nothing to ask about: give --clips above 0, or --real with a folder.")
+
+
+def test_the_transcript_is_written_and_counted(tmp_path, monkeypatch):
+    from geotlm_lm import answering
+    from geotlm_lm.experiments import transcript
+
+    def run(answerer, *, model_name, command):
+        numbers = {"questions": 2, "as_wanted": 1, "turns": []}
+        return RunRecord("transcript", command, 0, 1.0, numbers, {"model": model_name})
+
+    monkeypatch.setattr(answering.Answerer, "load", classmethod(lambda cls, folder=None: folder))
+    monkeypatch.setattr(transcript, "transcript", run)
+    out, table = tmp_path / "a" / "t.json", tmp_path / "b" / "t.md"
+    places = ["--out", str(out), "--table", str(table), "--model", "some/tiny"]
+    result = CliRunner().invoke(app, ["transcript", *places])
+    assert result.stdout == f"1 of 2 as wanted: {table}\n"
+    assert RunRecord.load(out).config == {"model": "tiny"}
+    assert "1 of 2 answers are as wanted." in table.read_text()
