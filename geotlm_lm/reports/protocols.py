@@ -118,7 +118,8 @@ def comparison_table(
     Published rows without a counterpart stand below ours.
     """
     header = [task]
-    for title in ("ours, five-fold", "ours, leave-one-object-out", *DATA):
+    published_on = [f"published, {name}" for name in DATA]
+    for title in ("ours, five-fold", "ours, leave-one-object-out", *published_on):
         header += [title, "recall"]
     counterparts = COUNTERPARTS[task]
     lines = []

@@ -109,11 +109,11 @@ def test_ours_and_the_published_figures_stand_in_one_row_under_their_own_data(re
         "recall",
         "ours, leave-one-object-out",
         "recall",
-        "ToucHD-Sim, simulated, five-fold",
+        "published, ToucHD-Sim, simulated, five-fold",
         "recall",
-        "TactileTracking, real, five-fold",
+        "published, TactileTracking, real, five-fold",
         "recall",
-        "TactileTracking, real, leave-one-object-out",
+        "published, TactileTracking, real, leave-one-object-out",
         "recall",
     ]
     assert line_of(table, "probe on c") == [
