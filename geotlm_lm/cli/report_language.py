@@ -43,6 +43,7 @@ def language(
     from geotlm_lm.cli.evaluate import command_line, progress_on_stderr
     from geotlm_lm.core.atomic import write_text_atomically
     from geotlm_lm.core.errors import UsageError
+    from geotlm_lm.core.record import RunRecord
 
     if clips == 0 and real is None:
         raise UsageError("nothing to ask about: give --clips above 0, or --real with a folder.")
@@ -63,6 +64,8 @@ def language(
         progress=progress_on_stderr(),
     )
     record.save(out)
+    # As it is read back: the page must be the one that `report readme` makes of the file.
+    record = RunRecord.load(out)
     write_text_atomically(table, language_page(record))
     typer.echo(json.dumps(asdict(record)) if as_json else language_tables(record), nl=as_json)
 
@@ -86,6 +89,7 @@ def transcript(
 
     from geotlm_lm.cli.evaluate import command_line
     from geotlm_lm.core.atomic import write_text_atomically
+    from geotlm_lm.core.record import RunRecord
 
     for path, option in ((out, "--out"), (table, "--table")):
         require_writable_file(path, option)
@@ -99,5 +103,7 @@ def transcript(
         command=command_line(sys.argv),
     )
     record.save(out)
+    # As it is read back: the page must be the one that `report readme` makes of the file.
+    record = RunRecord.load(out)
     write_text_atomically(table, transcript_page(record))
     typer.echo(f"{record.numbers['as_wanted']} of {record.numbers['questions']} as wanted: {table}")

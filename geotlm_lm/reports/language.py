@@ -103,7 +103,8 @@ def type_table(scores: Mapping[str, Any]) -> str:
         *COLUMNS[1:],
         "why wrong",
     ]
-    named = {f"{one} {TITLES[one]}": own for one, own in scores["types"].items()}
+    types = scores["types"]  # in the order of the titles, whatever a file made of it
+    named = {f"{one} {title}": types[one] for one, title in TITLES.items() if one in types}
     return markdown(header, [_type_row(n, x) for n, x in (named | scores["pooled"]).items()])
 
 

@@ -11,7 +11,8 @@ def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     The first column is set left, all others right.
     """
     cells = [list(header), *(list(row) for row in rows)]
-    widths = [max(len(line[column]) for line in cells) for column in range(len(header))]
+    # A rule cell needs a dash beside its colon.
+    widths = [max(2, *(len(line[column]) for line in cells)) for column in range(len(header))]
 
     def line(values: Sequence[str]) -> str:
         first = values[0].ljust(widths[0])

@@ -74,3 +74,27 @@ def test_the_transcript_is_written_and_counted(tmp_path, monkeypatch):
     assert result.stdout == f"1 of 2 as wanted: {table}\n"
     assert RunRecord.load(out).config == {"model": "tiny"}
     assert "1 of 2 answers are as wanted." in table.read_text()
+
+
+@pytest.mark.parametrize("name", ["language", "transcript"])
+def test_a_written_page_is_the_one_the_records_make(name, tmp_path, monkeypatch):
+    from geotlm_lm import answering
+    from geotlm_lm.experiments import language_talk, transcript
+    from geotlm_lm.reports.readme import check_readme
+
+    turn = {"clip": "a", "before": [], "question": "Up?", "answer": "No.", "as_wanted": False}
+    turn |= {"wanted": {"kind": "x", "decided": "y"}, "found": {"kind": None, "decided": "no"}}
+    turn |= {"confidence": 0.5, "told_by": "rule", "note": ""}
+    numbers = {"sets": {}, "questions": 1, "as_wanted": 0, "turns": [turn]}
+
+    def run(answerer, **options):
+        return RunRecord(name, "geotlm-lm", 0, 1.0, numbers)
+
+    monkeypatch.setattr(answering.Answerer, "load", classmethod(lambda cls, folder=None: folder))
+    monkeypatch.setattr(language_talk, "evaluate_talk", run)
+    monkeypatch.setattr(transcript, "transcript", run)
+    out, table = tmp_path / "recorded" / f"{name}.json", tmp_path / f"{name}.md"
+    result = CliRunner().invoke(app, [name, "--out", str(out), "--table", str(table)])
+    assert result.exit_code == 0
+    (tmp_path / "README.md").write_text("no blocks\n")
+    check_readme(tmp_path / "README.md", tmp_path / "recorded")

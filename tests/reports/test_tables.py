@@ -55,6 +55,10 @@ def test_a_table_is_padded_so_that_it_reads_as_text():
     )
 
 
+def test_a_column_of_single_letters_still_has_a_rule():
+    assert markdown(["a", "n"], [["b", "1"]]).splitlines()[1] == "| -- | -: |"
+
+
 def test_a_method_row_names_the_class_it_is_worst_at(record):
     rows = method_table(record.numbers["tables"]["simulated rotation"]).splitlines()
     cells = [cell.strip() for cell in rows[2].strip("|").split("|")]
