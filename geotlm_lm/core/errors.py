@@ -1,7 +1,7 @@
 """Errors a user can repair: one sentence, and the exit code the command line gives it."""
 
-LONGEST_MESSAGE = 900
-"""Characters of a sentence a person still reads."""
+LONGEST_MESSAGE = 3000
+"""Characters of a sentence: the longest lawful one names every shape, in 1,800."""
 
 
 class GeoTLMError(Exception):
