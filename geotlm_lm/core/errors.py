@@ -1,7 +1,7 @@
 """Errors a user can repair: one sentence, and the exit code the command line gives it."""
 
-LONGEST_MESSAGE = 2400
-"""Characters of a sentence: the list of all shapes, the longest a sentence names, has 1,800."""
+LONGEST_MESSAGE = 3000
+"""Characters of a sentence: the longest lawful one names every shape, in 1,800."""
 
 
 class GeoTLMError(Exception):

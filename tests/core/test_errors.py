@@ -27,7 +27,7 @@ def test_what_to_do_is_still_said_at_the_end_of_a_long_one():
     assert said.endswith("x; give another.")
 
 
-@given(st.text(st.characters(), max_size=3000))
+@given(st.text(st.characters(), max_size=6000))
 @settings(derandomize=True, max_examples=200, deadline=None)
 def test_any_text_becomes_one_line_that_can_be_written(text):
     said = str(GeoTLMError(text))

@@ -91,7 +91,7 @@ def test_what_reaches_new_lines_is_kept_and_damaged_further(monkeypatch):
     assert any(data[:2] == b"FU" for data in kept)
 
 
-@pytest.mark.parametrize("said", ["", "two\nlines", "x" * 2000], ids=["empty", "lines", "long"])
+@pytest.mark.parametrize("said", ["", "two\nlines", "x" * 4000], ids=["empty", "lines", "long"])
 def test_a_refusal_that_is_no_sentence_is_untidy(said):
     assert not explore._is_one_sentence(said)
 
