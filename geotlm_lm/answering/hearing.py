@@ -29,12 +29,14 @@ class Heard:
         text: Its words.
         options: Probability of every answer of that kind, by its deciding word.
         timing_ms: Milliseconds of each stage.
+        is_by_rule: No model ran: nothing touches the gel.
     """
 
     slots: Slots | None
     text: str
     options: dict[str, float]
     timing_ms: dict[str, float] = field(default_factory=dict)
+    is_by_rule: bool = False
 
 
 def hear(
@@ -59,7 +61,7 @@ def hear(
         text = bundle.grammar.sentence(slots)
         if listen is not None:
             listen(text)
-        return Heard(slots, text, {Motion.NONE.value: UNTOUCHED_PROBABILITY})
+        return Heard(slots, text, {Motion.NONE.value: UNTOUCHED_PROBABILITY}, is_by_rule=True)
     started = time.perf_counter()
     told = {} if listen is None else {"listen": listen}
     text = bundle.speaker.generate(encoded.perception.fused_token, [question], **told)[0]

@@ -90,7 +90,8 @@ def in_words(
         is_refusal=slots.kind == "refusal",
     )
     answer = _with_contact(bundle, encoded, told, slots, heard.timing_ms)
-    return replace(answer, told_by="model") if answer.text == heard.text else answer
+    is_as_heard = answer.text == heard.text and not heard.is_by_rule
+    return replace(answer, told_by="model") if is_as_heard else answer
 
 
 def denies_nothing(slots: Slots, question: str) -> bool:

@@ -15,8 +15,8 @@ BLUR_PX = 2.0
 """Blur of the change, in pixels of that width: camera noise averages out, an imprint does not."""
 
 TOUCHED_SHARE = 0.01
-"""Share of the image that a touch changes at the least; the smallest readable imprint has 0.005 of
-contact and twice as much of gel bent around it."""
+"""Share of the image that a touch changes at the least: the contact mask of the smallest readable
+imprint has 0.005, and the gel bends around it."""
 
 UNTOUCHED_GREY = 1.5
 """Change below which nothing touches. Of 1,309 simulated touches of training objects the faintest

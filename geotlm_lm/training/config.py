@@ -3,22 +3,46 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from geotlm_lm.core.errors import UsageError
 
 DGRMode = Literal["paper", "grounded"]
+Preset = TypeVar("Preset", bound="HeadsPreset")
 
 
-@dataclass(frozen=True)
-class TrainingPreset:
-    """Sizes and lengths of one training run from nothing.
+@dataclass(frozen=True, kw_only=True)
+class HeadsPreset:
+    """Sizes and lengths of training DGR, probe and language model on a frozen encoder.
 
     Args:
         name: Name of the preset.
-        pretraining_clips: Simulated clips the backbone learns from.
-        head_clips: Other simulated clips, of the same objects, for DGR, probe and language.
-        validation_clips: Clips of training objects that no weight sees: mode choice, calibration.
+        head_clips: Simulated clips the heads learn from.
+        validation_clips: Clips of objects that no weight sees: best epoch, mode, calibration.
+        geometry_epochs: Epochs of DGR and probe (paper: 30).
+        language_steps: Steps of the language model.
+        language_batch: Questions per step.
+    """
+
+    name: str
+    head_clips: int
+    validation_clips: int
+    geometry_epochs: int
+    language_steps: int
+    language_batch: int
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields as plain JSON values."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainingPreset(HeadsPreset):
+    """Sizes and lengths of one training run from nothing: heads on an encoder of its own.
+
+    Args:
+        pretraining_clips: Simulated clips the backbone learns from; the heads learn from others of
+            the same objects.
         test_clips: Clips of everyday objects, scored once for the model card.
         backbone_width: Width d of a token.
         backbone_depth: Transformer blocks.
@@ -26,16 +50,10 @@ class TrainingPreset:
         pretraining_draws: Clips drawn during pretraining, repeats counted.
         pretraining_batch: Clips per step.
         pretraining_rate: Peak learning rate of AdamW.
-        geometry_epochs: Epochs of DGR and probe (paper: 30).
         geometry_clips: How many of the head clips DGR sees; the others only the language model.
-        language_steps: Steps of the language model.
-        language_batch: Questions per step.
     """
 
-    name: str
     pretraining_clips: int
-    head_clips: int
-    validation_clips: int
     test_clips: int
     backbone_width: int
     backbone_depth: int
@@ -43,14 +61,7 @@ class TrainingPreset:
     pretraining_draws: int
     pretraining_batch: int
     pretraining_rate: float
-    geometry_epochs: int
     geometry_clips: int
-    language_steps: int
-    language_batch: int
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the fields as plain JSON values."""
-        return asdict(self)
 
 
 DEFAULT = TrainingPreset(
@@ -88,45 +99,6 @@ SMOKE = replace(
     language_batch=32,
 )
 
-PRESETS = {preset.name: preset for preset in (SMOKE, DEFAULT)}
-
-
-def preset_named(name: str) -> TrainingPreset:
-    """Return the preset called `name`.
-
-    Raises:
-        UsageError: If there is none.
-    """
-    if name not in PRESETS:
-        raise UsageError(f"there is no preset '{name}'; choose one of {', '.join(PRESETS)}.")
-    return PRESETS[name]
-
-
-@dataclass(frozen=True)
-class HeadsPreset:
-    """Sizes and lengths of training DGR, probe and language model on a released encoder.
-
-    Args:
-        name: Name of the preset.
-        head_clips: Simulated clips the heads learn from.
-        validation_clips: Clips of objects that no weight sees: best epoch, calibration.
-        geometry_epochs: Epochs of DGR and probe (paper: 30).
-        language_steps: Steps of the language model.
-        language_batch: Questions per step.
-    """
-
-    name: str
-    head_clips: int
-    validation_clips: int
-    geometry_epochs: int
-    language_steps: int
-    language_batch: int
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the fields as plain JSON values."""
-        return asdict(self)
-
-
 HEADS_DEFAULT = HeadsPreset(
     name="default",
     head_clips=3_000,
@@ -145,7 +117,17 @@ HEADS_SMOKE = HeadsPreset(
     language_batch=32,
 )
 
+PRESETS = {preset.name: preset for preset in (SMOKE, DEFAULT)}
 HEADS_PRESETS = {preset.name: preset for preset in (HEADS_SMOKE, HEADS_DEFAULT)}
+
+
+def preset_named(name: str) -> TrainingPreset:
+    """Return the preset for a whole bundle called `name`.
+
+    Raises:
+        UsageError: If there is none.
+    """
+    return _named(name, PRESETS)
 
 
 def heads_preset_named(name: str) -> HeadsPreset:
@@ -154,7 +136,10 @@ def heads_preset_named(name: str) -> HeadsPreset:
     Raises:
         UsageError: If there is none.
     """
-    if name not in HEADS_PRESETS:
-        known = ", ".join(HEADS_PRESETS)
-        raise UsageError(f"there is no preset '{name}'; choose one of {known}.")
-    return HEADS_PRESETS[name]
+    return _named(name, HEADS_PRESETS)
+
+
+def _named(name: str, presets: dict[str, Preset]) -> Preset:
+    if name not in presets:
+        raise UsageError(f"there is no preset '{name}'; choose one of {', '.join(presets)}.")
+    return presets[name]

@@ -237,9 +237,7 @@ def _token_set(backbone: FrozenBackbone, examples: Examples, count: int) -> Toke
     )
 
 
-def train_speaker(
-    heads: ClipSet, settings: TrainingPreset | HeadsPreset, seed: int, out: Path
-) -> Speaker:
+def train_speaker(heads: ClipSet, settings: HeadsPreset, seed: int, out: Path) -> Speaker:
     """Train the language model on the readable clips of `heads`; its checkpoint lies in `out`."""
     readable = [i for i, label in enumerate(heads.labels) if label.is_readable]
     progress = Progress("train language", settings.language_steps)

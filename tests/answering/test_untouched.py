@@ -23,6 +23,7 @@ def test_an_open_question_is_answered_without_the_language_model(bundle):
     assert (answer.text, answer.direction) == ("Nothing is touching the gel.", Motion.NONE)
     assert answer.confidence > 0.99
     assert not answer.abstained
+    assert answer.told_by == "rule"
     assert answerer.bundle.speaker.heard == []
     assert list(answer.timing_ms) == ["choose", "touch", "encode", "total"]
 
@@ -54,6 +55,7 @@ def test_a_touched_clip_is_perceived_as_it_is(bundle):
     assert not encoded.is_untouched
     answer = answerer.ask(encoded, "Which way is it going?")
     assert answer.direction is Motion.PRESS
+    assert answer.told_by == "model"
     assert list(answer.timing_ms) == ["choose", "touch", "encode", "generate", "score", "total"]
 
 
