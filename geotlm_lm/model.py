@@ -17,7 +17,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
 from geotlm_lm.dgr.encoder import DGR, Geometry
 from geotlm_lm.probe.linear import LinearProbe
-from geotlm_lm.probe.rigid_flow import fit_rigid
+from geotlm_lm.probe.rigid_fit import fit_rigid
 from geotlm_lm.probe.standardise import Standardiser
 
 

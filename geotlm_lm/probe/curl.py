@@ -19,7 +19,8 @@ from geotlm_lm.core.geometry import GRID_SIDE
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.logistic import fit_logistic
-from geotlm_lm.probe.rigid_flow import FIT_STRIDE, Field, RigidFlow
+from geotlm_lm.probe.rigid_fit import Field
+from geotlm_lm.probe.rigid_flow import FIT_STRIDE, RigidFlow
 from geotlm_lm.probe.standardise import Standardiser
 
 CURL_FEATURES = ("upper", "lower", "left", "right", "global")

@@ -9,7 +9,7 @@ import pytest
 
 from geotlm_lm.cli.main import main
 from tests.cli import fakes
-from tests.recordings import test_failures as failures
+from tests.recordings import broken_files
 
 
 @pytest.fixture
@@ -92,10 +92,10 @@ def test_an_abstention_fails_only_when_asked_to(capsys, answerer, clip_path):
     )
 
 
-@pytest.mark.parametrize("name", failures.CASES)
+@pytest.mark.parametrize("name", broken_files.CASES)
 @pytest.mark.parametrize("command", ["answer", "info"])
 def test_a_bad_clip_ends_with_its_sentence_and_code_3(capsys, answerer, tmp_path, command, name):
-    content, sentence = failures.CASES[name]
+    content, sentence = broken_files.CASES[name]
     path = tmp_path / name
     path.write_bytes(content)
     question = ["--q", "Which way?"] if command == "answer" else []
