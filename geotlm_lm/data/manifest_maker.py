@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from geotlm_lm.core.errors import UnreadableClip, UsageError
-from geotlm_lm.data.manifest import ACTIONS, ManifestRow
+from geotlm_lm.data.manifest_rows import ACTIONS, ManifestRow
 from geotlm_lm.recordings.images import IMAGE_SUFFIXES, natural_key
 
 GROUPS = ("object", "sensor", "action", "trial", "frame")

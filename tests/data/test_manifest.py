@@ -5,15 +5,8 @@ import pytest
 
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion
-from geotlm_lm.data.manifest import (
-    ACTIONS,
-    FOUND,
-    GIVEN,
-    NONE,
-    ManifestRow,
-    read_manifest,
-    write_manifest,
-)
+from geotlm_lm.data.manifest import FOUND, GIVEN, NONE, read_manifest
+from geotlm_lm.data.manifest_rows import ACTIONS, ManifestRow, write_manifest
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from tests.data.action_clips import write_actions, write_image
 

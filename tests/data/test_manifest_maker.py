@@ -3,8 +3,9 @@ import pytest
 
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.labels import DIRECTED, Motion
-from geotlm_lm.data.manifest import GIVEN, read_manifest, write_manifest
+from geotlm_lm.data.manifest import GIVEN, read_manifest
 from geotlm_lm.data.manifest_maker import make_manifest
+from geotlm_lm.data.manifest_rows import write_manifest
 from tests.data.action_clips import write_actions, write_image
 
 PATTERN = (
