@@ -41,8 +41,8 @@ class TrainingPreset(HeadsPreset):
     """Sizes and lengths of one training run from nothing: heads on an encoder of its own.
 
     Args:
-        pretraining_clips: Simulated clips the backbone learns from; the heads learn from others of
-            the same objects.
+        pretraining_clips: Simulated clips the backbone learns from; DGR and probe learn from others
+            of the same objects, the language model from both.
         test_clips: Clips of everyday objects, scored once for the model card.
         backbone_width: Width d of a token.
         backbone_depth: Transformer blocks.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
@@ -43,6 +44,16 @@ class ClipSet:
     def readable(self) -> list[int]:
         """Return the rows whose motion leaves a trace in the image."""
         return [row for row, label in enumerate(self.labels) if label.is_readable]
+
+    def joined_to(self, other: ClipSet) -> ClipSet:
+        """Return the clips of both, these first."""
+        return ClipSet(
+            fused_tokens=torch.cat([self.fused_tokens, other.fused_tokens]),
+            global_tokens=torch.cat([self.global_tokens, other.global_tokens]),
+            contact_share=np.concatenate([self.contact_share, other.contact_share]),
+            labels=[*self.labels, *other.labels],
+            objects=[*self.objects, *other.objects],
+        )
 
 
 def true_option_likelihoods(

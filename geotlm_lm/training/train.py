@@ -76,13 +76,18 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
         backbone, read_outs = pretrain(
             pretraining, preset=settings, seed=seed, device=device, folder=out
         )
-        del pretraining  # the largest set; nothing reads it again
+        del pretraining  # the largest set; read again below, when the others are gone
         heads = read_examples(examples, sets["heads"])
         validation = read_examples(examples, sets["validation"])
         model, modes = _train_perception(
             backbone, read_outs, heads, validation, settings, seed, out
         )
-        speaker = train_speaker(perceive_examples(model, heads), settings, seed, out)
+        spoken_of = perceive_examples(model, heads)
+        del heads
+        pretraining = read_examples(examples, sets["pretraining"])
+        spoken_of = spoken_of.joined_to(perceive_examples(model, pretraining))
+        del pretraining
+        speaker = train_speaker(spoken_of, settings, seed, out)
         provenance = {
             "command": f"geotlm-lm train --preset {preset} --seed {seed} --workers {workers} "
             f"--out RUN_FOLDER",
@@ -237,13 +242,13 @@ def _token_set(backbone: FrozenBackbone, examples: Examples, count: int) -> Toke
     )
 
 
-def train_speaker(heads: ClipSet, settings: HeadsPreset, seed: int, out: Path) -> Speaker:
-    """Train the language model on the readable clips of `heads`; its checkpoint lies in `out`."""
-    readable = [i for i, label in enumerate(heads.labels) if label.is_readable]
+def train_speaker(clips: ClipSet, settings: HeadsPreset, seed: int, out: Path) -> Speaker:
+    """Train the language model on the readable ones of `clips`; its checkpoint lies in `out`."""
+    readable = clips.readable()
     progress = Progress("train language", settings.language_steps)
     return train_language(
-        heads.fused_tokens[readable],
-        [heads.labels[i] for i in readable],
+        clips.fused_tokens[readable],
+        [clips.labels[i] for i in readable],
         config=LanguageTraining(
             steps=settings.language_steps, batch=settings.language_batch, seed=seed
         ),
