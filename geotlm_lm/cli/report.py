@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from geotlm_lm.cli.options import Seed, require_writable_file
-from geotlm_lm.cli.report_outside import fuzz
+from geotlm_lm.cli.report_outside import fuzz, page
 
 if TYPE_CHECKING:
     from geotlm_lm.core.record import RunRecord
@@ -20,6 +20,7 @@ OMISSIONS_TITLE = "## What each omission saves and costs"
 
 app = typer.Typer(help="Tables from recorded runs.", no_args_is_help=True)
 app.command()(fuzz)
+app.command()(page)
 
 
 @app.callback()

@@ -14,6 +14,7 @@ from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.reports.headline import accuracy_headline, difference_headline, time_headline
+from geotlm_lm.reports.page import page_times
 from geotlm_lm.reports.tables import answer_example, evaluation_page, training_overview
 
 BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
@@ -22,11 +23,13 @@ BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "times": ("evaluate.json", time_headline),
     "example": ("answer.json", answer_example),
     "training": ("train.json", training_overview),
+    "page": ("page.json", page_times),
 }
 """Block name -> the record it is made from, and how."""
 
 _COMMANDS = dict.fromkeys(BLOCKS, "geotlm-lm evaluate --out reports/recorded/evaluate.json") | {
     "example": "geotlm-lm report answer",
+    "page": "geotlm-lm report page",
     "training": "cp geotlm_lm/bundle/scores.json reports/recorded/train.json",
 }
 
