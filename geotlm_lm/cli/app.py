@@ -23,10 +23,10 @@ def app(
 
     Example: geotlm-lm app --port 7860
     """
-    import_module(f"{_home()}.__main__").serve(port, mcp=mcp)
+    import_module(f"{page_package()}.__main__").serve(port, mcp=mcp)
 
 
-def _home() -> str:
+def page_package() -> str:
     """Return the name the page's package is imported by."""
     import geotlm_lm
     from geotlm_lm.core.resources import resource_dir

@@ -12,7 +12,7 @@ from geotlm_lm.cli.options import Seed, require_writable, require_writable_file
 from geotlm_lm.cli.protocols import protocols
 from geotlm_lm.cli.report_language import language, transcript
 from geotlm_lm.cli.report_model import model_stability, runtime
-from geotlm_lm.cli.report_outside import fuzz
+from geotlm_lm.cli.report_outside import fuzz, page
 
 if TYPE_CHECKING:
     from geotlm_lm.core.record import RunRecord
@@ -27,6 +27,7 @@ app.command()(runtime)
 app.command()(language)
 app.command()(fuzz)
 app.command()(transcript)
+app.command()(page)
 
 
 @app.callback()

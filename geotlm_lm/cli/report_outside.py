@@ -1,4 +1,4 @@
-"""Reports on what meets the outside world: damaged files, nonsense questions."""
+"""Reports on what meets the outside world: damaged files, nonsense questions, people waiting."""
 
 from __future__ import annotations
 
@@ -64,6 +64,36 @@ def fuzz(
             f"Fuzzing found something ({len(record.numbers['findings'])} kinds, listed in "
             f"{table}); the inputs lie in {found}."
         )
+
+
+def page(
+    pictures: Annotated[
+        Path | None, typer.Option(help="Folder to draw the page's pictures into. [default: none]")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/page.json"
+    ),
+) -> None:
+    """Time what a person waits for at the page, in a real browser, and twenty programs at once.
+
+    Example: geotlm-lm report page --pictures reports
+    """
+    import sys
+    import time
+    from importlib import import_module
+
+    from geotlm_lm.cli.app import page_package
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.core.record import RunRecord
+    from geotlm_lm.reports.page import page_times
+
+    require_writable_file(out, "--out")
+    began = time.perf_counter()
+    numbers = import_module(f"{page_package()}.tour").tour(pictures)
+    seconds = time.perf_counter() - began
+    record = RunRecord("page", command_line(sys.argv), 0, seconds, numbers)
+    record.save(out)
+    typer.echo(page_times(record))
 
 
 def _chosen(names: list[str] | None, targets: Mapping[str, Prepare]) -> dict[str, Prepare]:

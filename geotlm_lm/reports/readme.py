@@ -21,6 +21,7 @@ from geotlm_lm.reports.headline import (
     time_headline,
 )
 from geotlm_lm.reports.language import language_page
+from geotlm_lm.reports.page import page_times
 from geotlm_lm.reports.protocols import protocols_page
 from geotlm_lm.reports.runtime import runtime_page
 from geotlm_lm.reports.stability import stability_page
@@ -34,11 +35,13 @@ BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "times": ("evaluate.json", time_headline),
     "example": ("answer.json", answer_example),
     "training": ("train.json", training_overview),
+    "page": ("page.json", page_times),
 }
 """Block name -> the record it is made from, and how."""
 
 _COMMANDS = dict.fromkeys(BLOCKS, "geotlm-lm evaluate --out reports/recorded/evaluate.json") | {
     "example": "geotlm-lm report answer",
+    "page": "geotlm-lm report page",
     "training": "cp geotlm_lm/bundle/scores.json reports/recorded/train.json",
 }
 

@@ -37,4 +37,4 @@ def test_a_port_that_cannot_be_is_a_wrong_call(capsys):
 
 
 def test_a_checkout_finds_the_page_beside_the_package():
-    assert command._home() == "app"
+    assert command.page_package() == "app"

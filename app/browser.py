@@ -1,4 +1,9 @@
-"""A headless Chromium driven through its debugging pipe; no driver package is needed."""
+"""A headless Chromium driven through its debugging pipe; no driver package is needed.
+
+For tests, and for the measurements and pictures of the page.
+"""
+
+from __future__ import annotations
 
 import base64
 import json
@@ -6,6 +11,8 @@ import os
 import shutil
 import subprocess
 import time
+from pathlib import Path
+from typing import Any
 
 EXECUTABLE = next(
     (
@@ -26,7 +33,7 @@ class Browser:
         size: Width and height of the page.
     """
 
-    def __init__(self, profile, size=(1400, 1100)):
+    def __init__(self, profile: Path, size: tuple[int, int] = (1400, 1100)) -> None:
         to_read, self._to_write = os.pipe()
         self._from_read, to_write = os.pipe()
         flags = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe"]
@@ -49,7 +56,7 @@ class Browser:
         attached = self.call("Target.attachToTarget", targetId=page, flatten=True)
         self._session = attached["sessionId"]
 
-    def call(self, method, **parameters):
+    def call(self, method: str, **parameters: Any) -> dict[str, Any]:
         """Send one command of the debugging protocol and return its result."""
         self._number += 1
         message = {"id": self._number, "method": method, "params": parameters}
@@ -63,7 +70,7 @@ class Browser:
                     raise RuntimeError(f"{method}: {answer['error']}")
                 return answer["result"]
 
-    def _receive(self):
+    def _receive(self) -> dict[str, Any]:
         while b"\0" not in self._received:
             part = os.read(self._from_read, 1 << 16)
             if not part:
@@ -72,14 +79,14 @@ class Browser:
         message, self._received = self._received.split(b"\0", 1)
         return json.loads(message)
 
-    def run(self, script):
+    def run(self, script: str) -> Any:
         """Return the value of a JavaScript expression in the page."""
         result = self.call("Runtime.evaluate", expression=script, returnByValue=True)
         if "exceptionDetails" in result:
             raise RuntimeError(result["exceptionDetails"]["text"])
         return result["result"].get("value")
 
-    def wait_for(self, script, seconds=180.0):
+    def wait_for(self, script: str, seconds: float = 180.0) -> Any:
         """Wait until an expression is true, and return its value."""
         until = time.monotonic() + seconds
         while time.monotonic() < until:
@@ -88,7 +95,7 @@ class Browser:
             time.sleep(0.1)
         raise TimeoutError(f"{script} was not true within {seconds:g} s")
 
-    def open(self, address):
+    def open(self, address: str) -> None:
         """Show a page and wait until it answers to clicks, its gallery complete."""
         self.call("Page.navigate", url=address)
         self.wait_for(
@@ -98,7 +105,7 @@ class Browser:
             seconds=300.0,
         )
 
-    def click(self, text, kind="button"):
+    def click(self, text: str, kind: str = "button") -> None:
         """Click the first visible element of a kind that holds a text."""
         self.wait_for(
             f"(() => {{ const one = [...document.querySelectorAll({kind!r})].find("
@@ -106,12 +113,12 @@ class Browser:
             "if (!one) return false; one.click(); return true; })()"
         )
 
-    def screenshot(self, path):
+    def screenshot(self, path: Path) -> None:
         """Write what is seen to a .png file."""
         image = self.call("Page.captureScreenshot", format="png")["data"]
         path.write_bytes(base64.b64decode(image))
 
-    def close(self):
+    def close(self) -> None:
         """End the browser."""
         self._process.terminate()
         self._process.wait(timeout=30)
