@@ -146,9 +146,10 @@ def _connect_clip(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: d
 def _connect_talk(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: dict) -> None:
     answer = told(partial(_answer, answerer))
     again = told(partial(_retry, answerer))
-    outputs = [talk["chat"], talk["question"], *(talk[name] for name in ANSWER_PARTS), last]
+    beside = [*(talk[name] for name in ANSWER_PARTS), last, clip["frame"]]
+    outputs = [talk["chat"], talk["question"], *beside]
     private = {"api_visibility": "private"}
-    asked = [shown, talk["question"], talk["chat"]]
+    asked = [shown, talk["question"], talk["chat"], clip["frame"]]
     running = [
         trigger(answer, asked, outputs, **private, **MODEL)
         for trigger in (talk["ask"].click, talk["question"].submit)
@@ -161,15 +162,18 @@ def _connect_talk(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: d
         trigger(_frame, [clip["frame"], last], framed, **private)
 
 
-def _answer(answerer: Answerer, shown: Any, question: str, chat: Messages) -> Iterator[tuple]:
-    """Yield the conversation word by word, and with the last word everything beside it."""
-    reply = handlers.ask(answerer, shown, question)
+def _answer(
+    answerer: Answerer, shown: Any, question: str, chat: Messages, facts: list[str]
+) -> Iterator[tuple]:
+    """Yield the conversation as words are generated, and with the last all that stands beside."""
     before = [*(chat or []), {"role": "user", "content": question}]
-    words = reply.sentence.split(" ")
-    skip = gradio().skip()
-    for count in range(1, len(words)):
-        said = {"role": "assistant", "content": " ".join(words[:count])}
-        yield [*before, said], "", *[skip] * 7
+    skip, said = gradio().skip(), ""
+    for told_so_far in handlers.converse(answerer, shown, question, _fields(facts)):
+        if isinstance(told_so_far, str):
+            said += told_so_far
+            yield [*before, {"role": "assistant", "content": said}], "", *[skip] * 8
+        else:
+            reply = told_so_far
     yield (
         [*before, {"role": "assistant", "content": reply.sentence}],
         "",
@@ -179,17 +183,21 @@ def _answer(answerer: Answerer, shown: Any, question: str, chat: Messages) -> It
         reply.regions,
         reply.timing,
         reply.details,
-        reply.details.get("direction"),
+        None if reply.motion is None else reply.motion.value,
+        _facts(shown.session.frame),
     )
 
 
-def _retry(answerer: Answerer, shown: Any, question: str, chat: Messages) -> Iterator[tuple]:
+def _retry(
+    answerer: Answerer, shown: Any, question: str, chat: Messages, facts: list[str]
+) -> Iterator[tuple]:
     """Ask the last question of the conversation again, in its old place."""
     asked = [place for place, one in enumerate(chat or []) if one["role"] == "user"]
-    if not asked:
-        yield from _answer(answerer, shown, question, chat)
-        return
-    yield from _answer(answerer, shown, _text(chat[asked[-1]]), chat[: asked[-1]])
+    if asked:
+        question, chat = _text(chat[asked[-1]]), chat[: asked[-1]]
+        if shown is not None:
+            shown.session.take_back(question)
+    yield from _answer(answerer, shown, question, chat, facts)
 
 
 def _text(message: dict[str, Any]) -> str:
@@ -200,12 +208,27 @@ def _text(message: dict[str, Any]) -> str:
     return " ".join(block.get("text", "") for block in content if isinstance(block, dict))
 
 
+def _fields(facts: list[str]) -> dict[str, Any]:
+    """Return the fields of a `FrameSpec` that the checked facts stand for."""
+    return {
+        "image_mirrored": MIRRORED in facts,
+        "viewpoint": "object" if OTHER_SIDE in facts else "sensor",
+        "actor": "sensor" if SENSOR_MOVES in facts else "object",
+    }
+
+
+def _facts(frame: FrameSpec) -> list[str]:
+    """Return the facts to check for a frame: what the conversation said of it shows in the page."""
+    is_so = {
+        MIRRORED: frame.image_mirrored,
+        OTHER_SIDE: frame.viewpoint == "object",
+        SENSOR_MOVES: frame.actor == "sensor",
+    }
+    return [fact for fact, is_true in is_so.items() if is_true]
+
+
 def _frame(facts: list[str], direction: str | None) -> tuple:
-    frame = FrameSpec(
-        image_mirrored=MIRRORED in facts,
-        viewpoint="object" if OTHER_SIDE in facts else "sensor",
-        actor="sensor" if SENSOR_MOVES in facts else "object",
-    )
+    frame = FrameSpec(**_fields(facts))
     motion = None if direction is None else Motion(direction)
     return draw_viewpoint(frame), handlers.told_in(frame, motion)
 

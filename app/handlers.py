@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from geotlm_lm import (
     Answerer,
     FrameSpec,
     GeoTLMError,
+    Motion,
     Seen,
     picture,
     read_clip,
@@ -40,18 +42,25 @@ EXAMPLE_QUESTIONS = tuple(SUGGESTED_QUESTIONS.values())
 DIRECTION_QUESTION = "Which way is it moving?"
 """Asked of both clips of a comparison, and of what was just simulated."""
 
+NAMES_MOTION = ("direction", "viewpoint", "actor")
+"""Kinds of question whose answer names the motion of the clip as its frame tells it."""
+
 EXAMPLE_CLIPS = sorted(str(path) for path in (Path(__file__).parent / "examples").glob("*.npz"))
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """A clip that was read and perceived, ready for questions and pictures."""
+    """A clip that was read and perceived, ready for questions and pictures.
+
+    `session` is the conversation about it, which remembers its turns and its frame of reference.
+    """
 
     encoded: Any
     seen: Seen
     opinions: dict[str, Any]
     frames: list[tuple[Image, str]]
     notes: str
+    session: Any
 
     @property
     def views(self) -> tuple[str, ...]:
@@ -61,9 +70,10 @@ class Shown:
 
 @dataclass(frozen=True)
 class Reply:
-    """One answer in the parts the page shows."""
+    """One answer in the parts the page shows; `motion` is what it says in the camera image."""
 
     sentence: str
+    motion: Motion | None
     probabilities: dict[str, float]
     details: dict[str, Any]
     band: str
@@ -123,6 +133,7 @@ def perceive(
         opinions=second_opinions(answerer, encoded).to_dict(),
         frames=list(zip(clip.frames, captions, strict=True)),
         notes="\n".join(f"- {note}" for note in clip.notes),
+        session=answerer.session(encoded),
     )
 
 
@@ -136,20 +147,52 @@ def draw(shown: Shown | None, view: str, number: float) -> Image | None:
 
 
 def ask(answerer: Answerer, shown: Shown | None, question: str) -> Reply:
-    """Answer `question` about the clip that is shown.
+    """Answer `question` about the clip that is shown, by itself, in the camera's frame.
 
     Raises:
         GeoTLMError: If there is no clip or no question, in one sentence.
     """
+    shown = _open(shown)
+    return _reply(answerer, shown, answerer.ask(shown.encoded, question))
+
+
+def converse(
+    answerer: Answerer, shown: Shown | None, question: str, facts: Mapping[str, Any]
+) -> Iterator[str | Reply]:
+    """Answer the next question of the conversation about the clip that is shown.
+
+    Yields:
+        The answer's words piece by piece, as they are generated, and last the reply.
+
+    Args:
+        answerer: The model.
+        shown: The clip.
+        question: What is asked, or a fact about the recording.
+        facts: Fields of the `FrameSpec` that hold from now on.
+
+    Raises:
+        GeoTLMError: If there is no clip or no question, in one sentence.
+    """
+    shown = _open(shown)
+    shown.session.frame = replace(shown.session.frame, **facts)
+    for told in shown.session.stream(question):
+        yield told if isinstance(told, str) else _reply(answerer, shown, told)
+
+
+def _open(shown: Shown | None) -> Shown:
     if shown is None:
         raise GeoTLMError("No recording is open; upload a clip first.")
-    answer = answerer.ask(shown.encoded, question)
+    return shown
+
+
+def _reply(answerer: Answerer, shown: Shown, answer: Any) -> Reply:
     is_sure_of_something = not answer.abstained and answer.options
     told = f"  ({100 * answer.confidence:.0f} % sure)" if is_sure_of_something else ""
     details = answer.to_dict()
     timing = details.get("timing_ms", {}) | shown.opinions["timing_ms"]
     return Reply(
         sentence=answer.text + told,
+        motion=_in_the_image(answer),
         probabilities=dict(answer.options),
         details=details | {"second_opinions": shown.opinions},
         band=_band(answerer, details),
@@ -157,6 +200,13 @@ def ask(answerer: Answerer, shown: Shown | None, question: str) -> Reply:
         verdicts=_verdicts(answer.text, details, shown.opinions),
         timing=" · ".join(f"{name} {value:.1f} ms" for name, value in timing.items()),
     )
+
+
+def _in_the_image(answer: Any) -> Motion | None:
+    """Return the motion an answer names, as the camera image shows it."""
+    if answer.direction is None or answer.kind not in NAMES_MOTION:
+        return None
+    return answer.frame.tell(answer.direction)  # telling twice in one frame leads back
 
 
 def compare(answerer: Answerer, first: Shown | None, second: Shown | None) -> dict[str, Any]:

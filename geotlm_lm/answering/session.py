@@ -48,11 +48,19 @@ _STANCE = {
 
 @dataclass(frozen=True)
 class Turn:
-    """One question and its answer; `is_repeated` where it is an earlier one said again."""
+    """One question and its answer.
+
+    Args:
+        question: As it was asked.
+        answer: What was said to it.
+        is_repeated: Whether it is an earlier answer said again.
+        frame: The frame of reference before it.
+    """
 
     question: str
     answer: Reply
     is_repeated: bool = False
+    frame: FrameSpec = CAMERA
 
 
 class Session:
@@ -98,9 +106,14 @@ class Session:
         question = check_question(question)
         repeated = self._said_again(question)
         answer = repeated or self._reply(question, listen)
+        self.history.append(Turn(question, answer, repeated is not None, self.frame))
         self.frame = read_facts(question, self.frame).lasting
-        self.history.append(Turn(question, answer, repeated is not None))
         return answer
+
+    def take_back(self, question: str) -> None:
+        """Forget the last turn, if this was its question, and what it said about the frame."""
+        if self.history and self.history[-1].question == check_question(question):
+            self.frame = self.history.pop().frame
 
     def stream(self, question: str) -> Iterator[str | Reply]:
         """Yield the reply's text piece by piece as it is generated, and last the reply.

@@ -79,6 +79,21 @@ def test_facts_last_and_change_what_is_told(session):
     assert session.ask("Which way?").text == "Clockwise, in the camera image."
 
 
+def test_a_turn_is_taken_back_with_what_it_said_of_the_frame(session):
+    session.ask("Which way?")
+    session.ask("The image is mirrored. Which way?")
+    session.take_back("The  image is mirrored. Which way?")
+    assert session.frame == FrameSpec()
+    assert [turn.question for turn in session.history] == ["Which way?"]
+
+
+def test_only_the_last_turn_is_taken_back(session):
+    session.ask("Which way?")
+    session.ask("Is it sliding?")
+    session.take_back("Which way?")
+    assert len(session.history) == 2
+
+
 def test_a_viewpoint_asked_for_once_does_not_last(session):
     once = session.ask("Seen from the object's side, which way?")
     assert once.direction is Motion.COUNTERCLOCKWISE

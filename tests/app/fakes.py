@@ -1,15 +1,19 @@
 """A stand-in for the model that answers at once, from what the clip itself looks like."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import torch
 
 from geotlm_lm import FrameSpec, Motion
 from geotlm_lm.answering import Encoded, evidence, four_frames_with_background
+from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.several import compare_directions
 from geotlm_lm.backbone.stem import View
 from geotlm_lm.checkpoint import Calibration
+from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
 
@@ -20,6 +24,31 @@ class FakeProbe:
         likely = Motion.RIGHT if Motion.RIGHT in among else Motion.STILL
         odds[0, list(among).index(likely)] = 0.9
         return odds
+
+
+@dataclass(frozen=True)
+class FakeAnswer:
+    text: str
+    direction: Motion | None
+    frame: FrameSpec
+    evidence: dict[str, Any]
+    question: str
+    abstained: bool
+    confidence: float = 0.97
+    kind: str = "direction"
+    options = {"right": 0.97, "left": 0.03}
+
+    def to_dict(self):
+        return {
+            "text": self.text,
+            "direction": None if self.direction is None else self.direction.value,
+            "confidence": self.confidence,
+            "abstained": self.abstained,
+            "frame": self.frame.to_dict(),
+            "question": self.question,
+            "timing_ms": {"encode": 1.0},
+            "evidence": self.evidence,
+        }
 
 
 class FakeAnswerer:
@@ -44,28 +73,19 @@ class FakeAnswerer:
         perception = Perception(token, geometry, token, (View(),))
         return Encoded(four_frames_with_background(clip, span), perception, {"encode": 1.0})
 
-    def ask(self, encoded, question):
+    def session(self, encoded):
+        return Session(self, encoded)
+
+    def ask(self, encoded, question, *, frame=CAMERA, listen=None):
         level = float(encoded.clip.frames.mean())
-        direction = Motion.RIGHT if level > 100 else Motion.LEFT
+        direction = frame.tell(Motion.RIGHT if level > 100 else Motion.LEFT)
         is_silent = level < 20
         text = "I cannot tell." if is_silent else f"To the {direction.value}, at {level:.0f}."
-        return SimpleNamespace(
-            text=text,
-            confidence=0.97,
-            abstained=is_silent,
-            direction=None if is_silent else direction,
-            frame=FrameSpec(),
-            options={"right": 0.97, "left": 0.03},
-            to_dict=lambda: {
-                "text": text,
-                "direction": None if is_silent else direction.value,
-                "confidence": 0.97,
-                "abstained": is_silent,
-                "frame": FrameSpec().to_dict(),
-                "question": question,
-                "timing_ms": {"encode": 1.0},
-                "evidence": evidence(encoded),
-            },
+        if listen is not None:
+            for word in text.split(" ")[:-1]:
+                listen(f"{word} ")
+        return FakeAnswer(
+            text, None if is_silent else direction, frame, evidence(encoded), question, is_silent
         )
 
     def compare(self, first, second):

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from app import handlers, ui
+from app import ask_tab, handlers, ui
 from geotlm_lm import FrameSpec, GeoTLMError, Motion
 from geotlm_lm.core.errors import MissingDependency
 from tests.app.fakes import FakeAnswerer
@@ -33,6 +33,35 @@ def test_an_answer_is_shown_with_its_probabilities(path):
     assert reply.sentence.startswith("To the right, at ")
     assert reply.sentence.endswith(".  (97 % sure)")
     assert reply.probabilities == {"right": 0.97, "left": 0.03}
+
+
+def test_words_come_as_they_are_generated_and_last_the_whole_reply(path):
+    answerer = FakeAnswerer()
+    shown = handlers.show_clip(answerer, path)
+    *pieces, reply = handlers.converse(answerer, shown, "Which way?", {})
+    assert pieces[:3] == ["To ", "the ", "right, "]
+    assert reply.sentence == f"{''.join(pieces)}  (97 % sure)"
+    assert reply.motion is Motion.RIGHT
+
+
+def test_facts_hold_for_the_turns_that_follow_and_show_in_the_page(path):
+    answerer = FakeAnswerer()
+    shown = handlers.show_clip(answerer, path)
+    *_, checked = handlers.converse(answerer, shown, "Which way?", {"image_mirrored": True})
+    assert checked.sentence.startswith("To the left, ")
+    assert checked.motion is Motion.RIGHT  # in the camera image, as before
+    *_, stated = handlers.converse(answerer, shown, "I look from the object's side.", {})
+    *_, both = handlers.converse(answerer, shown, "Which way?", {})
+    assert both.sentence.startswith("To the right, ")
+    assert ask_tab._facts(shown.session.frame) == [ask_tab.MIRRORED, ask_tab.OTHER_SIDE]
+
+
+def test_doubt_is_answered_from_the_conversation(path):
+    answerer = FakeAnswerer()
+    shown = handlers.show_clip(answerer, path)
+    *_, first = handlers.converse(answerer, shown, "Which way?", {})
+    *_, again = handlers.converse(answerer, shown, "Are you sure?", {})
+    assert again.sentence == f"I stay with it, 97%: {first.sentence}"
 
 
 def test_an_answer_stands_beside_the_probe_the_flow_and_the_regions(path):
