@@ -113,6 +113,16 @@ class Browser:
             "if (!one) return false; one.click(); return true; })()"
         )
 
+    def fill(self, label: str, text: str) -> None:
+        """Type a text into the field of a label that begins so."""
+        self.wait_for(
+            "(() => { const box = [...document.querySelectorAll('label')].filter("
+            f"one => one.offsetParent && one.innerText.trim().startsWith({label!r}))"
+            ".map(one => one.querySelector('textarea, input')).find(one => one);"
+            f"if (!box) return false; box.value = {text!r};"
+            "box.dispatchEvent(new Event('input', {bubbles: true})); return true; })()"
+        )
+
     def screenshot(self, path: Path) -> None:
         """Write what is seen to a .png file."""
         image = self.call("Page.captureScreenshot", format="png")["data"]

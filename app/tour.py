@@ -150,22 +150,12 @@ def _ask(browser: Browser) -> list[dict[str, float]]:
     browser.wait_for("[...document.images].some(i => i.offsetParent && i.naturalWidth == 448)")
     waits = []
     for _ in range(ASKED_TIMES + 1):
-        browser.run(_fill(QUESTION))
+        browser.fill("Question", QUESTION)
         browser.run(LISTEN.replace("QUESTION", repr(QUESTION)))
         waits.append(browser.wait_for("window.waited.last && window.waited"))
         browser.wait_for(f"{TEXT}.includes('optical flow')")
         time.sleep(1.0)  # until what stands beside the answer is drawn too
     return waits[1:]
-
-
-def _fill(question: str) -> str:
-    """Return the script that types a question."""
-    return (
-        "(() => { const box = [...document.querySelectorAll('label')].find("
-        "one => one.innerText.startsWith('Question') && one.querySelector('textarea, input'))"
-        ".querySelector('textarea, input'); "
-        f"box.value = {question!r}; box.dispatchEvent(new Event('input', {{bubbles: true}})); }})()"
-    )
 
 
 def _simulate(browser: Browser) -> None:

@@ -46,3 +46,18 @@ def test_a_question_without_a_clip_is_one_sentence_in_the_page(browser):
     browser.click("Ask", "button.primary")
     browser.wait_for(f"{TEXT}.includes('No recording is open; upload a clip first.')")
     assert "Traceback" not in browser.run(TEXT)
+
+
+CHECKED = "[...document.querySelectorAll('input[type=checkbox]:checked')].map(box => box.name)"
+
+
+def test_a_fact_told_in_the_chat_is_checked_in_the_page_and_holds_from_then_on(browser):
+    browser.run("document.querySelector('.thumbnail-item').click()")
+    browser.wait_for("[...document.images].some(i => i.offsetParent && i.naturalWidth == 448)")
+    browser.fill("Question", "I look from the object's side.")
+    browser.click("Ask", "button.primary")
+    browser.wait_for(f"{CHECKED}.includes('seen from the object')")
+    browser.wait_for(f"{TEXT}.includes('In this frame (camera image, seen from the object')")
+    browser.fill("Question", "Are you sure?")
+    browser.click("Ask", "button.primary")
+    browser.wait_for(f"{TEXT}.includes('I stay with it, 97%: To the ')")
