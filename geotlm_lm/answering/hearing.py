@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
+
+import numpy as np
 
 from geotlm_lm.answering.answer import Encoded, deciding_word, offered_letters
 from geotlm_lm.checkpoint import Bundle
@@ -17,7 +19,8 @@ OPEN_QUESTION = "Which way is it moving?"
 """Asked of a model in place of a question it was not trained on."""
 
 AMOUNT_QUESTION = "How far did it go?"
-EVIDENCE_QUESTION = "Which way does each half go?"
+RATE_QUESTION = "How fast did it go?"
+EVIDENCE_QUESTION = "Which half moves which way?"
 
 
 @dataclass(frozen=True)
@@ -29,7 +32,8 @@ class Heard:
         text: Its words.
         options: Probability of every answer of that kind, by its deciding word.
         timing_ms: Milliseconds of each stage.
-        is_by_rule: No model ran: nothing touches the gel.
+        is_by_rule: These are not words the model wrote: nothing touches the gel, or they are the
+            likeliest of the answers that the question's words allow.
     """
 
     slots: Slots | None
@@ -71,6 +75,27 @@ def hear(
     scored = time.perf_counter()
     timing = {"generate": 1e3 * (generated - started), "score": 1e3 * (scored - generated)}
     return Heard(slots, text, options, timing)
+
+
+def hear_likeliest(
+    bundle: Bundle, encoded: Encoded, question: str, kinds: Collection[str]
+) -> Heard:
+    """Return what the model finds the likeliest of all answers of some kinds, as if it said that.
+
+    Args:
+        bundle: The model.
+        encoded: The clip.
+        question: What to ask.
+        kinds: Kinds of the bundle's grammar.
+    """
+    started = time.perf_counter()
+    sentences = [text for kind in sorted(kinds) for text in bundle.grammar.options_for(kind)]
+    likelihoods = bundle.speaker.score(encoded.perception.fused_token[0], question, sentences)
+    text = sentences[int(np.argmax(likelihoods))]
+    slots = bundle.grammar.parse(text)
+    options = score(bundle, encoded, question, slots.kind)
+    timing = {"score": 1e3 * (time.perf_counter() - started)}
+    return Heard(slots, text, options, timing, is_by_rule=True)
 
 
 def score(bundle: Bundle, encoded: Encoded, question: str, kind: str) -> dict[str, float]:

@@ -5,10 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from geotlm_lm.answering.answer import Answer, Encoded, deciding_word, evidence
-from geotlm_lm.answering.hearing import OPEN_QUESTION, Heard, hear, score
+from geotlm_lm.answering.answer import (
+    Answer,
+    Encoded,
+    deciding_word,
+    evidence,
+    offered_letters,
+)
+from geotlm_lm.answering.hearing import (
+    AMOUNT_QUESTION,
+    EVIDENCE_QUESTION,
+    OPEN_QUESTION,
+    RATE_QUESTION,
+    Heard,
+    hear,
+    hear_likeliest,
+    score,
+)
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.claims import motions_named, nearly_named
+from geotlm_lm.conversation.kinds import LATER_KINDS, asked_kind, is_ruled_out
 from geotlm_lm.conversation.reasons import halves
 from geotlm_lm.conversation.retell import (
     ALWAYS_RETOLD,
@@ -25,6 +41,13 @@ from geotlm_lm.language.parse_answer import Slots
 
 NOT_UNDERSTOOD = "I found no words for that; ask how the touched object moves."
 """Said in place of words that are none of the answers: half-right words must not look like one."""
+
+KNOWN_WORDS = {
+    "magnitude": AMOUNT_QUESTION,
+    "rate": RATE_QUESTION,
+    "evidence": EVIDENCE_QUESTION,
+}
+"""Kinds that no rule derives from a direction -> a question of theirs known from training."""
 
 UNTRAINED = {
     "magnitude": "I cannot tell how far it moved: this model was not trained for amounts.",
@@ -64,6 +87,11 @@ def in_words(
 ) -> Answer:
     """Answer a question whose kind the model was trained on; `listen` hears its words so far."""
     heard = hear(bundle, encoded, question, listen)
+    if is_ruled_out(question, heard.slots and heard.slots.kind):
+        kind = asked_kind(question)
+        if kind in RETOLD:
+            return _from_open_question(bundle, encoded, question, kind, frame)
+        heard = _heard_again(bundle, encoded, question, heard, kind)
     slots = heard.slots
     if slots is None:
         answer = plain(encoded, NOT_UNDERSTOOD, None, frame, heard.timing_ms)
@@ -92,6 +120,28 @@ def in_words(
     answer = _with_contact(bundle, encoded, told, slots, heard.timing_ms)
     is_as_heard = answer.text == heard.text and not heard.is_by_rule
     return replace(answer, told_by="model") if is_as_heard else answer
+
+
+def _heard_again(
+    bundle: Bundle, encoded: Encoded, question: str, heard: Heard, kind: str | None
+) -> Heard:
+    """Return what the model says of the kind the words tell, or of one that they do not rule out.
+
+    For amounts and evidence it is asked in words it knows.
+    """
+    if kind in KNOWN_WORDS:
+        again = hear(bundle, encoded, KNOWN_WORDS[kind])
+        again = replace(again, is_by_rule=True)
+    else:
+        kinds = bundle.grammar.kinds - LATER_KINDS
+        if not offered_letters(question):
+            kinds -= {"choice"}
+        again = hear_likeliest(bundle, encoded, question, kinds)
+    spent = {
+        stage: heard.timing_ms.get(stage, 0.0) + again.timing_ms.get(stage, 0.0)
+        for stage in heard.timing_ms | again.timing_ms
+    }
+    return replace(again, timing_ms=spent)
 
 
 def denies_nothing(slots: Slots, question: str) -> bool:

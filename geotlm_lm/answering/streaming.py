@@ -16,6 +16,7 @@ from typing import Any
 from geotlm_lm.answering.answer import Encoded
 from geotlm_lm.answering.replying import NEEDS_MORE, denies_nothing, is_as_seen
 from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.kinds import is_ruled_out
 from geotlm_lm.conversation.retell import ALWAYS_RETOLD, RETOLD
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.language.parse_answer import Slots
@@ -58,6 +59,8 @@ class StandingWords:
 
 def stands(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, slots: Slots) -> bool:
     """Tell whether a sentence of the model with these slots becomes the answer as it is."""
+    if is_ruled_out(question, slots.kind):
+        return False
     if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RETOLD or denies_nothing(slots, question):
         return False
     if slots.kind in RETOLD and not is_as_seen(frame):

@@ -16,13 +16,15 @@ FIRST_KINDS = ("direction", "verify", "choice", "class", "contact", "moving", "r
 class Scripted:
     """Says the sentence written for a question, else the one for any; remembers what it heard.
 
-    An option is e^2 times as likely as each other one if it is what would be said.
+    An option is e^2 times as likely as each other one if it is what would be said, and e times if
+    it is what the test says the model likes.
     """
 
     model = SimpleNamespace(state_dict=dict)  # no weights: a digest has nothing of it to hold
 
     def __init__(self, sentences):
         self.sentences = sentences
+        self.likes = None
         self.heard = []
 
     def generate(self, fused_token, questions, listen=None):
@@ -35,7 +37,10 @@ class Scripted:
         return [self._says(question) for question in questions]
 
     def score(self, fused_token, question, options):
-        return np.array([-1.0 if option == self._says(question) else -3.0 for option in options])
+        said = self._says(question)
+        return np.array(
+            [-1.0 if one == said else -2.0 if one == self.likes else -3.0 for one in options]
+        )
 
     def _says(self, question):
         return self.sentences.get(question, self.sentences.get("*"))

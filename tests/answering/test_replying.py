@@ -97,30 +97,40 @@ def test_evidence_of_an_untrained_model_is_its_geometry_in_words(bundle):
 
 
 @pytest.mark.parametrize(
-    ("said", "text", "direction"),
+    ("question", "said", "text", "direction"),
     [
         (
+            "And mirrored?",
             "Mirror image of: left in the camera image.",
             "Right, in the camera image, if the clip is mirrored.",
             Motion.RIGHT,
         ),
         (
+            "And from behind?",
             "The object's side of: clockwise in the camera image.",
             "Counterclockwise, seen from the object's side.",
             Motion.COUNTERCLOCKWISE,
         ),
-        ("To undo this: lifting off.", "Pressing in undoes it.", Motion.PRESS),
         (
+            "What undoes it?",
+            "To undo this: lifting off.",
+            "Pressing in undoes it.",
+            Motion.PRESS,
+        ),
+        (
+            "Is it not going right?",
             "It is not: it goes left in the camera image.",
             "It is not: it goes left in the camera image.",
             Motion.LEFT,
         ),
-        ("About 12 degrees of turning.", "About 12 degrees of turning.", None),
+        ("How far?", "About 12 degrees of turning.", "About 12 degrees of turning.", None),
     ],
 )
-def test_a_trained_model_says_what_it_felt_and_the_rules_tell_it(bundle, said, text, direction):
+def test_a_trained_model_says_what_it_felt_and_the_rules_tell_it(
+    bundle, question, said, text, direction
+):
     answerer = answerer_saying(bundle, {"*": said})
-    answer = answerer.ask(answerer.encode(recording()), "Whatever this asks?")
+    answer = answerer.ask(answerer.encode(recording()), question)
     assert (answer.text, answer.direction) == (text, direction)
     assert not [note for note in answer.notes if "not trained" in note]
     # The probability is that of the model's own sentence among those of its kind.

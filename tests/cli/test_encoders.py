@@ -13,7 +13,14 @@ from geotlm_lm.training.config import HeadsPreset
 from geotlm_lm.training.language import LanguageTraining
 from tests.backbone.small_files import write_small
 
-TINY = HeadsPreset("tiny", 16, 8, geometry_epochs=1, language_steps=2, language_batch=4)
+TINY = HeadsPreset(
+    name="tiny",
+    head_clips=16,
+    validation_clips=8,
+    geometry_epochs=1,
+    language_steps=2,
+    language_batch=4,
+)
 
 
 def run(capsys, *arguments):
