@@ -43,7 +43,7 @@ LISTEN = """
 (() => {
   const question = QUESTION;
   const parts = () =>
-    document.querySelector('[aria-label="chatbot conversation"]').innerText.split(question);
+    document.querySelector('[aria-label="chatbot conversation"]').textContent.split(question);
   const before = parts().length;
   const started = performance.now();
   window.waited = {};
@@ -54,13 +54,16 @@ LISTEN = """
     if (text.includes('% sure)') && !window.waited.last)
       window.waited.last = performance.now() - started;
   };
-  new MutationObserver(look).observe(document.body,
-    {subtree: true, childList: true, characterData: true});
+  if (window.looking) window.looking.disconnect();
+  window.looking = new MutationObserver(look);
+  window.looking.observe(document.body, {subtree: true, childList: true, characterData: true});
   [...document.querySelectorAll('button.primary')].find(
     one => one.offsetParent && one.innerText.trim() == 'Ask').click();
 })()
 """
-"""Clicks *Ask* and notes in the page itself when the first and the last word of an answer stand."""
+"""Clicks *Ask* and notes in the page itself when the first and the last word of an answer stand.
+
+`textContent` costs no layout; `innerText` lays the page out at every look."""
 
 
 def tour(pictures: Path | None = None) -> dict[str, Any]:
