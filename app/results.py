@@ -32,8 +32,10 @@ class Answered(TypedDict):
 
     text: str
     direction: Motion | None
+    decided: str | None
     confidence: float
     abstained: bool
+    told_by: Literal["model", "rule"]
     frame: dict[str, Any]
     options: dict[str, float]
     timing_ms: dict[str, float]

@@ -23,7 +23,7 @@ from tests.backbone.oracles import Oracle
 from tests.backbone.small_files import write_small
 
 TINY = HeadsPreset(
-    "tiny",
+    name="tiny",
     head_clips=20,
     validation_clips=10,
     geometry_epochs=2,
