@@ -120,25 +120,27 @@ def _connect_clip(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: d
     pictured = [shown, clip["view"], clip["number"]]
     # What was said of the clip before must not stand beside the new one.
     stale = [*(talk[name] for name in ANSWER_PARTS), last]
-    outputs = [shown, clip["picture"], clip["notes"], talk["chat"], *stale]
+    outputs = [shown, clip["picture"], clip["notes"], clip["told"], talk["chat"], *stale]
 
-    def open_clip(path: Any, first: Any, until: Any, view: str, number: float) -> tuple:
+    def open_clip(
+        path: Any, first: Any, until: Any, view: str, number: float, facts: list[str]
+    ) -> tuple:
         opened = handlers.show_clip(answerer, path, first, until)
         drawn = handlers.draw(opened, view, number)
-        return opened, drawn, opened.notes, [], *[None] * len(stale)
+        _, told_anew = _frame(facts, None)
+        return opened, drawn, opened.notes, told_anew, [], *[None] * len(stale)
 
-    def open_example(view: str, number: float, event: gr.SelectData) -> tuple:
-        return open_clip(handlers.EXAMPLE_CLIPS[event.index], None, None, view, number)
+    def open_example(view: str, number: float, facts: list[str], event: gr.SelectData) -> tuple:
+        return open_clip(handlers.EXAMPLE_CLIPS[event.index], None, None, view, number, facts)
 
     # Postponed annotations are text, and the toolkit looks for the event's type itself.
     open_example.__annotations__["event"] = gr.SelectData
-    given = [clip[name] for name in ("path", "first", "last", "view", "number")]
+    looked_at = [clip[name] for name in ("view", "number", "frame")]
+    given = [*(clip[name] for name in ("path", "first", "last")), *looked_at]
     private = {"api_visibility": "private"}
     for trigger in (clip["path"].upload, clip["read"].click):
         trigger(told(open_clip), given, outputs, **private, **MODEL)
-    clip["gallery"].select(
-        told(open_example), [clip["view"], clip["number"]], outputs, **private, **MODEL
-    )
+    clip["gallery"].select(told(open_example), looked_at, outputs, **private, **MODEL)
     for control in (clip["view"], clip["number"]):
         control.change(handlers.draw, pictured, clip["picture"], **private)
 
@@ -146,7 +148,8 @@ def _connect_clip(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: d
 def _connect_talk(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: dict) -> None:
     answer = told(partial(_answer, answerer))
     again = told(partial(_retry, answerer))
-    beside = [*(talk[name] for name in ANSWER_PARTS), last, clip["frame"]]
+    framed = [clip["viewpoint"], clip["told"]]
+    beside = [*(talk[name] for name in ANSWER_PARTS), last, clip["frame"], *framed]
     outputs = [talk["chat"], talk["question"], *beside]
     private = {"api_visibility": "private"}
     asked = [shown, talk["question"], talk["chat"], clip["frame"]]
@@ -157,9 +160,7 @@ def _connect_talk(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: d
     running.append(talk["retry"].click(again, asked, outputs, **private, **MODEL))
     talk["stop"].click(None, None, None, cancels=running, api_visibility="private")
     talk["suggested"].input(lambda text: text or "", talk["suggested"], talk["question"], **private)
-    framed = [clip["viewpoint"], clip["told"]]
-    for trigger in (clip["frame"].change, last.change):
-        trigger(_frame, [clip["frame"], last], framed, **private)
+    clip["frame"].input(_frame, [clip["frame"], last], framed, **private)
 
 
 def _answer(
@@ -168,23 +169,28 @@ def _answer(
     """Yield the conversation as words are generated, and with the last all that stands beside."""
     before = [*(chat or []), {"role": "user", "content": question}]
     skip, said = gradio().skip(), ""
+    field = ""  # emptied once: what is typed meanwhile is the next question
     for told_so_far in handlers.converse(answerer, shown, question, _fields(facts)):
         if isinstance(told_so_far, str):
             said += told_so_far
-            yield [*before, {"role": "assistant", "content": said}], "", *[skip] * 8
+            yield [*before, {"role": "assistant", "content": said}], field, *[skip] * 10
+            field = skip
         else:
             reply = told_so_far
+    stated = _facts(shown.session.frame)
+    direction = None if reply.motion is None else reply.motion.value
     yield (
         [*before, {"role": "assistant", "content": reply.sentence}],
-        "",
+        field,
         reply.probabilities,
         reply.band,
         reply.verdicts,
         reply.regions,
         reply.timing,
         reply.details,
-        None if reply.motion is None else reply.motion.value,
-        _facts(shown.session.frame),
+        direction,
+        stated,
+        *_frame(stated, direction),
     )
 
 
