@@ -41,7 +41,7 @@ class Recorder:
     def next(self, frame: Planar) -> NDArray[np.uint8]:
         """Return the clip's next frame as recorded, uint8 (224, 224, 3)."""
         optics, rng = self.optics, self.rng
-        drift = np.clip(rng.normal(0, optics.drift_grey, 3), -DRIFT_LIMIT_GREY, DRIFT_LIMIT_GREY)
+        drift = rng.normal(0, optics.drift_grey, 3).clip(-DRIFT_LIMIT_GREY, DRIFT_LIMIT_GREY)
         video = optics.video
         if video is not None:
             is_whole = rng.random() < video.frames_apart / WHOLE_EVERY

@@ -9,7 +9,7 @@ from geotlm_lm.simulation.presets import PresetName
 from geotlm_lm.simulation.randomise import MARKER_SHARE, random_scenes
 from geotlm_lm.simulation.simulate import SimulatedClip, simulate
 
-SERIES_VERSION = 7
+SERIES_VERSION = 8
 """Raised when the same seed gives other clips than before."""
 
 
