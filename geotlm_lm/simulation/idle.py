@@ -65,11 +65,25 @@ FINEST_FIELD_SHARE = (0.3, 0.6)
 
 _NODES = np.linspace(-1, 1, 5)
 
-_FIELD_NODES = np.cos(np.pi * (np.arange(9) + 0.5) / 9)
-"""Points per axis that carry a field of degree 8 exactly."""
+_NODE_TERMS = np.linalg.inv(np.vander(_NODES))
+"""Coefficients of the polynomials that are 1 at one of the even points, 0 at the others."""
+
+_CHANGE_X, _CHANGE_Y = np.meshgrid(_NODES, _NODES)
+_CHANGE_TERMS = np.stack(
+    [_CHANGE_X, _CHANGE_Y, _CHANGE_X * _CHANGE_Y, _CHANGE_X**2 - 0.5, _CHANGE_Y**2 - 0.5]
+)
+"""The quadratic of `SMOOTH_CHANGE`, term by term on the even points, (5, 5, 5)."""
+
+_FIELD_NODES = np.cos(np.pi * (np.arange(13) + 0.5) / 13)
+"""Points per axis that carry exactly a field of degree 8 times a vignette of degree 4."""
+
+_VIGNETTE = (_FIELD_NODES[:, None] ** 2 + _FIELD_NODES**2) ** 2 / 4
 
 _HALF_VIEW_MM = (10.15, 7.6)
 """Half the view (x, y) that the idle frame was measured on."""
+
+DARK_SHARE = 0.75
+"""Share of specks that are dark."""
 
 _SPECK_REACH_PX = 16
 """Farthest a speck changes the image from its middle: its radius and the reach of its blur."""
@@ -86,16 +100,15 @@ def idle_frame(seed: int, mounting: Mounting | None = None) -> NDArray[np.float3
         mounting: How the lit pad lies under the camera.
     """
     rng = np.random.default_rng(seed)
-    gain = np.stack([rng.uniform(*span) for span in CHANNEL_GAIN])[:, None, None]
-    offset = np.stack([rng.uniform(*span) for span in OFFSET_GREY])[:, None, None]
+    gain = np.array([rng.uniform(*span) for span in CHANNEL_GAIN])[:, None, None]
+    offset = np.array([rng.uniform(*span) for span in OFFSET_GREY])[:, None, None]
     table = MEASURED_IDLE * gain + offset
     table = table * np.exp(_smooth_change(rng))
     crop = rng.uniform(*CROP)
     nodes = _lit_at_nodes(table, mounting or Mounting(), crop) + _finer_field(rng)
-    upsample = _upsample()
-    frame = (upsample @ torch.from_numpy(nodes.astype(np.float32)) @ upsample.T).numpy()
-    frame *= 1 - rng.uniform(*VIGNETTE) * _vignette()
-    frame *= _specks(rng)[None]
+    nodes *= 1 - rng.uniform(*VIGNETTE) * _VIGNETTE
+    frame = _at_pixels(nodes)
+    frame *= _specks(rng)
     for channel, sigma in enumerate(FIXED_PATTERN_GREY):
         strength = sigma * rng.uniform(*PATTERN_SHARE)
         cv2.scaleAdd(unit_noise(rng), strength, frame[channel], dst=frame[channel])
@@ -105,21 +118,22 @@ def idle_frame(seed: int, mounting: Mounting | None = None) -> NDArray[np.float3
 def _lit_at_nodes(
     table: NDArray[np.float64], mounting: Mounting, crop: float
 ) -> NDArray[np.float64]:
-    """Return the lit field where the field's nodes see the pad, (3, 9, 9)."""
+    """Return the lit field where the field's nodes see the pad, (3, 13, 13)."""
     half_x, half_y = _HALF_VIEW_MM
     x = _FIELD_NODES[None, :] * half_x * crop - mounting.x_mm
     y = _FIELD_NODES[:, None] * half_y * crop - mounting.y_mm
     cos, sin = np.cos(mounting.turn_rad), np.sin(mounting.turn_rad)
     across, down = (cos * x + sin * y) / half_x, (cos * y - sin * x) / half_y
-    weights = [_lagrange(points.ravel(), _NODES) for points in (down, across)]
-    return np.einsum("pi,cij,pj->cp", weights[0], table, weights[1]).reshape(3, 9, 9)
+    weights = [np.vander(points.ravel(), 5) @ _NODE_TERMS for points in (down, across)]
+    lit = np.einsum("pi,cij,pj->cp", weights[0], table, weights[1])
+    return lit.reshape(3, *across.shape)
 
 
 def _finer_field(rng: np.random.Generator) -> NDArray[np.float64]:
-    """Return a random field of degrees 5 to 8 in grey levels at the field's nodes, (3, 9, 9)."""
+    """Return a random field of degrees 5 to 8 in grey levels at the field's nodes, (3, 13, 13)."""
     finer = np.array([rng.uniform(*span) for span in FINER_FIELD_GREY])
     sizes = finer[:, None] * np.array([1.0, rng.uniform(*FINEST_FIELD_SHARE)])
-    field = np.zeros((3, 9, 9))
+    field = np.zeros((3, *_VIGNETTE.shape))
     for band, terms in enumerate(_finer_terms()):
         share = rng.normal(0, 1 / np.sqrt(len(terms)), (3, len(terms)))
         field += sizes[:, band, None, None] * np.einsum("ct,tij->cij", share, terms)
@@ -138,34 +152,30 @@ def _finer_terms() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return bands[0], bands[1]
 
 
+def _at_pixels(nodes: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return the images (3, 224, 224) of fields at the nodes."""
+    upsample = _upsample()
+    # One matrix at a time: a batch of small products costs twice as much.
+    frame = torch.empty(len(nodes), IMAGE_SIDE, IMAGE_SIDE)
+    for one, out in zip(torch.from_numpy(nodes.astype(np.float32)), frame, strict=True):
+        torch.mm(upsample @ one, upsample.T, out=out)
+    return frame.numpy()
+
+
 @cache
 def _upsample() -> torch.Tensor:
-    """Return the weights (224, 9) from the field's nodes to the pixels."""
-    return torch.from_numpy(_lagrange(_pixel_axis(), _FIELD_NODES).astype(np.float32))
-
-
-def _pixel_axis() -> NDArray[np.float64]:
-    return (np.arange(IMAGE_SIDE) + 0.5) / (IMAGE_SIDE / 2) - 1
-
-
-def _lagrange(points: NDArray[np.float64], nodes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the weights (points, nodes) of polynomial interpolation through the nodes."""
-    return np.vander(points, len(nodes)) @ np.linalg.inv(np.vander(nodes))
+    """Return the weights (224, 13) of polynomial interpolation from the field's nodes to pixels."""
+    pixels = (np.arange(IMAGE_SIDE) + 0.5) / (IMAGE_SIDE / 2) - 1
+    count = len(_FIELD_NODES)
+    weights = np.vander(pixels, count) @ np.linalg.inv(np.vander(_FIELD_NODES))
+    return torch.from_numpy(weights.astype(np.float32))
 
 
 def _smooth_change(rng: np.random.Generator) -> NDArray[np.float64]:
     """Return a random quadratic per channel on the table's points, (3, 5, 5)."""
-    x, y = np.meshgrid(_NODES, _NODES)
-    terms = np.stack([x, y, x * y, x**2 - 0.5, y**2 - 0.5])
     sizes = rng.normal(0, SMOOTH_CHANGE, (3, 5))
     sizes[:, :2] += np.transpose(USUAL_TILT)
-    return np.einsum("ck,kij->cij", sizes, terms)
-
-
-@cache
-def _vignette() -> NDArray[np.float32]:
-    axis = _pixel_axis().astype(np.float32) ** 2
-    return (axis[:, None] + axis[None, :]) ** 2 / 4
+    return np.einsum("ck,kij->cij", sizes, _CHANGE_TERMS)
 
 
 def _specks(rng: np.random.Generator) -> NDArray[np.float32]:
@@ -173,7 +183,8 @@ def _specks(rng: np.random.Generator) -> NDArray[np.float32]:
     factor = np.ones((IMAGE_SIDE, IMAGE_SIDE), np.float32)
     for _ in range(int(rng.integers(0, 7))):
         column, row = (int(v) for v in rng.integers(4, IMAGE_SIDE - 4, 2))
-        strength = float(rng.choice([-1, 1], p=[0.75, 0.25]) * rng.uniform(0.1, 0.6))
+        sign = -1 if rng.random() < DARK_SHARE else 1
+        strength = sign * rng.uniform(0.1, 0.6)
         # Blurred alone: the whole image costs twenty times as much.
         left, top = max(column - _SPECK_REACH_PX, 0), max(row - _SPECK_REACH_PX, 0)
         around = factor[top : row + _SPECK_REACH_PX + 1, left : column + _SPECK_REACH_PX + 1]
@@ -182,4 +193,4 @@ def _specks(rng: np.random.Generator) -> NDArray[np.float32]:
         angle = float(rng.uniform(0, 180))
         cv2.ellipse(spot, (column - left, row - top), radii, angle, 0, 360, strength, -1)
         around += cv2.GaussianBlur(spot, (0, 0), float(rng.uniform(0.5, 1.2)))
-    return np.maximum(factor, 0.2)
+    return cv2.max(factor, 0.2, dst=factor)
