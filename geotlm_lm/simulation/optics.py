@@ -7,6 +7,7 @@ which fits a GelSight Mini better (R^2 0.88 / 0.85 / 0.74 in R, G, B) than addit
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import cv2
@@ -36,29 +37,41 @@ def lit(
     blur_px = optics.psf_mm / min(optics.mm_per_px_x, optics.mm_per_px_y)
     if blur_px > 0.3:
         height_mm = cv2.GaussianBlur(height_mm, (5, 5), blur_px)
-    slope_x = cv2.Sobel(height_mm, cv2.CV_32F, 1, 0, ksize=3, scale=-0.125 / optics.mm_per_px_x)
-    slope_y = cv2.Sobel(height_mm, cv2.CV_32F, 0, 1, ksize=3, scale=-0.125 / optics.mm_per_px_y)
-    steep = slope_x * slope_x
-    steep += slope_y * slope_y
-    if optics.saturation > 0:
-        soft = np.sqrt(1 + np.float32(optics.saturation**2) * steep)
-        slope_x /= soft
-        slope_y /= soft
-    # Flanks see less of the lit inside of the sensor: a loss common to all channels.
-    unlit = 1 - np.float32(2 * optics.steep_darkening) * (steep / (1 + steep))
+    slope_x, slope_y, unlit = _slopes(height_mm, optics)
+    around = _with_margin(height_mm, optics) if optics.shadow > 0 else None
     reach = _reach(optics.light_slope_x, optics.light_slope_y)
-    frames = np.empty_like(base)
-    for channel in range(3):
-        light_x, light_y = (float(value) for value in lights[channel])
-        shade = cv2.addWeighted(slope_x, light_x, slope_y, light_y, 0)
-        if optics.shadow > 0:
-            shadow = _shadow(height_mm, lights[channel], optics)
-            cv2.scaleAdd(shadow, -optics.shadow, shade, dst=shade)
+    frames, shade = np.empty_like(base), np.empty_like(height_mm)
+    for channel, (light_x, light_y) in enumerate(lights.tolist()):
+        cv2.addWeighted(slope_x, light_x, slope_y, light_y, 0, dst=shade)
+        if around is not None:
+            shadow = _shadow(height_mm, around, (light_x, light_y), optics)
+            cv2.scaleAdd(shadow, -optics.shadow / SHADOW_REACH_MM, shade, dst=shade)
         shade *= reach[channel]
         cv2.scaleAdd(height_mm, optics.depth_gain[channel], shade, dst=shade)
         shade += unlit
         np.multiply(base[channel], cv2.max(shade, 0.05, dst=shade), out=frames[channel])
     return frames
+
+
+def _slopes(height_mm: Planar, optics: Optics) -> tuple[Planar, Planar, Planar]:
+    """Return the slopes towards right and down as they shade, and what steepness leaves of light.
+
+    Flanks see less of the lit inside of the sensor: a loss common to all channels.
+    """
+    slope_x = cv2.Sobel(height_mm, cv2.CV_32F, 1, 0, ksize=3, scale=-0.125 / optics.mm_per_px_x)
+    slope_y = cv2.Sobel(height_mm, cv2.CV_32F, 0, 1, ksize=3, scale=-0.125 / optics.mm_per_px_y)
+    steep = cv2.accumulateProduct(slope_y, slope_y, cv2.multiply(slope_x, slope_x))
+    if optics.saturation > 0:
+        soft = cv2.addWeighted(steep, optics.saturation**2, steep, 0, 1)
+        cv2.sqrt(soft, dst=soft)
+        cv2.divide(slope_x, soft, dst=slope_x)
+        cv2.divide(slope_y, soft, dst=slope_y)
+    # 1 - loss * steep / (1 + steep), in two passes.
+    loss = 2 * optics.steep_darkening
+    steep += 1
+    unlit = cv2.divide(loss, steep, dst=steep)
+    unlit += np.float32(1 - loss)
+    return slope_x, slope_y, unlit
 
 
 @lru_cache(maxsize=2)
@@ -84,14 +97,20 @@ def turned_lights(optics: Optics) -> NDArray[np.float64]:
     return rows + np.asarray(optics.common_light)
 
 
-def _shadow(height_mm: Planar, light: NDArray[np.float64], optics: Optics) -> Planar:
-    """Return how much a flank towards the light overtops each pixel, per mm of reach."""
-    length = float(np.hypot(*light))
-    step_x = SHADOW_REACH_MM * light[0] / length / optics.mm_per_px_x
-    step_y = SHADOW_REACH_MM * light[1] / length / optics.mm_per_px_y
-    matrix = np.array([[1, 0, round(step_x)], [0, 1, round(step_y)]], np.float32)
-    flags = cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP
-    side = (IMAGE_SIDE, IMAGE_SIDE)
-    ahead = cv2.warpAffine(height_mm, matrix, side, flags=flags, borderMode=cv2.BORDER_REPLICATE)
-    ahead -= height_mm
-    return np.maximum(ahead, 0, out=ahead) / np.float32(SHADOW_REACH_MM)
+def _with_margin(height_mm: Planar, optics: Optics) -> Planar:
+    """Return the map as it goes on, level, as far beyond its border as a shadow is looked for."""
+    x, y = (round(SHADOW_REACH_MM / size) for size in (optics.mm_per_px_x, optics.mm_per_px_y))
+    return cv2.copyMakeBorder(height_mm, y, y, x, x, cv2.BORDER_REPLICATE)
+
+
+def _shadow(
+    height_mm: Planar, around: Planar, light: tuple[float, float], optics: Optics
+) -> Planar:
+    """Return how much a flank towards the light overtops a pixel, in mm; `around` has margins."""
+    length = math.hypot(*light)
+    column = round(SHADOW_REACH_MM * light[0] / length / optics.mm_per_px_x)
+    row = round(SHADOW_REACH_MM * light[1] / length / optics.mm_per_px_y)
+    height, width = height_mm.shape
+    row, column = row + (len(around) - height) // 2, column + (around.shape[1] - width) // 2
+    ahead = cv2.subtract(around[row : row + height, column : column + width], height_mm)
+    return cv2.max(ahead, 0, dst=ahead)
