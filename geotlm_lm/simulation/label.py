@@ -67,14 +67,16 @@ def patch_displacement(scene: Scene, contact: NDArray[np.floating]) -> NDArray[n
     """
     path, optics = scene.path, scene.optics
     centres = (np.arange(GRID_SIDE) + 0.5) * PATCH_SIDE - IMAGE_SIDE / 2
-    x, y = np.meshgrid(centres * optics.mm_per_px_x, centres * optics.mm_per_px_y)
-    moved = np.zeros((len(path), GRID_SIDE, GRID_SIDE, 2), np.float32)
-    for frame in range(len(path)):
-        turn = path.rotation_rad[frame] - path.rotation_rad[0]
-        cos, sin = np.cos(turn), np.sin(turn)
-        from_x, from_y = x - path.x_mm[frame], y - path.y_mm[frame]
-        # The point stood at c0 + R(-turn)(X - c): turn back, then put the object's centre back.
-        moved[frame, ..., 0] = x - (path.x_mm[0] + cos * from_x + sin * from_y)
-        moved[frame, ..., 1] = y - (path.y_mm[0] - sin * from_x + cos * from_y)
+    x, y = centres * optics.mm_per_px_x, centres[:, None] * optics.mm_per_px_y
+    turn, at_x, at_y = (
+        np.array(values)[:, None, None] for values in (path.rotation_rad, path.x_mm, path.y_mm)
+    )
+    cos, sin = np.cos(turn - turn[0]), np.sin(turn - turn[0])
+    from_x, from_y = x - at_x, y - at_y
+    # The point stood at c0 + R(-turn)(X - c): turn back, then put the object's centre back.
+    moved = np.empty((len(path), GRID_SIDE, GRID_SIDE, 2), np.float32)
+    moved[..., 0] = x - (at_x[0] + cos * from_x + sin * from_y)
+    moved[..., 1] = y - (at_y[0] - sin * from_x + cos * from_y)
     moved /= np.array([optics.mm_per_px_x, optics.mm_per_px_y], np.float32)
-    return np.where(contact[..., None] > 0, moved, 0).astype(np.float32)
+    moved[contact == 0] = 0
+    return moved

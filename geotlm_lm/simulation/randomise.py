@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -82,12 +83,18 @@ def random_scenes(
     scenes = []
     for index in range(first_index, first_index + count):
         rng = generator_for(seed, "scene", index)
-        order = generator_for(seed, "motions", index // len(kinds)).permutation(len(kinds))
+        order = _order(seed, index // len(kinds), len(kinds))
         name = objects[int(rng.integers(len(objects)))]
         motion = kinds[order[index % len(kinds)]]
         scene = random_scene(rng, object_name=name, motion=motion, marker_share=marker_share)
         scenes.append(scene)
     return scenes
+
+
+@lru_cache(maxsize=4)
+def _order(seed: int, block: int, count: int) -> tuple[int, ...]:
+    """Return the order of `count` motions in a block of as many scenes."""
+    return tuple(generator_for(seed, "motions", block).permutation(count).tolist())
 
 
 def random_scene(
