@@ -218,7 +218,8 @@ def _end_with_parent() -> None:
 
 
 def _write_shard(shard: _Shard) -> int:
-    made: dict[str, list[Any]] = {}
+    made: dict[str, NDArray[Any]] = {}
+    labels, names = [], []
     series = simulate_series(
         shard.seed,
         shard.count,
@@ -229,19 +230,23 @@ def _write_shard(shard: _Shard) -> int:
         marker_share=shard.marker_share,
         with_frames=shard.with_frames,
     )
-    for index, clip in enumerate(series, start=shard.first_index):
-        # What a clip keeps besides, to tell its trace, is three times its size.
+    for number, clip in enumerate(series):
+        # Copied to where the shard is kept: the next clip takes the memory of this one.
         for name, value in _stored(clip).items():
-            made.setdefault(name, []).append(value)
-        made.setdefault("index", []).append(index)
-    arrays = {name: np.array(values) for name, values in made.items()}
-    arrays["labels"] = np.array(json.dumps(made["labels"]))
-    _save_atomically(Path(shard.path), arrays)
+            if name not in made:
+                made[name] = np.empty((shard.count, *value.shape), value.dtype)
+            made[name][number] = value
+        labels.append(clip.label.to_dict())
+        names.append(clip.object_name)
+    made["object_names"] = np.array(names)
+    made["index"] = np.arange(shard.first_index, shard.first_index + shard.count)
+    made["labels"] = np.array(json.dumps(labels))
+    _save_atomically(Path(shard.path), made)
     return shard.count
 
 
-def _stored(clip: SimulatedClip) -> dict[str, Any]:
-    """Return what a data set keeps of one clip."""
+def _stored(clip: SimulatedClip) -> dict[str, NDArray[Any]]:
+    """Return what a data set keeps of one clip beside its label and its object's name."""
     seen = {}
     if clip.clip is not None:
         seen = {"frames": clip.clip.frames, "backgrounds": clip.clip.background}
@@ -250,9 +255,7 @@ def _stored(clip: SimulatedClip) -> dict[str, Any]:
         "contact": clip.contact,
         "depth_mm": clip.depth_mm,
         "mm_per_px": np.array(clip.mm_per_px, np.float32),
-        "penetration_um": np.float32(clip.status.penetration_um),
-        "object_names": clip.object_name,
-        "labels": clip.label.to_dict(),
+        "penetration_um": np.array(clip.status.penetration_um, np.float32),
     }
     drift = {} if clip.drift_px is None else {"drift_px": clip.drift_px}
     return seen | kept | drift
@@ -264,4 +267,7 @@ def _save_atomically(path: Path, arrays: dict[str, NDArray[Any]]) -> None:
         for name, array in arrays.items():
             entry = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
             with archive.open(entry, "w", force_zip64=True) as member:
-                np.lib.format.write_array(member, array, allow_pickle=False)
+                header = np.lib.format.header_data_from_array_1_0(array)
+                np.lib.format.write_array_header_1_0(member, header)
+                # Not numpy's own writer: to anything but a plain file it writes copies.
+                member.write(array.reshape(-1).view(np.uint8))
