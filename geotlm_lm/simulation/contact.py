@@ -107,8 +107,7 @@ def _pressed(
     scene: Scene, profile: Profile, preset: Preset, with_drift: bool, reach: float
 ) -> GridContact:
     """Solve all frames at once, without friction: each depends on its own pose only."""
-    poses = _poses(scene.path)
-    overlap = torch.stack([_overlap(scene, profile, preset, pose, reach) for pose in poses])
+    overlap = _overlap(scene, profile, preset, list(_poses(scene.path)), reach)
     response = _layer(scene.gel, preset)
     contact = solve_normal_contact(
         overlap,
@@ -183,26 +182,25 @@ def _increment(
     old, new = (torch.tensor([pose[1:3]], dtype=preset.dtype) for pose in (before, after))
     turn = torch.tensor([after[3] - before[3]], dtype=preset.dtype)
     travel = rigid_travel(centres, old, turn, new - old)
-    return Increment(_overlap(scene, profile, preset, after, reach)[None], travel)
+    return Increment(_overlap(scene, profile, preset, [after], reach), travel)
 
 
 def _overlap(
-    scene: Scene, profile: Profile, preset: Preset, pose: Pose, reach: float = np.inf
+    scene: Scene, profile: Profile, preset: Preset, poses: list[Pose], reach: float
 ) -> Tensor:
-    """Return the approach less the profile and the pad's crown; negative all over out of touch."""
-    depth, *place = pose
-    if depth <= 0:
-        return torch.full((preset.cells, preset.cells), -1.0, dtype=preset.dtype)
-    size = (BOX_MM / preset.cells,) * 2
-    dome = dome_mm(scene.gel, size, preset.cells, scene.optics.mounting)
-    height = profile.on_cells(
-        tuple(place),
-        BOX_MM,
-        preset.cells,
-        reach,
-        is_smooth=holds_detail(scene, profile, preset, preset.cells),
-    )
-    return torch.from_numpy(depth - dome - height).to(preset.dtype)
+    """Return the approach less the profile and the pad's crown, (poses, cells, cells).
+
+    It is negative all over where a pose is out of touch.
+    """
+    cells, size = preset.cells, (BOX_MM / preset.cells,) * 2
+    dome = dome_mm(scene.gel, size, cells, scene.optics.mounting)
+    is_smooth = holds_detail(scene, profile, preset, cells)
+    overlap = np.full((len(poses), cells, cells), -1.0, np.float32)
+    for one, (depth, *place) in zip(overlap, poses, strict=True):
+        if depth > 0:
+            height = profile.on_cells(tuple(place), BOX_MM, cells, reach, is_smooth=is_smooth)
+            np.subtract(np.float32(depth) - dome, height, out=one)
+    return torch.from_numpy(overlap).to(preset.dtype)
 
 
 def holds_detail(scene: Scene, profile: Profile, preset: Preset, cells: int) -> bool:
@@ -276,10 +274,10 @@ def dome_mm(
     axis = np.arange(side) - (side - 1) / 2
     x, y = axis * mm_per_px[0] - mounting.x_mm, axis * mm_per_px[1] - mounting.y_mm
     xx, xy, yy = _crown(gel, mounting)
-    drop = (xx * x * x)[None, :] + (yy * y * y)[:, None]
+    along, across = (values.astype(np.float32) for values in (xx * x * x, yy * y * y))
+    drop = np.add.outer(across, along)
     if xy:
-        drop += np.outer(xy * y, x)
-    drop = drop.astype(np.float32)
+        drop += np.multiply.outer((xy * y).astype(np.float32), x.astype(np.float32))
     drop.setflags(write=False)
     return drop
 

@@ -151,7 +151,7 @@ class LayerOperator:
 
     def press(self, pressure: Tensor) -> Tensor:
         """Return the indentation under a pressure."""
-        return self._back(torch.fft.rfft2(pressure) * self._zz)
+        return self._back(torch.fft.rfft2(pressure).mul_(self._zz))
 
     def bulge(self, traction: Tensor) -> Tensor:
         """Return the indentation that a tangential traction causes."""

@@ -124,57 +124,76 @@ def solve_normal_contact(
     iterations = torch.zeros(len(overlap_mm), dtype=torch.int64)
     pending = (overlap_mm.flatten(1).amax(1) > 0).nonzero().flatten()
     if len(pending):
-        start = None if guess is None else guess[pending]
-        pressure[pending] = _first_guess(overlap_mm[pending], response, start)
+        some = _where(pending, overlap_mm)
+        start = None if guess is None else guess[some]
+        pressure[some], indentation[some] = _first_guess(overlap_mm[some], response, start)
     for budget in ROUNDS if rounds is None else rounds:
         if len(pending) == 0:
             break
-        pressure[pending], indentation[pending], left, spent = _conjugate_gradients(
-            pressure[pending], overlap_mm[pending], response, budget, enough_um
+        some = _where(pending, overlap_mm)
+        pressure[some], indentation[some], left, spent = _conjugate_gradients(
+            pressure[some], indentation[some], overlap_mm[some], response, budget, enough_um
         )
-        penetration[pending] = left
-        iterations[pending] += spent
+        penetration[some] = left
+        iterations[some] += spent
         pending = pending[left > limit_um]
     return Contact(pressure, indentation, pressure > 0, penetration, iterations, limit_um)
 
 
-def _first_guess(overlap_mm: Tensor, response: Response, start: Tensor | None) -> Tensor:
+def _where(pending: Tensor, overlap_mm: Tensor) -> Tensor | slice:
+    """Return the index of the pending samples: most often all, which then need no copying."""
+    return slice(None) if len(pending) == len(overlap_mm) else pending
+
+
+def _first_guess(
+    overlap_mm: Tensor, response: Response, start: Tensor | None
+) -> tuple[Tensor, Tensor]:
     """Return c * max(overlap - GUESS_LEVEL * peak, 0), with the c that minimises the energy.
 
     A sample of `start` that presses at all is taken as it is.
+
+    Returns:
+        The pressure and its indentation.
     """
     peak = overlap_mm.flatten(1).amax(1)[:, None, None]
     shape = (overlap_mm - GUESS_LEVEL * peak).clamp_min(0.0)
-    work = (shape * overlap_mm.clamp_min(-1e3)).sum((1, 2), keepdim=True)
-    energy = (shape * response.press(shape)).sum((1, 2), keepdim=True)
-    fresh = shape * (work / energy.clamp_min(TINY))
+    image = response.press(shape)
+    work, energy = _dot(shape, overlap_mm.clamp_min(-1e3)), _dot(shape, image)
+    scale = work / energy.clamp_min(TINY)
+    fresh = shape * scale
     if start is None:
-        return fresh
-    return torch.where(start.flatten(1).any(1)[:, None, None], start, fresh)
+        return fresh, image * scale
+    pressure = torch.where(start.flatten(1).any(1)[:, None, None], start, fresh)
+    return pressure, response.press(pressure)
 
 
 def _conjugate_gradients(
-    pressure: Tensor, overlap_mm: Tensor, response: Response, budget: int, enough_um: float
+    pressure: Tensor,
+    indentation: Tensor,
+    overlap_mm: Tensor,
+    response: Response,
+    budget: int,
+    enough_um: float,
 ) -> tuple[Tensor, Tensor, Tensor, Tensor]:
     """Spend `budget` steps on every sample, fewer on one that is solved to `enough_um` before.
 
     Returns:
         The pressure, its indentation, the penetration left in micrometres, and the steps, (n,).
     """
-    indentation = response.press(pressure)
     direction = torch.zeros_like(pressure)
     old_square = pressure.new_ones(len(pressure), 1, 1)
     restart = torch.ones(len(pressure), 1, 1, dtype=torch.bool)
     going, spent = restart, torch.zeros(len(pressure), dtype=torch.int64)
     for step_number in range(budget):
         residual = overlap_mm - indentation
+        # Passes over a small grid cost their calls: factors of 0 and 1 take the place of choices.
+        active = (torch.maximum(pressure, residual) > 0).to(pressure.dtype)
+        residual *= active
         if enough_um > 0 and step_number >= FEWEST_STEPS:
-            going = misfit_um(overlap_mm, indentation, pressure)[:, None, None] > enough_um
+            # What is left on the active cells is what `misfit_um` counts.
+            going = 1e3 * residual.abs().amax((1, 2), keepdim=True) > enough_um
             if not going.any():
                 break
-        # Passes over a small grid cost their calls: factors of 0 and 1 take the place of choices.
-        active = ((pressure > 0) | (residual > 0)).to(pressure.dtype)
-        residual *= active
         square = _dot(residual, residual)
         keep = torch.where(restart, 0.0, square / old_square.clamp_min(TINY))
         direction = torch.addcmul(residual, direction, keep).mul_(active)

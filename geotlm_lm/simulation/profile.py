@@ -7,8 +7,9 @@ object's own frame, lean and texture included. Outside a finite object it is abo
 from __future__ import annotations
 
 import math
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -32,8 +33,7 @@ SMOOTH_MM = 0.005
 the gap that counts as contact."""
 
 
-@dataclass(frozen=True, eq=False)
-class Window:
+class Window(NamedTuple):
     """A rectangle of an image, ends excluded: rows first to last, columns likewise."""
 
     top: int
@@ -78,7 +78,7 @@ class Profile:
         """
         window = window or Window(0, side, 0, side)
         x_mm, y_mm, angle = pose
-        cos, sin = np.cos(angle), np.sin(angle)
+        cos, sin = math.cos(angle), math.sin(angle)
         column = (window.left - (side - 1) / 2) * mm_per_px[0] - x_mm
         row = (window.top - (side - 1) / 2) * mm_per_px[1] - y_mm
         # Gel frame -> object frame is the inverse turn, then the offset of the object's middle.
@@ -181,7 +181,7 @@ class Profile:
         if is_smooth:
             cells[window.slices] = self.sample(pose, (cell, cell), side, window)
         else:
-            fine = Window(*(FINE_PER_CELL * edge for edge in astuple(window)))
+            fine = Window(*(FINE_PER_CELL * edge for edge in window))
             size = (cell / FINE_PER_CELL,) * 2
             height = self.sample(pose, size, side * FINE_PER_CELL, fine)
             cells[window.slices] = pool_to_cells(height, FINE_PER_CELL)

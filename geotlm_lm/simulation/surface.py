@@ -23,6 +23,13 @@ from geotlm_lm.simulation.profile import Profile
 from geotlm_lm.simulation.scene import Scene
 from geotlm_lm.simulation.stopwatch import Stopwatch
 
+_TAPS, _PIXELS = np.arange(-1, 3), np.arange(IMAGE_SIDE)[:, None]
+
+_KEYS = np.array(
+    [[-0.5, 1.5, -1.5, 0.5], [1.0, -2.5, 2.0, -0.5], [-0.5, 0.0, 0.5, 0.0], [0.0, 1.0, 0.0, 0.0]]
+)
+"""Weights of the four taps (columns) by power of the place between the inner two, cube first."""
+
 FAR_MM = 1.0
 """Gap beyond which its size does not matter: where there is no body it would spoil cells beside."""
 
@@ -81,7 +88,8 @@ def pressed_surface(
         solved, surface = _interpolated(scene, contact, with_gap=is_smooth)
     if not is_smooth:
         with watch("fine_profile"):
-            _print_through(solved, surface, scene, profile, contact.reach_mm)
+            frames = contact.touches.nonzero().flatten().tolist()
+            _print_through(solved, surface, scene, profile, contact.reach_mm, frames)
     if scene.gel.lag > 0:
         _creep(surface.indentation_mm, scene.gel.lag)
     return surface
@@ -118,14 +126,19 @@ def _interpolated(
 
 
 def _print_through(
-    solved: NDArray[np.float32], surface: Surface, scene: Scene, profile: Profile, reach: float
+    solved: NDArray[np.float32],
+    surface: Surface,
+    scene: Scene,
+    profile: Profile,
+    reach: float,
+    frames: list[int],
 ) -> None:
-    """Put in, at the pixels, what of the body is finer than the cells."""
+    """Put in, at the pixels of the frames in touch, what of the body is finer than the cells."""
     path, optics = scene.path, scene.optics
     mm_per_px = (optics.mm_per_px_x, optics.mm_per_px_y)
     dome = dome_mm(scene.gel, mm_per_px, IMAGE_SIDE, optics.mounting)
     poses = list(zip(path.x_mm, path.y_mm, path.rotation_rad, strict=True))
-    for frame in np.flatnonzero(solved.any(axis=(1, 2))):
+    for frame in frames:
         window = profile.window(poses[frame], mm_per_px, IMAGE_SIDE, reach)
         inside = window.slices
         elastic, coated = solved[frame][inside], surface.indentation_mm[frame][inside]
@@ -161,23 +174,31 @@ def _gaussian(sigma_mm: float, cells: int) -> Tensor:
 
 
 def _to_pixels(values: Tensor, rows: Tensor, columns: Tensor) -> NDArray[np.float32]:
+    # Cells beyond the view have no weight: they are half of all.
+    tall, wide = _used(rows), _used(columns)
+    rows, columns = rows[:, tall].contiguous(), columns[:, wide].contiguous()
+    flat = values.float().reshape(-1, *values.shape[-2:])[:, tall, wide]
+    across = flat.reshape(-1, flat.shape[-1]) @ columns.T
     # One matrix at a time: a batch of small products costs half as much again.
-    flat = values.float().reshape(-1, *values.shape[-2:])
     pixels = torch.empty(len(flat), IMAGE_SIDE, IMAGE_SIDE)
-    for one, out in zip(flat, pixels, strict=True):
-        torch.mm(rows @ one, columns.T, out=out)
+    for one, out in zip(across.split(flat.shape[1]), pixels, strict=True):
+        torch.mm(rows, one, out=out)
     return pixels.reshape(*values.shape[:-2], IMAGE_SIDE, IMAGE_SIDE).numpy()
+
+
+def _used(weights: Tensor) -> slice:
+    """Return the cells from the first to the last that any pixel takes from."""
+    used = np.flatnonzero(weights.numpy().any(axis=0))
+    return slice(int(used[0]), int(used[-1]) + 1)
 
 
 def _cubic_weights(mm_per_px: float, cells: int) -> Tensor:
     """Return weights (224, cells) of cubic convolution (Keys, a = -1/2) from cells to pixels."""
     where = (np.arange(IMAGE_SIDE) - (IMAGE_SIDE - 1) / 2) * mm_per_px * cells / BOX_MM
     where += (cells - 1) / 2
-    taps = np.floor(where).astype(int)[:, None] + np.arange(-1, 3)
-    s = np.abs(where[:, None] - taps)
-    near = (1.5 * s - 2.5) * s * s + 1
-    far = ((-0.5 * s + 2.5) * s - 4) * s + 2
+    first = np.floor(where)
+    taps = first.astype(int)[:, None] + _TAPS
     weights = np.zeros((IMAGE_SIDE, cells), np.float32)
     # Distinct taps of a pixel: no weight is added to another.
-    weights[np.arange(IMAGE_SIDE)[:, None], taps % cells] = np.where(s <= 1, near, far)
+    weights[_PIXELS, taps % cells] = np.vander(where - first, 4) @ _KEYS
     return torch.from_numpy(weights)
