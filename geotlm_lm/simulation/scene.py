@@ -119,6 +119,19 @@ class Path:
     def __len__(self) -> int:
         return len(self.depth_mm)
 
+    @property
+    def stands_still(self) -> bool:
+        """Whether every frame has the same pose."""
+        return all(
+            min(values) == max(values)
+            for values in (self.depth_mm, self.x_mm, self.y_mm, self.rotation_rad)
+        )
+
+    @property
+    def start(self) -> Path:
+        """The path of the first frame alone."""
+        return Path(self.depth_mm[:1], self.x_mm[:1], self.y_mm[:1], self.rotation_rad[:1])
+
 
 @dataclass(frozen=True)
 class Mounting:

@@ -188,10 +188,13 @@ def _render(
     background = recorder.background(idle if markers is None else idle * shade(markers, optics))
     base = idle * (1 + np.asarray(optics.light_change, np.float32))[:, None, None]
     clean, frames = [], np.empty((len(scene.path), *background.shape), np.uint8)
+    is_drawn_once = surface is not None and surface.is_repeated and markers is None
     # Each frame is recorded while what was just drawn is still in the processor's cache.
     for frame, seen in enumerate(frames):
         image = base
-        if surface is not None and surface.indentation_mm[frame].any():
+        if frame > 0 and is_drawn_once:
+            image = clean[0]
+        elif surface is not None and surface.indentation_mm[frame].any():
             image = lit(surface.indentation_mm[frame], base, optics, lights=lights)
         if markers is not None:
             drift = None if surface is None else surface.drift_mm[frame]

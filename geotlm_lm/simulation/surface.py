@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -56,6 +56,20 @@ class Surface:
     drift_mm: NDArray[np.float32] | None
     status: SolverStatus
 
+    @property
+    def is_repeated(self) -> bool:
+        """Whether every frame is the first one, kept once."""
+        return self.indentation_mm.strides[0] == 0
+
+    def repeated(self, count: int) -> Surface:
+        """Return the first frame `count` times, read-only, in no more memory."""
+        fields = (self.indentation_mm, self.touches, self.drift_mm)
+        again = (
+            None if one is None else np.broadcast_to(one[:1], (count, *one.shape[1:]))
+            for one in fields
+        )
+        return Surface(*again, self.status)
+
 
 def pressed_surface(
     scene: Scene,
@@ -68,7 +82,7 @@ def pressed_surface(
     """Return the gel's surface under `profile` in every frame of `scene`.
 
     Stages: `normal_contact` or `frictional_contact`, `interpolation`, and `fine_profile` where the
-    body has detail that the contact grid's cells do not hold.
+    body has detail that the contact grid's cells do not hold. What stands still is pressed once.
 
     Args:
         scene: Gel, path and pixel sizes.
@@ -80,6 +94,10 @@ def pressed_surface(
     """
     watch = watch or Stopwatch()
     drags = with_drift and scene.gel.friction > 0
+    if scene.path.stands_still and len(scene.path) > 1 and not drags:
+        once = replace(scene, path=scene.path.start)
+        pressed = pressed_surface(once, profile, preset, with_drift=with_drift, watch=watch)
+        return pressed.repeated(len(scene.path))
     with watch("frictional_contact" if drags else "normal_contact"):
         contact = solve_contact(scene, profile, preset, with_drift=with_drift)
     cells = contact.indentation_mm.shape[-1]

@@ -5,9 +5,11 @@ import pytest
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
+from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.scene import Body, Gel, Path, Scene
 from geotlm_lm.simulation.simulate import simulate
+from geotlm_lm.simulation.surface import pressed_surface
 
 STILL = (0.0, 0.0)
 DEPTHS = {"press": (0.2, 0.6), "away": (-0.1, -0.2)}
@@ -78,3 +80,24 @@ def test_labels_and_true_fields_come_without_a_picture_and_are_the_same(with_dri
         assert seen == told
     # The estimate stands in for the picture: 398 of 400 clips agreed where it was chosen.
     assert agree >= 19
+
+
+@pytest.mark.parametrize("body", [DETAILED, SMOOTH])
+def test_an_object_that_stands_still_is_pressed_once(body):
+    figure, rest = Body(body, variant=2), (0.0,) * 3
+    still, moves = (
+        Scene(figure, Path((0.5,) * 3, (0.0, 0.0, x), rest, rest), Motion.STILL) for x in (0.0, 0.2)
+    )
+    profile = build_profile(figure)
+    once, every = pressed_surface(still, profile), pressed_surface(moves, profile)
+    assert np.shares_memory(once.indentation_mm[0], once.indentation_mm[2])
+    # Batches of other sizes round differently.
+    for frame in range(2):
+        assert np.abs(once.indentation_mm[frame] - every.indentation_mm[frame]).max() < 1e-5
+        assert np.mean(once.touches[frame] != every.touches[frame]) < 1e-4
+
+
+def test_an_object_that_stands_still_is_drawn_once_and_recorded_every_time():
+    clip = made(DETAILED, "still")
+    assert clip.trace_until(1).change_grey == 0
+    assert np.any(clip.clip.frames[0] != clip.clip.frames[1])
