@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 EXAMPLE_CLIP = Path("app/examples/bottle_cap_clockwise.npz")
 EXAMPLE_QUESTION = "Which way is the cap turning?"
 OMISSIONS_TITLE = "## What each omission saves and costs"
+RATES_TITLE = "## Clips per second"
 
 app = typer.Typer(help="Tables from recorded runs.", no_args_is_help=True)
 app.command()(protocols)
@@ -131,21 +132,28 @@ def simulator(
     Example: geotlm-lm report simulator --figure reports/simulator.png
     """
     import sys
+    import time
 
     from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.core.threads import usable_cores
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.experiments.simulator_error import simulator_error
     from geotlm_lm.experiments.simulator_omissions import omission_rows
-    from geotlm_lm.reports.simulator import draw_error, error_table, omission_table
+    from geotlm_lm.experiments.simulator_rate import simulator_rates
+    from geotlm_lm.reports.simulator import draw_error, error_table, omission_table, rate_table
 
     _require_writable(out, table)
     if figure is not None:
         require_writable_file(figure, "--figure")
+    begun = time.perf_counter()
     with one_thread():
         record = simulator_error(command=command_line(sys.argv), progress=_show)
         numbers = record.numbers | {"omissions": omission_rows(progress=_show)}
-    record = replace(record, numbers=numbers)
-    text = f"{error_table(record)}\n\n{OMISSIONS_TITLE}\n\n{omission_table(record)}"
+    numbers["rates"] = simulator_rates(workers=usable_cores(), progress=_show)
+    record = replace(record, numbers=numbers, seconds=time.perf_counter() - begun)
+    parts = {RATES_TITLE: rate_table, OMISSIONS_TITLE: omission_table}
+    tables = [f"{title}\n\n{table_of(record)}" for title, table_of in parts.items()]
+    text = "\n\n".join([error_table(record), *tables])
     _save(record, out, table, "# Simulator: error against run time", text)
     if figure is not None:
         draw_error(record, figure)

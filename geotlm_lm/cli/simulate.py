@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import time
 from collections.abc import Callable
@@ -16,6 +15,7 @@ from geotlm_lm.cli.options import Seed, require_writable, require_writable_file
 from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.threads import usable_cores
 
 if TYPE_CHECKING:
     from geotlm_lm.simulation.indenter import Indenter
@@ -223,13 +223,6 @@ def write_clip(path: Path, made: SimulatedClip) -> None:
         arrays["fps"] = np.array(made.clip.fps)
     with replacing(path) as stream:
         np.savez_compressed(stream, **arrays)
-
-
-def usable_cores() -> int:
-    """Return how many cores this process may run on, which a container may have limited."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def progress_and_rate(clock: Callable[[], float] = time.perf_counter) -> Callable[[int, int], None]:

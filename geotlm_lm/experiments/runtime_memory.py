@@ -15,7 +15,7 @@ MANY = 64
 WAYS = ("flow + fit", "probe on z", "LM scored", "LM generated", f"LM generated, batch {MANY}")
 
 
-def peak_megabytes(way: str, clip_path: Path, model: Path | None = None) -> float:
+def peak_megabytes(way: str, clip_path: Path, model: Path | None = None) -> float | None:
     """Answer once and return the most memory this process has ever held.
 
     Args:
@@ -37,15 +37,26 @@ def peak_megabytes(way: str, clip_path: Path, model: Path | None = None) -> floa
         RigidFlow().predict(clip)
     else:
         _answer(way, clip, model)
-    return _most_held_megabytes()
+    return most_held_megabytes()
 
 
-def _most_held_megabytes() -> float:
-    status = Path("/proc/self/status")
-    if status.exists():
-        # Linux hands a process's ru_maxrss on to what it starts; this figure is its own.
-        (line,) = (one for one in status.read_text().splitlines() if one.startswith("VmHWM:"))
-        return int(line.split()[1]) / 2**10
+def most_held_megabytes(process: int | None = None) -> float | None:
+    """Return the most memory that a process has ever held, in MiB.
+
+    Args:
+        process: Its number; None for this process. Another one's is known on Linux alone, and only
+            while it runs; None is returned where it is not.
+    """
+    try:
+        status = Path(f"/proc/{process or 'self'}/status").read_text()
+    except OSError:
+        return None if process is not None else _own_most_held_megabytes()
+    # Linux hands a process's ru_maxrss on to what it starts; this figure is its own.
+    held = [line for line in status.splitlines() if line.startswith("VmHWM:")]
+    return int(held[0].split()[1]) / 2**10 if held else None
+
+
+def _own_most_held_megabytes() -> float:
     held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return held / (2**20 if sys.platform == "darwin" else 2**10)  # bytes there, KiB elsewhere
 

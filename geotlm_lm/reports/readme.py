@@ -24,6 +24,7 @@ from geotlm_lm.reports.language import language_page
 from geotlm_lm.reports.page import page_times
 from geotlm_lm.reports.protocols import protocols_page
 from geotlm_lm.reports.runtime import runtime_page
+from geotlm_lm.reports.simulator import rate_table
 from geotlm_lm.reports.stability import stability_page
 from geotlm_lm.reports.tables import answer_example, evaluation_page, training_overview
 from geotlm_lm.reports.transcript import transcript_page
@@ -36,12 +37,14 @@ BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "example": ("answer.json", answer_example),
     "training": ("train.json", training_overview),
     "page": ("page.json", page_times),
+    "simulator": ("simulator.json", rate_table),
 }
 """Block name -> the record it is made from, and how."""
 
 _COMMANDS = dict.fromkeys(BLOCKS, "geotlm-lm evaluate --out reports/recorded/evaluate.json") | {
     "example": "geotlm-lm report answer",
     "page": "geotlm-lm report page",
+    "simulator": "geotlm-lm report simulator",
     "training": "cp geotlm_lm/bundle/scores.json reports/recorded/train.json",
 }
 

@@ -27,6 +27,12 @@ Median over the scenes, range in brackets. Both ways were run in turn, in one th
 leaving it out against doing it, over the whole view; shear that is not given counts as zero, which
 is what asking for it would tell apart. `-` is what neither way gives."""
 
+RATES_NOTE = """\
+Data sets of pictures, labels and true fields, written to disk by one process per core; the clips
+are random ones of the training shapes. Rates count from the first finished shard on, start-up is
+apart. Median over the runs, range in brackets; load is the machine's of the minute before, which
+the runs before are part of."""
+
 CLOSED_FORMS_NOTE = """\
 The order is minus the slope of log |error| over log size. Rims are staircases of cells: `~` marks
 radii, whose error scatters within half a cell, and `>=` forces and moments whose scatter from grid
@@ -77,6 +83,25 @@ def omission_table(record: RunRecord) -> str:
     header = ["left out (of what the time is)", "scenes", "ms per clip saved", "full / lean time"]
     header += ["height, um RMS", "shear, um RMS", "image, grey RMS"]
     return "\n\n".join([markdown(header, rows), OMISSIONS_NOTE, provenance(record)])
+
+
+def rate_table(record: RunRecord) -> str:
+    """Return one row per kind of data set: clips a second, start-up and memory."""
+    rows = [
+        [
+            row["kind"],
+            str(row["workers"]),
+            f"{len(row['clips_per_second'])} of {row['clips']}",
+            _range(row["clips_per_second"]),
+            _range(row["start_seconds"]),
+            "-" if row["megabytes_per_worker"] is None else f"{row['megabytes_per_worker']:.0f}",
+            _range(row["load"]),
+        ]
+        for row in record.numbers["rates"]
+    ]
+    header = ["preset", "workers", "runs of clips", "clips per second", "seconds to first shard"]
+    header += ["peak MiB of a worker", "load before"]
+    return "\n\n".join([markdown(header, rows), RATES_NOTE, provenance(record)])
 
 
 def stability_table(record: RunRecord) -> str:
