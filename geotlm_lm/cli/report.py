@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -13,18 +12,17 @@ from geotlm_lm.cli.protocols import protocols
 from geotlm_lm.cli.report_language import language, transcript
 from geotlm_lm.cli.report_model import model_stability, runtime
 from geotlm_lm.cli.report_outside import fuzz, page
-
-if TYPE_CHECKING:
-    from geotlm_lm.core.record import RunRecord
+from geotlm_lm.cli.report_simulator import closed_forms, optics, simulator, simulator_stability
 
 EXAMPLE_CLIP = Path("app/examples/bottle_cap_clockwise.npz")
 EXAMPLE_QUESTION = "Which way is the cap turning?"
-OMISSIONS_TITLE = "## What each omission saves and costs"
-RATES_TITLE = "## Clips per second"
 
 app = typer.Typer(help="Tables from recorded runs.", no_args_is_help=True)
 app.command()(protocols)
 app.command()(runtime)
+app.command()(simulator)
+app.command()(optics)
+app.command()(closed_forms)
 app.command()(language)
 app.command()(fuzz)
 app.command()(transcript)
@@ -116,50 +114,6 @@ def answer(
 
 
 @app.command()
-def simulator(
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/simulator.json"
-    ),
-    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
-        "reports/simulator.md"
-    ),
-    figure: Annotated[
-        Path | None, typer.Option(help="Also draw the figure here; needs matplotlib.")
-    ] = None,
-) -> None:
-    """Hold every preset's error against its run time, beside what a user might take instead.
-
-    Example: geotlm-lm report simulator --figure reports/simulator.png
-    """
-    import sys
-    import time
-
-    from geotlm_lm.cli.evaluate import command_line
-    from geotlm_lm.core.threads import usable_cores
-    from geotlm_lm.experiments.evaluate import one_thread
-    from geotlm_lm.experiments.simulator_error import simulator_error
-    from geotlm_lm.experiments.simulator_omissions import omission_rows
-    from geotlm_lm.experiments.simulator_rate import simulator_rates
-    from geotlm_lm.reports.simulator import draw_error, error_table, omission_table, rate_table
-
-    _require_writable(out, table)
-    if figure is not None:
-        require_writable_file(figure, "--figure")
-    begun = time.perf_counter()
-    with one_thread():
-        record = simulator_error(command=command_line(sys.argv), progress=_show)
-        numbers = record.numbers | {"omissions": omission_rows(progress=_show)}
-    numbers["rates"] = simulator_rates(workers=usable_cores(), progress=_show)
-    record = replace(record, numbers=numbers, seconds=time.perf_counter() - begun)
-    parts = {RATES_TITLE: rate_table, OMISSIONS_TITLE: omission_table}
-    tables = [f"{title}\n\n{table_of(record)}" for title, table_of in parts.items()]
-    text = "\n\n".join([error_table(record), *tables])
-    _save(record, out, table, "# Simulator: error against run time", text)
-    if figure is not None:
-        draw_error(record, figure)
-
-
-@app.command()
 def stability(
     is_simulator: Annotated[
         bool, typer.Option("--simulator", help="Stiff scenes of the simulator, without the model.")
@@ -189,110 +143,6 @@ def stability(
     name = "simulator_stability" if is_simulator else "stability"
     out, table = out or Path(f"reports/recorded/{name}.json"), table or Path(f"reports/{name}.md")
     if is_simulator:
-        _simulator_stability(out, table)
+        simulator_stability(out, table)
     else:
         model_stability(model, clips, seed, out, table, figure)
-
-
-def _simulator_stability(out: Path, table: Path) -> None:
-    import sys
-
-    from geotlm_lm.cli.evaluate import command_line
-    from geotlm_lm.experiments.evaluate import one_thread
-    from geotlm_lm.experiments.simulator_stability import simulator_stability
-    from geotlm_lm.reports.simulator import stability_table
-
-    _require_writable(out, table)
-    with one_thread():
-        record = simulator_stability(command=command_line(sys.argv), progress=_show)
-    _save(record, out, table, "# Simulator: stiff and extreme scenes", stability_table(record))
-
-
-@app.command()
-def optics(
-    real: Annotated[
-        Path, typer.Option(help="Folder of real images: calibration/ and physiclear/.")
-    ],
-    clips: Annotated[int, typer.Option(min=1, help="Simulated clips.")] = 600,
-    seed: Seed = 0,
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/optics.json"
-    ),
-    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
-        "reports/optics.md"
-    ),
-) -> None:
-    """Hold the simulator's images against real ones, statistic by statistic.
-
-    Example: geotlm-lm report optics --real DIR
-    """
-    import sys
-
-    from geotlm_lm.cli.evaluate import command_line, progress_on_stderr
-    from geotlm_lm.core.atomic import write_text_atomically
-    from geotlm_lm.experiments.evaluate import one_thread
-    from geotlm_lm.experiments.optics import compare_optics
-    from geotlm_lm.reports.optics import optics_report, verdict
-
-    _require_writable(out, table)
-    with one_thread():
-        record = compare_optics(
-            real,
-            clips=clips,
-            seed=seed,
-            command=command_line(sys.argv),
-            progress=progress_on_stderr(),
-        )
-    record.save(out)
-    write_text_atomically(table, optics_report(record))
-    typer.echo(verdict(record))
-
-
-@app.command()
-def closed_forms(
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/closed_forms.json"
-    ),
-    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
-        "reports/closed_forms.md"
-    ),
-) -> None:
-    """Hold the contact solver against every closed form, with its order of convergence.
-
-    Example: geotlm-lm report closed-forms
-    """
-    import sys
-
-    from geotlm_lm.cli.evaluate import command_line
-    from geotlm_lm.experiments import closed_forms as experiment
-    from geotlm_lm.experiments.evaluate import one_thread
-    from geotlm_lm.reports.simulator import closed_forms_table
-
-    _require_writable(out, table)
-    with one_thread():
-        record = experiment.closed_forms(command=command_line(sys.argv), progress=_show)
-    _save(
-        record,
-        out,
-        table,
-        "# Simulator: closed forms and orders of convergence",
-        closed_forms_table(record),
-    )
-
-
-def _require_writable(out: Path, table: Path) -> None:
-    require_writable_file(out, "--out")
-    require_writable_file(table, "--table")
-
-
-def _save(record: RunRecord, out: Path, table: Path, title: str, text: str) -> None:
-    """Write the record and, under its title, the table; print the table."""
-    from geotlm_lm.core.atomic import write_text_atomically
-
-    record.save(out)
-    write_text_atomically(table, f"{title}\n\n{text}\n")
-    typer.echo(text)
-
-
-def _show(what: str, done: int, total: int) -> None:
-    typer.echo(f"{what}: {done} of {total}", err=True)

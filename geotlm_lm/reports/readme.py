@@ -21,10 +21,16 @@ from geotlm_lm.reports.headline import (
     time_headline,
 )
 from geotlm_lm.reports.language import language_page
+from geotlm_lm.reports.optics import optics_report
 from geotlm_lm.reports.page import page_times
 from geotlm_lm.reports.protocols import protocols_page
 from geotlm_lm.reports.runtime import runtime_page
-from geotlm_lm.reports.simulator import rate_table
+from geotlm_lm.reports.simulator import (
+    closed_forms_page,
+    rate_table,
+    simulator_page,
+    simulator_stability_page,
+)
 from geotlm_lm.reports.stability import stability_page
 from geotlm_lm.reports.tables import answer_example, evaluation_page, training_overview
 from geotlm_lm.reports.transcript import transcript_page
@@ -55,6 +61,10 @@ PAGES: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "runtime.md": ("runtime.json", runtime_page),
     "stability.md": ("stability.json", stability_page),
     "transcript.md": ("transcript.json", transcript_page),
+    "simulator.md": ("simulator.json", simulator_page),
+    "simulator_stability.md": ("simulator_stability.json", simulator_stability_page),
+    "closed_forms.md": ("closed_forms.json", closed_forms_page),
+    "optics.md": ("optics.json", optics_report),
 }
 """Page -> the record it is made from, and how; written where there is that record."""
 

@@ -43,6 +43,27 @@ touches. Residuals are the worst of all sizes and steps, in double precision; th
 of them. One solution serves all quantities of a problem."""
 
 
+def simulator_page(record: RunRecord) -> str:
+    """Return error against run time, clips per second, and what omissions save, as one page."""
+    parts = {
+        "# Simulator: error against run time": error_table,
+        "## Clips per second": rate_table,
+        "## What each omission saves and costs": omission_table,
+    }
+    return "\n\n".join(_titled(title, table_of(record)) for title, table_of in parts.items()) + "\n"
+
+
+def simulator_stability_page(record: RunRecord) -> str:
+    """Return what became of stiff and extreme scenes, as one page."""
+    return _titled("# Simulator: stiff and extreme scenes", stability_table(record)) + "\n"
+
+
+def closed_forms_page(record: RunRecord) -> str:
+    """Return the errors against closed forms and their orders, as one page."""
+    title = "# Simulator: closed forms and orders of convergence"
+    return _titled(title, closed_forms_table(record)) + "\n"
+
+
 def error_table(record: RunRecord) -> str:
     """Return one row per variant: milliseconds, and each error's range over the scenes."""
     rows = []
@@ -188,4 +209,9 @@ def _range(values: list[float | None]) -> str:
     known = [value for value in values if value is not None]
     if not known:
         return "-"
-    return f"{median(known):.3g} ({min(known):.2g}-{max(known):.2g})"
+    ends = (f"{end:.0f}" if end >= 100 else f"{end:.2g}" for end in (min(known), max(known)))
+    return f"{median(known):.3g} ({'-'.join(ends)})"
+
+
+def _titled(title: str, text: str) -> str:
+    return f"{title}\n\n{text}"

@@ -1,0 +1,151 @@
+"""`geotlm-lm report simulator | optics | closed-forms | stability --simulator`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from geotlm_lm.cli.options import Seed, require_writable_file
+
+if TYPE_CHECKING:
+    from geotlm_lm.core.record import RunRecord
+
+
+def simulator(
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/simulator.json"
+    ),
+    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
+        "reports/simulator.md"
+    ),
+    figure: Annotated[
+        Path | None, typer.Option(help="Also draw the figure here; needs matplotlib.")
+    ] = None,
+) -> None:
+    """Hold every preset's error against its run time, beside what a user might take instead.
+
+    Example: geotlm-lm report simulator --figure reports/simulator.png
+    """
+    import sys
+    import time
+
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.core.threads import usable_cores
+    from geotlm_lm.experiments.evaluate import one_thread
+    from geotlm_lm.experiments.simulator_error import simulator_error
+    from geotlm_lm.experiments.simulator_omissions import omission_rows
+    from geotlm_lm.experiments.simulator_rate import simulator_rates
+    from geotlm_lm.reports.simulator import draw_error, simulator_page
+
+    _require_writable(out, table)
+    if figure is not None:
+        require_writable_file(figure, "--figure")
+    begun = time.perf_counter()
+    with one_thread():
+        record = simulator_error(command=command_line(sys.argv), progress=_show)
+        numbers = record.numbers | {"omissions": omission_rows(progress=_show)}
+    numbers["rates"] = simulator_rates(workers=usable_cores(), progress=_show)
+    record = replace(record, numbers=numbers, seconds=time.perf_counter() - begun)
+    _save(record, out, table, simulator_page(record))
+    if figure is not None:
+        draw_error(record, figure)
+
+
+def simulator_stability(out: Path, table: Path) -> None:
+    """Put the contact solver under stress and write what came of it."""
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.experiments import simulator_stability as experiment
+    from geotlm_lm.experiments.evaluate import one_thread
+    from geotlm_lm.reports.simulator import simulator_stability_page
+
+    _require_writable(out, table)
+    with one_thread():
+        record = experiment.simulator_stability(command=command_line(sys.argv), progress=_show)
+    _save(record, out, table, simulator_stability_page(record))
+
+
+def optics(
+    real: Annotated[
+        Path, typer.Option(help="Folder of real images: calibration/ and physiclear/.")
+    ],
+    clips: Annotated[int, typer.Option(min=1, help="Simulated clips.")] = 600,
+    seed: Seed = 0,
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/optics.json"
+    ),
+    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
+        "reports/optics.md"
+    ),
+) -> None:
+    """Hold the simulator's images against real ones, statistic by statistic.
+
+    Example: geotlm-lm report optics --real DIR
+    """
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line, progress_on_stderr
+    from geotlm_lm.core.atomic import write_text_atomically
+    from geotlm_lm.experiments.evaluate import one_thread
+    from geotlm_lm.experiments.optics import compare_optics
+    from geotlm_lm.reports.optics import optics_report, verdict
+
+    _require_writable(out, table)
+    with one_thread():
+        record = compare_optics(
+            real,
+            clips=clips,
+            seed=seed,
+            command=command_line(sys.argv),
+            progress=progress_on_stderr(),
+        )
+    record.save(out)
+    write_text_atomically(table, optics_report(record))
+    typer.echo(verdict(record))
+
+
+def closed_forms(
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/closed_forms.json"
+    ),
+    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
+        "reports/closed_forms.md"
+    ),
+) -> None:
+    """Hold the contact solver against every closed form, with its order of convergence.
+
+    Example: geotlm-lm report closed-forms
+    """
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.experiments import closed_forms as experiment
+    from geotlm_lm.experiments.evaluate import one_thread
+    from geotlm_lm.reports.simulator import closed_forms_page
+
+    _require_writable(out, table)
+    with one_thread():
+        record = experiment.closed_forms(command=command_line(sys.argv), progress=_show)
+    _save(record, out, table, closed_forms_page(record))
+
+
+def _require_writable(out: Path, table: Path) -> None:
+    require_writable_file(out, "--out")
+    require_writable_file(table, "--table")
+
+
+def _save(record: RunRecord, out: Path, table: Path, page: str) -> None:
+    """Write the record and the page made of it; print the page."""
+    from geotlm_lm.core.atomic import write_text_atomically
+
+    record.save(out)
+    write_text_atomically(table, page)
+    typer.echo(page)
+
+
+def _show(what: str, done: int, total: int) -> None:
+    typer.echo(f"{what}: {done} of {total}", err=True)
