@@ -105,16 +105,19 @@ def test_the_most_probable_motion_is_sought_among_those_asked(options, expected)
 
 
 def test_flow_is_given_the_gel_that_the_model_would_guess():
-    """Measured in px to the right: 1.0 against the true gel, 1.1 guessed, 7.1 the mean frame."""
+    """Of four clips the mean frame in the gel's place errs by 2.8 to 8.6 px, the guess by 0.3."""
     from geotlm_lm.simulation.touch import Touch, simulate_touch
 
-    clip = simulate_touch(Touch("key", slide_x_mm=0.15, seed=1)).clip
-    without = replace(clip, background=None)
-    guessed = replace(clip, background=estimate_background(clip.frames))
-    true, found, naive = (RigidFlow().fit(one).slide_x_px for one in (clip, guessed, without))
-    assert methods.flow_on_the_guessed_gel(without, SLIDES) == Motion.RIGHT
-    assert found == pytest.approx(true, abs=0.5)
-    assert abs(naive - true) > 3
+    naive_errors = []
+    for seed in range(1, 5):
+        clip = simulate_touch(Touch("key", slide_x_mm=0.15, seed=seed)).clip
+        without = replace(clip, background=None)
+        guessed = replace(clip, background=estimate_background(clip.frames))
+        true, found, naive = (RigidFlow().fit(one).slide_x_px for one in (clip, guessed, without))
+        assert methods.flow_on_the_guessed_gel(without, SLIDES) == Motion.RIGHT
+        assert found == pytest.approx(true, abs=0.5)
+        naive_errors.append(abs(naive - true))
+    assert np.median(naive_errors) > 3
 
 
 def test_flow_uses_the_background_where_there_is_one(monkeypatch):
