@@ -20,7 +20,7 @@ def bundle():
 
 
 class ScriptedSpeaker:
-    """Says one sentence, and finds every option as likely as it is long in letters."""
+    """Says one sentence, and finds it e^2.4 times as likely as every other option."""
 
     def __init__(self, sentence):
         self.sentence = sentence
@@ -32,7 +32,7 @@ class ScriptedSpeaker:
 
     def score(self, fused_token, question, options):
         self.scored.append(list(options))
-        return np.array([-1.0 if option == self.sentence else -3.0 for option in options])
+        return np.array([-1.0 if option == self.sentence else -3.4 for option in options])
 
 
 def answerer_saying(bundle, slots=None, text=None, **calibration):
@@ -63,8 +63,8 @@ def test_an_answer_carries_direction_frame_options_evidence_and_timing(bundle):
     assert not answer.abstained
     assert set(answer.options) == {motion.value for motion in Motion}
     assert sum(answer.options.values()) == pytest.approx(1.0)
-    # Ten options, one at -1 and nine at -3: e^2 / (e^2 + 9).
-    assert answer.confidence == pytest.approx(np.e**2 / (np.e**2 + 9))
+    # Ten options, one at -1 and nine at -3.4.
+    assert answer.confidence == pytest.approx(np.exp(2.4) / (np.exp(2.4) + 9))
     assert set(answer.timing_ms) == {"choose", "touch", "encode", "generate", "score", "total"}
     assert set(answer.evidence["regions"]) >= {"upper_minus_lower", "left_minus_right"}
     required = {"text", "direction", "confidence", "abstained", "frame", "options", "timing_ms"}
@@ -73,9 +73,26 @@ def test_an_answer_carries_direction_frame_options_evidence_and_timing(bundle):
 
 def test_temperature_softens_confidence(bundle):
     encoded = answerer_saying(bundle, CLOCKWISE).encode(recording())
-    sharp = answerer_saying(bundle, CLOCKWISE, temperature=1.0).ask(encoded, "Which way?")
-    soft = answerer_saying(bundle, CLOCKWISE, temperature=4.0).ask(encoded, "Which way?")
-    assert soft.confidence < sharp.confidence
+    sharp = answerer_saying(bundle, CLOCKWISE, temperature=0.5).ask(encoded, "Which way?")
+    soft = answerer_saying(bundle, CLOCKWISE, temperature=1.0).ask(encoded, "Which way?")
+    assert 0.5 < soft.confidence < sharp.confidence
+
+
+def test_an_answer_that_is_likelier_wrong_than_right_is_withheld_and_told_as_a_guess(bundle):
+    answerer = answerer_saying(bundle, CLOCKWISE, temperature=4.0)
+    answer = answerer.ask(answerer.encode(recording()), "Which way?")
+    assert answer.text == "I cannot tell for sure, 17%: Clockwise, in the camera image."
+    assert (answer.direction, answer.decided, answer.confidence) == (None, None, 0.0)
+    assert answer.abstained
+    assert max(answer.options, key=answer.options.get) == "clockwise"
+
+
+def test_amounts_are_told_however_many_are_near_alike(bundle):
+    said = Slots("magnitude", amount=15.0, unit="deg")
+    answerer = answerer_saying(bundle, said, temperature=4.0)
+    answer = answerer.ask(answerer.encode(recording()), "How far did it turn?")
+    assert not answer.abstained
+    assert answer.confidence < 0.5
 
 
 def test_a_direction_without_contact_becomes_an_abstention(bundle):
@@ -106,7 +123,8 @@ def test_a_refusal_abstains(bundle):
     ["A) right B) left?", "(a) right (b) left", "a. right, b. left", "A: right; B: left"],
 )
 def test_multiple_choice_scores_only_the_letters_offered(bundle, question):
-    answerer = answerer_saying(bundle, Slots("choice", direction=Motion.LEFT, letter="B"))
+    said = Slots("choice", direction=Motion.LEFT, letter="B")
+    answerer = answerer_saying(bundle, said, temperature=0.5)  # of twenty options
     answer = answerer.ask(answerer.encode(recording()), question)
     assert answer.direction is Motion.LEFT
     assert {name[0] for name in answer.options} == {"A", "B"}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
+from functools import cache, partial
 
 import numpy as np
 
@@ -21,6 +22,19 @@ OPEN_QUESTION = "Which way is it moving?"
 AMOUNT_QUESTION = "How far did it go?"
 RATE_QUESTION = "How fast did it go?"
 EVIDENCE_QUESTION = "Which half moves which way?"
+
+LEAST_SURE = 0.5
+"""Probability below which an answer is withheld: it would more likely be wrong than right."""
+
+NEVER_DOUBTED = frozenset({"magnitude", "rate", "evidence", "confidence", "refusal"})
+"""Kinds whose answers are told whatever their probability: amounts and signs are one of many near
+alike, and who asks for the confidence is told it."""
+
+Scores = Callable[[str], dict[str, float]]
+"""Takes a kind of answer, returns the probability of each by its deciding word."""
+
+Overhear = Callable[[str, Scores], None]
+"""Told the words so far, and where to learn how likely they are."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +61,7 @@ def hear(
     bundle: Bundle,
     encoded: Encoded,
     question: str,
-    listen: Callable[[str], None] | None = None,
+    listen: Overhear | None = None,
 ) -> Heard:
     """Return the model's words and the probabilities of their kind.
 
@@ -58,23 +72,36 @@ def hear(
         bundle: The model.
         encoded: The clip.
         question: What to ask.
-        listen: Told the words so far, after each token.
+        listen: Told the words so far, after each token; no probability is worked out twice.
     """
     if encoded.is_untouched and asks_direction(question):
         slots = Slots("direction", Motion.NONE)
         text = bundle.grammar.sentence(slots)
+        options = {Motion.NONE.value: UNTOUCHED_PROBABILITY}
         if listen is not None:
-            listen(text)
-        return Heard(slots, text, {Motion.NONE.value: UNTOUCHED_PROBABILITY}, is_by_rule=True)
+            listen(text, lambda _: options)
+        return Heard(slots, text, options, is_by_rule=True)
+    scores = cache(partial(score, bundle, encoded, question))
     started = time.perf_counter()
-    told = {} if listen is None else {"listen": listen}
+    told = {} if listen is None else {"listen": lambda text: listen(text, scores)}
     text = bundle.speaker.generate(encoded.perception.fused_token, [question], **told)[0]
     generated = time.perf_counter()
     slots = bundle.grammar.parse(text)
-    options = score(bundle, encoded, question, slots.kind if slots else "direction")
+    options = scores(slots.kind if slots else "direction")
     scored = time.perf_counter()
     timing = {"generate": 1e3 * (generated - started), "score": 1e3 * (scored - generated)}
     return Heard(slots, text, options, timing)
+
+
+def is_doubtful(kind: str | None, word: str | None, options: Mapping[str, float]) -> bool:
+    """Tell whether an answer is to be withheld for want of certainty.
+
+    Args:
+        kind: What it is an answer to.
+        word: Its deciding word.
+        options: Probability of every answer of its kind; empty where none was worked out.
+    """
+    return bool(options) and kind not in NEVER_DOUBTED and options.get(word, 0.0) < LEAST_SURE
 
 
 def hear_likeliest(

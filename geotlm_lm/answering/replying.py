@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 from geotlm_lm.answering.answer import (
@@ -18,8 +17,10 @@ from geotlm_lm.answering.hearing import (
     OPEN_QUESTION,
     RATE_QUESTION,
     Heard,
+    Overhear,
     hear,
     hear_likeliest,
+    is_doubtful,
     score,
 )
 from geotlm_lm.checkpoint import Bundle
@@ -83,7 +84,7 @@ def in_words(
     encoded: Encoded,
     question: str,
     frame: FrameSpec,
-    listen: Callable[[str], None] | None = None,
+    listen: Overhear | None = None,
 ) -> Answer:
     """Answer a question whose kind the model was trained on; `listen` hears its words so far."""
     heard = hear(bundle, encoded, question, listen)
@@ -117,7 +118,7 @@ def in_words(
         decided=deciding_word(slots),
         is_refusal=slots.kind == "refusal",
     )
-    answer = _with_contact(bundle, encoded, told, slots, heard.timing_ms)
+    answer = _unless_withheld(bundle, encoded, told, slots, heard.timing_ms)
     is_as_heard = answer.text == heard.text and not heard.is_by_rule
     return replace(answer, told_by="model") if is_as_heard else answer
 
@@ -218,20 +219,23 @@ def _retold(
         options = score(bundle, encoded, OPEN_QUESTION, "direction")
     probabilities = {Motion(word): share for word, share in options.items()}
     felt = Felt(slots.kind, slots.direction, question, frame, probabilities, slots.verdict)
-    return _with_contact(bundle, encoded, retell(felt), slots, heard.timing_ms)
+    return _unless_withheld(bundle, encoded, retell(felt), slots, heard.timing_ms)
 
 
-def _with_contact(
+def _unless_withheld(
     bundle: Bundle, encoded: Encoded, told: Told, slots: Slots, timing_ms: dict[str, float]
 ) -> Answer:
-    """Return what is told, unless there is too little contact for a direction."""
+    """Return what is told, unless there is too little contact, or certainty, for it."""
     text, direction, abstained = told.text, told.direction, told.is_refusal
+    sure = told.options.get(told.decided, 0.0)
     if bundle.calibration.withholds(slots.direction, encoded.contact_share):
         text, direction, abstained = _too_little_contact(encoded.contact_share), None, True
+    elif not abstained and is_doubtful(slots.kind, told.decided, told.options):
+        text, direction, abstained = f"I cannot tell for sure, {sure:.0%}: {text}", None, True
     return replace(
         plain(encoded, text, slots.kind, told.frame, timing_ms),
         direction=direction,
-        confidence=0.0 if abstained else told.options.get(told.decided, 0.0),
+        confidence=0.0 if abstained else sure,
         abstained=abstained,
         options=told.options,
         decided=None if abstained else told.decided,

@@ -1,9 +1,9 @@
 """Words as they are generated, as far as they will stand in the answer.
 
 Most answers are the model's own sentence and may be told while it is written. Others are derived
-from it by rule, need a time, or are withheld for want of contact: of these nothing is told before
-the end. Which it will be is known from the first words on, because every answer is one of a closed
-set of sentences.
+from it by rule, need a time, or are withheld for want of contact or certainty: of these nothing is
+told before the end. Which it will be is known from the first words on, because every answer is one
+of a closed set of sentences.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from queue import SimpleQueue
 from threading import Thread
 from typing import Any
 
-from geotlm_lm.answering.answer import Encoded
+from geotlm_lm.answering.answer import Encoded, deciding_word
+from geotlm_lm.answering.hearing import NEVER_DOUBTED, Scores, is_doubtful
 from geotlm_lm.answering.replying import NEEDS_MORE, denies_nothing, is_as_seen
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.kinds import is_ruled_out
@@ -41,20 +42,26 @@ class StandingWords:
     ) -> None:
         self._tell, self._told = tell, ""
         self._stands = {
-            sentence: stands(bundle, encoded, question, frame, slots)
+            sentence: slots if stands(bundle, encoded, question, frame, slots) else None
             for kind in bundle.grammar.kinds
             for sentence in bundle.grammar.options_for(kind)
             if (slots := bundle.grammar.parse(sentence)) is not None
         }
 
-    def __call__(self, text: str) -> None:
-        """Take the text so far."""
-        possible = [
-            is_told for sentence, is_told in self._stands.items() if sentence.startswith(text)
-        ]
-        if possible and all(possible) and len(text) > len(self._told):
+    def __call__(self, text: str, scores: Scores) -> None:
+        """Take the text so far, and where to learn how likely it is."""
+        possible = [slots for sentence, slots in self._stands.items() if sentence.startswith(text)]
+        if not possible or not all(possible) or len(text) <= len(self._told):
+            return
+        if not any(_is_withheld(slots, scores) for slots in possible):
             self._tell(text[len(self._told) :])
             self._told = text
+
+
+def _is_withheld(slots: Slots, scores: Scores) -> bool:
+    if slots.kind in NEVER_DOUBTED:
+        return False
+    return is_doubtful(slots.kind, deciding_word(slots), scores(slots.kind))
 
 
 def stands(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, slots: Slots) -> bool:

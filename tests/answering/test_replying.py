@@ -10,7 +10,7 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import KINDS, Slots
 from tests.answering.scripted import answerer_saying, feeling, recording
 
-SURE = np.e**2 / (np.e**2 + 9)
+SURE = np.exp(2.4) / (np.exp(2.4) + 9)
 """Probability of the sentence that is said, among ten."""
 
 
@@ -30,7 +30,7 @@ SURE = np.e**2 / (np.e**2 + 9)
         ("How fast is it sliding up?", "But no, it goes clockwise in the camera image.", None),
         (
             "How sure are you?",
-            "My confidence is low: 45% that it goes clockwise in the camera image.",
+            "My confidence is low: 55% that it goes clockwise in the camera image.",
             None,
         ),
         (
@@ -142,7 +142,7 @@ def test_a_trained_model_tells_its_confidence_from_the_open_question(bundle):
     said = {"*": "As sure as my probabilities are.", OPEN_QUESTION: "Left, in the camera image."}
     answerer = answerer_saying(bundle, said)
     answer = answerer.ask(answerer.encode(recording()), "How confident are you?")
-    assert answer.text.endswith("45% that it goes left in the camera image.")
+    assert answer.text.endswith("55% that it goes left in the camera image.")
 
 
 @pytest.mark.parametrize(

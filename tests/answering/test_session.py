@@ -36,7 +36,7 @@ def test_doubt_repeats_the_answer_with_its_probability_and_never_turns_it(sessio
     assert again.direction == first.direction == Motion.CLOCKWISE
     assert again.confidence == first.confidence
     assert again.text == (
-        "I am not sure of it, but it is the likeliest, 45%: Clockwise, in the camera image."
+        "I am not sure of it, but it is the likeliest, 55%: Clockwise, in the camera image."
     )
 
 
@@ -59,7 +59,7 @@ def test_a_refusal_is_repeated_as_it_is(session):
 
 
 def test_the_first_question_can_be_a_doubt(session):
-    assert session.ask("How sure are you?").text.startswith("My confidence is low: 45% that")
+    assert session.ask("How sure are you?").text.startswith("My confidence is low: 55% that")
 
 
 def test_an_answer_is_said_again(session):

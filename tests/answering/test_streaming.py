@@ -48,10 +48,22 @@ def test_a_direction_that_is_withheld_is_never_begun(bundle, encoded):
     assert answer.abstained
 
 
+def test_a_direction_that_is_doubtful_is_never_begun(bundle, encoded):
+    # The words say left, the probabilities leave less than half for it.
+    answerer = feeling(bundle, "left")
+    answerer.bundle.speaker.likes = "Right, in the camera image."
+    words, answer = streamed(answerer, encoded, "Which way?")
+    assert words == [answer.text]
+    assert answer.text == "I cannot tell for sure, 38%: Left, in the camera image."
+    assert (answer.direction, answer.decided, answer.abstained) == (None, None, True)
+
+
 def test_words_that_are_no_answer_are_told_apart_by_the_answer(bundle, encoded):
     answerer = answerer_saying(bundle, {"*": "Left, in the camera, I suppose."})
+    answerer.bundle.speaker.likes = "Left, in the camera image."
     words, answer = streamed(answerer, encoded, QUESTION)
     assert "".join(words) == "Left, in the camera"[: len("".join(words))]
+    assert len(words) > 3
     assert answer.text.startswith("I found no words for that")
 
 
