@@ -30,6 +30,9 @@ from geotlm_lm.core.geometry import (
 
 Floats = NDArray[np.float32]
 
+Structure = tuple[Floats, Floats, Floats]
+"""Products of an image's gradients: xx, xy, yy."""
+
 CELLS = 4
 """Cells per patch side at which the residual is kept: 4 x 4 cells of 4 x 4 pixels."""
 
@@ -128,20 +131,18 @@ def look(clip: Clip) -> tuple[Floats, View]:
     return np.concatenate(parts, axis=-1, dtype=np.float32), view
 
 
-def contact_view(structure: Sequence[Floats]) -> View:
+def contact_view(structure: Sequence[Structure]) -> View:
     """Return the view around what stands out from the idle gel in any frame.
 
     Args:
-        structure: Products of the residual's gradients of each frame, (224, 224, 3).
+        structure: Products of the residual's gradients of each frame.
 
     Returns:
         A view centred on the imprint, between `MIN_VIEW_PX` and the whole image large; the whole
         image where nothing stands out.
     """
     side = IMAGE_SIDE // VIEW_CELL_PX
-    energy = np.max(
-        [_area_means(products[..., 0] + products[..., 2], side) for products in structure], axis=0
-    )
+    energy = np.max([_area_means(xx + yy, side) for xx, _, yy in structure], axis=0)
     excess = np.sqrt(np.maximum(energy - 2 * np.median(energy) - CONTRAST_FLOOR_GREY2, 0))
     mass = float(excess.sum())
     if mass == 0:
@@ -201,17 +202,17 @@ def _bin_means(values: Sequence[Floats]) -> Floats:
     return stacked.reshape(-1, TUBE_FRAMES, *stacked.shape[1:]).mean(axis=1)
 
 
-def _structure(green: NDArray[np.uint8]) -> Floats:
-    """Return the products of image gradients (xx, xy, yy), (side, side, 3), grey^2 per px^2."""
+def _structure(green: NDArray[np.uint8]) -> Structure:
+    """Return the products of image gradients (xx, xy, yy), each (side, side), grey^2 per px^2."""
     image = cv2.GaussianBlur(green, (5, 5), 0)
     gx = cv2.Sobel(image, cv2.CV_32F, 1, 0, scale=1 / 8)
     gy = cv2.Sobel(image, cv2.CV_32F, 0, 1, scale=1 / 8)
-    return cv2.merge([gx * gx, gx * gy, gy * gy])
+    return gx * gx, gx * gy, gy * gy
 
 
-def _orientation(structure: Floats) -> Floats:
+def _orientation(structure: Structure) -> Floats:
     """Return log contrast and the normalised structure of each patch, shape (14, 14, 4)."""
-    mean = _area_means(structure, GRID_SIDE)
+    mean = np.stack([_area_means(products, GRID_SIDE) for products in structure], axis=-1)
     energy = mean[..., :1] + mean[..., 2:]
     log_contrast = np.log1p(energy / CONTRAST_FLOOR_GREY2)
     return np.concatenate([log_contrast, mean / (energy + CONTRAST_FLOOR_GREY2)], axis=-1)
@@ -272,7 +273,7 @@ def _alignment(residual: Sequence[Floats], relief: Sequence[Floats], aspect: flo
 
 
 def _accumulated_flow(
-    images: list[NDArray[np.uint8]], structure: list[Floats], settings: FlowSettings
+    images: list[NDArray[np.uint8]], structure: list[Structure], settings: FlowSettings
 ) -> list[Floats]:
     """Sum each patch's contrast-weighted flow from the first frame on, (14, 14, 2) a frame, px."""
     solver = settings.solver()
@@ -281,9 +282,8 @@ def _accumulated_flow(
         step = np.zeros_like(total[0])
         if not np.array_equal(before, after):
             flow = solver.calc(before, after, None)
-            weight = products[..., 0] + products[..., 2] + 1e-3
-            weighted = cv2.merge([flow[..., 0] * weight, flow[..., 1] * weight, weight])
-            mean = _area_means(weighted, GRID_SIDE)
-            step = mean[..., :2] / mean[..., 2:]
+            weight = products[0] + products[2] + 1e-3
+            step = _area_means(flow * weight[..., None], GRID_SIDE)
+            step /= _area_means(weight, GRID_SIDE)[..., None]
         total.append(total[-1] + step)
     return total
