@@ -243,6 +243,19 @@ def _thumbnails() -> list[tuple[Any, str]]:
     from geotlm_lm import read_clip
 
     return [
-        (read_clip(path).frames[-1], Path(path).stem.replace("_", " "))
-        for path in handlers.EXAMPLE_CLIPS
+        (read_clip(path).frames[-1], _caption(Path(path).stem)) for path in handlers.EXAMPLE_CLIPS
     ]
+
+
+_HARD = {
+    "can_rim_clockwise": "a thin edge",
+    "bead_right": "a smooth ball",
+    "corner_counterclockwise": "at the border",
+    "key_none": "no contact",
+    "pen_clip_left": "told wrong",
+}
+
+
+def _caption(name: str) -> str:
+    hard = f" (hard: {_HARD[name]})" if name in _HARD else ""
+    return name.replace("_", " ") + hard

@@ -45,5 +45,5 @@ def test_a_server_that_mixes_answers_up_is_noticed():
             return super().ask(before, question)
 
     levels = {np.load(path)["frames"].mean() for path in tour.handlers.EXAMPLE_CLIPS}
-    assert len(levels) == 4
+    assert len(levels) == len(tour.handlers.EXAMPLE_CLIPS)
     assert crowd_of(MixedUp())["wrong"] > 0

@@ -51,7 +51,7 @@ def talk(monkeypatch, capsys, bundle, clip_path):
 
 def test_each_line_is_answered_on_a_line_of_its_own(talk):
     out, err = talk("which way?", "", "are you sure?")
-    assert out == [DIRECTION, f"I am not sure of it, but it is the likeliest, 45%: {DIRECTION}"]
+    assert out == [DIRECTION, f"I am not sure of it, but it is the likeliest, 55%: {DIRECTION}"]
     assert all(line.startswith("note: ") for line in err)
 
 

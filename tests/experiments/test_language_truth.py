@@ -56,7 +56,8 @@ def answer_of(bundle, asked, felt, frame=CAMERA, *, knows_all=True, says=None):
     opened = bundle.grammar.sentence(Slots("direction", Motion(felt)))
     grammar = bundle.grammar if knows_all else first_kinds_of(bundle.grammar)
     sentences = {asked.question: says or asked.answer, OPEN_QUESTION: opened, "*": opened}
-    return answerer_saying(bundle, sentences, grammar=grammar).ask(
+    # Sure of its words even among the forty answers to a choice: doubt is not the matter here.
+    return answerer_saying(bundle, sentences, grammar=grammar, temperature=0.2).ask(
         perceived(bundle), asked.question, frame=frame
     )
 
