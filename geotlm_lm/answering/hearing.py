@@ -11,7 +11,7 @@ import numpy as np
 
 from geotlm_lm.answering.answer import Encoded, deciding_word, offered_letters
 from geotlm_lm.checkpoint import Bundle
-from geotlm_lm.conversation.kinds import asks_direction
+from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.recordings.touch import UNTOUCHED_PROBABILITY
@@ -66,7 +66,9 @@ def hear(
     """Return the model's words and the probabilities of their kind.
 
     Where nothing touches, an open question about direction needs no model to be answered; any other
-    question does, to be understood.
+    question does, to be understood. Where the words tell the kind of answer and nobody listens, all
+    answers of that kind are weighed first: what would be written is one of them nearly always, and
+    then need not be written token by token.
 
     Args:
         bundle: The model.
@@ -81,8 +83,14 @@ def hear(
         if listen is not None:
             listen(text, lambda _: options)
         return Heard(slots, text, options, is_by_rule=True)
-    scores = cache(partial(score, bundle, encoded, question))
     started = time.perf_counter()
+    kind = told_kind(question)
+    if listen is None and kind in bundle.grammar.kinds:
+        options, text = _weigh(bundle, encoded, question, kind)
+        if text is not None:
+            timing = {"score": 1e3 * (time.perf_counter() - started)}
+            return Heard(bundle.grammar.parse(text), text, options, timing)
+    scores = cache(partial(score, bundle, encoded, question))
     told = {} if listen is None else {"listen": lambda text: listen(text, scores)}
     text = bundle.speaker.generate(encoded.perception.fused_token, [question], **told)[0]
     generated = time.perf_counter()
@@ -91,6 +99,11 @@ def hear(
     scored = time.perf_counter()
     timing = {"generate": 1e3 * (generated - started), "score": 1e3 * (scored - generated)}
     return Heard(slots, text, options, timing)
+
+
+def told_kind(question: str) -> str | None:
+    """Return what sort of answer the words of `question` ask for, None where they do not tell."""
+    return "direction" if asks_direction(question) else asked_kind(question)
 
 
 def is_doubtful(kind: str | None, word: str | None, options: Mapping[str, float]) -> bool:
@@ -127,14 +140,21 @@ def hear_likeliest(
 
 def score(bundle: Bundle, encoded: Encoded, question: str, kind: str) -> dict[str, float]:
     """Return the calibrated probability of every answer of `kind`, by its deciding word."""
+    return _weigh(bundle, encoded, question, kind)[0]
+
+
+def _weigh(
+    bundle: Bundle, encoded: Encoded, question: str, kind: str
+) -> tuple[dict[str, float], str | None]:
+    """Return the same, and the answer of `kind` that the model writes, None if it writes none."""
     grammar = bundle.grammar
     sentences = grammar.options_for(kind)
     if kind == "choice" and (offered := offered_letters(question)):
         sentences = [s for s in sentences if grammar.parse(s).letter in offered]
-    log_likelihoods = bundle.speaker.score(encoded.perception.fused_token[0], question, sentences)
-    probabilities = bundle.calibration.probabilities(log_likelihoods)
+    weighed = bundle.speaker.weigh(encoded.perception.fused_token[0], question, sentences)
+    probabilities = bundle.calibration.probabilities(weighed.log_probabilities)
     options: dict[str, float] = {}
     for sentence, probability in zip(sentences, probabilities, strict=True):
         word = deciding_word(grammar.parse(sentence))
         options[word] = options.get(word, 0.0) + float(probability)
-    return options
+    return options, weighed.written

@@ -6,6 +6,7 @@ Knows neither where the fused token comes from nor what an answer means.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,20 @@ from geotlm_lm.language.weights import load_decoder, save_decoder
 
 BATCH = 64
 """Questions generated side by side; more gains nothing on a processor."""
+
+
+@dataclass(frozen=True, eq=False)
+class Weighed:
+    """A closed set of answers, weighed in one pass.
+
+    Args:
+        log_probabilities: Of each option as the whole answer, its end included, (options,).
+        written: The option that `Speaker.generate` writes, as it writes it; None where it writes
+            none of them.
+    """
+
+    log_probabilities: np.ndarray
+    written: str | None
 
 
 class Speaker:
@@ -87,11 +102,17 @@ class Speaker:
             answers += self._generate(fused_token[part], prompts[part], listen)
         return answers
 
-    @torch.inference_mode()
     def score(self, fused_token: Tensor, question: str, options: Sequence[str]) -> np.ndarray:
-        """Return the log-probability of each option as the whole answer, its end included.
+        """Return the log-probability of each option; see `weigh`."""
+        return self.weigh(fused_token, question, options).log_probabilities
 
-        The prompt is read once; its keys and values serve every option.
+    @torch.inference_mode()
+    def weigh(self, fused_token: Tensor, question: str, options: Sequence[str]) -> Weighed:
+        """Return how likely each option is as the whole answer, and whether one would be written.
+
+        The prompt is read once; its keys and values serve every option. The likeliest token at
+        every place of every option comes with it, so that the sentence which generation would write
+        token by token is known too, if it is one of them (but for ties in the last bit).
 
         Args:
             fused_token: (fused width,), unitless.
@@ -110,9 +131,11 @@ class Speaker:
         hidden, cache = self._read(fused_token[None], prompt)
         first = self.model.logits(hidden[:, -1:]).log_softmax(-1).expand(len(answers), -1, -1)
         ids, is_answer = _right_padded(answers, self.processor.pad_id)
-        logits = torch.cat([first, self._continue(ids, cache)], dim=1)
-        chosen = logits[:, :-1].gather(2, ids[..., None])[..., 0]
-        return chosen.where(is_answer, 0.0).sum(dim=1).double().numpy()
+        logits = torch.cat([first, self._continue(ids, cache)], dim=1)[:, :-1]
+        chosen = logits.gather(2, ids[..., None])[..., 0].where(is_answer, 0.0)
+        followed = ((logits.argmax(-1) == ids) | ~is_answer).all(dim=1).nonzero().flatten().tolist()
+        written = self.processor.decode(answers[followed[0]]) if followed else None
+        return Weighed(chosen.sum(dim=1).double().numpy(), written)
 
     def _read(self, fused_token: Tensor, prompt: Tensor) -> tuple[Tensor, Cache]:
         """Return hidden states and cache of one unpadded prompt."""

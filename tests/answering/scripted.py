@@ -9,6 +9,7 @@ from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import AnswerGrammar, Slots
+from geotlm_lm.language.speak import Weighed
 
 FIRST_KINDS = ("direction", "verify", "choice", "class", "contact", "moving", "refusal")
 
@@ -35,6 +36,14 @@ class Scripted:
             for end in range(2, len(text) + 2, 2):  # two letters a token
                 listen(text[:end])
         return [self._says(question) for question in questions]
+
+    def weigh(self, fused_token, question, options):
+        said = self._says(question)
+        if said in options and question not in self.heard:
+            self.heard.append(question)
+        return Weighed(
+            self.score(fused_token, question, options), said if said in options else None
+        )
 
     def score(self, fused_token, question, options):
         said = self._says(question)

@@ -56,7 +56,8 @@ def test_a_touched_clip_is_perceived_as_it_is(bundle):
     answer = answerer.ask(encoded, "Which way is it going?")
     assert answer.direction is Motion.PRESS
     assert answer.told_by == "model"
-    assert list(answer.timing_ms) == ["choose", "touch", "encode", "generate", "score", "total"]
+    # What is written is one of the answers that were weighed: it is not written again.
+    assert list(answer.timing_ms) == ["choose", "touch", "encode", "score", "total"]
 
 
 @pytest.mark.parametrize("question", ["Is it turning clockwise?", "Is anything touching?"])

@@ -123,3 +123,20 @@ def test_real_turns_are_told_forwards_and_backwards(answerer):
     ]
     assert len(right) >= 60
     assert np.mean(right) >= 0.85
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.npz")), ids=lambda path: path.stem)
+def test_what_is_weighed_as_written_is_what_is_generated(answerer, path):
+    """The greedy sentence, found in one pass over the answers to a question or not at all."""
+    token = answerer.encode(read_clip(path)).perception.fused_token
+    speaker, grammar = answerer.bundle.speaker, answerer.bundle.grammar
+    for question, kind in (
+        (QUESTION, "direction"),
+        ("rotation sense pls", "direction"),
+        ("Which half moves which way?", "evidence"),
+        ("How far did it go?", "magnitude"),
+    ):
+        (said,) = speaker.generate(token, [question])
+        written = speaker.weigh(token[0], question, grammar.options_for(kind)).written
+        assert written == (said if said in grammar.options_for(kind) else None)
+        assert question != QUESTION or written is not None

@@ -55,6 +55,14 @@ def test_a_score_is_the_log_likelihood_of_the_whole_answer(speaker, fused_tokens
     np.testing.assert_allclose(scores, expected, rtol=1e-4)
 
 
+def test_no_option_counts_as_written_where_other_words_would_be(speaker, fused_tokens):
+    weighed = speaker.weigh(fused_tokens[0], QUESTIONS[1], OPTIONS)
+    assert speaker.generate(fused_tokens[:1], QUESTIONS[1:2])[0] not in OPTIONS
+    assert weighed.written is None
+    scores = speaker.score(fused_tokens[0], QUESTIONS[1], OPTIONS)
+    np.testing.assert_array_equal(weighed.log_probabilities, scores)
+
+
 def test_saved_and_loaded_it_says_and_scores_the_same(speaker, fused_tokens, tmp_path):
     speaker.save(tmp_path)
     loaded = Speaker.load(tmp_path)
