@@ -1,8 +1,9 @@
 """Load once, encode a clip once, ask many questions: the seam for people and programs.
 
 Words are those the language model writes, token by token or found in the pass that weighs the
-closed set of answers; probabilities come from that pass; the evidence is the geometry the fused token was made of. What follows exactly from a
-motion, a frame of reference, a time or a probability is derived by the rules of `conversation`.
+closed set of answers; probabilities come from that pass; the evidence is the geometry the fused
+token was made of. What follows exactly from a motion, a frame of reference, a time or a probability
+is derived by the rules of `conversation`.
 """
 
 from geotlm_lm.answering.answer import (
