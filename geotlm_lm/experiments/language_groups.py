@@ -42,8 +42,8 @@ SIMILAR, SURELY_APART = 0.2, 0.33
 """Amounts apart by at most a fifth are similar; from a third on they are not, whatever a stated
 amount was rounded by (13 %). Between the two either answer is right."""
 
-_AMOUNT = re.compile(r"\b(?:further|farther|more|larger|less|smaller|faster|slower)\b")
-_LESS = re.compile(r"\b(?:less|smaller|slower)\b")
+_AMOUNT = re.compile(r"\b(?:further|farther|more|larger|less|smaller|faster|slower)\b", re.I)
+_LESS = re.compile(r"\b(?:less|smaller|slower)\b", re.I)
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ def _two_clips(
     groups = []
     for type_id, name, grade in (("T9", "two clips", compares), ("T22", "order", orders)):
         (asked,) = questions_for(second.label, rng, types=[type_id])
-        if grade is compares and not (first.has_amounts or not _AMOUNT.search(asked.question)):
+        if grade is compares and not first.has_amounts and _AMOUNT.search(asked.question):
             continue
         reply = session.ask(asked.question)
         said = getattr(reply, "relation", None) or getattr(reply, "decided", None)
@@ -180,7 +180,7 @@ def compares(question: str, reply: object, first: Touched, second: Touched) -> b
     """Tell whether a reply compares two clips rightly: their directions, or what is asked for."""
     if not isinstance(reply, Comparison):
         return False
-    if not _AMOUNT.search(question.lower()):
+    if not _AMOUNT.search(question):
         one, other = first.motion, second.motion
         opposite = one in (*ROTATIONS, *SLIDES) and other == reverse(one)
         same = "same" if one == other else "opposite" if opposite else "different"
@@ -190,7 +190,7 @@ def compares(question: str, reply: object, first: Touched, second: Touched) -> b
     if None in amounts or turns[0] != turns[1]:
         return reply.abstained
     apart = abs(amounts[0] - amounts[1]) / max(amounts)
-    is_first = (amounts[0] > amounts[1]) != bool(_LESS.search(question.lower()))
+    is_first = (amounts[0] > amounts[1]) != bool(_LESS.search(question))
     allowed = {"similar"} if apart <= SURELY_APART else set()
     allowed |= {"first" if is_first else "second"} if apart > SIMILAR else set()
     return reply.relation in allowed

@@ -63,8 +63,10 @@ def _stages(answerer: Answerer, clip: Clip, folder: Path) -> dict[str, Callable[
         "probe": lambda: model.probe.predict(token),
         "LM: prompt read": _prefill(answerer, token),
         "LM: one token": _one_token(answerer, token),
-        "LM: whole answer": lambda: speaker.generate(token, [QUESTION]),
-        "LM: ten answers scored": lambda: speaker.score(token[0], QUESTION, sentences),
+        "LM: whole answer, token by token": lambda: speaker.generate(token, [QUESTION]),
+        "LM: ten answers weighed, what is written among them": lambda: speaker.weigh(
+            token[0], QUESTION, sentences
+        ),
     }
 
 

@@ -1,5 +1,6 @@
 """Grading of two clips by hand-made truths; groups through a scripted model."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 from geotlm_lm.answering import Comparison, Order
 from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.experiments import language_groups
 from geotlm_lm.experiments.language_cases import Touched
 from geotlm_lm.experiments.language_groups import ask_groups, compares, orders
 from tests.answering.scripted import feeling, recording
@@ -103,6 +105,16 @@ def test_a_model_that_feels_what_is_there_gets_whole_groups_right(groups):
 
 def test_a_model_without_an_answer_to_a_claim_fails_the_pair(groups):
     assert not any(all(group.right) for group in groups["claim and its denial"])
+
+
+def test_amounts_that_nobody_knows_are_not_asked_for(monkeypatch):
+    """Of real recordings; a shouted question is one as well."""
+    asked = SimpleNamespace(question="WHICH ONE TURNED FURTHER?")
+    monkeypatch.setattr(language_groups, "questions_for", lambda *_, **__: [asked])
+    answerer = feeling(tiny_bundle(), "left")
+    clips = [replace(touch("left", encoded=answerer.encode(recording())), has_amounts=False)] * 2
+    found = language_groups._two_clips(answerer, *clips, np.random.default_rng(0))
+    assert [group.name for group in found] == ["T22 order"]
 
 
 def test_a_doubt_does_not_turn_the_answer(groups):
