@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm import (
+    LEAST_SURE,
     Answerer,
     FrameSpec,
     GeoTLMError,
@@ -263,13 +264,13 @@ def _verdicts(text: str, details: dict[str, Any], opinions: dict[str, Any]) -> l
 
 
 def _band(answerer: Answerer, details: dict[str, Any]) -> str:
-    """Return from where on a direction is told, and where this clip stands."""
+    """Return from where on an answer is told, and where this one stands."""
     threshold = answerer.bundle.calibration.contact_threshold
     share = details.get("evidence", {}).get("contact_share", 0.0)
-    side = "withheld" if share < threshold else "allowed"
+    side = "withheld" if share < threshold or details.get("abstained") else "told"
     return (
-        f"Contact share {share:.3f}; below {threshold:.3f} no direction is claimed: "
-        f"here one is **{side}**."
+        f"Contact share {share:.3f}; below {threshold:.3f} no direction is claimed, and no answer "
+        f"that is less than {LEAST_SURE:.0%} sure: this one is **{side}**."
     )
 
 

@@ -14,6 +14,7 @@ _HOME_OF = {
     "Clip": "geotlm_lm.core.clip",
     "FrameSpec": "geotlm_lm.core.frame_spec",
     "GeoTLMError": "geotlm_lm.core.errors",
+    "LEAST_SURE": "geotlm_lm.answering",
     "Motion": "geotlm_lm.core.labels",
     "Seen": "geotlm_lm.views.pictures",
     "Session": "geotlm_lm.answering",

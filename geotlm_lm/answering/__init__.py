@@ -15,12 +15,13 @@ from geotlm_lm.answering.answer import (
     four_frames_with_background,
 )
 from geotlm_lm.answering.answerer import Answerer, Why
-from geotlm_lm.answering.hearing import OPEN_QUESTION
+from geotlm_lm.answering.hearing import LEAST_SURE, OPEN_QUESTION
 from geotlm_lm.answering.replying import NOT_UNDERSTOOD
 from geotlm_lm.answering.session import Session, Turn
 from geotlm_lm.answering.several import Comparison, Order
 
 __all__ = [
+    "LEAST_SURE",
     "NOT_UNDERSTOOD",
     "OPEN_QUESTION",
     "Answer",
