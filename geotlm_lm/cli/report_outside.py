@@ -42,7 +42,7 @@ def fuzz(
     from geotlm_lm.core.atomic import write_text_atomically
     from geotlm_lm.core.errors import BelowMinimum
     from geotlm_lm.fuzzing import run, targets
-    from geotlm_lm.reports.fuzz import fuzz_report, verdict
+    from geotlm_lm.reports.fuzz import fuzz_page, verdict
 
     require_writable_file(out, "--out")
     require_writable_file(table, "--table")
@@ -55,9 +55,7 @@ def fuzz(
         progress=lambda name, done, total: typer.echo(f"{name}: {done} of {total}", err=True),
     )
     record.save(out)
-    write_text_atomically(
-        table, f"# Damaged files and nonsense questions\n\n{fuzz_report(record)}\n"
-    )
+    write_text_atomically(table, fuzz_page(record))
     typer.echo(verdict(record))
     if record.numbers["findings"]:
         raise BelowMinimum(

@@ -8,6 +8,11 @@ from geotlm_lm.reports.tables import markdown, provenance
 COLUMNS = ("target", "inputs", "read", "refused", "kept", "pairs of lines", "slowest, ms", "MiB")
 
 
+def fuzz_page(record: RunRecord) -> str:
+    """Return the report under its title."""
+    return f"# Damaged files and nonsense questions\n\n{fuzz_report(record)}\n"
+
+
 def fuzz_report(record: RunRecord) -> str:
     """Return the counts of every target, and what was found, as Markdown."""
     rows = [

@@ -14,6 +14,7 @@ from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.reports.confusions import FOLDER, stale_pictures
+from geotlm_lm.reports.fuzz import fuzz_page
 from geotlm_lm.reports.headline import (
     accuracy_headline,
     difference_headline,
@@ -61,6 +62,7 @@ PAGES: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "runtime.md": ("runtime.json", runtime_page),
     "stability.md": ("stability.json", stability_page),
     "transcript.md": ("transcript.json", transcript_page),
+    "fuzz.md": ("fuzz.json", fuzz_page),
     "simulator.md": ("simulator.json", simulator_page),
     "simulator_stability.md": ("simulator_stability.json", simulator_stability_page),
     "closed_forms.md": ("closed_forms.json", closed_forms_page),
