@@ -71,6 +71,19 @@ def language_page(record: RunRecord) -> str:
     return f"{INTRO}\n\n{language_tables(record)}\n{provenance(record)}\n"
 
 
+def language_headline(record: RunRecord) -> str:
+    """Return what all types together came to, a row per set of clips, for the README."""
+    header = ["clips", "types", "questions", "words", "95 %", *COLUMNS[1:], "groups all right"]
+    rows = []
+    for title, scores in record.numbers["sets"].items():
+        groups = [one["all_right"] for one in scores["groups"].values()]
+        for name, own in scores["pooled"].items():
+            _, questions, _, _, words, interval, _, *others, _ = _type_row(name, own)
+            whole = f"{min(groups):.3f}-{max(groups):.3f}" if groups else "-"
+            rows.append([title, name, questions, words, interval, *others, whole])
+    return f"{markdown(header, rows)}\n\n{provenance(record)}"
+
+
 def language_tables(record: RunRecord) -> str:
     """Return the tables of every set of clips, simulated and real apart."""
     parts = []

@@ -92,6 +92,13 @@ def protocols_page(record: RunRecord) -> str:
     return "\n\n".join([intro, protocol_tables(record), f"{provenance(record)} {time}"]) + "\n"
 
 
+def protocols_headline(record: RunRecord) -> str:
+    """Return the paper's two main tables, ours and the published figures apart, for the README."""
+    tasks = record.numbers["tasks"]
+    tables = [table for name in tasks if name in _TABLES for table in _TABLES[name](tasks)]
+    return "\n\n".join([*tables, provenance(record)])
+
+
 def protocol_tables(record: RunRecord) -> str:
     """Return the tables that were run, then each object's accuracy, differences and folds."""
     tasks, parts = record.numbers["tasks"], []

@@ -21,11 +21,11 @@ from geotlm_lm.reports.headline import (
     false_claim_headline,
     time_headline,
 )
-from geotlm_lm.reports.language import language_page
+from geotlm_lm.reports.language import language_headline, language_page
 from geotlm_lm.reports.optics import optics_report
 from geotlm_lm.reports.page import page_times
-from geotlm_lm.reports.protocols import protocols_page
-from geotlm_lm.reports.runtime import runtime_page
+from geotlm_lm.reports.protocols import protocols_headline, protocols_page
+from geotlm_lm.reports.runtime import runtime_headline, runtime_page
 from geotlm_lm.reports.simulator import (
     closed_forms_page,
     rate_table,
@@ -45,6 +45,9 @@ BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "training": ("train.json", training_overview),
     "page": ("page.json", page_times),
     "simulator": ("simulator.json", rate_table),
+    "language": ("language.json", language_headline),
+    "protocols": ("protocols.json", protocols_headline),
+    "runtime": ("runtime.json", runtime_headline),
 }
 """Block name -> the record it is made from, and how."""
 
@@ -52,6 +55,9 @@ _COMMANDS = dict.fromkeys(BLOCKS, "geotlm-lm evaluate --out reports/recorded/eva
     "example": "geotlm-lm report answer",
     "page": "geotlm-lm report page",
     "simulator": "geotlm-lm report simulator",
+    "language": "geotlm-lm report language",
+    "protocols": "geotlm-lm report protocols",
+    "runtime": "geotlm-lm report runtime",
     "training": "cp geotlm_lm/bundle/scores.json reports/recorded/train.json",
 }
 

@@ -70,6 +70,12 @@ def pick_table(record: RunRecord) -> str:
     return markdown(["for", "the rule", "take", "mean error", "cost"], rows)
 
 
+def runtime_headline(record: RunRecord) -> str:
+    """Return what to pick, and how long each stage of an answer takes, for the README."""
+    stages = _stage_table(record.numbers["stages"])
+    return "\n\n".join([pick_table(record), stages, STAGE_NOTE, provenance(record)])
+
+
 def method_table(rows: Sequence[dict[str, Any]]) -> str:
     """Return one row per method of one source and frame count, those on the Pareto front marked."""
     cells = [

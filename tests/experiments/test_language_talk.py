@@ -12,7 +12,7 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.experiments.language_cases import blind, mirrored, simulated_touches
 from geotlm_lm.experiments.language_talk import evaluate_talk
-from geotlm_lm.reports.language import language_page
+from geotlm_lm.reports.language import language_headline, language_page
 from tests.answering.scripted import recording
 from tests.tiny_bundle import tiny_bundle
 
@@ -71,6 +71,13 @@ def test_the_record_is_json_and_makes_a_page(record):
     assert "## simulated" in page
     assert "2 no words" in page
     assert "| claim and its denial " in page
+
+
+def test_the_headline_has_a_row_for_every_pool_of_types(record):
+    pools = [[*own["pooled"]] for own in record.numbers["sets"].values()]
+    table = language_headline(record).split("\n\n")[0].splitlines()
+    assert [line.split("|")[2].strip() for line in table[2:]] == sum(pools, [])
+    assert len({line.count("|") for line in table}) == 1
 
 
 def test_progress_reaches_its_ends(record, told):

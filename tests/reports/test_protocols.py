@@ -13,6 +13,7 @@ from geotlm_lm.reports.protocols import (
     frames_table,
     object_table,
     protocol_tables,
+    protocols_headline,
     protocols_page,
     row_table,
 )
@@ -210,6 +211,15 @@ def test_differences_carry_their_interval_and_p(record):
 def test_folds_name_who_is_tested_and_who_validates(record):
     table = fold_table(record.numbers["tasks"])
     assert line_of(table, "five-fold 0") == ["five-fold 0", "key", "cap, pen", "40 / 20 / 10"]
+
+
+def test_the_headline_holds_the_main_tables_and_where_they_are_from(record):
+    text = protocols_headline(record)
+    tables = text.split("\n\n")
+    assert tables[0] in protocol_tables(record)
+    assert tables[0].startswith("| rotation ")
+    assert not any(name in text for name in ("region pool only", "object by object"))
+    assert "`geotlm-lm report protocols" in tables[-1]
 
 
 def test_the_page_says_that_the_data_differ_and_how_to_get_it_again(record):

@@ -4,7 +4,14 @@ import pytest
 
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.reports.pareto import is_on_front, picks
-from geotlm_lm.reports.runtime import draw_runtime, method_table, omission_table, runtime_page
+from geotlm_lm.reports.runtime import (
+    draw_runtime,
+    method_table,
+    omission_table,
+    pick_table,
+    runtime_headline,
+    runtime_page,
+)
 
 
 def row(method, error, ms, source="rotation", frames=4, p95=None):
@@ -144,6 +151,13 @@ def test_the_page_holds_every_part(record):
         assert words in page
     gain = next(line for line in page.splitlines() if line.startswith("| LM generated, float32, 1"))
     assert gain.split("|")[-2].strip() == "1.0"
+
+
+def test_the_headline_is_the_picks_and_the_stages(record):
+    headline = runtime_headline(record)
+    assert headline.startswith(pick_table(record))
+    assert all(part in runtime_page(record) for part in headline.split("\n\n"))
+    assert "### rotation" not in headline
 
 
 def test_the_figure_draws_every_source(record, tmp_path):
