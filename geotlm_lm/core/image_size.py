@@ -1,4 +1,4 @@
-"""The size an image file declares, read before a decoder makes room for it."""
+"""What an image file declares about its size, read before a decoder makes room for it."""
 
 from __future__ import annotations
 
@@ -25,6 +25,21 @@ def declared_size(stored: bytes) -> tuple[int, int] | None:
         columns, rows = (int.from_bytes(side, "little", signed=not is_short) for side in sides)
         return abs(rows), abs(columns)
     return _jpeg_size(stored) if stored.startswith(_JPEG) else None
+
+
+def is_cut_off(stored: bytes) -> bool:
+    """Tell whether a PNG declares a chunk that does not end within the file.
+
+    A decoder makes room for the chunk before it looks for its bytes: four of them can ask for
+    4 GB. False of any other file.
+    """
+    at, kind = len(_PNG), b""
+    if not stored.startswith(_PNG):
+        return False
+    while kind != b"IEND" and at < len(stored):
+        kind = stored[at + 4 : at + 8]
+        at += 12 + int.from_bytes(stored[at : at + 4])  # length, name and checksum beside it
+    return at > len(stored)
 
 
 def _jpeg_size(stored: bytes) -> tuple[int, int] | None:

@@ -174,8 +174,9 @@ def _object(path: Path, values: dict[str, str]) -> tuple[str, str]:
 
 def _fps(path: Path, values: dict[str, str]) -> float:
     try:
-        return float(values["fps"])
+        return float(values["fps"] or "")  # None where the line ends before it
     except ValueError as error:
         raise UnreadableClip(
-            f"{path}: {values['clip']} has '{values['fps']}' frames per second, expected a number."
+            f"{path}: {values['clip']} has '{values['fps'] or ''}' frames per second, expected a "
+            f"number."
         ) from error

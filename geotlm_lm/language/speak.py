@@ -13,6 +13,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from geotlm_lm.core.errors import IncompatibleBundle
 from geotlm_lm.language.decoder import Cache, TactileDecoder
 from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS, PromptEncoder
 from geotlm_lm.language.weights import load_decoder, save_decoder
@@ -64,7 +65,13 @@ class Speaker:
         """
         folder = Path(folder)
         model = load_decoder(folder)
-        return cls(model, PromptEncoder.load(folder, max_tokens=model.size.max_tokens))
+        processor = PromptEncoder.load(folder, max_tokens=model.size.max_tokens)
+        try:
+            return cls(model, processor)
+        except ValueError as error:
+            raise IncompatibleBundle(
+                f"{folder}: {error}; save or download the model again."
+            ) from error
 
     def save(self, folder: str | Path) -> None:
         """Write a model folder that `load` and transformers' Auto classes read."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.image_size import declared_size
+from geotlm_lm.core.image_size import declared_size, is_cut_off
 from geotlm_lm.recordings.limits import kept_frames, stride_for, stride_note
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp")
@@ -76,7 +76,9 @@ def read_still_image(path: Path) -> Frames:
         stored = path.read_bytes()
         if (size := declared_size(stored)) is not None:
             kept_frames(*size, str(path))  # refused before the decoder makes room for it
-        image = cv2.imdecode(np.frombuffer(stored, np.uint8), cv2.IMREAD_COLOR) if stored else None
+        is_whole = bool(stored) and not is_cut_off(stored)
+        code = np.frombuffer(stored, np.uint8)
+        image = cv2.imdecode(code, cv2.IMREAD_COLOR) if is_whole else None
     except (OSError, cv2.error):
         image = None
     if image is None:

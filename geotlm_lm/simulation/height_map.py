@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.image_size import declared_size
+from geotlm_lm.core.image_size import declared_size, is_cut_off
 from geotlm_lm.simulation.indenter import HeightMap, Indenter
 from geotlm_lm.simulation.raster import OUTSIDE_MM, RASTER_MM
 
@@ -140,6 +140,8 @@ def _read_png(path: Path, relief_mm: float) -> NDArray[np.floating]:
             f"{path}: is {columns}x{rows} samples, expected at most {MOST_SAMPLES} a side; save a "
             f"smaller one."
         )
+    if is_cut_off(stored):
+        raise UsageError(f"{path}: is cut off; copy or save it again.")
     try:
         image = cv2.imdecode(np.frombuffer(stored, np.uint8), cv2.IMREAD_UNCHANGED)
     except cv2.error:  # nothing in it, or sizes that cannot be

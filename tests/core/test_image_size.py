@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geotlm_lm.core.image_size import declared_size
+from geotlm_lm.core.image_size import declared_size, is_cut_off
 
 IMAGE = np.random.default_rng(0).integers(0, 255, (37, 291, 3)).astype(np.uint8)
 
@@ -40,3 +40,31 @@ def test_anything_else_has_none_or_a_size(beginning, rest):
 def test_marks_in_a_row_are_passed_in_time_that_grows_with_the_file():
     assert declared_size(b"\xff\xd8" + b"\xff" * 200_000) is None
     assert declared_size(b"\xff\xd8" + b"\xff\xe0\x00\x00" * 50_000) is None
+
+
+@pytest.mark.parametrize("suffix", [".png", ".bmp", ".jpg"])
+def test_a_whole_file_is_not_cut_off_nor_is_one_with_more_behind_it(suffix):
+    code = cv2.imencode(suffix, IMAGE)[1].tobytes()
+    assert not is_cut_off(code)
+    assert not is_cut_off(code + b"more")
+
+
+def test_a_png_without_its_end_is_cut_off_wherever_it_ends():
+    code = cv2.imencode(".png", IMAGE)[1].tobytes()
+    # Between two chunks nothing tells: the decoder looks for the rest and finds none.
+    cuts = [end for end in range(9, len(code), 7) if not is_cut_off(code[:end])]
+    assert len(cuts) < 3
+
+
+def test_a_chunk_larger_than_the_file_is_found_before_room_is_made_for_it():
+    code = bytearray(cv2.imencode(".png", IMAGE)[1].tobytes())
+    assert code[37:41] == b"IDAT"
+    code[33] = 0xFF
+    assert is_cut_off(bytes(code))
+
+
+@given(st.binary())
+@settings(derandomize=True, max_examples=200, deadline=None)
+def test_any_bytes_are_a_cut_off_png_or_none(rest):
+    assert is_cut_off(b"\x89PNG\r\n\x1a\n" + rest) in (True, False)
+    assert not is_cut_off(b"x" + rest)

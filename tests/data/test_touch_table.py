@@ -49,6 +49,7 @@ def test_no_table_holds_no_recordings(tmp_path):
         (HEADER + "a.mov,,,25,x,5\n", "a.mov is touched from frame 'x' to '5'"),
         (HEADER + "a.mov,,,25,1,5\n", "the first above 1: idle frames come before it"),
         (HEADER + "a.mov,,,fast,5,9\n", "a.mov has 'fast' frames per second"),
+        ("clip,contact_start,contact_end,fps\na.mov,5,9\n", "a.mov has '' frames per second"),
     ],
 )
 def test_a_bad_table_is_refused_in_one_sentence(table, text, message):

@@ -73,6 +73,15 @@ def test_saved_and_loaded_it_says_and_scores_the_same(speaker, fused_tokens, tmp
     np.testing.assert_array_equal(one, two)
 
 
+def test_a_processor_of_another_model_is_refused_in_one_sentence(speaker, tmp_path):
+    speaker.save(tmp_path)
+    path = tmp_path / "processor_config.json"
+    stored = json.loads(path.read_text())
+    path.write_text(json.dumps(stored | {"num_tactile_tokens": -1}))
+    with pytest.raises(IncompatibleBundle, match="-1 tactile placeholders, the model reads"):
+        Speaker.load(tmp_path)
+
+
 def test_answering_needs_no_transformers(speaker, tmp_path):
     speaker.save(tmp_path)
     script = (

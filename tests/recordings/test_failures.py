@@ -35,6 +35,16 @@ def test_frames_too_large_to_hold_are_refused_before_they_are_read(tmp_path):
     )
 
 
+def test_an_image_whose_chunk_claims_4_gb_is_refused_before_it_is_decoded(tmp_path, monkeypatch):
+    code = bytearray(cv2.imencode(".png", FRAMES[0])[1].tobytes())
+    code[33] = 0xFF
+    for name in ("0.png", "1.png"):
+        (tmp_path / name).write_bytes(code)
+    monkeypatch.delattr(cv2, "imdecode")
+    with pytest.raises(UnreadableClip, match="0.png: is cut off or is no image"):
+        read_clip(tmp_path)
+
+
 def test_a_missing_file_is_refused(tmp_path):
     path = tmp_path / "gone.npy"
     with pytest.raises(UnreadableClip) as caught:

@@ -90,10 +90,12 @@ def test_files_that_are_no_maps_are_refused(tmp_path):
     (tmp_path / "a.npy").write_bytes(b"nothing")
     (tmp_path / "a.png").write_bytes(b"nothing")
     cv2.imwrite(str(tmp_path / "colours.png"), np.zeros((9, 9, 3), np.uint8))
+    (tmp_path / "cut.png").write_bytes((tmp_path / "colours.png").read_bytes()[:50])
     for name, says in (
         ("a.npy", "cannot be read as .npy"),
         ("a.png", "no 8 or 16 bit .png"),
         ("colours.png", "has colours"),
+        ("cut.png", "is cut off; copy or save it again"),
         ("absent.npy", "cannot be read"),
         ("absent.png", "cannot be opened"),
     ):
