@@ -267,10 +267,10 @@ def _band(answerer: Answerer, details: dict[str, Any]) -> str:
     """Return from where on an answer is told, and where this one stands."""
     threshold = answerer.bundle.calibration.contact_threshold
     share = details.get("evidence", {}).get("contact_share", 0.0)
-    side = "withheld" if share < threshold or details.get("abstained") else "told"
+    side = "withheld" if details.get("abstained") else "told"
     return (
-        f"Contact share {share:.3f}; below {threshold:.3f} no direction is claimed, and no answer "
-        f"that is less than {LEAST_SURE:.0%} sure: this one is **{side}**."
+        f"Contact share {share:.3f}; below {threshold:.3f} no direction is claimed, and no motion, "
+        f"verdict or choice that is less than {LEAST_SURE:.0%} sure: this answer is **{side}**."
     )
 
 

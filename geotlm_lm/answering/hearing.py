@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cache, partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -22,6 +23,8 @@ OPEN_QUESTION = "Which way is it moving?"
 AMOUNT_QUESTION = "How far did it go?"
 RATE_QUESTION = "How fast did it go?"
 EVIDENCE_QUESTION = "Which half moves which way?"
+
+T = TypeVar("T")
 
 LEAST_SURE = 0.5
 """Probability below which an answer is withheld: it would more likely be wrong than right."""
@@ -68,13 +71,13 @@ def hear(
     Where nothing touches, an open question about direction needs no model to be answered; any other
     question does, to be understood. Where the words tell the kind of answer and nobody listens, all
     answers of that kind are weighed first: what would be written is one of them nearly always, and
-    then need not be written token by token.
+    then need not be written token by token. No kind is weighed twice.
 
     Args:
         bundle: The model.
         encoded: The clip.
         question: What to ask.
-        listen: Told the words so far, after each token; no probability is worked out twice.
+        listen: Told the words so far, after each token.
     """
     if encoded.is_untouched and asks_direction(question):
         slots = Slots("direction", Motion.NONE)
@@ -83,22 +86,35 @@ def hear(
         if listen is not None:
             listen(text, lambda _: options)
         return Heard(slots, text, options, is_by_rule=True)
-    started = time.perf_counter()
+    timing: dict[str, float] = {}
+    weighed = cache(_timed(timing, "score", partial(_weigh, bundle, encoded, question)))
     kind = told_kind(question)
     if listen is None and kind in bundle.grammar.kinds:
-        options, text = _weigh(bundle, encoded, question, kind)
+        options, text = weighed(kind)
         if text is not None:
-            timing = {"score": 1e3 * (time.perf_counter() - started)}
             return Heard(bundle.grammar.parse(text), text, options, timing)
-    scores = cache(partial(score, bundle, encoded, question))
-    told = {} if listen is None else {"listen": lambda text: listen(text, scores)}
+    told = {}
+    if listen is not None:
+        told["listen"] = lambda text: listen(text, lambda kind: weighed(kind)[0])
+    started, weighing = time.perf_counter(), timing.get("score", 0.0)
     text = bundle.speaker.generate(encoded.perception.fused_token, [question], **told)[0]
-    generated = time.perf_counter()
+    weighing = timing.get("score", 0.0) - weighing  # what a listener asked for meanwhile
+    timing["generate"] = 1e3 * (time.perf_counter() - started) - weighing
     slots = bundle.grammar.parse(text)
-    options = scores(slots.kind if slots else "direction")
-    scored = time.perf_counter()
-    timing = {"generate": 1e3 * (generated - started), "score": 1e3 * (scored - generated)}
+    options, _ = weighed(slots.kind if slots else "direction")
     return Heard(slots, text, options, timing)
+
+
+def _timed(timing: dict[str, float], stage: str, work: Callable[[str], T]) -> Callable[[str], T]:
+    """Return `work` adding its milliseconds to a stage."""
+
+    def timed(kind: str) -> T:
+        started = time.perf_counter()
+        result = work(kind)
+        timing[stage] = timing.get(stage, 0.0) + 1e3 * (time.perf_counter() - started)
+        return result
+
+    return timed
 
 
 def told_kind(question: str) -> str | None:

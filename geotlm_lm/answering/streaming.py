@@ -53,6 +53,8 @@ class StandingWords:
         possible = [slots for sentence, slots in self._stands.items() if sentence.startswith(text)]
         if not possible or not all(possible) or len(text) <= len(self._told):
             return
+        if len({slots.kind for slots in possible}) > 1:
+            return  # to weigh the answers of several kinds takes longer than the next word
         if not any(_is_withheld(slots, scores) for slots in possible):
             self._tell(text[len(self._told) :])
             self._told = text

@@ -127,7 +127,7 @@ def _values(path: Path) -> list[dict[str, str]]:
     if not path.is_file():
         return []
     with path.open(newline="", encoding="utf-8-sig", errors="replace") as stream:
-        reader = csv.DictReader(stream)
+        reader = csv.DictReader(stream, restval="")  # where a line ends early
         try:
             rows, columns = list(reader), reader.fieldnames or ()
         except csv.Error as error:
@@ -174,9 +174,8 @@ def _object(path: Path, values: dict[str, str]) -> tuple[str, str]:
 
 def _fps(path: Path, values: dict[str, str]) -> float:
     try:
-        return float(values["fps"] or "")  # None where the line ends before it
+        return float(values["fps"])
     except ValueError as error:
         raise UnreadableClip(
-            f"{path}: {values['clip']} has '{values['fps'] or ''}' frames per second, expected a "
-            f"number."
+            f"{path}: {values['clip']} has '{values['fps']}' frames per second, expected a number."
         ) from error

@@ -130,13 +130,13 @@ def _turned_round(answerer: Answerer, touch: Touched, rng: np.random.Generator) 
 
 
 def _doubted(answerer: Answerer, touch: Touched, rng: np.random.Generator) -> Group:
-    """An answer and two doubts about it: "right" is to keep the direction that was claimed."""
+    """An answer and two doubts about it: "right" is to keep the direction, if one was claimed."""
     (asked,) = questions_for(touch.label, rng, types=["T1"])
     session = answerer.session(touch.encoded)
     first = session.ask(asked.question)
     doubts = rng.permutation(len(DOUBTS))[:2]
     later = [session.ask(DOUBTS[int(i)]) for i in doubts]
-    kept = tuple(one.direction == first.direction for one in later)
+    kept = tuple(one.direction == first.direction is not None for one in later)
     return Group("kept under doubt", touch.family, kept, tuple(one.decided for one in later))
 
 

@@ -15,7 +15,7 @@ MANY = 64
 WAYS = ("flow + fit", "probe on z", "LM scored", "LM generated", f"LM generated, batch {MANY}")
 
 
-def peak_megabytes(way: str, clip_path: Path, model: Path | None = None) -> float | None:
+def peak_megabytes(way: str, clip_path: Path, model: Path | None = None) -> float:
     """Answer once and return the most memory this process has ever held.
 
     Args:
@@ -37,26 +37,34 @@ def peak_megabytes(way: str, clip_path: Path, model: Path | None = None) -> floa
         RigidFlow().predict(clip)
     else:
         _answer(way, clip, model)
-    return most_held_megabytes()
+    return _own_most_held_megabytes()
 
 
-def most_held_megabytes(process: int | None = None) -> float | None:
-    """Return the most memory that a process has ever held, in MiB.
+def most_held_megabytes(process: int) -> float | None:
+    """Return the most memory that another process has ever held, in MiB.
 
     Args:
-        process: Its number; None for this process. Another one's is known on Linux alone, and only
-            while it runs; None is returned where it is not.
+        process: Its number; it has to be running still.
+
+    Returns:
+        None where the system does not tell, as all but Linux.
     """
+    return _high_water(str(process))
+
+
+def _high_water(process: str) -> float | None:
     try:
-        status = Path(f"/proc/{process or 'self'}/status").read_text()
+        status = Path(f"/proc/{process}/status").read_text()
     except OSError:
-        return None if process is not None else _own_most_held_megabytes()
-    # Linux hands a process's ru_maxrss on to what it starts; this figure is its own.
+        return None
     held = [line for line in status.splitlines() if line.startswith("VmHWM:")]
     return int(held[0].split()[1]) / 2**10 if held else None
 
 
 def _own_most_held_megabytes() -> float:
+    # Linux hands a process's ru_maxrss on to what it starts; its other figure is its own.
+    if (own := _high_water("self")) is not None:
+        return own
     held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return held / (2**20 if sys.platform == "darwin" else 2**10)  # bytes there, KiB elsewhere
 

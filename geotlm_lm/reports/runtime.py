@@ -18,10 +18,14 @@ INTRO = """\
 Every method is put to every clip in turn, repeat by repeat, on one thread; times are from the clip
 in memory to the motion, the model's rows with the perception they share counted in full. Error is 1
 - accuracy. The probes, the scored answers and the flow choose among the task's motions; generated
-words may be any of ten. Curl + LR is fitted on simulated turns and tells turns alone. `*` marks
+words may be any of ten, and are found in the pass that weighs these (in the table of batches they
+are written token by token). Curl + LR is fitted on simulated turns and tells turns alone. `*` marks
 what no other method beats in both error and median time. Degrees and pixels are median errors of
 the turn and the travel measured, from the first frame to the last: by the flow's rigid fit, or by
 one fitted to the model's learned shear, the same for all its rows."""
+
+PICK_NOTE = """\
+Other number formats than float32 are measured here; the commands do not offer them yet."""
 
 STAGE_NOTE = "Each stage alone on one clip, one thread; the prompt is read once for all ten scores."
 
@@ -67,7 +71,7 @@ def pick_table(record: RunRecord) -> str:
         ]
         for pick in picks(record.numbers)
     ]
-    return markdown(["for", "the rule", "take", "mean error", "cost"], rows)
+    return f"{markdown(['for', 'the rule', 'take', 'mean error', 'cost'], rows)}\n\n{PICK_NOTE}"
 
 
 def runtime_headline(record: RunRecord) -> str:
@@ -120,12 +124,18 @@ def draw_runtime(record: RunRecord, path: Path) -> None:
         path: The .png or .svg to write.
     """
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
     methods = record.numbers["methods"]
     shares = _shares(methods)
     names = list(dict.fromkeys(row["method"] for row in methods))
-    figure = Figure(figsize=(4.2 * len(shares), 4.4), layout="constrained")
-    panels = figure.subplots(1, len(shares), squeeze=False)[0]
+    columns = min(len(shares), 2)
+    lines = -(-len(shares) // columns)
+    figure = Figure(figsize=(5.2 * columns, 3.4 * lines + 1.2), layout="constrained")
+    panels = figure.subplots(lines, columns, squeeze=False).ravel()
+    for axes in panels[len(shares) :]:
+        axes.remove()
+    panels = panels[: len(shares)]
     for axes, (source, frames) in zip(panels, shares, strict=True):
         rows = [row for row in methods if (row["source"], row["frames"]) == (source, frames)]
         for row in rows:
@@ -142,8 +152,12 @@ def draw_runtime(record: RunRecord, path: Path) -> None:
         front = sorted((row["ms_median"], row["error"]) for row in rows if is_on_front(row, rows))
         axes.step(*zip(*front, strict=True), where="post", color="grey", linewidth=1)
         axes.set(xscale="log", title=f"{source}, {frames} frames", xlabel="ms per clip")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axes.xaxis.set_major_formatter(ScalarFormatter())
+        axes.xaxis.set_minor_formatter(NullFormatter())
         axes.grid(alpha=0.3)
-    panels[0].set_ylabel("error (1 - accuracy)")
+    for axes in panels[::columns]:
+        axes.set_ylabel("error (1 - accuracy)")
     marks = {}
     for axes in panels:
         handles, labels = axes.get_legend_handles_labels()

@@ -30,8 +30,9 @@ is what asking for it would tell apart. `-` is what neither way gives."""
 RATES_NOTE = """\
 Data sets of pictures, labels and true fields, written to disk by one process per core; the clips
 are random ones of the training shapes. Rates count from the first finished shard on, start-up is
-apart. Median over the runs, range in brackets; load is the machine's of the minute before, which
-the runs before are part of."""
+apart; what the other process had begun by then counts too, up to 7 % with two of them and eight
+shards each. Median over the runs, range in brackets; load is the machine's of the minute before,
+which the runs before are part of."""
 
 CLOSED_FORMS_NOTE = """\
 The order is minus the slope of log |error| over log size. Rims are staircases of cells: `~` marks
@@ -209,8 +210,12 @@ def _range(values: list[float | None]) -> str:
     known = [value for value in values if value is not None]
     if not known:
         return "-"
-    ends = (f"{end:.0f}" if end >= 100 else f"{end:.2g}" for end in (min(known), max(known)))
-    return f"{median(known):.3g} ({'-'.join(ends)})"
+    ends = "-".join(_rounded(end, 2) for end in (min(known), max(known)))
+    return f"{_rounded(median(known), 3)} ({ends})"
+
+
+def _rounded(value: float, digits: int) -> str:
+    return f"{value:.0f}" if value >= 100 else f"{value:.{digits}g}"
 
 
 def _titled(title: str, text: str) -> str:

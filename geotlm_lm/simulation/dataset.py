@@ -233,7 +233,7 @@ def _write_shard(shard: _Shard) -> int:
     for number, clip in enumerate(series):
         # Copied to where the shard is kept: the next clip takes the memory of this one.
         for name, value in _stored(clip).items():
-            if name not in made:
+            if number == 0:
                 made[name] = np.empty((shard.count, *value.shape), value.dtype)
             made[name][number] = value
         labels.append(clip.label.to_dict())
@@ -267,6 +267,7 @@ def _save_atomically(path: Path, arrays: dict[str, NDArray[Any]]) -> None:
         for name, array in arrays.items():
             entry = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
             with archive.open(entry, "w", force_zip64=True) as member:
+                array = np.asarray(array, order="C")
                 header = np.lib.format.header_data_from_array_1_0(array)
                 np.lib.format.write_array_header_1_0(member, header)
                 # Not numpy's own writer: to anything but a plain file it writes copies.

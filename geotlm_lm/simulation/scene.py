@@ -6,7 +6,7 @@ the object. Rotation is positive clockwise as drawn in the image (x towards y).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.simulation.indenter import Indenter
@@ -82,6 +82,10 @@ class Body:
         _require("texture's scale", self.texture_scale_mm, 1e-3, 1e3, "mm")
 
 
+_POSE = ("depth_mm", "x_mm", "y_mm", "rotation_rad")
+"""Fields of a path that have one entry per frame."""
+
+
 @dataclass(frozen=True)
 class Path:
     """Pose of the object in every frame; all four tuples have one entry per frame.
@@ -122,15 +126,13 @@ class Path:
     @property
     def stands_still(self) -> bool:
         """Whether every frame has the same pose."""
-        return all(
-            min(values) == max(values)
-            for values in (self.depth_mm, self.x_mm, self.y_mm, self.rotation_rad)
-        )
+        return all(min(getattr(self, name)) == max(getattr(self, name)) for name in _POSE)
 
     @property
     def start(self) -> Path:
         """The path of the first frame alone."""
-        return Path(self.depth_mm[:1], self.x_mm[:1], self.y_mm[:1], self.rotation_rad[:1])
+        first = {name: getattr(self, name)[:1] for name in _POSE}
+        return replace(self, **first)
 
 
 @dataclass(frozen=True)

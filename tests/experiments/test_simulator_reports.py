@@ -157,14 +157,14 @@ def test_the_table_of_omissions_holds_every_one_with_what_it_saves():
 
 def test_rates_count_what_every_core_wrote_after_the_first_shard():
     kinds = {"pictures": {"preset": "draft"}, "labels": {"preset": "draft", "with_frames": False}}
-    rows = simulator_rates(workers=2, kinds=kinds, repeats=1, shards_per_worker=1)
+    rows = simulator_rates(workers=2, kinds=kinds, repeats=1, shards_per_worker=2)
     assert [one["kind"] for one in rows] == ["pictures", "labels"]
     for one in rows:
-        assert one["clips"] == 128
+        assert one["clips"] == 256
         assert 1 < one["clips_per_second"][0] < 1e5
         assert one["start_seconds"][0] > 0
     pictures, labels = (one["megabytes_per_worker"] for one in rows)
     assert (pictures is None and labels is None) or pictures > labels > 50
     text = rate_table(RunRecord("simulator", "", 0, 1.0, {"rates": rows}))
     assert "| pictures " in text
-    assert "1 of 128" in text
+    assert "1 of 256" in text
