@@ -130,7 +130,7 @@ def draw_fall(record: RunRecord, path: Path) -> None:
     lines = -(-len(kinds) // columns) or 1
     figure = Figure(figsize=(3.2 * columns, 2.4 * lines), layout="constrained")
     panels = figure.subplots(lines, columns, squeeze=False).flat
-    for axes, (name, rows) in zip(panels, kinds.items(), strict=False):
+    for (name, rows), axes in zip(kinds.items(), panels, strict=False):
         levels = [row["level"] for row in rows]
         for key, title, mark in _CURVES:
             values = [_drawn(row, key) for row in rows]
@@ -140,7 +140,8 @@ def draw_fall(record: RunRecord, path: Path) -> None:
         axes.grid(alpha=0.3)
     for axes in list(panels):
         axes.set_axis_off()
-    figure.axes[0].legend(fontsize="small", loc="lower left")
+    handles, titles = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, titles, loc="outside lower center", ncols=len(titles))
     with replacing(path) as stream:
         figure.savefig(stream, dpi=120, format=path.suffix.removeprefix("."))
 

@@ -94,8 +94,14 @@ def test_a_background_of_another_exposure_is_refused():
 
 
 def test_frames_of_a_few_pixels_are_not_judged_by_their_noise():
-    small = np.random.default_rng(2).normal(100, 15, (4, 8, 8, 3))
-    assert require_legible(clip_of(small, np.full((8, 8, 3), 100, np.uint8)))
+    small = np.random.default_rng(2).normal(100, 15, (4, 28, 28, 3))
+    assert require_legible(clip_of(small, np.full((28, 28, 3), 100, np.uint8)))
+
+
+def test_frames_too_small_to_tell_anything_are_refused():
+    tiny = np.full((4, 23, 200, 3), 100)
+    with pytest.raises(UnreadableClip, match="frames are 200x23 pixels, expected at least 24 a"):
+        require_legible(clip_of(tiny, np.full((23, 200, 3), 100, np.uint8)))
 
 
 def test_frames_without_a_background_are_judged_by_themselves():
