@@ -51,7 +51,7 @@ def _clip_side(gr: Any) -> dict[str, Any]:
         _thumbnails(),
         label="Examples: click one",
         columns=4,
-        height=150,
+        height=300,
         allow_preview=False,
         interactive=False,
         buttons=[],
@@ -249,7 +249,7 @@ def _thumbnails() -> list[tuple[Any, str]]:
 
 _HARD = {
     "can_rim_clockwise": "a thin edge",
-    "bead_right": "a smooth ball",
+    "textured_ball_release": "a ball",
     "corner_counterclockwise": "at the border",
     "key_none": "no contact",
     "pen_clip_left": "told wrong",
