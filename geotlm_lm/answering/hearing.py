@@ -5,8 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
-from functools import cache, partial
-from typing import TypeVar
+from functools import cache
 
 import numpy as np
 
@@ -23,8 +22,6 @@ OPEN_QUESTION = "Which way is it moving?"
 AMOUNT_QUESTION = "How far did it go?"
 RATE_QUESTION = "How fast did it go?"
 EVIDENCE_QUESTION = "Which half moves which way?"
-
-T = TypeVar("T")
 
 LEAST_SURE = 0.5
 """Probability below which an answer is withheld: it would more likely be wrong than right."""
@@ -87,8 +84,15 @@ def hear(
             listen(text, lambda _: options)
         return Heard(slots, text, options, is_by_rule=True)
     timing: dict[str, float] = {}
-    weighed = cache(_timed(timing, "score", partial(_weigh, bundle, encoded, question)))
-    kind = told_kind(question)
+
+    @cache
+    def weighed(kind: str) -> tuple[dict[str, float], str | None]:
+        started = time.perf_counter()
+        found = _weigh(bundle, encoded, question, kind)
+        timing["score"] = timing.get("score", 0.0) + 1e3 * (time.perf_counter() - started)
+        return found
+
+    kind = "direction" if asks_direction(question) else asked_kind(question)
     if listen is None and kind in bundle.grammar.kinds:
         options, text = weighed(kind)
         if text is not None:
@@ -103,23 +107,6 @@ def hear(
     slots = bundle.grammar.parse(text)
     options, _ = weighed(slots.kind if slots else "direction")
     return Heard(slots, text, options, timing)
-
-
-def _timed(timing: dict[str, float], stage: str, work: Callable[[str], T]) -> Callable[[str], T]:
-    """Return `work` adding its milliseconds to a stage."""
-
-    def timed(kind: str) -> T:
-        started = time.perf_counter()
-        result = work(kind)
-        timing[stage] = timing.get(stage, 0.0) + 1e3 * (time.perf_counter() - started)
-        return result
-
-    return timed
-
-
-def told_kind(question: str) -> str | None:
-    """Return what sort of answer the words of `question` ask for, None where they do not tell."""
-    return "direction" if asks_direction(question) else asked_kind(question)
 
 
 def is_doubtful(kind: str | None, word: str | None, options: Mapping[str, float]) -> bool:

@@ -9,7 +9,8 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import AsJson, Seed, require_writable_file
+from geotlm_lm.cli.options import AsJson, Seed
+from geotlm_lm.cli.recorded import require_all_writable
 
 
 def language(
@@ -47,8 +48,7 @@ def language(
 
     if clips == 0 and real is None:
         raise UsageError("nothing to ask about: give --clips above 0, or --real with a folder.")
-    for path, option in ((out, "--out"), (table, "--table")):
-        require_writable_file(path, option)
+    require_all_writable(out, table)
     from geotlm_lm.answering import Answerer
     from geotlm_lm.experiments.language_talk import evaluate_talk
     from geotlm_lm.reports.language import language_page, language_tables
@@ -91,8 +91,7 @@ def transcript(
     from geotlm_lm.core.atomic import write_text_atomically
     from geotlm_lm.core.record import RunRecord
 
-    for path, option in ((out, "--out"), (table, "--table")):
-        require_writable_file(path, option)
+    require_all_writable(out, table)
     from geotlm_lm.answering import Answerer
     from geotlm_lm.experiments.transcript import transcript as ask_all
     from geotlm_lm.reports.transcript import transcript_page

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Seed, require_writable_file
-
-if TYPE_CHECKING:
-    from geotlm_lm.core.record import RunRecord
+from geotlm_lm.cli.options import Seed
+from geotlm_lm.cli.recorded import require_all_writable, save_page, show
 
 
 def model_stability(
@@ -92,27 +90,3 @@ def runtime(
     if figure is not None:
         draw_runtime(record, figure)
     typer.echo(pick_table(record))
-
-
-def require_all_writable(out: Path, table: Path, figure: Path | None) -> None:
-    """Create the folders of all three, so that a place that cannot be written is told first.
-
-    Raises:
-        UsageError: If one cannot be written.
-    """
-    for path, option in ((out, "--out"), (table, "--table"), (figure, "--figure")):
-        if path is not None:
-            require_writable_file(path, option)
-
-
-def save_page(record: RunRecord, out: Path, table: Path, page: str) -> None:
-    """Write the record as JSON and its page as Markdown."""
-    from geotlm_lm.core.atomic import write_text_atomically
-
-    record.save(out)
-    write_text_atomically(table, page)
-
-
-def show(what: str, done: int, total: int) -> None:
-    """Tell on stderr how far a run is."""
-    typer.echo(f"{what}: {done} of {total}", err=True)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from geotlm_lm.cli.options import Seed, require_writable_file
+from geotlm_lm.cli.recorded import require_all_writable, save_page, show
 
 if TYPE_CHECKING:
     from geotlm_lm.fuzzing.target import Prepare
@@ -39,23 +40,20 @@ def fuzz(
     import sys
 
     from geotlm_lm.cli.evaluate import command_line
-    from geotlm_lm.core.atomic import write_text_atomically
     from geotlm_lm.core.errors import BelowMinimum
     from geotlm_lm.fuzzing import run, targets
     from geotlm_lm.reports.fuzz import fuzz_page, verdict
 
-    require_writable_file(out, "--out")
-    require_writable_file(table, "--table")
+    require_all_writable(out, table)
     record = run.fuzz(
         _chosen(target, targets.TARGETS),
         60 * minutes,
         found,
         seed=seed,
         command=command_line(sys.argv),
-        progress=lambda name, done, total: typer.echo(f"{name}: {done} of {total}", err=True),
+        progress=show,
     )
-    record.save(out)
-    write_text_atomically(table, fuzz_page(record))
+    save_page(record, out, table, fuzz_page(record))
     typer.echo(verdict(record))
     if record.numbers["findings"]:
         raise BelowMinimum(

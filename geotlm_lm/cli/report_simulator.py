@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Seed, require_writable_file
-
-if TYPE_CHECKING:
-    from geotlm_lm.core.record import RunRecord
+from geotlm_lm.cli.options import Seed
+from geotlm_lm.cli.recorded import require_all_writable, save_page, show
 
 
 def simulator(
@@ -40,16 +38,16 @@ def simulator(
     from geotlm_lm.experiments.simulator_rate import simulator_rates
     from geotlm_lm.reports.simulator import draw_error, simulator_page
 
-    _require_writable(out, table)
-    if figure is not None:
-        require_writable_file(figure, "--figure")
+    require_all_writable(out, table, figure)
     begun = time.perf_counter()
     with one_thread():
-        record = simulator_error(command=command_line(sys.argv), progress=_show)
-        numbers = record.numbers | {"omissions": omission_rows(progress=_show)}
-    numbers["rates"] = simulator_rates(workers=usable_cores(), progress=_show)
+        record = simulator_error(command=command_line(sys.argv), progress=show)
+        numbers = record.numbers | {"omissions": omission_rows(progress=show)}
+    numbers["rates"] = simulator_rates(workers=usable_cores(), progress=show)
     record = replace(record, numbers=numbers, seconds=time.perf_counter() - begun)
-    _save(record, out, table, simulator_page(record))
+    page = simulator_page(record)
+    save_page(record, out, table, page)
+    typer.echo(page)
     if figure is not None:
         draw_error(record, figure)
 
@@ -63,10 +61,12 @@ def simulator_stability(out: Path, table: Path) -> None:
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.reports.simulator import simulator_stability_page
 
-    _require_writable(out, table)
+    require_all_writable(out, table)
     with one_thread():
-        record = experiment.simulator_stability(command=command_line(sys.argv), progress=_show)
-    _save(record, out, table, simulator_stability_page(record))
+        record = experiment.simulator_stability(command=command_line(sys.argv), progress=show)
+    page = simulator_stability_page(record)
+    save_page(record, out, table, page)
+    typer.echo(page)
 
 
 def optics(
@@ -89,12 +89,11 @@ def optics(
     import sys
 
     from geotlm_lm.cli.evaluate import command_line, progress_on_stderr
-    from geotlm_lm.core.atomic import write_text_atomically
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.experiments.optics import compare_optics
     from geotlm_lm.reports.optics import optics_report, verdict
 
-    _require_writable(out, table)
+    require_all_writable(out, table)
     with one_thread():
         record = compare_optics(
             real,
@@ -103,8 +102,7 @@ def optics(
             command=command_line(sys.argv),
             progress=progress_on_stderr(),
         )
-    record.save(out)
-    write_text_atomically(table, optics_report(record))
+    save_page(record, out, table, optics_report(record))
     typer.echo(verdict(record))
 
 
@@ -127,25 +125,9 @@ def closed_forms(
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.reports.simulator import closed_forms_page
 
-    _require_writable(out, table)
+    require_all_writable(out, table)
     with one_thread():
-        record = experiment.closed_forms(command=command_line(sys.argv), progress=_show)
-    _save(record, out, table, closed_forms_page(record))
-
-
-def _require_writable(out: Path, table: Path) -> None:
-    require_writable_file(out, "--out")
-    require_writable_file(table, "--table")
-
-
-def _save(record: RunRecord, out: Path, table: Path, page: str) -> None:
-    """Write the record and the page made of it; print the page."""
-    from geotlm_lm.core.atomic import write_text_atomically
-
-    record.save(out)
-    write_text_atomically(table, page)
+        record = experiment.closed_forms(command=command_line(sys.argv), progress=show)
+    page = closed_forms_page(record)
+    save_page(record, out, table, page)
     typer.echo(page)
-
-
-def _show(what: str, done: int, total: int) -> None:
-    typer.echo(f"{what}: {done} of {total}", err=True)
