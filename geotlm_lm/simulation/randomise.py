@@ -14,7 +14,7 @@ from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.simulation.contact import dome_drop_mm
 from geotlm_lm.simulation.indenter import Indenter
 from geotlm_lm.simulation.indenters import INDENTERS
-from geotlm_lm.simulation.motions import random_path
+from geotlm_lm.simulation.motions import STEADY, UNSTEADY, random_path
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.randomise_optics import random_markers, random_optics
 from geotlm_lm.simulation.scene import Body, Gel, Path, Scene
@@ -54,6 +54,9 @@ PRE_SHARE = 0.5
 MARKER_SHARE = 0.0
 """Share of clips on a gel with markers."""
 
+UNSTEADY_SHARE = 0.0
+"""Share of clips made by an unsteady hand."""
+
 TEXTURE_SCALE_MM = (0.1, 1.0)
 """Correlation length of an object's texture; from the size of a pixel on, since real imprints hold
 detail that fine: gradients at 1 px are 1.7 to 2.0 times those at 3 px."""
@@ -67,6 +70,7 @@ def random_scenes(
     first_index: int = 0,
     motions: Sequence[Motion] | None = None,
     marker_share: float = MARKER_SHARE,
+    unsteady_share: float = UNSTEADY_SHARE,
 ) -> list[Scene]:
     """Return scenes `first_index` .. of the endless series of `seed`; equally many of each motion.
 
@@ -78,6 +82,7 @@ def random_scenes(
         motions: Motions to draw from; all ten by default.
         marker_share: Share of scenes on a gel with markers; the rest of a scene does not depend
             on it.
+        unsteady_share: Share of scenes made by `motions.UNSTEADY`.
     """
     kinds = tuple(motions) if motions is not None else tuple(Motion)
     scenes = []
@@ -86,7 +91,13 @@ def random_scenes(
         order = _order(seed, index // len(kinds), len(kinds))
         name = objects[int(rng.integers(len(objects)))]
         motion = kinds[order[index % len(kinds)]]
-        scene = random_scene(rng, object_name=name, motion=motion, marker_share=marker_share)
+        scene = random_scene(
+            rng,
+            object_name=name,
+            motion=motion,
+            marker_share=marker_share,
+            unsteady_share=unsteady_share,
+        )
         scenes.append(scene)
     return scenes
 
@@ -104,6 +115,7 @@ def random_scene(
     motion: Motion,
     indenter: Indenter | None = None,
     marker_share: float = MARKER_SHARE,
+    unsteady_share: float = UNSTEADY_SHARE,
 ) -> Scene:
     """Return a scene of an object doing `motion`, everything else drawn from `rng`.
 
@@ -113,6 +125,7 @@ def random_scene(
         motion: What the object does.
         indenter: A shape of the caller's own; it keeps its size.
         marker_share: Probability of markers on the gel.
+        unsteady_share: Probability of an unsteady hand.
     """
     optics, gel = random_optics(rng), random_gel(rng)
     body = random_body(rng, object_name)
@@ -134,11 +147,14 @@ def random_scene(
         least_area = LEAST_CONTACT * 4 * half_x * half_y / ELASTIC_SHARE
         least = build_profile(body).depth_for_area(least_area)
     low = min(max(DEPTH_MM[0], least), DEPTH_MM[1]) + drop
+    # Nothing is drawn where all hands are steady: series without unsteady ones stay what they were.
+    is_unsteady = unsteady_share > 0 and rng.random() < unsteady_share
     path = random_path(
         rng,
         motion,
         depth_range_mm=(low, DEPTH_MM[1] + drop),
         centre_mm=centre,
+        hand=UNSTEADY if is_unsteady else STEADY,
     )
     path = with_history(rng, path)
     # Drawn last: a scene with markers is the same scene.

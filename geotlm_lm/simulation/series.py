@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.simulation.presets import PresetName
-from geotlm_lm.simulation.randomise import MARKER_SHARE, random_scenes
+from geotlm_lm.simulation.randomise import MARKER_SHARE, UNSTEADY_SHARE, random_scenes
 from geotlm_lm.simulation.simulate import SimulatedClip, simulate
 
 SERIES_VERSION = 8
@@ -23,6 +23,7 @@ def simulate_series(
     preset: PresetName = "fast",
     with_drift: bool = False,
     marker_share: float = MARKER_SHARE,
+    unsteady_share: float = UNSTEADY_SHARE,
     with_frames: bool = True,
 ) -> Iterator[SimulatedClip]:
     """Yield clips `first_index` .. of the series of `seed`.
@@ -40,6 +41,7 @@ def simulate_series(
             first_index=index,
             motions=motions,
             marker_share=marker_share,
+            unsteady_share=unsteady_share,
         )
         yield from simulate(
             scenes,

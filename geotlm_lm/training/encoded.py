@@ -22,8 +22,7 @@ from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.seeding import generator_for
-from geotlm_lm.simulation.series import simulate_series
-from geotlm_lm.training.examples import MOTIONS, ExampleSet, Recorded, as_recorded
+from geotlm_lm.training.examples import ExampleSet, Recorded, as_recorded
 from geotlm_lm.training.progress import Progress
 
 if TYPE_CHECKING:
@@ -94,13 +93,7 @@ def _finished(about: Path) -> list[str]:
 
 def _batches(wanted: ExampleSet, seed: int, first: int) -> Iterator[list[tuple[str, Recorded]]]:
     stage_seed = int(generator_for(seed, "encoded", wanted.stage).integers(2**62))
-    clips = simulate_series(
-        stage_seed,
-        max(wanted.count - first, 0),
-        objects=wanted.objects,
-        first_index=first,
-        motions=MOTIONS,
-    )
+    clips = wanted.simulated(stage_seed, first, max(wanted.count - first, 0))
     batch = []
     for index, simulated in enumerate(clips, start=first):
         rng = generator_for(stage_seed, "form", index)

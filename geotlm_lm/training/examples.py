@@ -7,7 +7,7 @@ was killed continues with the first missing chunk. Images are not kept.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -51,6 +51,12 @@ MOTIONS = (*Motion, *ROTATIONS)
 ten motions a doubtful turn of a round body was taken for a slide (turns right 0.84, slides 0.97 on
 577 simulated lids, knobs and the like)."""
 
+MARKER_SHARE = 0.15
+"""Share of training clips on a gel with markers."""
+
+UNSTEADY_SHARE = 0.5
+"""Share of training clips made by an unsteady hand."""
+
 _ARRAYS = ("inputs", "displacement_px", "contact", "depth_mm")
 
 
@@ -87,11 +93,28 @@ class ExampleSet:
         stage: Name of the set; with the seed it decides every clip.
         count: Number of examples; whole chunks are simulated.
         objects: Names of the objects to touch.
+        is_varied: Whether it holds markers and unsteady hands, as training does, or is the plain
+            series that evaluations use.
     """
 
     stage: str
     count: int
     objects: tuple[str, ...]
+    is_varied: bool = True
+
+    def simulated(self, stage_seed: int, first_index: int, count: int) -> Iterator[SimulatedClip]:
+        """Yield clips `first_index` .. of the set, each made when it is asked for."""
+        from geotlm_lm.simulation.series import simulate_series
+
+        return simulate_series(
+            stage_seed,
+            count,
+            objects=self.objects,
+            first_index=first_index,
+            motions=MOTIONS,
+            marker_share=MARKER_SHARE if self.is_varied else 0.0,
+            unsteady_share=UNSTEADY_SHARE if self.is_varied else 0.0,
+        )
 
     def chunk_paths(self, folder: Path) -> list[Path]:
         """Return the files in `folder` that hold the set."""
@@ -114,11 +137,7 @@ def simulate_examples(folder: Path, sets: Sequence[ExampleSet], *, seed: int, wo
     for one in sets:
         paths = one.chunk_paths(folder)
         chunk_count += len(paths)
-        jobs += [
-            (path, one.stage, index, one.objects, seed)
-            for index, path in enumerate(paths)
-            if not path.exists()
-        ]
+        jobs += [(path, one, index, seed) for index, path in enumerate(paths) if not path.exists()]
     if not jobs:
         return
     folder.mkdir(parents=True, exist_ok=True)
@@ -151,22 +170,18 @@ def read_examples(folder: Path, wanted: ExampleSet) -> Examples:
     return examples
 
 
-def _write_chunk(job: tuple[Path, str, int, tuple[str, ...], int]) -> None:
+def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
     import cv2
     import torch
 
-    from geotlm_lm.simulation.series import simulate_series
-
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
-    path, stage, chunk, objects, seed = job
+    path, wanted, chunk, seed = job
     first = chunk * CHUNK_CLIPS
-    stage_seed = int(generator_for(seed, "examples", stage).integers(2**62))
+    stage_seed = int(generator_for(seed, "examples", wanted.stage).integers(2**62))
     arrays: dict[str, list] = {name: [] for name in _ARRAYS}
     about = []
-    clips = simulate_series(
-        stage_seed, CHUNK_CLIPS, objects=objects, first_index=first, motions=MOTIONS
-    )
+    clips = wanted.simulated(stage_seed, first, CHUNK_CLIPS)
     for index, simulated in enumerate(clips, start=first):
         rng = generator_for(stage_seed, "form", index)
         recorded = as_recorded(simulated, rng)

@@ -113,7 +113,8 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
 def example_sets(settings: TrainingPreset) -> dict[str, ExampleSet]:
     """Return the four sets of a run by name.
 
-    The objects of `validation` and of `test` are in no other set.
+    The objects of `validation` and of `test` are in no other set. Only `test` is the plain series,
+    so that the card of one bundle compares with that of another.
     """
     kept = TRAINING_OBJECTS[::VALIDATION_EVERY]
     trained_on = tuple(name for name in TRAINING_OBJECTS if name not in kept)
@@ -121,7 +122,7 @@ def example_sets(settings: TrainingPreset) -> dict[str, ExampleSet]:
         ExampleSet("pretraining", settings.pretraining_clips, trained_on),
         ExampleSet("heads", settings.head_clips, trained_on),
         ExampleSet("validation", settings.validation_clips, kept),
-        ExampleSet("test", settings.test_clips, EVERYDAY_OBJECTS),
+        ExampleSet("test", settings.test_clips, EVERYDAY_OBJECTS, is_varied=False),
     )
     return {one.stage: one for one in sets}
 

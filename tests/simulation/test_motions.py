@@ -2,15 +2,15 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
-from geotlm_lm.simulation.motions import random_path
+from geotlm_lm.simulation.motions import STEADY, UNSTEADY, random_path
 
 DEPTHS = (0.3, 1.0)
 
 
-def paths(motion, count=40):
+def paths(motion, count=40, hand=STEADY):
     for seed in range(count):
         rng = np.random.default_rng(seed)
-        yield random_path(rng, motion, depth_range_mm=DEPTHS, centre_mm=(1.0, -2.0))
+        yield random_path(rng, motion, depth_range_mm=DEPTHS, centre_mm=(1.0, -2.0), hand=hand)
 
 
 def travel(path):
@@ -67,3 +67,25 @@ def test_none_never_touches_and_still_hardly_moves():
     assert all(max(path.depth_mm) < 0 for path in paths(Motion.NONE))
     for path in paths(Motion.STILL):
         assert np.hypot(*travel(path)) < 0.05
+
+
+def test_an_unsteady_hand_turns_and_slides_less_and_changes_depth_more():
+    def deepening(hand, motion):
+        return [abs(path.depth_mm[-1] - path.depth_mm[0]) for path in paths(motion, 200, hand)]
+
+    turns = [path.rotation_rad for path in paths(Motion.CLOCKWISE, 200, UNSTEADY)]
+    slid = [np.hypot(*travel(path)) for path in paths(Motion.LEFT, 200, UNSTEADY)]
+    assert np.radians(1) < min(abs(turn[-1] - turn[0]) for turn in turns) < np.radians(1.2)
+    assert 0.12 - 1e-9 < min(slid) < 0.15
+    for motion in (Motion.CLOCKWISE, Motion.LEFT):
+        assert np.mean(deepening(UNSTEADY, motion)) > 1.4 * np.mean(deepening(STEADY, motion))
+
+
+def test_a_press_deepens_by_more_of_its_path_than_any_hand_does_while_it_turns():
+    def ratio(path):
+        turned = abs(path.rotation_rad[-1] - path.rotation_rad[0]) * 2.0
+        return abs(path.depth_mm[-1] - path.depth_mm[0]) / (turned + np.hypot(*travel(path)) + 1e-9)
+
+    pressed = [ratio(path) for path in paths(Motion.PRESS, 100, UNSTEADY)]
+    turned = [ratio(path) for path in paths(Motion.CLOCKWISE, 100, UNSTEADY)]
+    assert np.quantile(pressed, 0.05) > 2 * np.quantile(turned, 0.95)

@@ -75,3 +75,16 @@ def test_markers_are_off_unless_asked_for_and_change_nothing_else(many):
     assert bare == many[:40]
     half = random_scenes(3, 40, objects=("block", "ball_medium"), marker_share=0.5)
     assert 8 < sum(scene.optics.markers is not None for scene in half) < 32
+
+
+def test_hands_are_steady_unless_asked_for_and_what_is_touched_is_drawn_before():
+    objects = ("block", "ball_medium")
+    steady = random_scenes(3, 40, objects=objects, motions=DIRECTED)
+    unsteady = random_scenes(3, 40, objects=objects, motions=DIRECTED, unsteady_share=1.0)
+    assert [s.body for s in unsteady] == [s.body for s in steady]
+
+    def least_turn(scenes):
+        paths = [s.path.rotation_rad for s in scenes if s.motion in ROTATIONS]
+        return min(abs(path[-1] - path[0]) for path in paths)
+
+    assert least_turn(unsteady) < np.radians(3) < least_turn(steady)

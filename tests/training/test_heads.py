@@ -143,13 +143,12 @@ def test_finished_tokens_are_read_and_not_made_again(anytouch2, tmp_path, monkey
 
 def test_stored_tokens_are_the_encoders_own_of_the_same_clips(anytouch2, tmp_path):
     from geotlm_lm.core.seeding import generator_for
-    from geotlm_lm.simulation.series import simulate_series
-    from geotlm_lm.training.examples import MOTIONS, as_recorded
+    from geotlm_lm.training.examples import as_recorded
 
     stored = encode_examples(anytouch2, tmp_path, WANTED, seed=1)
     seed = int(generator_for(1, "encoded", "check").integers(2**62))
     index = BATCH + 1
-    (one,) = simulate_series(seed, 1, objects=WANTED.objects, first_index=index, motions=MOTIONS)
+    (one,) = WANTED.simulated(seed, index, 1)
     recorded = as_recorded(one, generator_for(seed, "form", index))
     tokens = anytouch2.encode([recorded.clip])
     assert stored.labels[index].motion == recorded.label.motion
