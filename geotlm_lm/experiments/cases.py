@@ -42,6 +42,8 @@ class SimulatedCases:
         task: One of `TASKS`.
         count: How many clips to give.
         seed: Root of the scenes.
+        is_unsteady: Whether the hand is `simulation.motions.UNSTEADY`: turns and slides down to a
+            third of the usual least, and more change of depth on the way.
         with_unreadable: Also give the unreadable clips that come up on the way, tagged; they do not
             count as asked for.
         unreadable: How many clips came up whose images do not tell the motion; filled while
@@ -51,6 +53,7 @@ class SimulatedCases:
     task: str
     count: int
     seed: int
+    is_unsteady: bool = False
     with_unreadable: bool = False
     unreadable: int = field(default=0)
 
@@ -58,6 +61,11 @@ class SimulatedCases:
     def among(self) -> tuple[Motion, ...]:
         """The motions in question."""
         return TASKS[self.task]
+
+    @property
+    def title(self) -> str:
+        """What a report calls these clips."""
+        return f"simulated {self.task}" + (", unsteady hand" if self.is_unsteady else "")
 
     def __iter__(self) -> Iterator[Case]:
         for made in self.made():
@@ -75,6 +83,7 @@ class SimulatedCases:
             MOST_TRIES * self.count,
             objects=EVERYDAY_OBJECTS,
             motions=self.among,
+            unsteady_share=float(self.is_unsteady),
         )
         for made in series:
             is_readable = made.label.is_readable

@@ -78,8 +78,11 @@ def evaluate(
     about: dict[str, Any] = {}
     with one_thread():
         for task in TASKS if clips_per_task else ():
-            cases = SimulatedCases(task, clips_per_task, seed, with_unreadable=True)
-            tables[f"simulated {task}"] = judge_simulated(methods, cases, seed, progress)
+            for is_unsteady in (False, True):
+                cases = SimulatedCases(
+                    task, clips_per_task, seed, is_unsteady=is_unsteady, with_unreadable=True
+                )
+                tables[cases.title] = judge_simulated(methods, cases, seed, progress)
         for name, real in recordings.items():
             tables |= judge_recordings(methods, name, real, seed, progress)
         for name, data_set in data_sets.items():
@@ -110,7 +113,7 @@ def judge_simulated(
     """Return the table of one simulated task, and how many clips left out of it were named."""
 
     def tell(done: int) -> None:
-        progress(f"simulated {cases.task}", done - cases.unreadable, cases.count)
+        progress(cases.title, done - cases.unreadable, cases.count)
 
     replies = ask_all(methods, cases, cases.among, tell)
     left_out = replies.where(**UNREADABLE)

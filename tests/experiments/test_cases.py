@@ -22,7 +22,7 @@ def fake_simulator(monkeypatch):
 
     numbers = []
 
-    def simulate_series(seed, count, *, objects, first_index=0, motions=None):
+    def simulate_series(seed, count, *, objects, motions, unsteady_share, first_index=0):
         for number in range(first_index, first_index + count):
             numbers.append(number)
             yield SimpleNamespace(
@@ -135,3 +135,13 @@ def test_labels_of_several_tasks_are_asked_task_by_task(tmp_path):
 def test_labels_of_one_task_stay_together(tmp_path):
     (cases,) = real_cases(labelled_folder(tmp_path / "mine", "left", "up")).values()
     assert by_task(cases) == {"": cases}
+
+
+def test_an_unsteady_hand_is_asked_of_the_simulator(monkeypatch):
+    from geotlm_lm.simulation import series
+
+    asked = []
+    monkeypatch.setattr(series, "simulate_series", lambda *a, **given: asked.append(given) or [])
+    for is_unsteady in (False, True):
+        list(SimulatedCases("rotation", 3, seed=0, is_unsteady=is_unsteady))
+    assert [given["unsteady_share"] for given in asked] == [0.0, 1.0]

@@ -95,7 +95,11 @@ def test_the_simulated_tasks_report_what_was_left_out(monkeypatch):
     monkeypatch.setattr(cases.SimulatedCases, "__iter__", three)
     record = evaluate(FakeAnswerer(), clips_per_task=3, seed=0)
     tables = record.numbers["tables"]
-    assert list(tables) == ["simulated rotation", "simulated sliding", "simulated all"]
+    assert list(tables) == [
+        f"simulated {task}{hand}"
+        for task in ("rotation", "sliding", "all")
+        for hand in ("", ", unsteady hand")
+    ]
     assert tables["simulated all"]["unreadable_left_out"] == 2
     assert record.numbers["minimum"] == 1.0
 
