@@ -2,12 +2,14 @@
 
 Patch tokens learn, through one linear map, how far the imprint moved, whether the patch is in
 contact and how deep. The global token learns how much is touched, how deep, how much moves, how
-far the view is magnified, and what kind of motion it is: turning or sliding, pressing or letting
-go. No loss asks it which way, though attention lets it give most of that away.
+far the view is magnified, what kind of motion it is (turning or sliding, pressing or letting go),
+and by how many degrees or millimetres. No loss asks it which way, though attention lets it give
+most of that away.
 """
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,8 +29,9 @@ from geotlm_lm.backbone.stem import (
 )
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.vit import ViT, ViTConfig
-from geotlm_lm.core.labels import MotionClass, MotionLabel, motion_class
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, MotionClass, MotionLabel, motion_class
 from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.data.contents import amount_of
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.config import TrainingPreset
 from geotlm_lm.training.examples import Examples
@@ -44,6 +47,13 @@ DEPTH_SCALE_MM = 0.3
 
 KIND_SHARE = 0.5
 """Weight of the loss that asks for the kind of motion."""
+
+AMOUNT_SHARE = 0.5
+"""Weight of the loss that asks how far it turned or slid."""
+
+AMOUNT_SCALES = (4.0, 0.4)
+"""Degrees of turning and mm of sliding from which on errors count relative to the amount: a fifth
+of it or 2 degrees and 0.2 mm are right in an answer."""
 
 UNSEEN = -1
 """Stands for the kind of a motion that leaves no trace."""
@@ -63,6 +73,7 @@ class DenseHeads(nn.Module):
         self.patch = nn.Linear(width, 4)
         self.summary = nn.Linear(width, GLOBAL_TARGET_COUNT)
         self.kind = nn.Linear(width, len(MotionClass))
+        self.amount = nn.Linear(width, len(AMOUNT_SCALES))
 
     @torch.no_grad()
     def start_from_alignment(self, embed: nn.Linear) -> None:
@@ -81,8 +92,9 @@ class DenseTruth:
     """One batch of truth on the device, float32; shapes as in `Examples`.
 
     `counts_motion` is 1 for the clips whose displacement is a target; `kind` is the place of the
-    motion's kind in `MotionClass`, `UNSEEN` where the motion leaves no trace; `magnification` is
-    what the stem tells of the view, (b,).
+    motion's kind in `MotionClass`, `UNSEEN` where the motion leaves no trace; `amount` holds the
+    degrees turned and mm slid, (b, 2), NaN where the motion is another or leaves no trace;
+    `magnification` is what the stem tells of the view, (b,).
     """
 
     displacement: Tensor
@@ -90,6 +102,7 @@ class DenseTruth:
     depth: Tensor
     counts_motion: Tensor
     kind: Tensor
+    amount: Tensor
     magnification: Tensor
 
 
@@ -140,7 +153,7 @@ class _Learner:
         generator = torch.Generator().manual_seed(seed_for(seed, "weights", "backbone"))
         self.vit = ViT(config).initialise(generator)
         self.heads = DenseHeads(config.width)
-        for head in (self.heads.summary, self.heads.kind):
+        for head in (self.heads.summary, self.heads.kind, self.heads.amount):
             nn.init.normal_(head.weight, 0, config.width**-0.5, generator=generator)
             nn.init.zeros_(head.bias)
         self.heads.start_from_alignment(self.vit.embed)
@@ -209,7 +222,21 @@ def dense_loss(tokens: Tokens, heads: DenseHeads, truth: DenseTruth) -> Tensor:
     kind = F.cross_entropy(
         heads.kind(tokens.global_token), truth.kind, ignore_index=UNSEEN, reduction="sum"
     ) / (truth.kind != UNSEEN).sum().clamp(min=1)
-    return moved + contact + 0.3 * deep + summary + KIND_SHARE * kind
+    amount = amount_loss(heads.amount(tokens.global_token), truth.amount)
+    return moved + contact + 0.3 * deep + summary + KIND_SHARE * kind + AMOUNT_SHARE * amount
+
+
+def amount_loss(told: Tensor, true: Tensor) -> Tensor:
+    """Return the mean error of the amounts there are, each on a scale that bends to a logarithm.
+
+    Args:
+        told: Read from the global tokens, (b, 2).
+        true: Degrees turned and mm slid, (b, 2), NaN where there is none.
+    """
+    is_asked = ~true.isnan()
+    scaled = torch.log1p(true.nan_to_num() / true.new_tensor(AMOUNT_SCALES))
+    errors = F.smooth_l1_loss(told, scaled, reduction="none", beta=0.1)
+    return (errors * is_asked).sum() / is_asked.sum().clamp(min=1)
 
 
 def _summary(truth: DenseTruth) -> Tensor:
@@ -234,6 +261,7 @@ def _batch(examples: Examples, rows: np.ndarray, device: str) -> tuple[Tensor, D
         depth=moved(examples.depth_mm),
         counts_motion=torch.from_numpy(counts).to(device),
         kind=torch.tensor([_kind(examples.labels[row]) for row in rows], device=device),
+        amount=torch.tensor([_amounts(examples.labels[row]) for row in rows], device=device),
         magnification=inputs[:, 0, 0, 0, MAGNIFICATION_AT],
     )
     return inputs, truth
@@ -241,6 +269,15 @@ def _batch(examples: Examples, rows: np.ndarray, device: str) -> tuple[Tensor, D
 
 def _kind(label: MotionLabel) -> int:
     return _KINDS.index(motion_class(label.motion)) if label.is_readable else UNSEEN
+
+
+def _amounts(label: MotionLabel) -> tuple[float, float]:
+    """Return degrees turned and mm slid, whatever the way; NaN for what the motion is not."""
+    amount = amount_of(label) if label.is_readable else None
+    return (
+        amount if label.motion in ROTATIONS and amount is not None else math.nan,
+        amount if label.motion in SLIDES and amount is not None else math.nan,
+    )
 
 
 def _rate(step: int, steps: int) -> float:

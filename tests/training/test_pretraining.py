@@ -1,5 +1,6 @@
 """Laws: an interrupted run ends where an unbroken one does; what the loss must not look at."""
 
+import math
 from dataclasses import replace
 
 import pytest
@@ -64,6 +65,7 @@ def random_case():
         depth=random(3, 2, 14, 14),
         counts_motion=torch.tensor([1.0, 1.0, 0.0]),
         kind=torch.tensor([0, 1, pretraining.UNSEEN]),
+        amount=torch.tensor([[8.0, math.nan], [math.nan, 0.5], [math.nan, math.nan]]),
         magnification=torch.tensor([0.0, 0.3, 0.8]),
     )
     torch.manual_seed(0)
@@ -112,3 +114,31 @@ def test_the_kind_of_a_motion_that_leaves_no_trace_is_not_asked():
     assert heads.summary.weight.grad.abs().max() > 0
     dense_loss(tokens, heads, truth).backward()
     assert heads.kind.weight.grad.abs().max() > 0
+
+
+def test_the_amount_asked_of_the_global_token_is_that_of_turns_and_slides_whatever_their_way():
+    turn = MotionLabel(Motion.COUNTERCLOCKWISE, rotation_deg=-8.0)
+    slide = MotionLabel(Motion.UP, slide_x_mm=0.3, slide_y_mm=-0.4)
+    turned, slid = (pretraining._amounts(label) for label in (turn, slide))
+    assert (turned[0], math.isnan(turned[1])) == (8.0, True)
+    assert (math.isnan(slid[0]), slid[1]) == (True, pytest.approx(0.5))
+    for label in (turn, slide):
+        same = pretraining._amounts(label.mirrored())
+        assert str(same) == str(pretraining._amounts(label))
+    unasked = (
+        replace(turn, is_readable=False),
+        MotionLabel(Motion.PRESS),
+        MotionLabel(Motion.NONE),
+    )
+    assert all(math.isnan(one) for label in unasked for one in pretraining._amounts(label))
+
+
+def test_amounts_told_right_cost_nothing_and_those_that_are_not_asked_never_do():
+    true = torch.tensor([[8.0, math.nan], [math.nan, 0.4]])
+    told = torch.tensor([[math.log(3.0), 5.0], [-5.0, math.log(2.0)]])
+    assert pretraining.amount_loss(told, true).item() == pytest.approx(0, abs=1e-6)
+    assert pretraining.amount_loss(told + 0.5, true).item() == pytest.approx(0.45)
+    nothing = torch.full_like(true, math.nan)
+    told.requires_grad_()
+    pretraining.amount_loss(told, nothing).backward()
+    assert torch.equal(told.grad, torch.zeros_like(told))
