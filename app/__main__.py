@@ -10,12 +10,13 @@ from .agents import require_mcp
 from .told import gradio
 
 
-def serve(port: int | None = None, *, mcp: bool = False) -> None:
+def serve(port: int | None = None, *, mcp: bool = False, precision: str = "float32") -> None:
     """Load the model, build the page, serve it until stopped.
 
     Args:
         port: To listen on; None takes a free one from 7860 on.
         mcp: Whether to serve agents as well, over the Model Context Protocol.
+        precision: Number format of the model, as in `Answerer.load`.
 
     Raises:
         GeoTLMError: If the toolkit or the model is missing, or the port is taken.
@@ -27,7 +28,7 @@ def serve(port: int | None = None, *, mcp: bool = False) -> None:
 
     from .ui import build, launch
 
-    page = build(Answerer.load())
+    page = build(Answerer.load(precision=precision))
     try:
         launch(page, port=port, mcp=mcp)
     except OSError as error:

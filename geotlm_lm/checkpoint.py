@@ -84,8 +84,18 @@ class Bundle:
         for part, state in states.items():
             for name, value in state.items():
                 found.update(f"{part}.{name}".encode())
-                found.update(value.detach().cpu().contiguous().numpy().tobytes())
+                found.update(_bytes_of(value))
         return found.hexdigest()[:12]
+
+
+def _bytes_of(value: Any) -> bytes:
+    """Return the bytes of one entry of a state, whatever its number format."""
+    if isinstance(value, tuple):  # the weight and the bias of a layer in 8 bits
+        return b"".join(map(_bytes_of, value))
+    if not isinstance(value, torch.Tensor):
+        return repr(value).encode()
+    plain = value.int_repr() if value.is_quantized else value.detach()
+    return plain.cpu().contiguous().reshape(-1).view(torch.uint8).numpy().tobytes()
 
 
 def embedded_bundle_dir() -> Path:

@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from geotlm_lm.cli.options import Precision
+
 
 def app(
     port: Annotated[
@@ -18,12 +20,13 @@ def app(
     mcp: Annotated[
         bool, typer.Option("--mcp", help="Serve agents too, over MCP. Needs the extra mcp.")
     ] = False,
+    precision: Precision = "float32",
 ) -> None:
     """Serve a page to look at clips and ask about them, on this machine only (127.0.0.1).
 
     Example: geotlm-lm app --port 7860
     """
-    import_module(f"{page_package()}.__main__").serve(port, mcp=mcp)
+    import_module(f"{page_package()}.__main__").serve(port, mcp=mcp, precision=precision)
 
 
 def page_package() -> str:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import FramesPerSecond, require_writable_file
+from geotlm_lm.cli.options import FramesPerSecond, Precision, require_writable_file
 from geotlm_lm.core.errors import UsageError
 
 COMMENT = "#"
@@ -27,6 +27,7 @@ def batch(
     model: Annotated[
         Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
     ] = None,
+    precision: Precision = "float32",
 ) -> None:
     """Ask every question about every clip; one row each, answer or error.
 
@@ -49,7 +50,7 @@ def batch(
 
     report = progress_on_stderr()
     result = answer_all(
-        Answerer.load(model),
+        Answerer.load(model, precision=precision),
         found,
         asked,
         out,

@@ -15,6 +15,7 @@ from geotlm_lm.cli.options import (
     FrameSpan,
     FramesPerSecond,
     LayoutName,
+    Precision,
     span_of,
 )
 from geotlm_lm.core.errors import GeoTLMError
@@ -44,6 +45,7 @@ def chat(
     model: Annotated[
         Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
     ] = None,
+    precision: Precision = "float32",
 ) -> None:
     """Talk about a clip; questions come from the terminal or from a pipe, one a line.
 
@@ -59,7 +61,7 @@ def chat(
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer
 
-    answerer = Answerer.load(model)
+    answerer = Answerer.load(model, precision=precision)
     encoded = answerer.encode(recording, span=span)
     Conversation(answerer, encoded).run()
 

@@ -19,6 +19,7 @@ from geotlm_lm.cli.options import (
     EncoderWeights,
     HeadsPresetName,
     HeadsRunFolder,
+    Precision,
     Seed,
     require_one_model,
     require_writable,
@@ -51,6 +52,7 @@ def evaluate(
     model: Annotated[
         Path | None, typer.Option(help="Model bundle; the one in the package when not given.")
     ] = None,
+    precision: Precision = "float32",
     out: Annotated[Path | None, typer.Option(help="Write the record here, as JSON.")] = None,
     as_json: Annotated[
         bool, typer.Option("--json", help="End with the record as one line of JSON.")
@@ -79,8 +81,10 @@ def evaluate(
     if out is not None:
         require_writable_file(out, "--out")
     require_one_model(model, weights, encoder, heads)
+    if weights is not None and precision != "float32":
+        raise UsageError("--precision and --weights exclude each other: give one of them.")
     if weights is None:
-        answerer, name, about = _embedded(model)
+        answerer, name, about = _embedded(model, precision)
     else:
         require_writable(run_folder, "--run-folder")
         answerer, name, about = _trained_on(weights, encoder, heads, preset, run_folder, seed)
@@ -111,11 +115,13 @@ def evaluate(
         )
 
 
-def _embedded(model: Path | None) -> tuple[Answerer, str, dict[str, Any]]:
+def _embedded(model: Path | None, precision: str) -> tuple[Answerer, str, dict[str, Any]]:
     """Return the bundle at `model`, what the record calls it, and what it adds to the record."""
     from geotlm_lm.answering import Answerer
 
-    return Answerer.load(model), "embedded" if model is None else model.name, {}
+    name = "embedded" if model is None else model.name
+    about = {} if precision == "float32" else {"precision": precision}
+    return Answerer.load(model, precision=precision), name, about
 
 
 def _trained_on(

@@ -41,6 +41,14 @@ FramesPerSecond = Annotated[
     float | None,
     typer.Option("--fps", help="Frames per second. [default: what the file says]"),
 ]
+Precision = Annotated[
+    str,
+    typer.Option(
+        "--precision",
+        help="Number format of the model: float32, bfloat16 or int8, which answer sooner where the "
+        "processor has instructions for them.",
+    ),
+]
 EncoderName = Annotated[
     str | None,
     typer.Option(

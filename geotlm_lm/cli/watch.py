@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from geotlm_lm.cli.options import require_writable_file
+from geotlm_lm.cli.options import Precision, require_writable_file
 from geotlm_lm.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ def watch(
     model: Annotated[
         Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
     ] = None,
+    precision: Precision = "float32",
 ) -> None:
     """Print what moves how, as it begins and ends, until the recording ends or Ctrl-C.
 
@@ -58,7 +59,7 @@ def watch(
     from geotlm_lm.answering import Answerer
     from geotlm_lm.live.watcher import Watcher, model_reader
 
-    answerer = Answerer.load(model)
+    answerer = Answerer.load(model, precision=precision)
     watcher = Watcher(model_reader(answerer))
     film = None
     if draw is not None:

@@ -22,7 +22,7 @@ from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.dgr.regions import MASS_FLOOR, pool_regions, region_mass
 from geotlm_lm.experiments.compare import Case
 from geotlm_lm.experiments.judging import QUESTION
-from geotlm_lm.experiments.precision import FLOATS, GEOMETRY, PARTS, in_precision
+from geotlm_lm.precision import FLOATS, GEOMETRY, PARTS, in_precision
 
 MASKS = tuple(10.0**-power for power in range(13))
 """Contact masks from full contact to 1e-12."""

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import cv2
-import torch
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
@@ -20,8 +19,8 @@ from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import ROTATIONS, Motion
 from geotlm_lm.experiments.judging import QUESTION
 from geotlm_lm.experiments.methods import most_probable
-from geotlm_lm.experiments.precision import PARTS, in_precision
 from geotlm_lm.model import rigid_motion
+from geotlm_lm.precision import can_run, in_precision
 from geotlm_lm.probe.curl import CurlRegression
 from geotlm_lm.probe.rigid_flow import RigidFlow, decide
 
@@ -134,14 +133,8 @@ def model_groups(answerer: Answerer, precisions: Sequence[str]) -> dict[str, Ask
 
 def changed_answerer(answerer: Answerer, precision: str) -> Answerer | None:
     """Return the model in another precision; None where this machine cannot run it."""
-    changed = type(answerer)(in_precision(answerer.bundle, precision, PARTS))
-    try:
-        vit = changed.bundle.model.backbone.vit
-        side, width = vit.config.grid_side, vit.config.input_dim
-        changed.bundle.model.backbone.encode_inputs(torch.zeros(1, 2, side, side, width))
-    except RuntimeError:  # NotImplementedError is one
-        return None
-    return changed
+    changed = in_precision(answerer.bundle, precision)
+    return type(answerer)(changed) if can_run(changed) else None
 
 
 def _readers(

@@ -25,7 +25,7 @@ the turn and the travel measured, from the first frame to the last: by the flow'
 one fitted to the model's learned shear, the same for all its rows."""
 
 PICK_NOTE = """\
-Other number formats than float32 are measured here; the commands do not offer them yet."""
+Other number formats than float32 are chosen by `--precision`."""
 
 STAGE_NOTE = "Each stage alone on one clip, one thread; the prompt is read once for all ten scores."
 

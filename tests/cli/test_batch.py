@@ -19,7 +19,8 @@ def invoke(tmp_path, monkeypatch):
     np.save(tmp_path / "clips" / "cap.npy", recording().frames)
     (tmp_path / "questions.txt").write_text("Which way?\nHow far?\n")
     answerer = feeling(tiny_bundle(), "up")
-    monkeypatch.setattr(answering.Answerer, "load", classmethod(lambda cls, folder=None: answerer))
+    load = classmethod(lambda cls, folder, precision: answerer)
+    monkeypatch.setattr(answering.Answerer, "load", load)
     app = typer.Typer()
     app.command()(batch)
     named = {"--clips": "clips", "--questions": "questions.txt", "--out": "deep/answers.jsonl"}

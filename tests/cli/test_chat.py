@@ -31,8 +31,8 @@ def talk(monkeypatch, capsys, bundle, clip_path):
     """Pipe lines into a conversation about a clip that turns clockwise."""
     folders = []
 
-    def load(folder=None):
-        folders.append(folder)
+    def load(folder, precision):
+        folders.append((folder, precision))
         return feeling(bundle, "clockwise")
 
     monkeypatch.setattr(Answerer, "load", load)
@@ -136,4 +136,9 @@ def test_help_lists_every_command(talk):
 
 def test_the_model_folder_reaches_the_loader_once(talk, tmp_path):
     talk("which way?", "again", options=("--model", str(tmp_path)))
-    assert talk.folders == [tmp_path]
+    assert talk.folders == [(tmp_path, "float32")]
+
+
+def test_the_number_format_reaches_the_loader(talk):
+    talk("which way?", options=("--precision", "int8"))
+    assert talk.folders == [(None, "int8")]

@@ -31,7 +31,7 @@ def _reader(monkeypatch):
         return Window(motion, 0.8, turn_deg=4.0)
 
     monkeypatch.setattr(watcher_module, "model_reader", lambda answerer: read)
-    monkeypatch.setattr("geotlm_lm.answering.Answerer.load", lambda folder=None: object())
+    monkeypatch.setattr("geotlm_lm.answering.Answerer.load", lambda folder, precision: object())
 
 
 def run(capsys, *arguments):

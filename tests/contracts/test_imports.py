@@ -26,6 +26,7 @@ LEVELS = (
     },
     {"model", "data", "views"},
     {"checkpoint"},
+    {"precision"},
     {"answering", "training"},
     {"experiments", "reports", "live", "opinions"},
     {"fuzzing"},

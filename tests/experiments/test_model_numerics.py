@@ -15,7 +15,6 @@ from geotlm_lm.experiments.model_numerics import (
     precision_rows,
     scale_rows,
 )
-from geotlm_lm.experiments.precision import PRECISIONS, in_precision
 from tests.tiny_bundle import tiny_bundle
 
 
@@ -61,20 +60,6 @@ def test_gradients_stay_finite_and_right_while_contact_vanishes():
     assert by_logit[-1] < 1e-3 * max(by_logit)  # 98e-12 against a floor of 1e-6
     # By the mask itself it grows tenfold a decade until the floor holds it.
     assert rows[4]["by_mask"] / rows[3]["by_mask"] == pytest.approx(10, rel=0.2)
-
-
-@pytest.mark.parametrize("precision", PRECISIONS)
-def test_every_format_answers_and_leaves_the_bundle_alone(answerer, truths, precision):
-    before = answerer.bundle.digest()
-    changed = Answerer(in_precision(answerer.bundle, precision))
-    answer = changed.ask(changed.encode(truths.clips[0]), "Which way does it move?")
-    assert sum(answer.options.values()) == pytest.approx(1.0, abs=1e-3)
-    assert answerer.bundle.digest() == before
-
-
-def test_an_unknown_format_is_refused(answerer):
-    with pytest.raises(ValueError, match="found float8 of"):
-        in_precision(answerer.bundle, "float8")
 
 
 def test_coarser_formats_err_more(answerer, truths):

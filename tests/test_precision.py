@@ -1,0 +1,53 @@
+"""Other number formats: they answer, leave the bundle alone, and are told apart by their digest."""
+
+import pytest
+
+from geotlm_lm import precision as formats
+from geotlm_lm import read_clip
+from geotlm_lm.answering import Answerer
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.precision import OFFERED, PRECISIONS, in_precision, offered
+from tests.answering.scripted import recording
+from tests.tiny_bundle import tiny_bundle
+
+
+@pytest.fixture(scope="module")
+def bundle():
+    return tiny_bundle()
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_every_format_answers_and_leaves_the_bundle_alone(bundle, precision):
+    before = bundle.digest()
+    changed = Answerer(in_precision(bundle, precision))
+    answer = changed.ask(changed.encode(recording()), "Which way does it move?")
+    assert sum(answer.options.values()) == pytest.approx(1.0, abs=1e-3)
+    assert bundle.digest() == before
+
+
+def test_an_unknown_format_is_refused(bundle):
+    with pytest.raises(ValueError, match="found float8 of"):
+        in_precision(bundle, "float8")
+    with pytest.raises(UsageError, match="found precision 'float8', expected one of float32,"):
+        offered(bundle, "float8")
+
+
+def test_float32_is_the_bundle_itself_and_every_format_has_a_digest_of_its_own(bundle):
+    assert offered(bundle, "float32") is bundle
+    assert len({offered(bundle, precision).digest() for precision in OFFERED}) == len(OFFERED)
+
+
+def test_what_the_machine_cannot_run_is_told_in_a_sentence(bundle, monkeypatch):
+    monkeypatch.setattr(formats, "can_run", lambda changed: False)
+    with pytest.raises(UsageError, match="cannot run bfloat16; take float32"):
+        offered(bundle, "bfloat16")
+
+
+def test_the_shipped_model_in_eight_bits_says_what_it_says_in_float32():
+    exact, coarse = (Answerer.load(precision=one) for one in ("float32", "int8"))
+    question = "Which way is it turning?"
+    clip = read_clip(resource_dir("app") / "examples" / "bottle_cap_clockwise.npz")
+    first, second = (one.ask(one.encode(clip), question) for one in (exact, coarse))
+    assert first.direction == second.direction == "clockwise"
+    assert second.confidence == pytest.approx(first.confidence, abs=0.15)
