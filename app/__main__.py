@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
+from typing import TYPE_CHECKING
 
 from geotlm_lm import GeoTLMError
 
 from .agents import require_mcp
 from .told import gradio
 
+if TYPE_CHECKING:
+    from geotlm_lm import Answerer
+
 
 def serve(port: int | None = None, *, mcp: bool = False, precision: str = "float32") -> None:
-    """Load the model, build the page, serve it until stopped.
+    """Build the page and serve it until stopped; the model is loaded as soon as the page stands.
 
     Args:
         port: To listen on; None takes a free one from 7860 on.
@@ -24,17 +29,26 @@ def serve(port: int | None = None, *, mcp: bool = False, precision: str = "float
     gradio()  # told before the model is loaded
     if mcp:
         require_mcp()
-    from geotlm_lm import Answerer
-
+    from .later import Later
     from .ui import build, launch
 
-    page = build(Answerer.load(precision=precision))
+    model = Later(partial(_load, precision))
+    page = build(model)
     try:
-        launch(page, port=port, mcp=mcp)
+        address = launch(page, port=port, mcp=mcp)
     except OSError as error:
         raise GeoTLMError(
             f"Port {port} is taken or not allowed; give another by --port, or none."
         ) from error
+    print(f"Serving {address} on this machine only; Ctrl-C stops it.", flush=True)
+    model.load()
+    page.block_thread()
+
+
+def _load(precision: str) -> Answerer:
+    from geotlm_lm import Answerer
+
+    return Answerer.load(precision=precision)
 
 
 def main() -> None:

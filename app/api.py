@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from typing import Any
-
-from geotlm_lm import Answerer, Touch
-from geotlm_lm import evidence as evidence_of
+from typing import TYPE_CHECKING, Any
 
 from . import handlers
 from .results import Answered, Compared, Field, Told
 from .simulating import simulate as simulate_and_ask
 from .told import MODEL, gradio, told
 from .uploads import Upload, Uploads
+
+if TYPE_CHECKING:
+    from geotlm_lm import Answerer
 
 SNIPPET = """
 ```python
@@ -94,6 +94,8 @@ class Api:
         Returns:
             Contact, shear change of seven regions and of each patch; x right, y down, unitless.
         """
+        from geotlm_lm import evidence as evidence_of
+
         shown = self._shown(clip)
         return evidence_of(shown.encoded) | {
             "shear_change": shown.seen.shear_change.round(4).tolist(),
@@ -138,6 +140,8 @@ class Api:
         Returns:
             The answer, the true motion, and the true amounts, the ones read, and their error.
         """
+        from geotlm_lm import Touch
+
         numbers = {
             "depth_mm": depth_mm,
             "twist_deg": twist_deg,

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from geotlm_lm import Answerer, FrameSpec, Motion, draw_viewpoint
+from geotlm_lm import FrameSpec, Motion, draw_viewpoint
 
 from . import handlers
 from .told import MODEL, gradio, told
+
+if TYPE_CHECKING:
+    from geotlm_lm import Answerer
 
 SUFFIXES = [".npy", ".npz", ".mp4", ".avi", ".mov", ".mkv", ".png", ".jpg", ".jpeg", ".bmp"]
 VIEWS = ["raw", "difference", "contact", "arrows"]

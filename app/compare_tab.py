@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from geotlm_lm import Answerer
+from typing import TYPE_CHECKING, Any
 
 from . import handlers
 from .ask_tab import BUTTONS, SUFFIXES
 from .told import MODEL, gradio, told
+
+if TYPE_CHECKING:
+    from geotlm_lm import Answerer
 
 
 def build(answerer: Answerer) -> None:

@@ -7,14 +7,12 @@ import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm import (
-    LEAST_SURE,
-    Answerer,
     FrameSpec,
     GeoTLMError,
     Motion,
@@ -24,6 +22,9 @@ from geotlm_lm import (
     second_opinions,
     views_of,
 )
+
+if TYPE_CHECKING:
+    from geotlm_lm import Answerer
 
 Image = NDArray[np.uint8]
 
@@ -265,6 +266,8 @@ def _verdicts(text: str, details: dict[str, Any], opinions: dict[str, Any]) -> l
 
 def _band(answerer: Answerer, details: dict[str, Any]) -> str:
     """Return from where on an answer is told, and where this one stands."""
+    from geotlm_lm import LEAST_SURE
+
     threshold = answerer.bundle.calibration.contact_threshold
     share = details.get("evidence", {}).get("contact_share", 0.0)
     side = "withheld" if details.get("abstained") else "told"

@@ -5,12 +5,11 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from geotlm_lm import (
-    Answerer,
     GeoTLMError,
     Seen,
     Watcher,
@@ -21,6 +20,9 @@ from geotlm_lm import (
 
 from .ask_tab import BUTTONS
 from .told import MODEL, gradio, told
+
+if TYPE_CHECKING:
+    from geotlm_lm import Answerer
 
 HEADERS = ["s", "event", "degrees", "px right", "px down"]
 SHOWN_EVERY_S = 0.5

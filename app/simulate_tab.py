@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from geotlm_lm import Answerer, Touch
+from typing import TYPE_CHECKING, Any
 
 from . import handlers
 from .ask_tab import BUTTONS
 from .simulating import OBJECTS, simulate
 from .told import MODEL, gradio, told
+
+if TYPE_CHECKING:
+    from geotlm_lm import Answerer
 
 VIEWS = ["raw", "difference", "contact", "arrows", "depth"]
 
@@ -34,6 +35,8 @@ def build(answerer: Answerer) -> None:
                 read = gr.Image(label="Learned shear change", interactive=False, buttons=BUTTONS)
 
     def run(name: str, *numbers: float) -> tuple[Any, ...]:
+        from geotlm_lm import Touch
+
         *lengths, seed = numbers
         made = simulate(answerer, Touch(name, *map(float, lengths), seed=int(seed)))
         right = "right" if made.facts["is_right"] else f"wrong: {made.facts['true_motion']}"

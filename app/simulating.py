@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm import Answerer, Seen, Touch, learned_motion, picture, simulate_touch
+from geotlm_lm import Seen, learned_motion, picture
 
 from .handlers import DIRECTION_QUESTION, Image, Shown, perceive
+
+if TYPE_CHECKING:
+    from geotlm_lm import Answerer, Touch
 
 WINDOW_SHARE = 1.5
 """Four evenly spaced frames move this much farther than the mean of the first two to that of the
@@ -48,6 +51,8 @@ def simulate(answerer: Answerer, touch: Touch) -> Simulated:
     Raises:
         GeoTLMError: If the touch cannot be simulated.
     """
+    from geotlm_lm import simulate_touch
+
     made = simulate_touch(touch)
     shown = perceive(answerer, made.clip, depth_mm=made.depth_mm)
     answer = answerer.ask(shown.encoded, DIRECTION_QUESTION)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from geotlm_lm import Answerer
+from typing import TYPE_CHECKING, Any
 
 from .agents import require_mcp, speak_json
 from .told import gradio
+
+if TYPE_CHECKING:
+    from geotlm_lm import Answerer
 
 FRAME_OF_REFERENCE = (
     "Directions are told **as seen in the camera image** (looking out of the sensor at the "
@@ -46,13 +47,12 @@ QUEUE = 64
 """Requests that may wait; one more is told to come back. Uses of the model run one by one."""
 
 
-def launch(page: Any, *, port: int | None = None, wait: bool = True, mcp: bool = False) -> str:
-    """Serve the page on this machine only and return its address.
+def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
+    """Serve the page in the background, on this machine only, and return its address.
 
     Args:
         page: What `build` returned.
         port: To listen on; None takes a free one from 7860 on.
-        wait: Whether to serve until stopped; otherwise it is served in the background.
         mcp: Whether to serve its functions over the Model Context Protocol as well.
 
     Raises:
@@ -67,12 +67,10 @@ def launch(page: Any, *, port: int | None = None, wait: bool = True, mcp: bool =
         share=False,
         max_file_size="512mb",
         prevent_thread_lock=True,
-        quiet=not wait,
+        quiet=True,
         ssr_mode=False,
         mcp_server=mcp,
     )
     if mcp:
         speak_json(page)
-    if wait:
-        page.block_thread()
     return address

@@ -47,7 +47,7 @@ def in_message(folder, level):
 def address():
     pytest.importorskip("mcp", reason="serving agents needs mcp (extra: mcp)")
     page = ui.build(FakeAnswerer())
-    yield ui.launch(page, wait=False, mcp=True)
+    yield ui.launch(page, mcp=True)
     page.close()
 
 

@@ -18,7 +18,7 @@ TEXT = "document.body.innerText"
 @pytest.fixture(scope="module")
 def address():
     page = ui.build(FakeAnswerer())
-    yield ui.launch(page, wait=False)
+    yield ui.launch(page)
     page.close()
 
 

@@ -23,7 +23,7 @@ LEVELS = tuple(30 + 10 * number for number in range(USERS))
 @pytest.fixture(scope="module")
 def address():
     page = ui.build(FakeAnswerer())
-    yield ui.launch(page, wait=False).rstrip("/")
+    yield ui.launch(page).rstrip("/")
     page.close()
 
 
@@ -113,7 +113,7 @@ def test_a_full_queue_is_told_and_those_in_it_are_served(clips, monkeypatch):
 
     monkeypatch.setattr(ui, "QUEUE", 3)
     page = ui.build(SlowAnswerer())
-    address = ui.launch(page, wait=False)
+    address = ui.launch(page)
     try:
         client = Client(address, verbose=False)
         given = handle_file(clips[LEVELS[0]])

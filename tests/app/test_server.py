@@ -19,7 +19,7 @@ from tests.app.fakes import FakeAnswerer  # noqa: E402
 @pytest.fixture(scope="module")
 def address():
     page = ui.build(FakeAnswerer())
-    yield ui.launch(page, wait=False)
+    yield ui.launch(page)
     page.close()
 
 

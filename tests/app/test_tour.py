@@ -23,7 +23,7 @@ def test_a_missing_browser_is_one_sentence(monkeypatch):
 def crowd_of(answerer):
     page = ui.build(answerer)
     try:
-        return tour.crowd(ui.launch(page, wait=False), users=4)
+        return tour.crowd(ui.launch(page), users=4)
     finally:
         page.close()
 

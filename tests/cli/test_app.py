@@ -23,11 +23,17 @@ def test_a_missing_toolkit_ends_with_one_sentence_and_code_7(capsys, monkeypatch
 
 
 @pytest.mark.parametrize("is_served", [True, False])
-def test_the_port_and_the_wish_to_serve_agents_are_handed_on(capsys, monkeypatch, is_served):
+def test_port_number_format_and_the_wish_to_serve_agents_are_handed_on(
+    capsys, monkeypatch, is_served
+):
     served = []
-    monkeypatch.setattr("app.__main__.serve", lambda port, mcp: served.append((port, mcp)))
-    run(capsys, "--port", "7999", *["--mcp"] * is_served)
-    assert served == [(7999, is_served)]
+
+    def serve(port, *, mcp, precision):
+        served.append((port, mcp, precision))
+
+    monkeypatch.setattr("app.__main__.serve", serve)
+    run(capsys, "--port", "7999", "--precision", "int8", *["--mcp"] * is_served)
+    assert served == [(7999, is_served, "int8")]
 
 
 def test_a_port_that_cannot_be_is_a_wrong_call(capsys):
