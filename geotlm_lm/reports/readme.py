@@ -32,6 +32,7 @@ from geotlm_lm.reports.simulator import (
     simulator_page,
     simulator_stability_page,
 )
+from geotlm_lm.reports.sizes import sizes_page
 from geotlm_lm.reports.stability import stability_page
 from geotlm_lm.reports.tables import answer_example, evaluation_page, training_overview
 from geotlm_lm.reports.transcript import transcript_page
@@ -66,6 +67,7 @@ PAGES: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "protocols.md": ("protocols.json", protocols_page),
     "language.md": ("language.json", language_page),
     "runtime.md": ("runtime.json", runtime_page),
+    "sizes.md": ("sizes.json", sizes_page),
     "stability.md": ("stability.json", stability_page),
     "transcript.md": ("transcript.json", transcript_page),
     "fuzz.md": ("fuzz.json", fuzz_page),
