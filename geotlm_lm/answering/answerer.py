@@ -43,7 +43,7 @@ from geotlm_lm.conversation.wording import known
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.recordings.legible import require_legible
-from geotlm_lm.recordings.touch import is_untouched
+from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle_grey
 
 
 @dataclass(frozen=True)
@@ -103,8 +103,11 @@ class Answerer:
         started = time.perf_counter()
         clip = require_legible(four_frames_with_background(clip, span))
         chosen = time.perf_counter()
-        untouched = is_untouched(clip)
+        change_grey = change_from_idle_grey(clip)
+        untouched = change_grey < UNTOUCHED_GREY
         judged = time.perf_counter()
+        if untouched:
+            clip = replace(clip, notes=(*clip.notes, _nothing_seen(change_grey)))
         # Of what is not there, noise decides which motion it looks like: leave the noise out.
         perception = self.bundle.model.perceive([_at_rest(clip) if untouched else clip])
         done = time.perf_counter()
@@ -220,6 +223,13 @@ class Answerer:
             (steps[0], heard.text, *steps[2:]),
             "the second sentence in the model's words, the others by rule from its geometry",
         )
+
+
+def _nothing_seen(change_grey: float) -> str:
+    return (
+        f"No frame differs from the idle gel by more than {change_grey:.1f} grey levels; a touch "
+        f"fainter than {UNTOUCHED_GREY:g} is not seen."
+    )
 
 
 def _at_rest(clip: Clip) -> Clip:

@@ -45,11 +45,6 @@ def change_from_idle_grey(clip: Clip) -> float:
     return max(_changed(_small(frame) - idle) for frame in clip.frames)
 
 
-def is_untouched(clip: Clip) -> bool:
-    """Tell whether no frame of a clip differs from its background by more than noise does."""
-    return change_from_idle_grey(clip) < UNTOUCHED_GREY
-
-
 def _changed(change: NDArray[np.float32]) -> float:
     smooth = cv2.GaussianBlur(change - np.median(change), (0, 0), BLUR_PX)
     return float(np.quantile(np.abs(smooth), 1 - TOUCHED_SHARE))

@@ -1,5 +1,7 @@
 """Where nothing touches, noise names no motion and an open question needs no language model."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -26,6 +28,17 @@ def test_an_open_question_is_answered_without_the_language_model(bundle):
     assert answer.told_by == "rule"
     assert answerer.bundle.speaker.heard == []
     assert list(answer.timing_ms) == ["choose", "touch", "encode", "total"]
+
+
+def test_how_faint_a_touch_may_go_unseen_is_said(bundle):
+    answerer = feeling(bundle, "press")
+    note = answerer.ask(answerer.encode(untouched()), "Which way?").notes[-1]
+    assert re.fullmatch(
+        r"No frame differs from the idle gel by more than \d\.\d grey levels; "
+        r"a touch fainter than 1\.5 is not seen\.",
+        note,
+    )
+    assert not any("idle gel by" in note for note in answerer.encode(recording()).clip.notes)
 
 
 def test_what_follows_from_the_direction_needs_no_language_model_either(bundle):

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle_grey, is_untouched
+from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle_grey
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.series import simulate_series
 
@@ -24,20 +24,20 @@ def imprint(grey, radius_px=14):
 
 
 def test_camera_noise_and_a_change_of_exposure_are_no_touch():
-    assert is_untouched(recorded(np.zeros((240, 320))))
-    assert is_untouched(recorded(np.full((240, 320), 6.0)))
+    assert change_from_idle_grey(recorded(np.zeros((240, 320)))) < UNTOUCHED_GREY
+    assert change_from_idle_grey(recorded(np.full((240, 320), 6.0))) < UNTOUCHED_GREY
 
 
 @pytest.mark.parametrize("grey", [4.0, -4.0])
 def test_a_small_faint_imprint_is_a_touch_wherever_it_lies(grey):
-    assert not is_untouched(recorded(imprint(grey)))
+    assert change_from_idle_grey(recorded(imprint(grey))) >= UNTOUCHED_GREY
 
 
 def test_one_touched_frame_is_enough():
     clip = recorded(imprint(0))
     frames = clip.frames.copy()
     frames[2] = recorded(imprint(8.0)).frames[0]
-    assert not is_untouched(Clip(frames, background=IDLE))
+    assert change_from_idle_grey(Clip(frames, background=IDLE)) >= UNTOUCHED_GREY
 
 
 def test_the_change_does_not_depend_on_the_recorded_size():
@@ -50,7 +50,7 @@ def test_the_change_does_not_depend_on_the_recorded_size():
 def test_the_smallest_and_the_narrowest_frames_are_judged():
     for shape in ((8, 8, 3), (8, 400, 3), (400, 8, 3)):
         clip = Clip(np.full((4, *shape), 110, np.uint8), background=np.full(shape, 110, np.uint8))
-        assert is_untouched(clip)
+        assert change_from_idle_grey(clip) < UNTOUCHED_GREY
 
 
 def test_without_an_idle_frame_there_is_nothing_to_compare_with():
