@@ -208,7 +208,8 @@ class Answerer:
     def why(self, encoded: Encoded, answer: Answer) -> Why:
         """Return the reasons for `answer`, by rule from the geometry the model read.
 
-        Where the model was trained to say which half moves which way, that step is in its words.
+        Where the model was trained for evidence, the steps from the halves to its conclusion are
+        in its words; that they end elsewhere than the answer is said.
         """
         claim = answer.direction if answer.kind in _CLAIMS_AS_SEEN else None
         motion = None if claim is None else answer.frame.tell(claim)
@@ -219,9 +220,13 @@ class Answerer:
         heard = hear(self.bundle, encoded, EVIDENCE_QUESTION)
         if heard.slots is None or heard.slots.kind != "evidence":
             return Why(steps, "by rule: the model found no words for its evidence")
+        own = [f"{step.removesuffix('.')}." for step in heard.text.split(". ")]
+        if motion is not None and heard.slots.direction is not motion:
+            own.append("This speaks against the answer: the model is not of one mind.")
         return Why(
-            (steps[0], heard.text, *steps[2:]),
-            "the second sentence in the model's words, the others by rule from its geometry",
+            (steps[0], *own, *steps[-2:]),
+            "from the halves to what follows from them in the model's words; the place of the "
+            "contact, the frame and the last line by rule",
         )
 
 

@@ -23,15 +23,15 @@ AXES = {
 }
 """Way -> component of the shear change, and the sign it then has."""
 
-CLAIMS_OF: Mapping[Motion, tuple[str, str]] = {
-    Motion.CLOCKWISE: ("upper_minus_lower", "right"),
-    Motion.COUNTERCLOCKWISE: ("upper_minus_lower", "left"),
-    Motion.LEFT: ("global", "left"),
-    Motion.RIGHT: ("global", "right"),
-    Motion.UP: ("global", "up"),
-    Motion.DOWN: ("global", "down"),
+CLAIMS_OF: Mapping[Motion, tuple[tuple[str, str], ...]] = {
+    Motion.CLOCKWISE: (("upper_minus_lower", "right"), ("left_minus_right", "up")),
+    Motion.COUNTERCLOCKWISE: (("upper_minus_lower", "left"), ("left_minus_right", "down")),
+    Motion.LEFT: (("global", "left"),),
+    Motion.RIGHT: (("global", "right"),),
+    Motion.UP: (("global", "up"),),
+    Motion.DOWN: (("global", "down"),),
 }
-"""What the model's sentence about the halves claims, by the motion it carries: region and way."""
+"""What the model's words about the halves claim, by the motion they carry: regions and ways."""
 
 _WHOLE = re.compile(r"the whole contact goes (right|left|up|down)")
 _HALF = re.compile(r"the (upper|left) half goes (right|left|up|down) against the")
@@ -40,7 +40,7 @@ _HALF = re.compile(r"the (upper|left) half goes (right|left|up|down) against the
 def stated_claims(answer: Answer) -> list[tuple[str, str]]:
     """Return the region and the way of everything an answer about evidence says to move."""
     if answer.told_by == "model":
-        return [CLAIMS_OF[answer.direction]] if answer.direction in CLAIMS_OF else []
+        return list(CLAIMS_OF.get(answer.direction, ()))
     text = answer.text.lower()
     found = [("global", way) for way in _WHOLE.findall(text)]
     others = {"upper": "upper_minus_lower", "left": "left_minus_right"}

@@ -46,7 +46,7 @@ class LanguageSize:
     heads: int = 4
     mlp: int = 344
     tactile_tokens: int = 2
-    max_tokens: int = 96
+    max_tokens: int = 120
 
 
 class RMSNorm(nn.Module):

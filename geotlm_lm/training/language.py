@@ -217,7 +217,7 @@ def learning_rate_at(step: int, config: LanguageTraining) -> float:
 
 
 def _by_length(
-    prompts: list[list[int]], answers: list[list[int]], parts: int = 2
+    prompts: list[list[int]], answers: list[list[int]], parts: int = 4
 ) -> list[list[int]]:
     """Return row numbers in groups of like length: less padding to multiply by."""
     lengths = [len(p) + len(a) for p, a in zip(prompts, answers, strict=True)]

@@ -8,7 +8,11 @@ from geotlm_lm.conversation.kinds import is_ruled_out
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.data.questions import questions_for
+from geotlm_lm.data.templates import load_templates
+from geotlm_lm.language.parse_answer import Slots
 from tests.answering.scripted import answerer_saying, recording
+
+CLOCKWISE_EVIDENCE = load_templates().grammar().sentence(Slots("evidence", Motion.CLOCKWISE))
 
 
 @pytest.mark.parametrize(
@@ -34,7 +38,7 @@ def test_where_words_and_model_disagree_on_what_is_asked_the_words_count(
     known = {
         OPEN_QUESTION: "Left, in the camera image.",
         AMOUNT_QUESTION: "About 12 degrees of turning.",
-        EVIDENCE_QUESTION: "The upper half goes right, the lower half left, in the camera image.",
+        EVIDENCE_QUESTION: CLOCKWISE_EVIDENCE,
     }
     answerer = answerer_saying(bundle, known | {question: said})
     answerer.bundle.speaker.likes = "Left, in the camera image."

@@ -219,13 +219,23 @@ def test_reasons_end_in_the_answer_and_say_whose_words_they_are(bundle):
     assert why.source == "by rule, from the geometry the model read; not in its own words"
 
 
-def test_reasons_of_a_model_trained_for_evidence_hold_its_sentence(bundle):
-    said = "The upper half goes right, the lower half left, in the camera image."
+@pytest.mark.parametrize("felt", [Motion.CLOCKWISE, Motion.LEFT])
+def test_reasons_of_a_model_trained_for_evidence_are_in_its_words(bundle, felt):
+    said = bundle.grammar.sentence(Slots("evidence", felt))
     answerer = answerer_saying(bundle, {"*": said, "Which way?": "Clockwise, in the camera image."})
     encoded = answerer.encode(recording())
     why = answerer.why(encoded, answerer.ask(encoded, "Which way?"))
-    assert why.steps[1] == said
-    assert why.source.startswith("the second sentence in the model's words")
+    place, *own, frame, conclusion = why.steps
+    assert place.startswith("Contact fills ")
+    assert " ".join(own[:3]) == said
+    assert own[3:] == (
+        []
+        if felt is Motion.CLOCKWISE
+        else ["This speaks against the answer: the model is not of one mind."]
+    )
+    assert frame.startswith("Told in this frame: ")
+    assert conclusion == "Therefore: Clockwise, in the camera image."
+    assert why.source.startswith("from the halves to what follows from them in the model's words")
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -6,7 +6,7 @@ import pytest
 from sklearn.feature_extraction.text import TfidfVectorizer
 from sklearn.linear_model import LogisticRegression
 
-from geotlm_lm.core.labels import Motion, MotionClass, MotionLabel
+from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, MotionLabel
 from geotlm_lm.data.contents import amount_of
 from geotlm_lm.data.questions import questions_for, with_typo
 from geotlm_lm.data.rivals import PAIRS, SECOND_PAIR, draw_option_set
@@ -212,7 +212,12 @@ def test_a_denial_is_true_where_the_claim_is_not():
 @pytest.mark.parametrize("type_id", ["T7", "T8"])
 @pytest.mark.parametrize(
     ("motion", "unit", "lowest", "highest"),
-    [(Motion.CLOCKWISE, "deg", 1.0, 77.0), (Motion.UP, "mm", 0.1, 5.3)],
+    [
+        (Motion.CLOCKWISE, "deg", 1.0, 77.0),
+        (Motion.UP, "mm", 0.1, 5.3),
+        (Motion.CLOCKWISE, "deg", 0.2, 1.0),  # a pair of frames, two frames apart
+        (Motion.UP, "mm", 0.02, 0.1),
+    ],
 )
 def test_amounts_are_rounded_by_at_most_half_their_tolerance(
     type_id, motion, unit, lowest, highest
@@ -244,14 +249,24 @@ def test_the_amount_of_a_slide_is_its_length_whatever_its_direction():
     ("motion", "evidence"),
     [
         # x runs right, y down: clockwise as drawn carries the top to the right.
-        (Motion.CLOCKWISE, "The upper half goes right, the lower half left, in the camera image."),
-        (Motion.LEFT, "Both halves go left together, in the camera image."),
-        (Motion.PRESS, "The halves go apart: it is pressing in."),
+        (Motion.CLOCKWISE, "The upper half goes right, the lower half left, the left half up, "),
+        (Motion.LEFT, "Both halves go left together. "),
+        (Motion.PRESS, "The halves go apart. "),
     ],
 )
 def test_the_evidence_is_where_the_halves_go(motion, evidence):
     (asked,) = questions_for(MotionLabel(motion), np.random.default_rng(0), types=["T10"])
-    assert asked.answer == evidence
+    assert asked.answer.startswith(evidence)
+
+
+@pytest.mark.parametrize("motion", Motion)
+def test_the_evidence_goes_from_the_halves_over_what_adds_up_to_the_conclusion(motion):
+    (asked,) = questions_for(MotionLabel(motion), np.random.default_rng(0), types=["T10"])
+    halves, sums, conclusion = asked.answer.split(". ")
+    assert "hal" in halves
+    assert "adds up" in sums
+    assert conclusion.startswith("So ")
+    assert (", in the camera image." in conclusion) == (motion in DIRECTED)
 
 
 @pytest.mark.parametrize("type_id", ["T11", "T12", "T13", "T14", "T15", "T21"])

@@ -54,7 +54,7 @@ def test_a_common_shift_is_a_claim_about_the_whole():
 @pytest.mark.parametrize("motion", DIRECTED)
 def test_the_models_own_sentence_claims_the_sign_of_its_motion(motion):
     answer = SimpleNamespace(told_by="model", text="", direction=motion)
-    assert stated_claims(answer) == [CLAIMS_OF[motion]]
+    assert stated_claims(answer) == list(CLAIMS_OF[motion])
 
 
 def test_the_model_claims_nothing_of_a_press():

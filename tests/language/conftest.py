@@ -7,7 +7,7 @@ from geotlm_lm.training.language import LanguageTraining, new_speaker
 
 FUSED_WIDTH = 24
 LABELS = [MotionLabel(motion) for motion in Motion for _ in range(3)]
-TINY = LanguageSize(width=32, layers=2, heads=2, mlp=48, tactile_tokens=3, max_tokens=80)
+TINY = LanguageSize(width=32, layers=2, heads=2, mlp=48, tactile_tokens=3, max_tokens=104)
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,7 @@
 import pytest
 import torch
 
+from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS
 from geotlm_lm.language.speak import Speaker
 
 model_module = pytest.importorskip("geotlm_lm.language.model")
@@ -56,7 +57,9 @@ def test_both_decoders_give_the_same_logits(speaker, model, processor, fused_tok
 
 def test_both_generate_the_same_words(speaker, model, processor, fused_tokens):
     inputs = processor(QUESTIONS, fused_tokens[:2])
-    written = model.generate(**inputs, max_new_tokens=24)[:, inputs["input_ids"].shape[1] :]
+    written = model.generate(**inputs, max_new_tokens=MAX_ANSWER_TOKENS)[
+        :, inputs["input_ids"].shape[1] :
+    ]
     words = [speaker.processor.decode(row.tolist()) for row in written]
     assert words == speaker.generate(fused_tokens[:2], QUESTIONS)
 

@@ -20,7 +20,7 @@ CONFIG = LanguageTraining(
     steps=6,
     batch=8,
     warmup=2,
-    size=LanguageSize(width=32, layers=2, heads=2, mlp=48, tactile_tokens=2, max_tokens=80),
+    size=LanguageSize(width=32, layers=2, heads=2, mlp=48, tactile_tokens=2, max_tokens=104),
 )
 
 
