@@ -8,6 +8,7 @@ from typing import Any
 from geotlm_lm.checkpoint import CARD_FILE, Bundle
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.record import RunRecord
+from geotlm_lm.training.examples import MARKER_SHARE
 from geotlm_lm.training.geometry import EQUAL_ACCURACY
 
 SCORES_FILE = "scores.json"
@@ -44,8 +45,9 @@ tags: [tactile, gelsight, robotics]
 ---
 # Embedded tactile-language bundle
 
-Answers questions about the motion of a touched object in a four-frame clip of a markerless
-GelSight-like sensor. Every weight was trained on simulated clips alone.
+Answers questions about the motion of a touched object in a four-frame clip of a GelSight-like
+sensor. Every weight was trained on simulated clips alone, {MARKER_SHARE:.0%} of them on gels with
+markers.
 
 - Backbone: ViT, width {config.width}, {config.depth} layers, {config.heads} heads, frozen after
   pretraining on {preset["pretraining_clips"]:,} simulated clips ({preset["pretraining_draws"]:,}
@@ -82,8 +84,8 @@ Choosing the most likely of the ten answers instead of writing freely is right f
 
 ## Limits
 
-Markerless sensors, one contact, one motion per clip. Directions are told in the camera image,
-object relative to sensor. A smooth ball turning about its own axis does not change a markerless
+One contact, one motion per clip. Directions are told in the camera image, object relative to
+sensor. A smooth ball turning about its own axis does not change a markerless
 image and cannot be read.
 """
 
