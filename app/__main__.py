@@ -41,8 +41,11 @@ def serve(port: int | None = None, *, mcp: bool = False, precision: str = "float
             f"Port {port} is taken or not allowed; give another by --port, or none."
         ) from error
     print(f"Serving {address} on this machine only; Ctrl-C stops it.", flush=True)
-    model.load()
-    page.block_thread()
+    try:
+        model.load()
+        page.block_thread()
+    finally:
+        page.close()
 
 
 def _load(precision: str) -> Answerer:
@@ -55,6 +58,8 @@ def main() -> None:
     """Serve the page; an error becomes one sentence."""
     try:
         serve()
+    except KeyboardInterrupt:
+        sys.exit(130)
     except GeoTLMError as error:
         print(error, file=sys.stderr)
         sys.exit(error.exit_code)

@@ -11,9 +11,7 @@ if TYPE_CHECKING:
 
 
 class Later:
-    """Stands for an `Answerer` and becomes it at its first use.
-
-    Its libraries take two of the seven seconds from the command to a page that can be looked at.
+    """Stands for an `Answerer` and becomes it at its first use: a page need not wait for it.
 
     Args:
         load: Loads the model; called once, by whichever thread comes first.

@@ -73,9 +73,10 @@ def tour(pictures: Path | None = None) -> dict[str, Any]:
         pictures: Folder for `page_ask.png` and `page_simulate.png`; None for none.
 
     Returns:
-        server_s, from the command to the first reply; page_s, from the address to a page whose
-        examples stand; first_word_s and last_word_s of answers, from the click; all sorted; and
-        users, what as many programs at once got.
+        server_s, from the command to the first reply; model_s, from the command to the first answer
+        a program gets, for which the model has to be loaded; page_s, from the address to a page
+        whose examples stand; first_word_s and last_word_s of answers, from the click; all sorted;
+        and users, what as many programs at once got.
 
     Raises:
         MissingDependency: If there is no browser.
@@ -86,7 +87,9 @@ def tour(pictures: Path | None = None) -> dict[str, Any]:
             "A tour of the page needs a Chromium, which was not found; on Debian run "
             "`apt-get install chromium`."
         )
-    with _served() as (address, server_s), tempfile.TemporaryDirectory() as profile:
+    with _served() as (address, began, server_s), tempfile.TemporaryDirectory() as profile:
+        _first_answer(address)
+        model_s = time.perf_counter() - began
         browser = Browser(Path(profile), SIZE)
         try:
             visits = [_timed(lambda: browser.open(address)) for _ in range(VISITS)]
@@ -101,6 +104,7 @@ def tour(pictures: Path | None = None) -> dict[str, Any]:
         users = crowd(address)
     return {
         "server_s": [server_s],
+        "model_s": [model_s],
         "page_s": sorted(visits),
         "first_word_s": sorted(one["first"] / 1e3 for one in waits),
         "last_word_s": sorted(one["last"] / 1e3 for one in waits),
@@ -147,6 +151,14 @@ def crowd(address: str, users: int = USERS) -> dict[str, Any]:
     }
 
 
+def _first_answer(address: str) -> None:
+    """Ask as a program does, as soon as the server replies."""
+    from gradio_client import Client, handle_file
+
+    clip = handle_file(handlers.EXAMPLE_CLIPS[0])
+    Client(address, verbose=False).predict(clip, handlers.DIRECTION_QUESTION, api_name="/ask")
+
+
 def _ask(browser: Browser) -> list[dict[str, float]]:
     """Open the first example and ask about it again and again; the first time warms up."""
     browser.run("document.querySelector('.thumbnail-item').click()")
@@ -183,8 +195,8 @@ def _picture(browser: Browser, path: Path) -> None:
 
 
 @contextmanager
-def _served() -> Iterator[tuple[str, float]]:
-    """Start the page in another process; give its address and the seconds until it replied."""
+def _served() -> Iterator[tuple[str, float, float]]:
+    """Start the page in another process; give its address, when, and the seconds until a reply."""
     port = _free_port()
     began = time.perf_counter()
     process = subprocess.Popen(
@@ -201,7 +213,7 @@ def _served() -> Iterator[tuple[str, float]]:
                 said = (process.communicate()[1].strip().splitlines() or ["no reason"])[-1]
                 raise GeoTLMError(f"The page did not start ({said}); run `geotlm-lm app` to see.")
             time.sleep(0.05)
-        yield address, time.perf_counter() - began
+        yield address, began, time.perf_counter() - began
     finally:
         process.terminate()
         process.communicate()

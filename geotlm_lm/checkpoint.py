@@ -94,7 +94,7 @@ def _bytes_of(value: Any) -> bytes:
         return b"".join(map(_bytes_of, value))
     if not isinstance(value, torch.Tensor):
         return repr(value).encode()
-    plain = value.int_repr() if value.is_quantized else value.detach()
+    plain = value.dequantize() if value.is_quantized else value.detach()
     return plain.cpu().contiguous().reshape(-1).view(torch.uint8).numpy().tobytes()
 
 

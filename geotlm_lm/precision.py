@@ -18,6 +18,7 @@ from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.number_formats import INT8, require_offered
 from geotlm_lm.language.speak import Speaker
 from geotlm_lm.probe.standardise import Standardiser
 
@@ -27,12 +28,8 @@ FLOATS = {
     "float16": torch.float16,
     "bfloat16": torch.bfloat16,
 }
-INT8 = "int8"
 PRECISIONS = (*FLOATS, INT8)
 """`int8` keeps the linear layers' weights in 8 bits and quantises their inputs as they come."""
-
-OFFERED = ("float32", "bfloat16", INT8)
-"""What users may choose: measured to err as float32 does, at 0.86 of its time for an answer."""
 
 BACKBONE, GEOMETRY, LANGUAGE = "backbone", "geometry", "language"
 PARTS = (BACKBONE, GEOMETRY, LANGUAGE)
@@ -92,31 +89,34 @@ def in_precision(bundle: Bundle, precision: str, parts: tuple[str, ...] = PARTS)
 def offered(bundle: Bundle, precision: str) -> Bundle:
     """Return `bundle` the way a user wants it run; itself in float32.
 
+    Tokens, pooling and the 14 numbers stay in float32: what is drawn and graded is read from them.
+
+    Args:
+        bundle: With the embedded backbone.
+        precision: A number format.
+
     Raises:
-        UsageError: If the precision is none of `OFFERED`, this processor or this torch cannot run
-            it, or the model sees through a released encoder.
+        UsageError: If the format is none of `OFFERED`, or this machine cannot run it.
     """
-    if precision not in OFFERED:
-        raise UsageError(
-            f"found precision '{precision[:40]}', expected one of {', '.join(OFFERED)}."
-        )
+    require_offered(precision)
     if precision == "float32":
         return bundle
-    changed = in_precision(bundle, precision)
-    if not can_run(changed):
+    changed = runnable(bundle, precision, (BACKBONE, LANGUAGE))
+    if changed is None:
         raise UsageError(f"this processor or this torch cannot run {precision}; take float32.")
     return changed
 
 
-def can_run(bundle: Bundle) -> bool:
-    """Tell whether this machine runs a bundle that `in_precision` made."""
-    backbone = bundle.model.backbone
-    side, width = backbone.vit.config.grid_side, backbone.vit.config.input_dim
+def runnable(bundle: Bundle, precision: str, parts: tuple[str, ...] = PARTS) -> Bundle | None:
+    """Return what `in_precision` does; None where this machine cannot make or run it."""
     try:
+        changed = in_precision(bundle, precision, parts)
+        backbone = changed.model.backbone
+        side, width = backbone.vit.config.grid_side, backbone.vit.config.input_dim
         backbone.encode_inputs(torch.zeros(1, 2, side, side, width))
     except RuntimeError:  # NotImplementedError is one
-        return False
-    return True
+        return None
+    return changed
 
 
 def _backbone(bundle: Bundle, precision: str, result: torch.dtype) -> FrozenBackbone:

@@ -1,13 +1,17 @@
 """Other number formats: they answer, leave the bundle alone, and are told apart by their digest."""
 
+import numpy as np
 import pytest
+import torch
 
 from geotlm_lm import precision as formats
 from geotlm_lm import read_clip
 from geotlm_lm.answering import Answerer
+from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.number_formats import OFFERED
 from geotlm_lm.core.resources import resource_dir
-from geotlm_lm.precision import OFFERED, PRECISIONS, in_precision, offered
+from geotlm_lm.precision import PRECISIONS, in_precision, offered
 from tests.answering.scripted import recording
 from tests.tiny_bundle import tiny_bundle
 
@@ -38,10 +42,30 @@ def test_float32_is_the_bundle_itself_and_every_format_has_a_digest_of_its_own(b
     assert len({offered(bundle, precision).digest() for precision in OFFERED}) == len(OFFERED)
 
 
-def test_what_the_machine_cannot_run_is_told_in_a_sentence(bundle, monkeypatch):
-    monkeypatch.setattr(formats, "can_run", lambda changed: False)
-    with pytest.raises(UsageError, match="cannot run bfloat16; take float32"):
-        offered(bundle, "bfloat16")
+@pytest.mark.parametrize("fails", ["made", "run"])
+def test_what_the_machine_cannot_make_or_run_is_told_in_a_sentence(bundle, monkeypatch, fails):
+    def refuse(*_):
+        raise RuntimeError("Didn't find engine for operation quantized::linear_prepack NoQEngine")
+
+    monkeypatch.setattr(
+        *((formats, "_quantised") if fails == "made" else (FrozenBackbone, "encode_inputs")), refuse
+    )
+    with pytest.raises(UsageError, match="cannot run int8; take float32"):
+        offered(bundle, "int8")
+
+
+@pytest.mark.parametrize("precision", OFFERED)
+def test_what_is_drawn_and_graded_stays_in_float32(bundle, precision):
+    answerer = Answerer(offered(bundle, precision))
+    geometry = answerer.encode(recording()).perception.geometry
+    assert geometry.shear_change.numpy().dtype == geometry.mask.numpy().dtype == np.float32
+
+
+def test_a_layer_in_eight_bits_and_its_double_have_two_digests(bundle):
+    double = tiny_bundle()
+    with torch.no_grad():
+        double.model.backbone.vit.embed.weight.mul_(2)
+    assert offered(double, "int8").digest() != offered(bundle, "int8").digest()
 
 
 def test_the_shipped_model_in_eight_bits_says_what_it_says_in_float32():

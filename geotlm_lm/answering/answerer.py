@@ -42,6 +42,7 @@ from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.wording import known
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle_grey
 
@@ -206,28 +207,38 @@ class Answerer:
         return tell_order([self.ask(one, OPEN_QUESTION, frame=frame) for one in parts])
 
     def why(self, encoded: Encoded, answer: Answer) -> Why:
-        """Return the reasons for `answer`, by rule from the geometry the model read.
+        """Return the reasons for `answer`: by rule from the geometry, and in the model's words.
 
-        Where the model was trained for evidence, the steps from the halves to its conclusion are
-        in its words; that they end elsewhere than the answer is said.
+        A model trained for evidence says where the halves go, what adds up and what it concludes;
+        the rules say beside it what was measured, and whether one speaks against the answer. Words
+        that the answer itself had to withhold are not said here either.
         """
         claim = answer.direction if answer.kind in _CLAIMS_AS_SEEN else None
         motion = None if claim is None else answer.frame.tell(claim)
-        steps = chain(answer.evidence, answer.text, motion)
-        steps = (*steps[:-1], f"Told in this frame: {known(answer.frame)}.", steps[-1])
+        place, *measured, conclusion = chain(answer.evidence, answer.text, motion)
+        frame = f"Told in this frame: {known(answer.frame)}."
+        own = () if answer.abstained else self._own_reasons(encoded, motion)
+        if not own:
+            source = "by rule, from the geometry the model read; not in its own words"
+            return Why((place, *measured, frame, conclusion), source)
+        measured[0] = f"Measured: {measured[0][:1].lower()}{measured[0][1:]}"
+        many = "sentence 2" if len(own) == 1 else f"sentences 2 to {len(own) + 1}"
+        source = f"{many} in the model's words, the others by rule from the geometry it read"
+        return Why((place, *own, *measured, frame, conclusion), source)
+
+    def _own_reasons(self, encoded: Encoded, motion: Motion | None) -> tuple[str, ...]:
+        """Return the model's own sentences of evidence; none where it has none that may be told."""
         if "evidence" not in self.bundle.grammar.kinds:
-            return Why(steps, "by rule, from the geometry the model read; not in its own words")
+            return ()
         heard = hear(self.bundle, encoded, EVIDENCE_QUESTION)
         if heard.slots is None or heard.slots.kind != "evidence":
-            return Why(steps, "by rule: the model found no words for its evidence")
-        own = [f"{step.removesuffix('.')}." for step in heard.text.split(". ")]
+            return ()
+        if self.bundle.calibration.withholds(heard.slots.direction, encoded.contact_share):
+            return ()
+        *steps, last = (f"{step.removesuffix('.')}." for step in heard.text.split(". "))
         if motion is not None and heard.slots.direction is not motion:
-            own.append("This speaks against the answer: the model is not of one mind.")
-        return Why(
-            (steps[0], *own, *steps[-2:]),
-            "from the halves to what follows from them in the model's words; the place of the "
-            "contact, the frame and the last line by rule",
-        )
+            last += " This speaks against the answer: the model is not of one mind."
+        return (*steps, last)
 
 
 def _nothing_seen(change_grey: float) -> str:

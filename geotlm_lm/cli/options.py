@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.number_formats import require_offered
 
 ClipPath = Annotated[
     Path,
@@ -45,6 +46,7 @@ Precision = Annotated[
     str,
     typer.Option(
         "--precision",
+        callback=require_offered,
         help="Number format of the model: float32, bfloat16 or int8, which answer sooner where the "
         "processor has instructions for them.",
     ),

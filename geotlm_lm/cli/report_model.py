@@ -123,17 +123,16 @@ def sizes(
     require_all_writable(out, table)
     require_writable(run_folder, "--run-folder")
     from geotlm_lm.answering import Answerer
-    from geotlm_lm.experiments.sizes import Amounts, compare_sizes
+    from geotlm_lm.experiments.sizes import Budget, compare_sizes
     from geotlm_lm.reports.sizes import sizes_page, sizes_table
 
     record = compare_sizes(
         Answerer.load(model),
         folder=run_folder,
-        amounts=Amounts(clips, test_clips, steps),
+        budget=Budget(clips, test_clips, steps),
         seed=seed,
         workers=workers,
         command=command_line(sys.argv),
-        progress=show,
     )
     save_page(record, out, table, sizes_page(record))
     typer.echo(sizes_table(record))

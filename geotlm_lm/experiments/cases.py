@@ -42,8 +42,8 @@ class SimulatedCases:
         task: One of `TASKS`.
         count: How many clips to give.
         seed: Root of the scenes.
-        is_unsteady: Whether the hand is `simulation.motions.UNSTEADY`: turns and slides down to a
-            third of the usual least, and more change of depth on the way.
+        is_unsteady: Whether the hand is `simulation.motions.UNSTEADY`: smaller turns and
+            slides, and more change of depth on the way.
         with_unreadable: Also give the unreadable clips that come up on the way, tagged; they do not
             count as asked for.
         unreadable: How many clips came up whose images do not tell the motion; filled while

@@ -77,12 +77,8 @@ def evaluate(
     tables: dict[str, Any] = {}
     about: dict[str, Any] = {}
     with one_thread():
-        for task in TASKS if clips_per_task else ():
-            for is_unsteady in (False, True):
-                cases = SimulatedCases(
-                    task, clips_per_task, seed, is_unsteady=is_unsteady, with_unreadable=True
-                )
-                tables[cases.title] = judge_simulated(methods, cases, seed, progress)
+        if clips_per_task:
+            tables |= judge_simulator(methods, clips_per_task, seed, progress)
         for name, real in recordings.items():
             tables |= judge_recordings(methods, name, real, seed, progress)
         for name, data_set in data_sets.items():
@@ -105,6 +101,20 @@ def evaluate(
             "threads": 1,
         },
     )
+
+
+def judge_simulator(
+    methods: Mapping[str, Method], clips_per_task: int, seed: int, progress: Progress
+) -> dict[str, Any]:
+    """Return the tables of every simulated task, by a steady and by an unsteady hand."""
+    tables = {}
+    for task in TASKS:
+        for is_unsteady in (False, True):
+            cases = SimulatedCases(
+                task, clips_per_task, seed, is_unsteady=is_unsteady, with_unreadable=True
+            )
+            tables[cases.title] = judge_simulated(methods, cases, seed, progress)
+    return tables
 
 
 def judge_simulated(

@@ -32,7 +32,7 @@ from geotlm_lm.probe.curl import curl_features
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.simulation.series import SERIES_VERSION, simulate_series
 from geotlm_lm.simulation.simulate import SimulatedClip
-from geotlm_lm.training.examples import bin_means, truth_in
+from geotlm_lm.training.forms import bin_means, truth_in
 from geotlm_lm.training.geometry import ALL_MOTIONS, TokenSet
 from geotlm_lm.training.motion_loss import counts_motion
 
@@ -49,7 +49,7 @@ SOURCES = (
     "simulation",
     "backbone",
     "probe",
-    "training/examples.py",
+    "training/forms.py",
     "training/motion_loss.py",
     "experiments/cases.py",
     "experiments/protocol_clips.py",

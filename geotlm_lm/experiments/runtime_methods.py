@@ -20,7 +20,7 @@ from geotlm_lm.core.labels import ROTATIONS, Motion
 from geotlm_lm.experiments.judging import QUESTION
 from geotlm_lm.experiments.methods import most_probable
 from geotlm_lm.model import rigid_motion
-from geotlm_lm.precision import can_run, in_precision
+from geotlm_lm.precision import runnable
 from geotlm_lm.probe.curl import CurlRegression
 from geotlm_lm.probe.rigid_flow import RigidFlow, decide
 
@@ -133,8 +133,8 @@ def model_groups(answerer: Answerer, precisions: Sequence[str]) -> dict[str, Ask
 
 def changed_answerer(answerer: Answerer, precision: str) -> Answerer | None:
     """Return the model in another precision; None where this machine cannot run it."""
-    changed = in_precision(answerer.bundle, precision)
-    return type(answerer)(changed) if can_run(changed) else None
+    changed = runnable(answerer.bundle, precision)
+    return None if changed is None else type(answerer)(changed)
 
 
 def _readers(

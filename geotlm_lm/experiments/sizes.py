@@ -21,13 +21,14 @@ from geotlm_lm.core.record import RunRecord
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.experiments.evaluate import one_thread
 from geotlm_lm.language.decoder import LanguageSize
-from geotlm_lm.language.speak import Speaker
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
+from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.config import DEFAULT
-from geotlm_lm.training.examples import ExampleSet, read_examples, simulate_examples
+from geotlm_lm.training.examples import VARIED, ExampleSet, read_examples, simulate_examples
 from geotlm_lm.training.language import LanguageTraining, train_language
+from geotlm_lm.training.progress import Progress
 from geotlm_lm.training.scoring import ClipSet, score_bundle
-from geotlm_lm.training.train import example_sets, perceive_examples
+from geotlm_lm.training.train import claim_folder, example_sets, perceive_examples
 
 SHIPPED = LanguageSize()
 
@@ -44,11 +45,9 @@ SIZES: dict[str, LanguageSize] = {
 QUESTION = "Which way is it moving?"
 TIMED_CLIPS = 60
 
-Progress = Callable[[str, int, int], None]
-
 
 @dataclass(frozen=True)
-class Amounts:
+class Budget:
     """How much is simulated and trained.
 
     Args:
@@ -68,35 +67,44 @@ def compare_sizes(
     answerer: Answerer,
     *,
     folder: Path,
-    amounts: Amounts,
+    budget: Budget,
     seed: int,
     workers: int,
     sizes: dict[str, LanguageSize] | None = None,
     command: str = "",
-    progress: Progress = lambda what, done, total: None,
 ) -> RunRecord:
     """Train and judge a language model of every size.
 
     Args:
         answerer: The model whose perception they all read; its own words are not used.
         folder: Keeps clips and checkpoints: a stopped run continues there.
-        amounts: How much is simulated and trained.
+        budget: How much is simulated and trained.
         seed: Root of clips, weights and questions.
         workers: Processes that simulate.
         sizes: What is compared; None for `SIZES`.
         command: The command line, for the record.
-        progress: Told how far the run is.
 
     Raises:
-        UsageError: If the folder holds clips or checkpoints of other settings.
+        UsageError: If the folder holds clips of another seed or series, or checkpoints of other
+            lengths.
     """
     started, sizes = time.perf_counter(), SIZES if sizes is None else sizes
-    train_set, test_set = _perceived(answerer, folder, amounts, seed, workers)
+    train_set, test_set = _perceived(answerer, folder, budget, seed, workers)
     # Another perception's tokens are another training: its checkpoints lie elsewhere.
     checkpoints, rows = folder / answerer.bundle.digest(), []
-    for number, (name, size) in enumerate(sizes.items()):
-        progress("sizes", number, len(sizes))
-        speaker = _trained(train_set, size, checkpoints / _slug(name), amounts, seed)
+
+    def steps_of(name: str) -> Callable[[int, int, float], None]:
+        shown = Progress(f"train {name}", LanguageTraining(steps=budget.steps).all_steps)
+        return lambda step, _, loss: shown.show(step, f"loss {loss:.3f}")
+
+    for name, size in sizes.items():
+        speaker = train_language(
+            train_set.fused_tokens,
+            train_set.labels,
+            config=LanguageTraining(steps=budget.steps, batch=budget.batch, seed=seed, size=size),
+            folder=checkpoints / _slug(name),
+            progress=steps_of(name),
+        )
         # The words are those of today's templates, whatever the shipped model was taught.
         grammar = load_templates().grammar()
         bundle = replace(answerer.bundle, speaker=speaker, grammar=grammar)
@@ -109,7 +117,6 @@ def compare_sizes(
             | _judged(bundle, test_set, seed)
             | _times(Answerer(bundle), test_set)
         )
-    progress("sizes", len(sizes), len(sizes))
     return RunRecord(
         name="sizes",
         command=command,
@@ -118,42 +125,30 @@ def compare_sizes(
         numbers={"rows": rows},
         config={
             "model_digest": answerer.bundle.digest(),
-            "clips": amounts.clips,
+            "clips": len(train_set.labels),
             "test_clips": len(test_set.readable()),
-            "steps": amounts.steps,
-            "batch": amounts.batch,
+            "steps": budget.steps,
+            "batch": budget.batch,
         },
     )
 
 
 def _perceived(
-    answerer: Answerer, folder: Path, amounts: Amounts, seed: int, workers: int
+    answerer: Answerer, folder: Path, budget: Budget, seed: int, workers: int
 ) -> tuple[ClipSet, ClipSet]:
     """Return the clips to learn from and those to be asked about, as the model perceives them."""
     objects = example_sets(DEFAULT)["heads"].objects
     sets = (
-        ExampleSet("sizes", amounts.clips, objects),
-        ExampleSet("sizes_test", amounts.test_clips, EVERYDAY_OBJECTS, is_varied=False),
+        ExampleSet("sizes", budget.clips, objects),
+        ExampleSet("sizes_test", budget.test_clips, EVERYDAY_OBJECTS, is_varied=False),
     )
+    claim_folder(folder, {"seed": seed, "series": SERIES_VERSION, "varied": VARIED})
     simulate_examples(folder / "examples", sets, seed=seed, workers=workers)
     model = answerer.bundle.model
-    first, second = (
+    learned, asked = (
         perceive_examples(model, read_examples(folder / "examples", one)) for one in sets
     )
-    return first, second
-
-
-def _trained(
-    clips: ClipSet, size: LanguageSize, folder: Path, amounts: Amounts, seed: int
-) -> Speaker:
-    readable = clips.readable()
-    config = LanguageTraining(steps=amounts.steps, batch=amounts.batch, seed=seed, size=size)
-    return train_language(
-        clips.fused_tokens[readable],
-        [clips.labels[row] for row in readable],
-        config=config,
-        folder=folder,
-    )
+    return learned.only(learned.readable()), asked
 
 
 def _judged(bundle: Bundle, clips: ClipSet, seed: int) -> dict[str, Any]:

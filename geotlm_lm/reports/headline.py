@@ -28,7 +28,9 @@ WORDS = "language model, words"
 
 _FINE_SHARE = re.compile(r", (pairs, .*|\d+ fps|sensor .*)$")
 
-_ASIDE = re.compile(r", (no idle frame|no visible contact|pressed in|held or pressed)$")
+_ASIDE = re.compile(
+    r", (no idle frame|no visible contact|pressed in|held or pressed|unsteady hand)$"
+)
 """Tables that get no column of their own where tables stand side by side."""
 
 

@@ -9,6 +9,7 @@ from geotlm_lm.reports.tables import markdown, provenance
 
 ROWS = {
     "server_s": "from the command until the server replies",
+    "model_s": "from the command until a program that asks at once has its first answer",
     "page_s": "from the address until the page and its examples stand",
     "first_word_s": "from the click until an answer's first word, server warm",
     "last_word_s": "until its last",
@@ -19,7 +20,7 @@ ROWS = {
 def page_times(record: RunRecord) -> str:
     """Return the waiting times of a tour, and what twenty at once got, as Markdown."""
     numbers = record.numbers
-    rows = [[title, *_told(numbers[key])] for key, title in ROWS.items()]
+    rows = [[title, *_told(numbers[key])] for key, title in ROWS.items() if key in numbers]
     users = numbers["users"]
     right = users["users"] - users["wrong"]
     return "\n\n".join(

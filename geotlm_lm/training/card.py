@@ -8,7 +8,7 @@ from typing import Any
 from geotlm_lm.checkpoint import CARD_FILE, Bundle
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.record import RunRecord
-from geotlm_lm.training.examples import MARKER_SHARE
+from geotlm_lm.training.examples import VARIED
 from geotlm_lm.training.geometry import EQUAL_ACCURACY
 
 SCORES_FILE = "scores.json"
@@ -38,6 +38,7 @@ def _card(folder: Path, bundle: Bundle, scores: dict[str, Any], seconds: float) 
     modes = ", ".join(
         f"{mode} {value:.3f}" for mode, value in made["dgr_validation_accuracy"].items()
     )
+    markers = VARIED["marker_share"]
     size_mb = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
     return f"""---
 license: apache-2.0
@@ -46,8 +47,8 @@ tags: [tactile, gelsight, robotics]
 # Embedded tactile-language bundle
 
 Answers questions about the motion of a touched object in a four-frame clip of a GelSight-like
-sensor. Every weight was trained on simulated clips alone, {MARKER_SHARE:.0%} of them on gels with
-markers.
+sensor. Every weight was trained on simulated clips alone, {markers:.0%} of them on gels
+with markers.
 
 - Backbone: ViT, width {config.width}, {config.depth} layers, {config.heads} heads, frozen after
   pretraining on {preset["pretraining_clips"]:,} simulated clips ({preset["pretraining_draws"]:,}

@@ -22,7 +22,8 @@ from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.seeding import generator_for
-from geotlm_lm.training.examples import ExampleSet, Recorded, as_recorded
+from geotlm_lm.training.examples import ExampleSet
+from geotlm_lm.training.forms import Recorded, as_recorded
 from geotlm_lm.training.progress import Progress
 
 if TYPE_CHECKING:

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, TIME_BIN_COUNT
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.core.threads import one_thread_in_children
+from geotlm_lm.training.forms import Recorded, as_recorded, bin_means, truth_in
 from geotlm_lm.training.interrupts import (
     children_end_with_it,
     deaf_children,
@@ -31,31 +31,17 @@ from geotlm_lm.training.interrupts import (
 from geotlm_lm.training.progress import Progress
 
 if TYPE_CHECKING:
-    from geotlm_lm.backbone.stem import View
-    from geotlm_lm.core.clip import Clip
     from geotlm_lm.simulation.simulate import SimulatedClip
 
 CHUNK_CLIPS = 250
-
-PAIR_SHARE = 0.25
-"""Share of clips fed as two frames a, a, b, b, the way a frame pair is fed to four frames."""
-
-UNKNOWN_BACKGROUND_SHARE = 0.3
-"""Share of clips whose idle gel is estimated from the clip, as for a recording without one."""
-
-MIRRORED_SHARE = 0.15
-"""Share of clips flipped left to right, label and all: optics with a mirror in them."""
 
 MOTIONS = (*Motion, *ROTATIONS)
 """What is drawn from: turns twice, so that a clip turns as often as it slides. With two turns among
 ten motions a doubtful turn of a round body was taken for a slide (turns right 0.84, slides 0.97 on
 577 simulated lids, knobs and the like)."""
 
-MARKER_SHARE = 0.15
-"""Share of training clips on a gel with markers."""
-
-UNSTEADY_SHARE = 0.5
-"""Share of training clips made by an unsteady hand."""
+VARIED = {"marker_share": 0.15, "unsteady_share": 0.5}
+"""What training adds to the plain series: gels with markers, and unsteady hands."""
 
 _ARRAYS = ("inputs", "displacement_px", "contact", "depth_mm")
 
@@ -93,8 +79,8 @@ class ExampleSet:
         stage: Name of the set; with the seed it decides every clip.
         count: Number of examples; whole chunks are simulated.
         objects: Names of the objects to touch.
-        is_varied: Whether it holds markers and unsteady hands, as training does, or is the plain
-            series that evaluations use.
+        is_varied: Whether it is `VARIED`, as training is, or the plain series that evaluations
+            use.
     """
 
     stage: str
@@ -112,8 +98,7 @@ class ExampleSet:
             objects=self.objects,
             first_index=first_index,
             motions=MOTIONS,
-            marker_share=MARKER_SHARE if self.is_varied else 0.0,
-            unsteady_share=UNSTEADY_SHARE if self.is_varied else 0.0,
+            **(VARIED if self.is_varied else {}),
         )
 
     def chunk_paths(self, folder: Path) -> list[Path]:
@@ -194,39 +179,6 @@ def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
         np.savez(stream, about=np.array(json.dumps(about)), **stacked)
 
 
-@dataclass(frozen=True, eq=False)
-class Recorded:
-    """A simulated clip the way a recording may come.
-
-    Args:
-        clip: Its four frames, the background known or estimated.
-        label: What happens until the last of them.
-        order: Which of the simulated frames they are.
-        truth: What was simulated, in the same image.
-    """
-
-    clip: Clip
-    label: MotionLabel
-    order: list[int]
-    truth: SimulatedClip
-
-
-def as_recorded(simulated: SimulatedClip, rng: np.random.Generator) -> Recorded:
-    """Draw a clip's form: all frames or a pair, through a mirror or not, an idle frame or none."""
-    from dataclasses import replace
-
-    from geotlm_lm.recordings.idle import estimate_background
-
-    order = _frame_order(rng)
-    is_mirrored = rng.random() < MIRRORED_SHARE
-    label = simulated.label_until(max(order))
-    simulated = mirrored(simulated) if is_mirrored else simulated
-    clip = simulated.clip.select(order)
-    if rng.random() < UNKNOWN_BACKGROUND_SHARE:
-        clip = replace(clip, background=estimate_background(clip.frames))
-    return Recorded(clip, label.mirrored() if is_mirrored else label, order, simulated)
-
-
 def _example(recorded: Recorded) -> tuple[NDArray, ...]:
     """Return the arrays of one example, in the order of `_ARRAYS`."""
     from geotlm_lm.backbone.stem import look
@@ -234,57 +186,6 @@ def _example(recorded: Recorded) -> tuple[NDArray, ...]:
     inputs, view = look(recorded.clip)
     truth = truth_in(view, recorded.truth)
     return inputs, *(bin_means(values[recorded.order]) for values in truth)
-
-
-def mirrored(simulated: SimulatedClip) -> SimulatedClip:
-    """Return what a camera behind a mirror records, and the dense truth in its image.
-
-    The scene and its label stay those of the object; `MotionLabel.mirrored` flips the words.
-    """
-    from dataclasses import replace
-
-    clip = simulated.clip
-    flipped = np.ascontiguousarray(clip.frames[:, :, ::-1])
-    background = np.ascontiguousarray(clip.background[:, ::-1])
-    displacement = simulated.displacement_px[:, :, ::-1] * np.array([-1, 1], np.float32)
-    drift = simulated.drift_px
-    return replace(
-        simulated,
-        clip=replace(clip, frames=flipped, background=background),
-        displacement_px=displacement,
-        contact=simulated.contact[:, :, ::-1],
-        depth_mm=simulated.depth_mm[:, :, ::-1],
-        drift_px=None if drift is None else drift[:, :, ::-1] * np.array([-1, 1], np.float32),
-    )
-
-
-def truth_in(view: View, simulated: SimulatedClip) -> tuple[NDArray, NDArray, NDArray]:
-    """Return displacement, contact and depth of every frame on the view's grid."""
-    contact = np.stack([view.cut(frame) for frame in simulated.contact])
-    depth = np.stack([view.cut(frame) for frame in simulated.depth_mm])
-    # Patches without contact hold no displacement: they must not blend into their neighbours.
-    touched = (simulated.contact > 0).astype(np.float32)
-    weight = np.stack([view.cut(frame) for frame in touched])
-    moved = np.stack([view.cut(frame) for frame in simulated.displacement_px])
-    moved = moved / np.maximum(weight, 1e-3)[..., None] * (IMAGE_SIDE / view.side_px)
-    return moved * (weight > 0.25)[..., None], contact, depth
-
-
-def _frame_order(rng: np.random.Generator) -> list[int]:
-    """Choose the four frames: all of them, or a pair one or two frames apart.
-
-    A pair starts at the first frame because the truth's displacement counts from there. Farther
-    apart, a turn of 40 degrees in one step is beyond any flow, and not a frame pair of a recording.
-    """
-    if rng.random() >= PAIR_SHARE:
-        return list(range(FRAME_COUNT))
-    last = int(rng.integers(1, FRAME_COUNT - 1))
-    return [0, 0, last, last]
-
-
-def bin_means(values: NDArray) -> NDArray:
-    """Return the mean of each time-bin's frames: (4, ...) to (2, ...)."""
-    return values.reshape(TIME_BIN_COUNT, -1, *values.shape[1:]).mean(axis=1)
 
 
 def _read_chunk(path: Path) -> Examples:

@@ -41,6 +41,10 @@ verifying and choosing compare the clip with words of the question and are learn
 numbers, not words; refusals have the widest vocabulary."""
 
 
+COOLDOWN_SHARE = 1 / 9
+"""Steps after the schedule's, relative to them, in which the rate falls from its last tenth to
+nothing: the weights settle, where they would end wherever the last batches threw them."""
+
 TYPO_SHARE = 0.15
 """Share of training questions with a mistyped word: words are also read from their pieces, so that
 neither a slip of the finger nor a noun never seen looks like a word that asks for a refusal."""
@@ -51,7 +55,7 @@ class LanguageTraining:
     """How the language model is trained.
 
     Args:
-        steps: Optimiser steps.
+        steps: Optimiser steps before the cooldown.
         batch: Questions per step, each about a clip drawn anew.
         learning_rate: Peak of the schedule.
         warmup: Steps of linear rise before the cosine fall to a tenth.
@@ -71,6 +75,11 @@ class LanguageTraining:
     noise: float = 0.2
     seed: int = 0
     size: LanguageSize = field(default_factory=LanguageSize)
+
+    @property
+    def all_steps(self) -> int:
+        """Optimiser steps, the cooldown's among them."""
+        return self.steps + int(self.steps * COOLDOWN_SHARE)
 
 
 def train_language(
@@ -107,12 +116,12 @@ def train_language(
     step = restore_language(folder, config, model, optimiser)
     saved_at = time.monotonic()
     try:
-        while step < config.steps:
+        while step < config.all_steps:
             with whole_step():
                 loss = _step(speaker, optimiser, fused_tokens, labels, config, step)
                 step += 1
             if progress is not None:
-                progress(step, config.steps, loss)
+                progress(step, config.all_steps, loss)
             if time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
                 store_language(folder, config, model, optimiser, step)
                 saved_at = time.monotonic()
@@ -209,9 +218,16 @@ def answer_loss(
 
 
 def learning_rate_at(step: int, config: LanguageTraining) -> float:
-    """Return the rate of `step`: linear rise, then a cosine fall to a tenth of the peak."""
+    """Return the rate of `step`: linear rise, cosine fall to a tenth of the peak, then to zero."""
     if step < config.warmup:
         return config.learning_rate * (step + 1) / config.warmup
+    if step >= config.steps:
+        return (
+            0.1
+            * config.learning_rate
+            * (config.all_steps - step)
+            / (config.all_steps - config.steps)
+        )
     share = (step - config.warmup) / max(1, config.steps - config.warmup)
     return config.learning_rate * (0.1 + 0.45 * (1 + math.cos(math.pi * share)))
 

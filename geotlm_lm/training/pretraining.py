@@ -39,6 +39,9 @@ from geotlm_lm.training.interrupts import whole_step
 from geotlm_lm.training.motion_loss import counts_motion, motion_loss
 from geotlm_lm.training.progress import Progress
 
+LOSSES_VERSION = 2
+"""Raised when the backbone is asked for other things than before: no older run is continued."""
+
 CHECKPOINT_EVERY_S = 30.0
 WEIGHT_DECAY = 0.05
 WARMUP_SHARE = 0.05

@@ -45,6 +45,16 @@ class ClipSet:
         """Return the rows whose motion leaves a trace in the image."""
         return [row for row, label in enumerate(self.labels) if label.is_readable]
 
+    def only(self, rows: Sequence[int]) -> ClipSet:
+        """Return the clips of `rows`, in that order."""
+        return ClipSet(
+            fused_tokens=self.fused_tokens[rows],
+            global_tokens=self.global_tokens[rows],
+            contact_share=self.contact_share[rows],
+            labels=[self.labels[row] for row in rows],
+            objects=[self.objects[row] for row in rows],
+        )
+
     def joined_to(self, other: ClipSet) -> ClipSet:
         """Return the clips of both, these first."""
         return ClipSet(

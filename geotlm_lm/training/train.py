@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -31,7 +32,13 @@ from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.calibration import fit_contact_threshold, fit_temperature
 from geotlm_lm.training.card import write_card
 from geotlm_lm.training.config import HeadsPreset, TrainingPreset, preset_named
-from geotlm_lm.training.examples import Examples, ExampleSet, read_examples, simulate_examples
+from geotlm_lm.training.examples import (
+    VARIED,
+    Examples,
+    ExampleSet,
+    read_examples,
+    simulate_examples,
+)
 from geotlm_lm.training.geometry import (
     ALL_MOTIONS,
     GeometryModel,
@@ -42,7 +49,7 @@ from geotlm_lm.training.geometry import (
 )
 from geotlm_lm.training.language import LanguageTraining, train_language
 from geotlm_lm.training.motion_loss import counts_motion
-from geotlm_lm.training.pretraining import DenseHeads, pretrain
+from geotlm_lm.training.pretraining import LOSSES_VERSION, DenseHeads, pretrain
 from geotlm_lm.training.progress import Progress
 from geotlm_lm.training.scoring import ClipSet, score_bundle, true_option_likelihoods
 
@@ -149,9 +156,18 @@ def perceive_examples(model: GeoTLM, examples: Examples) -> ClipSet:
 
 def _claim(out: Path, settings: TrainingPreset, seed: int) -> None:
     """Mark `out` as the folder of this run, or refuse a folder of another."""
-    path = out / RUN_FILE
     about = {"preset": settings.to_dict(), "seed": seed}
     about |= {"series": SERIES_VERSION, "inputs": PATCH_INPUT_DIM}
+    claim_folder(out, about | {"varied": VARIED, "losses": LOSSES_VERSION})
+
+
+def claim_folder(out: Path, about: dict[str, Any]) -> None:
+    """Mark `out` as the folder of the run that `about` describes.
+
+    Raises:
+        UsageError: If it holds another run.
+    """
+    path = out / RUN_FILE
     if path.exists() and json.loads(path.read_text()) != about:
         raise UsageError(
             f"{out} holds a run of another preset, seed or version of this program; give an empty "
@@ -246,13 +262,14 @@ def _token_set(backbone: FrozenBackbone, examples: Examples, count: int) -> Toke
 def train_speaker(clips: ClipSet, settings: HeadsPreset, seed: int, out: Path) -> Speaker:
     """Train the language model on the readable ones of `clips`; its checkpoint lies in `out`."""
     readable = clips.readable()
-    progress = Progress("train language", settings.language_steps)
+    config = LanguageTraining(
+        steps=settings.language_steps, batch=settings.language_batch, seed=seed
+    )
+    progress = Progress("train language", config.all_steps)
     return train_language(
         clips.fused_tokens[readable],
         [clips.labels[i] for i in readable],
-        config=LanguageTraining(
-            steps=settings.language_steps, batch=settings.language_batch, seed=seed
-        ),
+        config=config,
         folder=out / "language",
         progress=lambda step, _, loss: progress.show(step, f"loss {loss:.3f}"),
     )

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from geotlm_lm.answering import NOT_UNDERSTOOD, OPEN_QUESTION, deciding_word
+from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.conversation.english import ENGLISH_ONLY
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import KINDS, Slots
 from tests.answering.scripted import answerer_saying, feeling, recording
+from tests.tiny_bundle import tiny_bundle
 
 SURE = np.exp(2.4) / (np.exp(2.4) + 9)
 """Probability of the sentence that is said, among ten."""
@@ -220,22 +222,34 @@ def test_reasons_end_in_the_answer_and_say_whose_words_they_are(bundle):
 
 
 @pytest.mark.parametrize("felt", [Motion.CLOCKWISE, Motion.LEFT])
-def test_reasons_of_a_model_trained_for_evidence_are_in_its_words(bundle, felt):
+def test_reasons_of_a_model_trained_for_evidence_are_in_its_words_beside_what_was_measured(
+    bundle, felt
+):
     said = bundle.grammar.sentence(Slots("evidence", felt))
     answerer = answerer_saying(bundle, {"*": said, "Which way?": "Clockwise, in the camera image."})
     encoded = answerer.encode(recording())
     why = answerer.why(encoded, answerer.ask(encoded, "Which way?"))
-    place, *own, frame, conclusion = why.steps
+    place, *own, measured, sums, frame, conclusion = why.steps
+    against = " This speaks against the answer: the model is not of one mind."
     assert place.startswith("Contact fills ")
-    assert " ".join(own[:3]) == said
-    assert own[3:] == (
-        []
-        if felt is Motion.CLOCKWISE
-        else ["This speaks against the answer: the model is not of one mind."]
-    )
+    assert " ".join(own) == said + (against if felt is Motion.LEFT else "")
+    assert measured.startswith("Measured: the whole contact ")
+    assert sums.startswith("The common shift cancels in the differences of the halves")
     assert frame.startswith("Told in this frame: ")
     assert conclusion == "Therefore: Clockwise, in the camera image."
-    assert why.source.startswith("from the halves to what follows from them in the model's words")
+    assert why.source.startswith("sentences 2 to 4 in the model's words, the others by rule")
+
+
+def test_reasons_of_an_answer_that_was_withheld_conclude_nothing_in_the_models_words():
+    bundle = tiny_bundle(Calibration(temperature=2.0, contact_threshold=1.0))
+    said = bundle.grammar.sentence(Slots("evidence", Motion.CLOCKWISE))
+    answerer = answerer_saying(bundle, {"*": said, "Which way?": "Clockwise, in the camera image."})
+    encoded = answerer.encode(recording())
+    answer = answerer.ask(encoded, "Which way?")
+    assert answer.abstained
+    why = answerer.why(encoded, answer)
+    assert not any("clockwise" in step for step in why.steps)
+    assert why.source == "by rule, from the geometry the model read; not in its own words"
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -19,13 +19,24 @@ def invoke(tmp_path, monkeypatch):
     np.save(tmp_path / "clips" / "cap.npy", recording().frames)
     (tmp_path / "questions.txt").write_text("Which way?\nHow far?\n")
     answerer = feeling(tiny_bundle(), "up")
-    load = classmethod(lambda cls, folder, precision: answerer)
+    formats = []
+
+    def load(cls, folder, precision):
+        formats.append(precision)
+        return answerer
+
+    load = classmethod(load)
     monkeypatch.setattr(answering.Answerer, "load", load)
     app = typer.Typer()
     app.command()(batch)
     named = {"--clips": "clips", "--questions": "questions.txt", "--out": "deep/answers.jsonl"}
     places = [word for name, path in named.items() for word in (name, str(tmp_path / path))]
-    return lambda *arguments: CliRunner().invoke(app, [*places, *arguments])
+
+    def call(*arguments):
+        return CliRunner().invoke(app, [*places, *arguments])
+
+    call.formats = formats
+    return call
 
 
 def test_rows_are_written_and_counted(invoke, tmp_path):
@@ -68,3 +79,8 @@ def test_a_file_without_questions_is_refused(tmp_path, content, sentence):
     with pytest.raises(UsageError) as error:
         read_questions(path)
     assert str(error.value) == sentence.format(path)
+
+
+def test_the_number_format_reaches_the_loader(invoke):
+    assert invoke("--precision", "bfloat16").exit_code == 0
+    assert invoke.formats == ["bfloat16"]

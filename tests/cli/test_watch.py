@@ -25,13 +25,20 @@ def recording(tmp_path):
 
 
 @pytest.fixture(autouse=True)
-def _reader(monkeypatch):
+def formats_loaded(monkeypatch):
     def read(clip, among):
         motion = Motion.CLOCKWISE if Motion.CLOCKWISE in among else Motion.STILL
         return Window(motion, 0.8, turn_deg=4.0)
 
     monkeypatch.setattr(watcher_module, "model_reader", lambda answerer: read)
-    monkeypatch.setattr("geotlm_lm.answering.Answerer.load", lambda folder, precision: object())
+    formats = []
+
+    def load(folder, precision):
+        formats.append(precision)
+        return object()
+
+    monkeypatch.setattr("geotlm_lm.answering.Answerer.load", load)
+    return formats
 
 
 def run(capsys, *arguments):
@@ -82,3 +89,19 @@ def test_a_camera_that_does_not_open_ends_with_advice_and_code_7(capsys):
 def test_a_missing_recording_ends_with_code_3(capsys):
     code, out, err = run(capsys, "--source", "gone.avi")
     assert (code, out, err) == (3, "", "gone.avi: no such file or folder; check the path.\n")
+
+
+def test_the_number_format_reaches_the_loader(capsys, recording, formats_loaded):
+    assert run(capsys, "--source", recording, "--precision", "int8")[0] == 0
+    assert formats_loaded == ["int8"]
+
+
+def test_an_unknown_number_format_is_told_before_anything_is_loaded(
+    capsys, recording, formats_loaded
+):
+    assert run(capsys, "--source", recording, "--precision", "float8") == (
+        2,
+        "",
+        "found precision 'float8', expected one of float32, bfloat16, int8.\n",
+    )
+    assert formats_loaded == []

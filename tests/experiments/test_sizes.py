@@ -4,8 +4,9 @@ import pytest
 
 from geotlm_lm.answering import Answerer
 from geotlm_lm.cli.main import main
+from geotlm_lm.core.errors import UsageError
 from geotlm_lm.experiments import sizes as experiment
-from geotlm_lm.experiments.sizes import SHIPPED, SIZES, Amounts, compare_sizes
+from geotlm_lm.experiments.sizes import SHIPPED, SIZES, Budget, compare_sizes
 from geotlm_lm.language.decoder import LanguageSize
 from geotlm_lm.reports.sizes import sizes_page, sizes_table
 from geotlm_lm.training import examples
@@ -30,7 +31,7 @@ def run(monkeypatch, tmp_path, answerer):
         return compare_sizes(
             answerer,
             folder=tmp_path,
-            amounts=Amounts(clips=12, test_clips=12, steps=2, batch=4),
+            budget=Budget(clips=12, test_clips=12, steps=2, batch=4),
             seed=0,
             workers=1,
             sizes=sizes,
@@ -52,7 +53,7 @@ def test_every_size_is_trained_asked_and_timed_and_a_second_run_only_asks(run, m
     assert again["by_type"] == first["by_type"]
     page = sizes_page(record)
     assert sizes_table(record) in page
-    assert "trained for 2 steps of 4 questions on the same 12 simulated clips" in page
+    assert "trained for 2 steps of 4 questions on the same " in page
 
 
 def test_the_shipped_size_is_among_those_compared_with_three_counts_of_prefix_tokens():
@@ -64,12 +65,27 @@ def test_the_shipped_size_is_among_those_compared_with_three_counts_of_prefix_to
 def test_the_command_writes_record_and_table(run, monkeypatch, tmp_path, answerer, capsys):
     record = run(small=SMALL)
     monkeypatch.setattr(Answerer, "load", lambda folder: answerer)
-    monkeypatch.setattr(experiment, "compare_sizes", lambda *_, **given: record)
+    asked = []
+
+    def compare(answerer, **given):
+        asked.append((answerer, given["budget"], given["seed"], given["workers"], given["folder"]))
+        return record
+
+    monkeypatch.setattr(experiment, "compare_sizes", compare)
     out, table = tmp_path / "sizes.json", tmp_path / "sizes.md"
     arguments = ["--run-folder", str(tmp_path / "run"), "--out", str(out), "--table", str(table)]
+    arguments += ["--clips", "200", "--test-clips", "30", "--steps", "7"]
+    arguments += ["--seed", "5", "--workers", "3"]
     with pytest.raises(SystemExit) as stopped:
         main(["report", "sizes", *arguments])
     assert stopped.value.code == 0
+    assert asked == [(answerer, Budget(200, 30, 7), 5, 3, tmp_path / "run")]
     assert sizes_table(record) in capsys.readouterr().out
     assert table.read_text() == sizes_page(record)
     assert out.is_file()
+
+
+def test_clips_of_another_seed_are_not_taken_for_this_ones(run, tmp_path, answerer):
+    run(small=SMALL)
+    with pytest.raises(UsageError, match="holds a run of another preset, seed or version"):
+        compare_sizes(answerer, folder=tmp_path, budget=Budget(), seed=1, workers=1)

@@ -31,7 +31,7 @@ def answerer():
 @pytest.fixture(scope="module")
 def address(answerer):
     page = ui.build(answerer)
-    yield ui.launch(page, wait=False)
+    yield ui.launch(page)
     page.close()
 
 
@@ -61,7 +61,7 @@ def test_the_shells_example_tells_it_too(address):
 def test_the_agents_example_tells_it_too(answerer, capsys):
     pytest.importorskip("mcp", reason="serving agents needs mcp (extra: mcp)")
     page = ui.build(answerer)
-    address = ui.launch(page, wait=False, mcp=True)
+    address = ui.launch(page, mcp=True)
     try:
         exec(example("call_tool", address), {})
         assert capsys.readouterr().out.splitlines()[-1] == "clockwise"
