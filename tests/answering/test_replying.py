@@ -10,7 +10,6 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import KINDS, Slots
 from tests.answering.scripted import answerer_saying, feeling, recording
-from tests.tiny_bundle import tiny_bundle
 
 SURE = np.exp(2.4) / (np.exp(2.4) + 9)
 """Probability of the sentence that is said, among ten."""
@@ -240,10 +239,10 @@ def test_reasons_of_a_model_trained_for_evidence_are_in_its_words_beside_what_wa
     assert why.source.startswith("sentences 2 to 4 in the model's words, the others by rule")
 
 
-def test_reasons_of_an_answer_that_was_withheld_conclude_nothing_in_the_models_words():
-    bundle = tiny_bundle(Calibration(temperature=2.0, contact_threshold=1.0))
+def test_reasons_of_an_answer_that_was_withheld_conclude_nothing_in_the_models_words(bundle):
     said = bundle.grammar.sentence(Slots("evidence", Motion.CLOCKWISE))
     answerer = answerer_saying(bundle, {"*": said, "Which way?": "Clockwise, in the camera image."})
+    answerer.bundle.calibration = Calibration(contact_threshold=1.0)
     encoded = answerer.encode(recording())
     answer = answerer.ask(encoded, "Which way?")
     assert answer.abstained

@@ -79,7 +79,7 @@ def test_some_clips_are_mirrored_with_their_labels(tmp_path, monkeypatch):
     """All of them here: every displacement must agree with its label's sign."""
     monkeypatch.setattr(forms, "MIRRORED_SHARE", 1.0)
     flipped = made_in(tmp_path / "flipped")
-    monkeypatch.setattr(examples, "MIRRORED_SHARE", 0.0)
+    monkeypatch.setattr(forms, "MIRRORED_SHARE", 0.0)
     plain = made_in(tmp_path / "plain")
     assert [label.mirrored() for label in flipped.labels] == list(plain.labels)
     assert not np.array_equal(flipped.inputs, plain.inputs)

@@ -135,3 +135,13 @@ def test_the_rate_rises_in_a_line_and_falls_to_a_tenth():
 def test_tokens_and_labels_must_match(tokens, tmp_path):
     with pytest.raises(ValueError, match=r"\(40, 12\) fused tokens for 39 labels"):
         train_language(tokens, LABELS[:-1], config=CONFIG, folder=tmp_path)
+
+
+def test_the_rate_falls_to_nothing_in_a_cooldown_of_a_ninth():
+    config = LanguageTraining(steps=900, warmup=100)
+    assert config.all_steps == 1000
+    rates = [learning_rate_at(step, config) for step in range(config.all_steps)]
+    assert max(rates) == pytest.approx(config.learning_rate)
+    assert rates[900] == pytest.approx(0.1 * config.learning_rate)
+    assert rates[999] == pytest.approx(0.001 * config.learning_rate)
+    assert all(later < earlier for earlier, later in zip(rates[900:], rates[901:], strict=False))
