@@ -65,7 +65,16 @@ def test_the_reasons_for_a_turn_add_up_to_it(capsys):
     with pytest.raises(SystemExit):
         main(["answer", "--clip", str(clip), "--q", "Which way?", "--why", "--json"])
     told = json.loads(capsys.readouterr().out.splitlines()[-1])
-    assert told["why"]["steps"][2] == (
+    place, *own, measured, sums, frame, _ = told["why"]["steps"]
+    assert place.startswith("Contact fills ")
+    assert own == [
+        "The upper half goes right, the lower half left, the left half up, the right half down.",
+        "This adds up, the common shift cancels.",
+        "So it turns clockwise, in the camera image.",
+    ]
+    assert measured.startswith("Measured: ")
+    assert sums == (
         "The common shift cancels in the differences of the halves, which add up clockwise."
     )
+    assert frame.startswith("Told in this frame: camera image")
     assert told["why"]["steps"][-1] == "Therefore: Clockwise, in the camera image."
