@@ -1,6 +1,7 @@
 """The whole path from nothing to a bundle, at a size at which it learns nothing."""
 
 import json
+import re
 import shutil
 from dataclasses import replace
 from functools import partial
@@ -107,7 +108,11 @@ def test_an_interrupted_run_is_continued_to_the_same_bytes(finished, tmp_path, m
     for path in (finished / "bundle").rglob("*"):
         if path.is_file() and path.name != "scores.json":
             again = tmp_path / "bundle" / path.relative_to(finished / "bundle")
-            assert again.read_bytes() == path.read_bytes(), path.name
+            # The card alone tells how long it took, which a busy machine decides.
+            once, twice = (
+                re.sub(rb"\d+ min on", b"min on", one.read_bytes()) for one in (path, again)
+            )
+            assert twice == once, path.name
             compared += 1
     assert compared > 5
     first, second = (
