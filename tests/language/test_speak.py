@@ -30,7 +30,7 @@ def test_generation_takes_the_likeliest_token_each_time(speaker, fused_tokens):
     prompt = processor.prompt(QUESTIONS[0])
     ids = list(prompt)
     prefix = model.projector(fused_tokens[:1])
-    for _ in range(24):
+    for _ in range(MAX_ANSWER_TOKENS):
         embedded = model.embed(torch.tensor([ids]), prefix)
         hidden, _ = model.decoder(embedded, torch.arange(len(ids))[None])
         ids.append(int(model.logits(hidden[0, -1]).argmax()))
