@@ -89,8 +89,6 @@ def in_precision(bundle: Bundle, precision: str, parts: tuple[str, ...] = PARTS)
 def offered(bundle: Bundle, precision: str) -> Bundle:
     """Return `bundle` the way a user wants it run; itself in float32.
 
-    Tokens, pooling and the 14 numbers stay in float32: what is drawn and graded is read from them.
-
     Args:
         bundle: With the embedded backbone.
         precision: A number format.
@@ -101,20 +99,23 @@ def offered(bundle: Bundle, precision: str) -> Bundle:
     require_offered(precision)
     if precision == "float32":
         return bundle
-    changed = runnable(bundle, precision, (BACKBONE, LANGUAGE))
+    changed = runnable(bundle, precision)
     if changed is None:
         raise UsageError(f"this processor or this torch cannot run {precision}; take float32.")
     return changed
 
 
-def runnable(bundle: Bundle, precision: str, parts: tuple[str, ...] = PARTS) -> Bundle | None:
-    """Return what `in_precision` does; None where this machine cannot make or run it."""
+def runnable(bundle: Bundle, precision: str) -> Bundle | None:
+    """Return `bundle` with backbone and language model changed; None where it cannot run here.
+
+    Tokens, pooling and the 14 numbers stay in float32: what is drawn and graded is read from them.
+    """
     try:
-        changed = in_precision(bundle, precision, parts)
+        changed = in_precision(bundle, precision, (BACKBONE, LANGUAGE))
         backbone = changed.model.backbone
         side, width = backbone.vit.config.grid_side, backbone.vit.config.input_dim
         backbone.encode_inputs(torch.zeros(1, 2, side, side, width))
-    except RuntimeError:  # NotImplementedError is one
+    except RuntimeError:  # no engine packs the weights, or no kernel takes the format
         return None
     return changed
 
