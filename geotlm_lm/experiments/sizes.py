@@ -8,7 +8,6 @@ with each other, not with the shipped model.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from geotlm_lm.core.record import RunRecord
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.experiments.evaluate import one_thread
 from geotlm_lm.language.decoder import LanguageSize
+from geotlm_lm.language.speak import Speaker
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.config import DEFAULT
@@ -53,7 +53,7 @@ class Budget:
     Args:
         clips: Simulated clips to learn from.
         test_clips: Clips of everyday objects to be asked about.
-        steps: Of every language model.
+        steps: Of every language model, before its cooldown.
         batch: Questions per step.
     """
 
@@ -92,19 +92,9 @@ def compare_sizes(
     train_set, test_set = _perceived(answerer, folder, budget, seed, workers)
     # Another perception's tokens are another training: its checkpoints lie elsewhere.
     checkpoints, rows = folder / answerer.bundle.digest(), []
-
-    def steps_of(name: str) -> Callable[[int, int, float], None]:
-        shown = Progress(f"train {name}", LanguageTraining(steps=budget.steps).all_steps)
-        return lambda step, _, loss: shown.show(step, f"loss {loss:.3f}")
-
     for name, size in sizes.items():
-        speaker = train_language(
-            train_set.fused_tokens,
-            train_set.labels,
-            config=LanguageTraining(steps=budget.steps, batch=budget.batch, seed=seed, size=size),
-            folder=checkpoints / _slug(name),
-            progress=steps_of(name),
-        )
+        config = LanguageTraining(steps=budget.steps, batch=budget.batch, seed=seed, size=size)
+        speaker = _trained(train_set, config, checkpoints / _slug(name), name)
         # The words are those of today's templates, whatever the shipped model was taught.
         grammar = load_templates().grammar()
         bundle = replace(answerer.bundle, speaker=speaker, grammar=grammar)
@@ -127,7 +117,7 @@ def compare_sizes(
             "model_digest": answerer.bundle.digest(),
             "clips": len(train_set.labels),
             "test_clips": len(test_set.readable()),
-            "steps": budget.steps,
+            "steps": LanguageTraining(steps=budget.steps).all_steps,
             "batch": budget.batch,
         },
     )
@@ -149,6 +139,18 @@ def _perceived(
         perceive_examples(model, read_examples(folder / "examples", one)) for one in sets
     )
     return learned.only(learned.readable()), asked
+
+
+def _trained(clips: ClipSet, config: LanguageTraining, folder: Path, name: str) -> Speaker:
+    """Return the language model of one row; its checkpoint lies in `folder`."""
+    shown = Progress(f"train {name}", config.all_steps)
+    return train_language(
+        clips.fused_tokens,
+        clips.labels,
+        config=config,
+        folder=folder,
+        progress=lambda step, _, loss: shown.show(step, f"loss {loss:.3f}"),
+    )
 
 
 def _judged(bundle: Bundle, clips: ClipSet, seed: int) -> dict[str, Any]:

@@ -20,7 +20,7 @@ ROWS = {
 def page_times(record: RunRecord) -> str:
     """Return the waiting times of a tour, and what twenty at once got, as Markdown."""
     numbers = record.numbers
-    rows = [[title, *_told(numbers[key])] for key, title in ROWS.items() if key in numbers]
+    rows = [[title, *_told(numbers[key])] for key, title in ROWS.items()]
     users = numbers["users"]
     right = users["users"] - users["wrong"]
     return "\n\n".join(
