@@ -51,8 +51,9 @@ sensor. Every weight was trained on simulated clips alone, {markers:.0%} of them
 with markers.
 
 - Backbone: ViT, width {config.width}, {config.depth} layers, {config.heads} heads, frozen after
-  pretraining on {preset["pretraining_clips"]:,} simulated clips ({preset["pretraining_draws"]:,}
-  draws) with the simulator's dense displacement, contact and depth.
+  pretraining on simulated clips, all but the first {preset["geometry_clips"]:,} of them, each drawn
+  as it is or seen in a mirror ({preset["pretraining_draws"]:,} draws), with the simulator's dense
+  displacement, contact and depth.
 - DGR: the probe's mean accuracy on turns and slides of objects kept from training: {modes}, each
   at the epoch that was best on them; `grounded` is stored unless `paper` leads by more than
   {EQUAL_ACCURACY:g}.

@@ -41,8 +41,8 @@ class TrainingPreset(HeadsPreset):
     """Sizes and lengths of one training run from nothing: heads on an encoder of its own.
 
     Args:
-        pretraining_clips: Simulated clips the backbone learns from; DGR and probe learn from others
-            of the same objects, the language model from both.
+        pretraining_clips: Simulated clips of the same objects as the head clips, on which the
+            backbone is pretrained; the language model learns from them too.
         test_clips: Clips of everyday objects, scored once for the model card.
         backbone_width: Width d of a token.
         backbone_depth: Transformer blocks.
@@ -50,7 +50,8 @@ class TrainingPreset(HeadsPreset):
         pretraining_draws: Clips drawn during pretraining, repeats counted.
         pretraining_batch: Clips per step.
         pretraining_rate: Peak learning rate of AdamW.
-        geometry_clips: How many of the head clips DGR sees; the others only the language model.
+        geometry_clips: How many of the head clips DGR and probe learn from; no backbone has seen
+            them, whereas it is pretrained on the others as well.
     """
 
     pretraining_clips: int
@@ -73,7 +74,7 @@ DEFAULT = TrainingPreset(
     backbone_width=128,
     backbone_depth=4,
     backbone_heads=2,
-    pretraining_draws=170_000,
+    pretraining_draws=240_000,
     pretraining_batch=32,
     pretraining_rate=1e-3,
     geometry_epochs=30,

@@ -138,21 +138,40 @@ def simulate_examples(folder: Path, sets: Sequence[ExampleSet], *, seed: int, wo
             progress.show(done, f"chunks of {CHUNK_CLIPS} clips")
 
 
-def read_examples(folder: Path, wanted: ExampleSet) -> Examples:
-    """Read a set that `simulate_examples` wrote.
+def read_examples(folder: Path, *wanted: ExampleSet) -> Examples:
+    """Read sets that `simulate_examples` wrote, one behind the other.
 
     Raises:
         UsageError: If the clips touch other objects than wanted, so that two sets might share one.
     """
-    parts = [_read_chunk(path) for path in wanted.chunk_paths(folder)]
-    examples = _first(_concatenate(parts), wanted.count)
-    strangers = sorted(set(examples.objects) - set(wanted.objects))
+    # Filled in place: sets are gigabytes, and joining copies would hold them twice.
+    arrays: dict[str, NDArray[np.float16]] = {}
+    labels: list[MotionLabel] = []
+    objects: list[str] = []
+    total = sum(one.count for one in wanted)
+    for one in wanted:
+        for index, path in enumerate(one.chunk_paths(folder)):
+            chunk = _read_chunk(path)
+            taken = min(len(chunk), one.count - index * CHUNK_CLIPS)
+            rows = slice(len(labels), len(labels) + taken)
+            for name in _ARRAYS:
+                values = getattr(chunk, name)
+                if name not in arrays:
+                    arrays[name] = np.empty((total, *values.shape[1:]), values.dtype)
+                arrays[name][rows] = values[:taken]
+            labels += chunk.labels[:taken]
+            objects += chunk.objects[:taken]
+            _refuse_strangers(folder, one, chunk.objects)
+    return Examples(**arrays, labels=tuple(labels), objects=tuple(objects))
+
+
+def _refuse_strangers(folder: Path, wanted: ExampleSet, objects: Sequence[str]) -> None:
+    strangers = sorted(set(objects) - set(wanted.objects))
     if strangers:
         raise UsageError(
             f"{folder}: the {wanted.stage} clips touch {', '.join(strangers)}, expected only "
             f"objects of that set; delete the folder to simulate them again."
         )
-    return examples
 
 
 def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
@@ -196,19 +215,3 @@ def _read_chunk(path: Path) -> Examples:
             labels=tuple(MotionLabel.from_dict(label) for _, label in about),
             objects=tuple(name for name, _ in about),
         )
-
-
-def _concatenate(parts: list[Examples]) -> Examples:
-    return Examples(
-        **{name: np.concatenate([getattr(part, name) for part in parts]) for name in _ARRAYS},
-        labels=tuple(label for part in parts for label in part.labels),
-        objects=tuple(name for part in parts for name in part.objects),
-    )
-
-
-def _first(examples: Examples, count: int) -> Examples:
-    return Examples(
-        **{name: getattr(examples, name)[:count] for name in _ARRAYS},
-        labels=examples.labels[:count],
-        objects=examples.objects[:count],
-    )

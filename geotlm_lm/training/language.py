@@ -14,10 +14,11 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn.functional import cross_entropy
 
-from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.data.questions import askable_types, questions_for, training_corpus, with_typo
@@ -40,6 +41,12 @@ TYPE_WEIGHTS = {"T1": 6.0, "T2": 4.0, "T3": 8.0, "T7": 2.0, "T8": 2.0, "T17": 2.
 verifying and choosing compare the clip with words of the question and are learned last; amounts are
 numbers, not words; refusals have the widest vocabulary."""
 
+
+MOTION_WEIGHTS = {Motion.PRESS: 2.0, Motion.RELEASE: 2.0, Motion.STILL: 2.0}
+"""How often a clip is asked about against 1 for the others. Turns and slides make two thirds of the
+clips, so that a doubtful press was called one of them. Measured with a linear read-out of the same
+tokens: a direction is claimed of 5.6 % of real presses instead of 9.3 %, of held imprints 0 instead
+of 1 %, and real turns are told as well as before."""
 
 COOLDOWN_SHARE = 1 / 9
 """Steps after the schedule's, relative to them, in which the rate falls from its last tenth to
@@ -114,11 +121,20 @@ def train_language(
     model = speaker.model.train()
     optimiser = torch.optim.AdamW(_parameter_groups(model, config.weight_decay), betas=(0.9, 0.98))
     step = restore_language(folder, config, model, optimiser)
+    shares = drawing_shares(labels)
     saved_at = time.monotonic()
     try:
         while step < config.all_steps:
             with whole_step():
-                loss = _step(speaker, optimiser, fused_tokens, labels, config, step)
+                chosen = draw_clips(shares, config, step)
+                loss = _step(
+                    speaker,
+                    optimiser,
+                    fused_tokens[torch.from_numpy(chosen)],
+                    [labels[i] for i in chosen],
+                    config,
+                    step,
+                )
                 step += 1
             if progress is not None:
                 progress(step, config.all_steps, loss)
@@ -161,17 +177,17 @@ def _step(
     config: LanguageTraining,
     step: int,
 ) -> float:
+    """Ask one question about each clip and learn from the answers."""
     rng = generator_for(config.seed, "language", "batch", step)
-    chosen = rng.integers(len(labels), size=config.batch)
     prompts, answers = [], []
-    for index in chosen:
-        (asked,) = questions_for(labels[index], rng, types=[draw_type(labels[index], rng)])
+    for label in labels:
+        (asked,) = questions_for(label, rng, types=[draw_type(label, rng)])
         mistyped = rng.random() < TYPO_SHARE
         question = with_typo(asked.question, rng) if mistyped else asked.question
         prompts.append(speaker.processor.prompt(question))
         answers.append(speaker.processor.answer(asked.answer))
     model = speaker.model
-    token = model.projector.standardise(fused_tokens[torch.from_numpy(chosen)])
+    token = model.projector.standardise(fused_tokens)
     noise = torch.randn(token.shape, generator=_torch_generator(config.seed, "noise", step))
     token = token + config.noise * noise
     count = sum(map(len, answers))
@@ -188,6 +204,20 @@ def _step(
         group["lr"] = learning_rate_at(step, config)
     optimiser.step()
     return total / count
+
+
+def drawing_shares(labels: Sequence[MotionLabel]) -> NDArray[np.float64]:
+    """Return how probable it is that a draw gives a clip or one before it, (n,)."""
+    weights = np.array([MOTION_WEIGHTS.get(label.motion, 1.0) for label in labels])
+    return np.cumsum(weights) / weights.sum()
+
+
+def draw_clips(
+    shares: NDArray[np.float64], config: LanguageTraining, step: int
+) -> NDArray[np.int64]:
+    """Return the places of the clips asked about in `step`."""
+    rng = generator_for(config.seed, "language", "clips", step)
+    return np.searchsorted(shares[:-1], rng.random(config.batch), side="right")
 
 
 def draw_type(label: MotionLabel, rng: np.random.Generator) -> str:

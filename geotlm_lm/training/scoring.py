@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
@@ -53,16 +52,6 @@ class ClipSet:
             contact_share=self.contact_share[rows],
             labels=[self.labels[row] for row in rows],
             objects=[self.objects[row] for row in rows],
-        )
-
-    def joined_to(self, other: ClipSet) -> ClipSet:
-        """Return the clips of both, these first."""
-        return ClipSet(
-            fused_tokens=torch.cat([self.fused_tokens, other.fused_tokens]),
-            global_tokens=torch.cat([self.global_tokens, other.global_tokens]),
-            contact_share=np.concatenate([self.contact_share, other.contact_share]),
-            labels=[*self.labels, *other.labels],
-            objects=[*self.objects, *other.objects],
         )
 
 

@@ -49,7 +49,7 @@ from geotlm_lm.training.geometry import (
 )
 from geotlm_lm.training.language import LanguageTraining, train_language
 from geotlm_lm.training.motion_loss import counts_motion
-from geotlm_lm.training.pretraining import LOSSES_VERSION, DenseHeads, pretrain
+from geotlm_lm.training.pretraining import PRETRAINING_VERSION, DenseHeads, pretrain
 from geotlm_lm.training.progress import Progress
 from geotlm_lm.training.scoring import ClipSet, score_bundle, true_option_likelihoods
 
@@ -79,21 +79,21 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
     examples, sets = out / "examples", example_sets(settings)
     with _clock(out) as seconds:
         simulate_examples(examples, list(sets.values()), seed=seed, workers=workers)
-        pretraining = read_examples(examples, sets["pretraining"])
+        learned = read_examples(examples, sets["heads"], sets["pretraining"])
         backbone, read_outs = pretrain(
-            pretraining, preset=settings, seed=seed, device=device, folder=out
+            learned,
+            preset=settings,
+            seed=seed,
+            device=device,
+            folder=out,
+            first=min(settings.geometry_clips, settings.head_clips),
         )
-        del pretraining  # the largest set; read again below, when the others are gone
-        heads = read_examples(examples, sets["heads"])
         validation = read_examples(examples, sets["validation"])
         model, modes = _train_perception(
-            backbone, read_outs, heads, validation, settings, seed, out
+            backbone, read_outs, learned, validation, settings, seed, out
         )
-        spoken_of = perceive_examples(model, heads)
-        del heads
-        pretraining = read_examples(examples, sets["pretraining"])
-        spoken_of = spoken_of.joined_to(perceive_examples(model, pretraining))
-        del pretraining
+        spoken_of = perceive_examples(model, learned)
+        del learned
         speaker = train_speaker(spoken_of, settings, seed, out)
         provenance = {
             "command": f"geotlm-lm train --preset {preset} --seed {seed} --workers {workers} "
@@ -158,7 +158,7 @@ def _claim(out: Path, settings: TrainingPreset, seed: int) -> None:
     """Mark `out` as the folder of this run, or refuse a folder of another."""
     about = {"preset": settings.to_dict(), "seed": seed}
     about |= {"series": SERIES_VERSION, "inputs": PATCH_INPUT_DIM}
-    claim_folder(out, about | {"varied": VARIED, "losses": LOSSES_VERSION})
+    claim_folder(out, about | {"varied": VARIED, "pretraining": PRETRAINING_VERSION})
 
 
 def claim_folder(out: Path, about: dict[str, Any]) -> None:
@@ -194,7 +194,7 @@ def _clock(out: Path) -> Iterator[Callable[[], float]]:
 def _train_perception(
     backbone: FrozenBackbone,
     read_outs: DenseHeads,
-    heads: Examples,
+    learned: Examples,
     validation: Examples,
     settings: TrainingPreset,
     seed: int,
@@ -204,7 +204,7 @@ def _train_perception(
 
     The drawn shear field of `paper` follows no true displacement, so that it has to be better.
     """
-    train_set = _token_set(backbone, heads, settings.geometry_clips)
+    train_set = _token_set(backbone, learned, min(settings.geometry_clips, settings.head_clips))
     validation_set = _token_set(backbone, validation, len(validation))
     trained: dict[str, GeometryModel] = {
         mode: train_geometry(
