@@ -7,12 +7,16 @@ frames again.
 
 from __future__ import annotations
 
+import math
 from enum import Enum
+from functools import lru_cache
 
+import torch
 from torch import Tensor
 
 from geotlm_lm.backbone.alignment import CHANNELS as ALIGNMENT_CHANNELS
-from geotlm_lm.backbone.stem import ALIGNED_AT, CELLS, FLOW_CHANNELS
+from geotlm_lm.backbone.stem import ALIGNED_AT, CELLS, FLOW_CHANNELS, PATCH_INPUT_DIM
+from geotlm_lm.core.geometry import GRID_SIDE
 
 _COLOURS = 3
 _PICTURE = _COLOURS * CELLS**2
@@ -33,12 +37,9 @@ def mirrored_inputs(inputs: Tensor, mirror: Mirror) -> Tensor:
         inputs: As `stem.look` makes them, (b, 2, 14, 14, PATCH_INPUT_DIM).
         mirror: What is swapped.
     """
-    axis = mirror.value
-    turned = inputs.flip(2 + axis)
-    cells = turned[..., :_PICTURE].unflatten(-1, (CELLS, CELLS, _COLOURS))
-    turned[..., :_PICTURE] = cells.flip(cells.ndim - 3 + axis).flatten(-3)
-    turned[..., _signed_channels(mirror)] *= -1
-    return turned
+    source, sign = _places(mirror)
+    turned = inputs.flatten(2).index_select(-1, source.to(inputs.device)) * sign.to(inputs)
+    return turned.view_as(inputs)
 
 
 def mirrored_field(field: Tensor, mirror: Mirror) -> Tensor:
@@ -46,6 +47,19 @@ def mirrored_field(field: Tensor, mirror: Mirror) -> Tensor:
     turned = field.flip(2 + mirror.value)
     turned[..., 1 - mirror.value] *= -1
     return turned
+
+
+@lru_cache(maxsize=len(Mirror))
+def _places(mirror: Mirror) -> tuple[Tensor, Tensor]:
+    """Return where every input of one time-bin comes from, and its sign."""
+    axis = mirror.value
+    shape = (GRID_SIDE, GRID_SIDE, PATCH_INPUT_DIM)
+    source = torch.arange(math.prod(shape)).view(shape).flip(axis)
+    cells = source[..., :_PICTURE].unflatten(-1, (CELLS, CELLS, _COLOURS))
+    source[..., :_PICTURE] = cells.flip(cells.ndim - 3 + axis).flatten(-3)
+    sign = torch.ones(shape)
+    sign[..., _signed_channels(mirror)] = -1
+    return source.flatten(), sign.flatten()
 
 
 def _signed_channels(mirror: Mirror) -> list[int]:
