@@ -32,6 +32,7 @@ from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.calibration import fit_contact_threshold, fit_temperature
 from geotlm_lm.training.card import write_card
 from geotlm_lm.training.config import HeadsPreset, TrainingPreset, preset_named
+from geotlm_lm.training.dense import DenseHeads
 from geotlm_lm.training.examples import (
     VARIED,
     Examples,
@@ -49,7 +50,7 @@ from geotlm_lm.training.geometry import (
 )
 from geotlm_lm.training.language import LanguageTraining, train_language
 from geotlm_lm.training.motion_loss import counts_motion
-from geotlm_lm.training.pretraining import PRETRAINING_VERSION, DenseHeads, pretrain
+from geotlm_lm.training.pretraining import PRETRAINING_VERSION, pretrain
 from geotlm_lm.training.progress import Progress
 from geotlm_lm.training.scoring import ClipSet, score_bundle, true_option_likelihoods
 

@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import torch
 from torch.nn.functional import cross_entropy
@@ -10,6 +11,8 @@ from geotlm_lm.language.decoder import LanguageSize
 from geotlm_lm.training.language import (
     LanguageTraining,
     answer_loss,
+    draw_clips,
+    drawing_shares,
     learning_rate_at,
     new_speaker,
     train_language,
@@ -145,3 +148,13 @@ def test_the_rate_falls_to_nothing_in_a_cooldown_of_a_ninth():
     assert rates[900] == pytest.approx(0.1 * config.learning_rate)
     assert rates[999] == pytest.approx(0.001 * config.learning_rate)
     assert all(later < earlier for earlier, later in zip(rates[900:], rates[901:], strict=False))
+
+
+def test_presses_are_asked_about_twice_as_often_as_turns():
+    labels = [MotionLabel(Motion.CLOCKWISE)] * 3 + [MotionLabel(Motion.PRESS)]
+    shares = drawing_shares(labels)
+    assert shares == pytest.approx([0.2, 0.4, 0.6, 1.0])
+    config = LanguageTraining(batch=4000)
+    chosen = draw_clips(shares, config, step=0)
+    assert np.bincount(chosen) / 4000 == pytest.approx([0.2, 0.2, 0.2, 0.4], abs=0.03)
+    assert not np.array_equal(chosen, draw_clips(shares, config, step=1))
