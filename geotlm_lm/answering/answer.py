@@ -42,12 +42,15 @@ class Encoded:
         timing_ms: Milliseconds of each stage that ran.
         is_untouched: Whether no frame differs from the background by more than noise; what is
             perceived is then the background itself.
+        is_changed: Whether some frame differs from the background by more than its noise, however
+            faintly: that nothing touches may then not be claimed.
     """
 
     clip: Clip
     perception: Perception
     timing_ms: dict[str, float]
     is_untouched: bool = False
+    is_changed: bool = False
 
     @property
     def view(self) -> View | None:

@@ -44,7 +44,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.recordings.legible import require_legible
-from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle_grey
+from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle_grey, is_beyond_noise
 
 
 @dataclass(frozen=True)
@@ -106,6 +106,7 @@ class Answerer:
         chosen = time.perf_counter()
         change_grey = change_from_idle_grey(clip)
         untouched = change_grey < UNTOUCHED_GREY
+        changed = is_beyond_noise(clip, change_grey)
         judged = time.perf_counter()
         if untouched:
             clip = replace(clip, notes=(*clip.notes, _nothing_seen(change_grey)))
@@ -117,7 +118,7 @@ class Answerer:
             "touch": 1e3 * (judged - chosen),
             "encode": 1e3 * (done - judged),
         }
-        return Encoded(clip, perception, timing, untouched)
+        return Encoded(clip, perception, timing, untouched, changed)
 
     def session(self, encoded: Encoded, frame: FrameSpec = CAMERA) -> Session:
         """Return a conversation about a clip, which remembers its turns and the frame."""

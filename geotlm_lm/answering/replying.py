@@ -61,6 +61,12 @@ NEEDS_MORE = {
 }
 """Kinds that one clip never answers, whatever the model."""
 
+TOO_FAINT = (
+    "I cannot tell: the gel has changed by more than noise, but I know no touch as faint; press "
+    "harder, or record the idle gel again."
+)
+"""Said in place of a claim that nothing touches."""
+
 NO_TIME = "I cannot tell the speed: it takes 3 frames and a frame rate; give it by fps."
 
 FROM_DIRECTION = "Told by rule from the direction: this model was not trained for {}."
@@ -230,6 +236,8 @@ def _unless_withheld(
     sure = told.options.get(told.decided, 0.0)
     if bundle.calibration.withholds(slots.direction, encoded.contact_share):
         text, direction, abstained = _too_little_contact(encoded.contact_share), None, True
+    elif is_contradicted(encoded, slots):
+        text, direction, abstained = TOO_FAINT, None, True
     elif not abstained and is_doubtful(slots.kind, told.decided, told.options):
         text, direction, abstained = f"I cannot tell for sure, {sure:.0%}: {text}", None, True
     return replace(
@@ -240,6 +248,12 @@ def _unless_withheld(
         options=told.options,
         decided=None if abstained else told.decided,
     )
+
+
+def is_contradicted(encoded: Encoded, slots: Slots) -> bool:
+    """Tell whether an answer says that nothing touches a gel that did change."""
+    is_denied = slots.kind == "contact" and slots.verdict is False
+    return encoded.is_changed and (is_denied or slots.direction is Motion.NONE)
 
 
 def _too_little_contact(share: float) -> str:

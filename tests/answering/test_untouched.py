@@ -1,16 +1,25 @@
 """Where nothing touches, noise names no motion and an open question needs no language model."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from geotlm_lm.answering import Answerer
+from geotlm_lm.answering.replying import TOO_FAINT
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from tests.answering.scripted import feeling, recording
 
 IDLE = np.add.outer(np.linspace(90, 140, 120), np.zeros((160, 3))).astype(np.uint8)
+
+
+def faintly_touched():
+    rows, columns = np.mgrid[:120, :160]
+    imprint = 2.4 * np.exp(-((rows - 60) ** 2 + (columns - 80) ** 2) / (2 * 10**2))
+    frame = np.rint(IDLE + imprint[..., None]).astype(np.uint8)
+    return Clip(np.stack([frame] * 4), background=IDLE)
 
 
 def untouched(seed=0):
@@ -78,3 +87,24 @@ def test_a_yes_or_no_is_left_to_the_model(bundle, question):
     answerer = feeling(bundle, "press")
     answerer.ask(answerer.encode(untouched()), question)
     assert answerer.bundle.speaker.heard == [question]
+
+
+@pytest.mark.parametrize("question", ["Which way is it moving?", "And mirrored?"])
+def test_nothing_touches_is_not_claimed_of_a_gel_that_changed(bundle, question):
+    answerer = feeling(bundle, "none")
+    encoded = answerer.encode(faintly_touched())
+    assert encoded.is_changed
+    answer = answerer.ask(encoded, question)
+    assert answer.text == TOO_FAINT
+    assert answer.abstained
+    assert (answer.direction, answer.confidence) == (None, 0.0)
+    *words, last = answerer.stream(encoded, question)
+    assert "".join(words) == last.text == TOO_FAINT
+
+
+def test_any_other_claim_about_a_faint_touch_is_told(bundle):
+    answerer = feeling(bundle, "press")
+    encoded = replace(answerer.encode(faintly_touched()), is_untouched=False)
+    answer = answerer.ask(encoded, "Which way is it moving?")
+    assert answer.direction is Motion.PRESS
+    assert not answer.abstained

@@ -50,6 +50,14 @@ def test_a_black_rim_of_a_quarter_is_a_letterbox():
     assert require_legible(clip_of(frames, idle))
 
 
+def test_a_dim_picture_is_refused():
+    assert require_legible(clip_of(gel() * 0.2, np.rint(IDLE * 0.2).astype(np.uint8)))
+    assert sentence(clip_of(gel() * 0.12, np.rint(IDLE * 0.12).astype(np.uint8))) == (
+        "x.npy: frame 3 is dim, its middle grey level is 12, expected at least 18; lengthen the "
+        "camera's exposure."
+    )
+
+
 def test_a_washed_out_frame_is_refused():
     frames = gel()
     frames[1, :, :40, 0] = 255

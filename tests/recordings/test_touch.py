@@ -5,7 +5,11 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle_grey
+from geotlm_lm.recordings.touch import (
+    UNTOUCHED_GREY,
+    change_from_idle_grey,
+    is_beyond_noise,
+)
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.series import simulate_series
 
@@ -66,3 +70,27 @@ def test_no_readable_simulated_touch_counts_as_untouched():
     ]
     assert len(clips) > 20
     assert min(change_from_idle_grey(one.clip) for one in clips) > UNTOUCHED_GREY
+
+
+def is_told(clip):
+    return is_beyond_noise(clip, change_from_idle_grey(clip))
+
+
+def test_a_faint_imprint_is_beyond_noise_where_there_is_none():
+    assert is_told(recorded(imprint(2.5), noise_grey=0))
+    assert not is_told(recorded(imprint(2.5), noise_grey=3.0))
+    assert not is_told(recorded(imprint(0.6), noise_grey=0))
+
+
+def test_motion_between_the_frames_is_not_taken_for_noise():
+    clip = recorded(imprint(0), noise_grey=0)
+    frames = clip.frames.copy()
+    frames[1:] = recorded(imprint(12.0), noise_grey=0).frames[0]
+    assert is_told(Clip(frames, background=IDLE))
+
+
+def test_a_frame_fed_twice_does_not_make_noise_vanish():
+    noisy = recorded(np.zeros((240, 320)), noise_grey=9.0)
+    pair = Clip(noisy.frames[[0, 0, 1, 1]], background=IDLE)
+    assert change_from_idle_grey(pair) > 1.2
+    assert not is_told(pair)
