@@ -56,9 +56,16 @@ class Calibration:
     temperature: float = 1.0
     contact_threshold: float = 0.0
 
-    def probabilities(self, log_likelihoods: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Return probabilities of options from their log-likelihoods, shape (..., options)."""
-        scaled = np.asarray(log_likelihoods, dtype=np.float64) / self.temperature
+    def probabilities(
+        self, log_likelihoods: NDArray[np.floating], *, doubt: float = 1.0
+    ) -> NDArray[np.float64]:
+        """Return probabilities of options from their log-likelihoods, shape (..., options).
+
+        Args:
+            log_likelihoods: As the language model gives them.
+            doubt: Multiplies the temperature, where a clip tells less than those it was fitted on.
+        """
+        scaled = np.asarray(log_likelihoods, dtype=np.float64) / (self.temperature * doubt)
         likelihoods = np.exp(scaled - scaled.max(axis=-1, keepdims=True))
         return likelihoods / likelihoods.sum(axis=-1, keepdims=True)
 

@@ -32,6 +32,12 @@ _VERDICT_WORDS = {
 """Deciding words of a true and of a false verdict."""
 
 
+CUT_OFF_DOUBT = 1.5
+"""Of an imprint of which a part is out of the image. On 95 simulated clips of training objects,
+moved until half of it was, 0.81 were told right at a mean probability of 0.94; 1.5 times the
+temperature makes that 0.80."""
+
+
 @dataclass(frozen=True, eq=False)
 class Encoded:
     """A clip the model has perceived; every question about it starts here.
@@ -44,6 +50,7 @@ class Encoded:
             perceived is then the background itself.
         is_changed: Whether some frame differs from the background by more than its noise, however
             faintly: that nothing touches may then not be claimed.
+        is_cut_off: Whether the border of the image cuts through the imprint.
     """
 
     clip: Clip
@@ -51,11 +58,17 @@ class Encoded:
     timing_ms: dict[str, float]
     is_untouched: bool = False
     is_changed: bool = False
+    is_cut_off: bool = False
 
     @property
     def view(self) -> View | None:
         """The square of the image that the geometry's grid covers; None where it is no square."""
         return self.perception.views[0]
+
+    @property
+    def doubt(self) -> float:
+        """What multiplies the temperature of every probability."""
+        return CUT_OFF_DOUBT if self.is_cut_off else 1.0
 
     @property
     def contact_share(self) -> float:

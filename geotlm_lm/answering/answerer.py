@@ -44,7 +44,12 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.recordings.legible import require_legible
-from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle_grey, is_beyond_noise
+from geotlm_lm.recordings.touch import (
+    UNTOUCHED_GREY,
+    change_from_idle_grey,
+    is_beyond_noise,
+    is_cut_off,
+)
 
 
 @dataclass(frozen=True)
@@ -107,9 +112,12 @@ class Answerer:
         change_grey = change_from_idle_grey(clip)
         untouched = change_grey < UNTOUCHED_GREY
         changed = is_beyond_noise(clip, change_grey)
+        cut_off = not untouched and is_cut_off(clip)
         judged = time.perf_counter()
         if untouched:
             clip = replace(clip, notes=(*clip.notes, _nothing_seen(change_grey)))
+        if cut_off:
+            clip = replace(clip, notes=(*clip.notes, CUT_OFF_NOTE))
         # Of what is not there, noise decides which motion it looks like: leave the noise out.
         perception = self.bundle.model.perceive([_at_rest(clip) if untouched else clip])
         done = time.perf_counter()
@@ -118,7 +126,7 @@ class Answerer:
             "touch": 1e3 * (judged - chosen),
             "encode": 1e3 * (done - judged),
         }
-        return Encoded(clip, perception, timing, untouched, changed)
+        return Encoded(clip, perception, timing, untouched, changed, cut_off)
 
     def session(self, encoded: Encoded, frame: FrameSpec = CAMERA) -> Session:
         """Return a conversation about a clip, which remembers its turns and the frame."""
@@ -240,6 +248,9 @@ class Answerer:
         if motion is not None and heard.slots.direction is not motion:
             last += " This speaks against the answer: the model is not of one mind."
         return (*steps, last)
+
+
+CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."
 
 
 def _nothing_seen(change_grey: float) -> str:

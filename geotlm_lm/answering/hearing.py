@@ -155,7 +155,7 @@ def _weigh(
     if kind == "choice" and (offered := offered_letters(question)):
         sentences = [s for s in sentences if grammar.parse(s).letter in offered]
     weighed = bundle.speaker.weigh(encoded.perception.fused_token[0], question, sentences)
-    probabilities = bundle.calibration.probabilities(weighed.log_probabilities)
+    probabilities = bundle.calibration.probabilities(weighed.log_probabilities, doubt=encoded.doubt)
     options: dict[str, float] = {}
     for sentence, probability in zip(sentences, probabilities, strict=True):
         word = deciding_word(grammar.parse(sentence))

@@ -9,6 +9,7 @@ from geotlm_lm.recordings.touch import (
     UNTOUCHED_GREY,
     change_from_idle_grey,
     is_beyond_noise,
+    is_cut_off,
 )
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.series import simulate_series
@@ -94,3 +95,13 @@ def test_a_frame_fed_twice_does_not_make_noise_vanish():
     pair = Clip(noisy.frames[[0, 0, 1, 1]], background=IDLE)
     assert change_from_idle_grey(pair) > 1.2
     assert not is_told(pair)
+
+
+@pytest.mark.parametrize("shift", [(0, 0), (60, 0), (-250, 0), (260, 0), (0, 180), (0, -62)])
+def test_an_imprint_is_cut_off_where_its_middle_is_at_the_border(shift):
+    matrix = np.float32([[1, 0, shift[0]], [0, 1, shift[1]]])
+    clip = recorded(cv2.warpAffine(imprint(40.0), matrix, (320, 240)))
+    # It lies at (250, 60): whole as it is, and beside the middle; gone or cut elsewhere.
+    x, y = 250 + shift[0], 60 + shift[1]
+    is_cut = min(abs(x), abs(320 - x), abs(y), abs(240 - y)) < 14
+    assert is_cut_off(clip) == is_cut
