@@ -123,6 +123,24 @@ class Browser:
             "box.dispatchEvent(new Event('input', {bubbles: true})); return true; })()"
         )
 
+    def upload(self, label: str, path: Path) -> None:
+        """Give a file to the visible upload field of a label, as a person who picks it."""
+        find = (
+            "[...document.querySelectorAll('input[type=file]')].find(one => {"
+            "let e = one; while (e && !e.offsetParent) e = e.parentElement;"
+            f"while (e && !e.innerText.includes({label!r})) e = e.parentElement;"
+            "return e && e.querySelectorAll('input[type=file]').length == 1; })"
+        )
+        self.wait_for(f"Boolean({find})")
+        found = self.call("Runtime.evaluate", expression=find)["result"]["objectId"]
+        self.call("DOM.setFileInputFiles", files=[str(path)], objectId=found)
+
+    def press(self, key: str, code: int, text: str = "") -> None:
+        """Press and let go of a key, for whatever has the focus."""
+        about = {"key": key, "code": key, "windowsVirtualKeyCode": code}
+        self.call("Input.dispatchKeyEvent", type="keyDown", text=text, **about)
+        self.call("Input.dispatchKeyEvent", type="keyUp", **about)
+
     def screenshot(self, path: Path) -> None:
         """Write what is seen to a .png file."""
         image = self.call("Page.captureScreenshot", format="png")["data"]

@@ -1,5 +1,6 @@
-"""The page in a real browser: an example is clicked, a question asked, a mistake made."""
+"""The page in a real browser: every tab is used as a person does, mistakes are made."""
 
+import numpy as np
 import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
@@ -7,6 +8,7 @@ pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)
 from app import ui  # noqa: E402
 from app.browser import EXECUTABLE, Browser  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
+from tests.live.test_idle_tracker import gel, touched  # noqa: E402
 
 pytestmark = pytest.mark.skipif(
     EXECUTABLE is None, reason="needs a Chromium (Debian: apt-get install chromium)"
@@ -24,10 +26,22 @@ def address():
 
 @pytest.fixture(params=[(1400, 1100), (390, 844)], ids=["wide", "phone"])
 def browser(request, tmp_path, address):
-    browser = Browser(tmp_path, request.param)
+    browser = Browser(tmp_path / "profile", request.param)
     browser.open(address)
     yield browser
     browser.close()
+
+
+@pytest.fixture
+def recordings(tmp_path):
+    """A bright clip, which the stand-in tells as going right, and a dark one, going left."""
+    paths = {}
+    for name, level in (("bright", 150), ("dark", 60)):
+        paths[name] = tmp_path / f"{name}.npy"
+        frames = np.full((4, 48, 64, 3), level, np.uint8)
+        frames[1:, 10:30, 10:30] += 20
+        np.save(paths[name], frames)
+    return paths
 
 
 def test_an_example_is_one_click_and_a_question_one_more(browser):
@@ -61,3 +75,62 @@ def test_a_fact_told_in_the_chat_is_checked_in_the_page_and_holds_from_then_on(b
     browser.fill("Question", "Are you sure?")
     browser.click("Ask", "button.primary")
     browser.wait_for(f"{TEXT}.includes('I stay with it, 97%: To the ')")
+
+
+def test_a_recording_is_uploaded_and_asked_about_by_keyboard_alone(browser, recordings):
+    browser.upload("Recording", recordings["dark"])
+    browser.wait_for("[...document.images].some(i => i.offsetParent && i.naturalWidth == 448)")
+    browser.fill("Question", "Which way does it go?")
+    browser.run(
+        "[...document.querySelectorAll('label')].find(e => e.offsetParent && "
+        "e.innerText.trim().startsWith('Question')).querySelector('textarea, input').focus()"
+    )
+    browser.press("Enter", 13, "\r")
+    browser.wait_for(f"{TEXT}.includes('To the left, at ')")
+
+
+def test_what_is_no_recording_is_told_in_a_sentence_and_the_page_goes_on(
+    browser, recordings, tmp_path
+):
+    broken = tmp_path / "broken.npy"
+    broken.write_bytes(b"no recording")
+    browser.upload("Recording", broken)
+    browser.wait_for(f"{TEXT}.includes('broken.npy: is cut off or is no numpy file')")
+    assert "Traceback" not in browser.run(TEXT)
+    browser.open(browser.run("location.href"))
+    browser.upload("Recording", recordings["bright"])
+    browser.wait_for("[...document.images].some(i => i.offsetParent && i.naturalWidth == 448)")
+
+
+def test_two_recordings_are_compared(browser, recordings):
+    browser.click("Compare", "button[role=tab]")
+    browser.click("Compare", "button.primary")
+    browser.wait_for(f"{TEXT}.includes('upload')")
+    for label, name in (("First recording", "bright"), ("Second recording", "dark")):
+        browser.upload(label, recordings[name])
+        browser.wait_for(f"{TEXT}.includes('{name}.npy') || {TEXT}.includes('{name}')")
+    browser.click("Compare", "button.primary")
+    browser.wait_for(f"{TEXT}.includes('To the right, at ') && {TEXT}.includes('To the left, at ')")
+    browser.wait_for(f"{TEXT}.includes('opposite')")
+
+
+def test_a_touch_is_simulated_and_asked_about(browser):
+    browser.click("Simulate", "button[role=tab]")
+    browser.click("Simulate and ask", "button.primary")
+    browser.wait_for(f"{TEXT}.includes('(wrong: clockwise)') || {TEXT}.includes('(right)')")
+    pictures = "[...document.images].filter(i => i.offsetParent && i.naturalWidth > 100)"
+    browser.wait_for(f"{pictures}.length > 2")
+
+
+def test_a_recording_is_watched(browser, tmp_path):
+    browser.click("Live", "button[role=tab]")
+    browser.click("Watch", "button.primary")
+    browser.wait_for(f"{TEXT}.includes('No recording was given; upload one first.')")
+    plain = gel()
+    frames = [next(plain) for _ in range(12)] + [touched(next(plain)) for _ in range(28)]
+    np.savez(tmp_path / "touch.npz", frames=np.stack(frames), fps=25.0)
+    browser.upload("Recording", tmp_path / "touch.npz")
+    browser.wait_for(f"{TEXT}.includes('touch')")
+    browser.click("Watch", "button.primary")
+    browser.wait_for(f"{TEXT}.includes('idle gel learnt · 40 frames')")
+    browser.wait_for(f"{TEXT}.includes('right ends')")
