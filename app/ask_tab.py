@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm import FrameSpec, Motion, draw_viewpoint
 
 from . import handlers
+from .playing import add_play_button
 from .told import MODEL, gradio, told
 
 if TYPE_CHECKING:
@@ -62,6 +63,7 @@ def _clip_side(gr: Any) -> dict[str, Any]:
     with gr.Row():
         side["view"] = gr.Radio(VIEWS, value="arrows", label="View")
         side["number"] = gr.Slider(1, 4, value=4, step=1, label="Frame (of four)")
+        add_play_button(gr, side["number"])
     side["picture"] = gr.Image(label="What the model sees", interactive=False, buttons=BUTTONS)
     with gr.Accordion("Frame of reference", open=True), gr.Row():
         side["viewpoint"] = gr.Image(

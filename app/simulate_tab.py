@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import handlers
 from .ask_tab import BUTTONS
+from .playing import add_play_button
 from .simulating import OBJECTS, simulate
 from .told import MODEL, gradio, told
 
@@ -29,6 +30,7 @@ def build(answerer: Answerer) -> None:
             with gr.Row():
                 view = gr.Radio(VIEWS, value="raw", label="View")
                 number = gr.Slider(1, 4, value=4, step=1, label="Frame")
+                add_play_button(gr, number)
             picture = gr.Image(label="The clip", interactive=False, buttons=BUTTONS)
             with gr.Row():
                 truth = gr.Image(label="True displacement", interactive=False, buttons=BUTTONS)

@@ -1,5 +1,7 @@
 """The page in a real browser: every tab is used as a person does, mistakes are made."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -54,6 +56,25 @@ def test_an_example_is_one_click_and_a_question_one_more(browser):
     assert wide, "the page is wider than the window"
     browser.run("document.querySelectorAll('.thumbnail-item')[1].click()")
     browser.wait_for(f"!{TEXT}.includes('% sure)') && !{TEXT}.includes('no direction is claimed')")
+
+
+SLIDER = "[...document.querySelectorAll('input[type=range]')].find(e => e.offsetParent)"
+PICTURE = "[...document.images].find(i => i.offsetParent && i.naturalWidth == 448)"
+
+
+def test_the_frames_are_played_until_paused(browser):
+    browser.run("document.querySelector('.thumbnail-item').click()")
+    last = browser.wait_for(f"({PICTURE} || {{}}).src")
+    assert browser.run(f"{SLIDER}.valueAsNumber") == 4
+    browser.click("Play")
+    browser.wait_for(f"({PICTURE} || {{}}).src && {PICTURE}.src != {last!r}")
+    for expected in (1, 2, 3, 4):
+        browser.wait_for(f"{SLIDER}.valueAsNumber == {expected}")
+    browser.click("Pause")
+    browser.wait_for("[...document.querySelectorAll('button')].some(e => e.innerText == 'Play')")
+    stands = browser.run(f"{SLIDER}.valueAsNumber")
+    time.sleep(1.5)
+    assert browser.run(f"{SLIDER}.valueAsNumber") == stands
 
 
 def test_a_question_without_a_clip_is_one_sentence_in_the_page(browser):
