@@ -44,6 +44,20 @@ def test_a_missing_chunk_is_made_again_byte_for_byte(tmp_path):
 
 
 @pytest.mark.usefixtures("_small_chunks")
+def test_sets_are_read_one_behind_the_other_each_as_long_as_asked_for(tmp_path):
+    sets = [ExampleSet(name, 6, TRAINING_OBJECTS[:3]) for name in ("one", "other")]
+    simulate_examples(tmp_path, sets, seed=5, workers=1)
+    both = read_examples(tmp_path, *sets)
+    parts = [read_examples(tmp_path, one) for one in sets]
+    assert [len(both), *map(len, parts)] == [12, 6, 6]
+    assert both.labels == parts[0].labels + parts[1].labels
+    assert both.objects == parts[0].objects + parts[1].objects
+    for name in ("inputs", "displacement_px", "contact", "depth_mm"):
+        joined = np.concatenate([getattr(part, name) for part in parts])
+        assert np.array_equal(getattr(both, name), joined)
+
+
+@pytest.mark.usefixtures("_small_chunks")
 def test_as_many_examples_turn_as_slide(tmp_path, monkeypatch):
     monkeypatch.setattr(examples, "CHUNK_CLIPS", 12)
     wanted = ExampleSet("check", 12, TRAINING_OBJECTS[:3])
