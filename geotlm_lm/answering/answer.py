@@ -46,11 +46,12 @@ class Encoded:
         clip: The four frames that were used, with the background they were compared with.
         perception: Tokens and geometry, batch of one.
         timing_ms: Milliseconds of each stage that ran.
-        is_untouched: Whether no frame differs from the background by more than noise; what is
-            perceived is then the background itself.
-        is_changed: Whether some frame differs from the background by more than its noise, however
-            faintly: that nothing touches may then not be claimed.
-        is_cut_off: Whether the border of the image cuts through the imprint.
+        is_untouched: Whether every frame differs from the background by less than any touch does;
+            what is perceived is then the background itself.
+        is_changed: Whether some frame differs from the idle gel by more than its noise, however
+            faintly: that nothing touches may then not be claimed. Not known, and False, where the
+            background is a guess.
+        is_cut_off: Whether the border of the image cuts through the imprint; likewise.
     """
 
     clip: Clip
@@ -153,7 +154,11 @@ def four_frames_with_background(clip: Clip, span: tuple[int, int] | None = None)
         clip: A recording of two frames or more.
         span: First and last frame to use; None chooses them.
     """
-    clip = choose_frames(clip, FRAME_COUNT, span=span)
+    return with_background(choose_frames(clip, FRAME_COUNT, span=span))
+
+
+def with_background(clip: Clip) -> Clip:
+    """Return a clip of a few frames beside its idle gel, estimated where it is not known."""
     if clip.background is None:
         clip = replace(clip, background=estimate_background(clip.frames)).with_note(
             "Background: estimated from the frames; give an idle frame for a surer answer."

@@ -13,7 +13,7 @@ from geotlm_lm.answering.answer import (
     Answer,
     Encoded,
     check_question,
-    four_frames_with_background,
+    with_background,
 )
 from geotlm_lm.answering.hearing import (
     AMOUNT_QUESTION,
@@ -22,7 +22,7 @@ from geotlm_lm.answering.hearing import (
     hear,
     score,
 )
-from geotlm_lm.answering.replying import UNTRAINED, by_rule, in_words, plain
+from geotlm_lm.answering.replying import UNTRAINED, by_rule, in_words, is_contradicted, plain
 from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.several import (
     Comparison,
@@ -42,14 +42,11 @@ from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.wording import known
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
+from geotlm_lm.recordings.choose import choose_frames
 from geotlm_lm.recordings.legible import require_legible
-from geotlm_lm.recordings.touch import (
-    UNTOUCHED_GREY,
-    change_from_idle_grey,
-    is_beyond_noise,
-    is_cut_off,
-)
+from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle
 
 
 @dataclass(frozen=True)
@@ -107,17 +104,19 @@ class Answerer:
             UsageError: If the span is not inside the clip.
         """
         started = time.perf_counter()
-        clip = require_legible(four_frames_with_background(clip, span))
+        clip = choose_frames(clip, FRAME_COUNT, span=span)
+        is_idle_known = clip.background is not None
+        clip = require_legible(with_background(clip))
         chosen = time.perf_counter()
-        change_grey = change_from_idle_grey(clip)
-        untouched = change_grey < UNTOUCHED_GREY
-        changed = is_beyond_noise(clip, change_grey)
-        cut_off = not untouched and is_cut_off(clip)
+        change = change_from_idle(clip)
+        changed = is_idle_known and change.is_beyond_noise
+        untouched = change.grey < UNTOUCHED_GREY and not changed
+        cut_off = changed and change.is_cut_off
         judged = time.perf_counter()
         if untouched:
-            clip = replace(clip, notes=(*clip.notes, _nothing_seen(change_grey)))
+            clip = clip.with_note(_nothing_seen(change.grey))
         if cut_off:
-            clip = replace(clip, notes=(*clip.notes, CUT_OFF_NOTE))
+            clip = clip.with_note(CUT_OFF_NOTE)
         # Of what is not there, noise decides which motion it looks like: leave the noise out.
         perception = self.bundle.model.perceive([_at_rest(clip) if untouched else clip])
         done = time.perf_counter()
@@ -243,6 +242,8 @@ class Answerer:
         if heard.slots is None or heard.slots.kind != "evidence":
             return ()
         if self.bundle.calibration.withholds(heard.slots.direction, encoded.contact_share):
+            return ()
+        if is_contradicted(encoded, heard.slots):
             return ()
         *steps, last = (f"{step.removesuffix('.')}." for step in heard.text.split(". "))
         if motion is not None and heard.slots.direction is not motion:

@@ -37,7 +37,7 @@ from geotlm_lm.conversation.retell import (
     retell,
 )
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import Motion, MotionClass
 from geotlm_lm.language.parse_answer import Slots
 
 NOT_UNDERSTOOD = "I found no words for that; ask how the touched object moves."
@@ -61,8 +61,8 @@ NEEDS_MORE = {
 }
 """Kinds that one clip never answers, whatever the model."""
 
-TOO_FAINT = (
-    "I cannot tell: the gel has changed by more than noise, but I know no touch as faint; press "
+UNRECOGNISED = (
+    "I cannot tell: the gel has changed by more than noise, but I recognise no touch in it; press "
     "harder, or record the idle gel again."
 )
 """Said in place of a claim that nothing touches."""
@@ -237,7 +237,7 @@ def _unless_withheld(
     if bundle.calibration.withholds(slots.direction, encoded.contact_share):
         text, direction, abstained = _too_little_contact(encoded.contact_share), None, True
     elif is_contradicted(encoded, slots):
-        text, direction, abstained = TOO_FAINT, None, True
+        text, direction, abstained = UNRECOGNISED, None, True
     elif not abstained and is_doubtful(slots.kind, told.decided, told.options):
         text, direction, abstained = f"I cannot tell for sure, {sure:.0%}: {text}", None, True
     return replace(
@@ -253,7 +253,8 @@ def _unless_withheld(
 def is_contradicted(encoded: Encoded, slots: Slots) -> bool:
     """Tell whether an answer says that nothing touches a gel that did change."""
     is_denied = slots.kind == "contact" and slots.verdict is False
-    return encoded.is_changed and (is_denied or slots.direction is Motion.NONE)
+    is_named = slots.direction is Motion.NONE or slots.motion_class is MotionClass.NONE
+    return encoded.is_changed and (is_denied or is_named)
 
 
 def _too_little_contact(share: float) -> str:

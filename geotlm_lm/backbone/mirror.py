@@ -1,8 +1,9 @@
-"""Patch inputs as the stem would make them of a clip seen in a mirror.
+"""Patch inputs of a scene seen in a mirror: more looks at a simulated clip, for next to no time.
 
-Turning the inputs over is exact but for the dense flow, whose search is not quite symmetric (off by
-a sixth of its size, tokens by 4 %), and takes a thousandth of the time of looking at the mirrored
-frames again.
+Left for right they are what the stem makes of the mirrored frames, but for the searches of flow and
+alignment, which are not quite symmetric (flow is off by a sixth of its size, tokens by 4 %). Top
+for bottom the stem would take the lights for others and find another relief; these inputs keep the
+true one.
 """
 
 from __future__ import annotations

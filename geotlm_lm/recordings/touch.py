@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import cv2
@@ -9,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
+
+Floats = NDArray[np.float32]
 
 COLUMNS = 160
 """Width the change is measured at; it averages four pixels of a 320-pixel stream."""
@@ -37,9 +40,6 @@ BEYOND_NOISE = 40.0
 real recordings without a visible contact 26; touches a twentieth as strong as usual have 68 in the
 middle, unless a noise as strong as usual hides them."""
 
-NOISE_FLOOR_GREY = 0.02
-"""Noise assumed at the least: a codec repeats pixels that hardly change."""
-
 BORDER_SHARE = 0.05
 """Width of the image's border relative to its width."""
 
@@ -49,11 +49,50 @@ cut off there. Simulated contacts anywhere in the image are below, and 92 % of r
 those moved half out of the image are above 1.8."""
 
 
-def change_from_idle_grey(clip: Clip) -> float:
-    """Return how far the most changed hundredth of the image is from the idle gel, grey levels.
+@dataclass(frozen=True, eq=False)
+class Change:
+    """How frames differ from the idle gel.
 
-    The largest over the frames, in green, which a video codec keeps best; a change of exposure does
-    not count.
+    Args:
+        frames: Green of each frame at the width the change is measured at, grey levels.
+        changes: What is left of each after the idle gel, a change of exposure and noise are taken
+            away.
+    """
+
+    frames: tuple[Floats, ...]
+    changes: tuple[Floats, ...]
+
+    @property
+    def grey(self) -> float:
+        """How far the most changed hundredth of the image is from the idle gel, grey levels.
+
+        The largest over the frames, in green, which a video codec keeps best; a change of exposure
+        does not count.
+        """
+        return max(float(np.quantile(np.abs(one), 1 - TOUCHED_SHARE)) for one in self.changes)
+
+    @property
+    def is_beyond_noise(self) -> bool:
+        """Whether the change, however faint, is none of the camera's noise.
+
+        Frames that are all the same tell nothing of their noise, and count as noisy.
+        """
+        steps = [after - before for before, after in pairwise(self.frames)]
+        noise = [_noise_grey(step) for step in steps if step.any()]
+        return bool(noise) and self.grey > max(FAINT_GREY, BEYOND_NOISE * min(noise))
+
+    @property
+    def is_cut_off(self) -> bool:
+        """Whether the border of the image cuts through what changed."""
+        change = np.max(np.abs(self.changes), axis=0)
+        width = max(round(BORDER_SHARE * change.shape[1]), 1)
+        sides = (change[:, :width], change[:, -width:], change[:width], change[-width:])
+        strongest = max(float(np.square(side).mean()) for side in sides)
+        return strongest > CUT_OFF**2 * float(np.square(change).mean())
+
+
+def change_from_idle(clip: Clip) -> Change:
+    """Compare the frames of a clip with its idle gel.
 
     Args:
         clip: Frames of any size with a background.
@@ -64,51 +103,22 @@ def change_from_idle_grey(clip: Clip) -> float:
     if clip.background is None:
         raise ValueError("the change is measured against an idle frame, found none")
     idle = _small(clip.background)
-    return max(_changed(_small(frame) - idle) for frame in clip.frames)
+    frames = tuple(map(_small, clip.frames))
+    return Change(frames, tuple(_smooth(frame - idle) for frame in frames))
 
 
-def is_beyond_noise(clip: Clip, change_grey: float) -> bool:
-    """Tell whether a change from the idle gel, however faint, is none of the camera's noise.
-
-    Args:
-        clip: The frames that changed.
-        change_grey: What `change_from_idle_grey` found.
-    """
-    if change_grey < FAINT_GREY:
-        return False
-    frames = [_small(frame) for frame in clip.frames]
-    steps = [after - before for before, after in pairwise(frames) if np.any(after != before)]
-    noise = min(map(_noise_grey, steps), default=0.0)
-    return change_grey > BEYOND_NOISE * max(noise, NOISE_FLOOR_GREY)
-
-
-def is_cut_off(clip: Clip) -> bool:
-    """Tell whether the border of the image cuts through what changed against the idle gel.
-
-    Args:
-        clip: Frames of any size with a background.
-    """
-    idle = _small(clip.background)
-    change = np.max([np.abs(_small(frame) - idle) for frame in clip.frames], axis=0)
-    width = max(round(BORDER_SHARE * change.shape[1]), 1)
-    sides = (change[:, :width], change[:, -width:], change[:width], change[-width:])
-    strongest = max(float(np.square(side).mean()) for side in sides)
-    return strongest > CUT_OFF**2 * float(np.square(change).mean())
-
-
-def _noise_grey(step: NDArray[np.float32]) -> float:
+def _noise_grey(step: Floats) -> float:
     """Return the deviation of one frame's noise, at the width the change is measured at."""
     fine = step - cv2.GaussianBlur(step, (0, 0), BLUR_PX)
     # The median of a normal deviation's size is 0.6745; two frames' noise adds up in a step.
     return float(np.median(np.abs(fine))) / (0.6745 * 2**0.5)
 
 
-def _changed(change: NDArray[np.float32]) -> float:
-    smooth = cv2.GaussianBlur(change - np.median(change), (0, 0), BLUR_PX)
-    return float(np.quantile(np.abs(smooth), 1 - TOUCHED_SHARE))
+def _smooth(change: Floats) -> Floats:
+    return cv2.GaussianBlur(change - np.median(change), (0, 0), BLUR_PX)
 
 
-def _small(image: NDArray[np.uint8]) -> NDArray[np.float32]:
+def _small(image: NDArray[np.uint8]) -> Floats:
     green = np.ascontiguousarray(image[..., 1])
     columns = min(COLUMNS, image.shape[1])
     rows = max(round(image.shape[0] * columns / image.shape[1]), 1)

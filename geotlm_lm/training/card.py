@@ -39,6 +39,8 @@ def _card(folder: Path, bundle: Bundle, scores: dict[str, Any], seconds: float) 
         f"{mode} {value:.3f}" for mode, value in made["dgr_validation_accuracy"].items()
     )
     markers = VARIED["marker_share"]
+    fresh = min(preset["geometry_clips"], preset["head_clips"])
+    pretrained_on = preset["pretraining_clips"] + preset["head_clips"] - fresh
     size_mb = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
     return f"""---
 license: apache-2.0
@@ -51,9 +53,9 @@ sensor. Every weight was trained on simulated clips alone, {markers:.0%} of them
 with markers.
 
 - Backbone: ViT, width {config.width}, {config.depth} layers, {config.heads} heads, frozen after
-  pretraining on simulated clips, all but the first {preset["geometry_clips"]:,} of them, each drawn
-  as it is or seen in a mirror ({preset["pretraining_draws"]:,} draws), with the simulator's dense
-  displacement, contact and depth.
+  pretraining on {pretrained_on:,} simulated clips, each drawn as it is or seen in a mirror
+  ({preset["pretraining_draws"]:,} draws), with the simulator's dense displacement, contact and
+  depth; DGR learnt from {fresh:,} others.
 - DGR: the probe's mean accuracy on turns and slides of objects kept from training: {modes}, each
   at the epoch that was best on them; `grounded` is stored unless `paper` leads by more than
   {EQUAL_ACCURACY:g}.

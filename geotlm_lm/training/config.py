@@ -64,6 +64,11 @@ class TrainingPreset(HeadsPreset):
     pretraining_rate: float
     geometry_clips: int
 
+    @property
+    def fresh_clips(self) -> int:
+        """How many head clips, the first ones, no backbone has seen when DGR learns from them."""
+        return min(self.geometry_clips, self.head_clips)
+
 
 DEFAULT = TrainingPreset(
     name="default",

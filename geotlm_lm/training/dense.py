@@ -151,10 +151,10 @@ def dense_batch(examples: Examples, rows: np.ndarray, device: str) -> tuple[Tens
 def mirrored_at_random(
     inputs: Tensor, truth: DenseTruth, rng: np.random.Generator
 ) -> tuple[Tensor, DenseTruth]:
-    """Return a batch of which half is seen in a mirror, each way on its own.
+    """Return a batch of which each mirror, drawn on its own, shows half: a clip has four looks.
 
-    So that a clip is hardly ever seen twice the same way. Of clips it had been pretrained on a
-    backbone without this told the kind of motion at 0.973, of others of the same objects at 0.948.
+    Of clips it had been pretrained on a backbone without this told the kind of motion at 0.973, of
+    others of the same objects at 0.948.
     """
     displacement, contact, depth = truth.displacement, truth.contact, truth.depth
     for mirror in Mirror:

@@ -13,6 +13,9 @@ from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 
 NAME = "language_checkpoint.pt"
 
+DRAWS = {"draws": 2}
+"""Version of how clips and questions are drawn: no run goes on with other draws."""
+
 
 def store_language(
     folder: Path,
@@ -23,7 +26,7 @@ def store_language(
 ) -> None:
     """Write the state after `step` steps, atomically."""
     state = {
-        "config": asdict(config),
+        "config": asdict(config) | DRAWS,
         "step": step,
         "model": model.state_dict(),
         "optimiser": optimiser.state_dict(),
@@ -44,7 +47,8 @@ def restore_language(
     if state is None:
         return 0
     found = state.get("config", {})
-    differing = sorted(name for name, value in asdict(config).items() if found.get(name) != value)
+    asked = asdict(config) | DRAWS
+    differing = sorted(name for name, value in asked.items() if found.get(name) != value)
     if not differing and not torch.equal(
         state["model"]["model.projector.mean"], model.projector.mean
     ):

@@ -87,7 +87,7 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
             seed=seed,
             device=device,
             folder=out,
-            first=min(settings.geometry_clips, settings.head_clips),
+            first=settings.fresh_clips,
         )
         validation = read_examples(examples, sets["validation"])
         model, modes = _train_perception(
@@ -205,7 +205,7 @@ def _train_perception(
 
     The drawn shear field of `paper` follows no true displacement, so that it has to be better.
     """
-    train_set = _token_set(backbone, learned, min(settings.geometry_clips, settings.head_clips))
+    train_set = _token_set(backbone, learned, settings.fresh_clips)
     validation_set = _token_set(backbone, validation, len(validation))
     trained: dict[str, GeometryModel] = {
         mode: train_geometry(

@@ -1,25 +1,25 @@
 """Where nothing touches, noise names no motion and an open question needs no language model."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from geotlm_lm.answering import Answerer
-from geotlm_lm.answering.replying import TOO_FAINT
+from geotlm_lm.answering.replying import UNRECOGNISED
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
-from tests.answering.scripted import feeling, recording
+from tests.answering.scripted import answerer_saying, feeling, recording
 
 IDLE = np.add.outer(np.linspace(90, 140, 120), np.zeros((160, 3))).astype(np.uint8)
 
 
-def faintly_touched():
+def faintly_touched(background=IDLE):
+    """An imprint of two grey levels that comes and goes, and no noise."""
     rows, columns = np.mgrid[:120, :160]
     imprint = 2.4 * np.exp(-((rows - 60) ** 2 + (columns - 80) ** 2) / (2 * 10**2))
-    frame = np.rint(IDLE + imprint[..., None]).astype(np.uint8)
-    return Clip(np.stack([frame] * 4), background=IDLE)
+    touched = np.rint(IDLE + imprint[..., None]).astype(np.uint8)
+    return Clip(np.stack([touched, IDLE, touched, touched]), background=background)
 
 
 def untouched(seed=0):
@@ -89,22 +89,38 @@ def test_a_yes_or_no_is_left_to_the_model(bundle, question):
     assert answerer.bundle.speaker.heard == [question]
 
 
-@pytest.mark.parametrize("question", ["Which way is it moving?", "And mirrored?"])
-def test_nothing_touches_is_not_claimed_of_a_gel_that_changed(bundle, question):
-    answerer = feeling(bundle, "none")
+@pytest.mark.parametrize(
+    ("question", "sentence"),
+    [
+        ("Which way is it moving?", "Nothing is touching the gel."),
+        ("And mirrored?", "Nothing is touching the gel."),
+        ("What kind of motion is it?", "No contact."),
+        ("Is anything touching?", "No, nothing is touching the gel."),
+        ("Is it moving at all?", "No, there is no contact."),
+    ],
+)
+def test_nothing_touches_is_not_claimed_of_a_gel_that_changed(bundle, question, sentence):
+    answerer = answerer_saying(bundle, {"*": sentence})
     encoded = answerer.encode(faintly_touched())
     assert encoded.is_changed
+    assert not encoded.is_untouched
     answer = answerer.ask(encoded, question)
-    assert answer.text == TOO_FAINT
+    assert answer.text == UNRECOGNISED
     assert answer.abstained
     assert (answer.direction, answer.confidence) == (None, 0.0)
     *words, last = answerer.stream(encoded, question)
-    assert "".join(words) == last.text == TOO_FAINT
+    assert "".join(words) == last.text == UNRECOGNISED
 
 
 def test_any_other_claim_about_a_faint_touch_is_told(bundle):
     answerer = feeling(bundle, "press")
-    encoded = replace(answerer.encode(faintly_touched()), is_untouched=False)
-    answer = answerer.ask(encoded, "Which way is it moving?")
+    answer = answerer.ask(answerer.encode(faintly_touched()), "Which way is it moving?")
     assert answer.direction is Motion.PRESS
     assert not answer.abstained
+
+
+def test_against_a_guessed_background_no_change_is_beyond_noise(bundle):
+    answerer = feeling(bundle, "none")
+    encoded = answerer.encode(faintly_touched(background=None))
+    assert not encoded.is_changed
+    assert answerer.ask(encoded, "Which way is it moving?").direction is Motion.NONE
