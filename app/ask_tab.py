@@ -62,8 +62,9 @@ def _clip_side(gr: Any) -> dict[str, Any]:
     )
     with gr.Row():
         side["view"] = gr.Radio(VIEWS, value="arrows", label="View")
-        side["number"] = gr.Slider(1, 4, value=4, step=1, label="Frame (of four)")
-        add_play_button(gr, side["number"])
+        with gr.Column():
+            side["number"] = gr.Slider(1, 4, value=4, step=1, label="Frame (of four)")
+            add_play_button(gr, side["number"])
     side["picture"] = gr.Image(label="What the model sees", interactive=False, buttons=BUTTONS)
     with gr.Accordion("Frame of reference", open=True), gr.Row():
         side["viewpoint"] = gr.Image(

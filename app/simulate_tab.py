@@ -29,8 +29,9 @@ def build(answerer: Answerer) -> None:
         with gr.Column():
             with gr.Row():
                 view = gr.Radio(VIEWS, value="raw", label="View")
-                number = gr.Slider(1, 4, value=4, step=1, label="Frame")
-                add_play_button(gr, number)
+                with gr.Column():
+                    number = gr.Slider(1, 4, value=4, step=1, label="Frame")
+                    add_play_button(gr, number)
             picture = gr.Image(label="The clip", interactive=False, buttons=BUTTONS)
             with gr.Row():
                 truth = gr.Image(label="True displacement", interactive=False, buttons=BUTTONS)
