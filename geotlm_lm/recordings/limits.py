@@ -13,6 +13,8 @@ DECLARED_BYTES = 16 * 2**30
 DECODED_FRAMES = 20_000
 """Frames decoded from a video at most: 20 s of work at 320x240 (measured: 0.9 ms a frame)."""
 
+DECODING_S = 60.0
+"""Seconds spent on decoding a video at most: one upload of huge frames must not hold up others."""
 
 FEWEST_KEPT = 4
 """Frames that must fit at least, as many as an answer looks at: 44 million pixels each."""

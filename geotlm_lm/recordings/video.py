@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,7 +13,13 @@ import numpy as np
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.limits import DECODED_FRAMES, kept_frames, stride_note
+from geotlm_lm.recordings.limits import (
+    DECODED_FRAMES,
+    DECODING_S,
+    FEWEST_KEPT,
+    kept_frames,
+    stride_note,
+)
 
 VIDEO_SUFFIXES = (".mp4", ".avi", ".mov", ".mkv")
 
@@ -28,7 +35,7 @@ def read_video(path: Path) -> Clip:
         UnreadableClip: If no frame of it can be decoded, or the frames are too large.
     """
     with quiet_capture(str(path), cv2.CAP_FFMPEG) as capture:
-        frames, stride, seen = _decode(capture, str(path))
+        frames, stride, seen, is_whole = _decode(capture, str(path))
         fps = float(capture.get(cv2.CAP_PROP_FPS)) / stride
     if not frames:
         raise UnreadableClip(
@@ -42,8 +49,8 @@ def read_video(path: Path) -> Clip:
         )
     if stride > 1:
         notes = (*notes, stride_note(stride, seen))
-    if seen == DECODED_FRAMES:
-        notes = (*notes, f"Only the first {DECODED_FRAMES} frames were read; cut the recording.")
+    if not is_whole:
+        notes = (*notes, f"Only the first {seen} frames were read; cut the recording.")
     return Clip(
         np.stack(frames),
         fps=fps,
@@ -73,17 +80,20 @@ def quiet_capture(source: str | int, backend: int) -> Iterator[cv2.VideoCapture]
         cv2.utils.logging.setLogLevel(loudness)
 
 
-def _decode(capture: cv2.VideoCapture, name: str) -> tuple[list[np.ndarray], int, int]:
-    """Return RGB frames, their stride, and how many frames were seen.
+def _decode(capture: cv2.VideoCapture, name: str) -> tuple[list[np.ndarray], int, int, bool]:
+    """Return RGB frames, their stride, how many frames were seen, and whether these are all.
 
     The stride doubles whenever the frames kept no longer fit: counts in headers are often wrong.
     """
     frames: list[np.ndarray] = []
-    stride, seen = 1, 0
-    while seen < DECODED_FRAMES and capture.grab():
+    stride, seen, until = 1, 0, time.monotonic() + DECODING_S
+    while is_more := capture.grab():
+        if seen >= DECODED_FRAMES or (seen >= FEWEST_KEPT and time.monotonic() > until):
+            break
         if seen % stride == 0:
             is_decoded, image = capture.retrieve()
             if not is_decoded:
+                is_more = False
                 break
             if frames and image.shape != frames[0].shape:
                 raise UnreadableClip(
@@ -97,4 +107,4 @@ def _decode(capture: cv2.VideoCapture, name: str) -> tuple[list[np.ndarray], int
             if seen % stride == 0:
                 frames.append(cv2.cvtColor(image, cv2.COLOR_BGR2RGB))
         seen += 1
-    return frames, stride, seen
+    return frames, stride, seen, not is_more

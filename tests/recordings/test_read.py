@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.recordings import limits
+from geotlm_lm.recordings import limits, video
 from geotlm_lm.recordings.pixels import layout_of
 from geotlm_lm.recordings.read import read_clip
 
@@ -136,6 +136,25 @@ def test_a_long_video_is_read_at_a_stride_and_says_so(tmp_path, room_for_six):
     assert clip.frame_numbers == (0, 4, 8, 12, 16)
     assert clip.fps == 2.5
     assert np.abs(clip.frames.mean(axis=(1, 2, 3)) - [0, 40, 80, 120, 160]).max() < 2
+
+
+@pytest.mark.parametrize(
+    ("name", "limit", "read"), [("DECODING_S", -1.0, 4), ("DECODED_FRAMES", 9, 9)]
+)
+def test_a_video_that_takes_too_long_is_read_in_part_and_says_so(
+    tmp_path, monkeypatch, name, limit, read
+):
+    path = tmp_path / "clip.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 10, (32, 24))
+    for value in range(10):
+        writer.write(np.full((24, 32, 3), 10 * value, np.uint8))
+    writer.release()
+    assert len(read_clip(path)) == 10
+    assert not any("Only the first" in note for note in read_clip(path).notes)
+    monkeypatch.setattr(video, name, limit)
+    clip = read_clip(path)
+    assert clip.frame_numbers == tuple(range(read))
+    assert clip.notes[-1] == f"Only the first {read} frames were read; cut the recording."
 
 
 def test_a_long_folder_is_read_at_a_stride(tmp_path, room_for_six):
