@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import runpy
 import sys
 from functools import partial
 from typing import TYPE_CHECKING
@@ -54,16 +55,7 @@ def _load(precision: str) -> Answerer:
     return Answerer.load(precision=precision)
 
 
-def main() -> None:
-    """Serve the page; an error becomes one sentence."""
-    try:
-        serve()
-    except KeyboardInterrupt:
-        sys.exit(130)
-    except GeoTLMError as error:
-        print(error, file=sys.stderr)
-        sys.exit(error.exit_code)
-
-
 if __name__ == "__main__":
-    main()
+    # The same as `geotlm-lm app`, options and errors and all.
+    sys.argv[:] = ["geotlm-lm", "app", *sys.argv[1:]]
+    runpy.run_module("geotlm_lm", run_name="__main__", alter_sys=True)

@@ -1,5 +1,6 @@
 """`app` starts the page from wherever it lies, and says what is missing before it loads a model."""
 
+import subprocess
 import sys
 
 import pytest
@@ -40,6 +41,14 @@ def test_a_port_that_cannot_be_is_a_wrong_call(capsys):
     code, said = run(capsys, "--port", "70000")
     assert code == 2
     assert said.startswith("Invalid value for '--port': ")
+
+
+def test_the_page_started_as_a_module_takes_the_same_options():
+    started = subprocess.run(
+        [sys.executable, "-m", "app", "--port", "70000"], capture_output=True, text=True, timeout=60
+    )
+    assert started.returncode == 2
+    assert started.stderr.startswith("Invalid value for '--port': ")
 
 
 def test_a_checkout_finds_the_page_beside_the_package():
