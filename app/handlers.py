@@ -273,7 +273,8 @@ def _band(answerer: Answerer, details: dict[str, Any]) -> str:
     side = "withheld" if details.get("abstained") else "told"
     return (
         f"Contact share {share:.3f}; below {threshold:.3f} no direction is claimed, and no motion, "
-        f"verdict or choice that is less than {LEAST_SURE:.0%} sure: this answer is **{side}**."
+        f"verdict or choice that is less than {LEAST_SURE:.0%} sure, nor that nothing touches a "
+        f"gel that has changed: this answer is **{side}**."
     )
 
 

@@ -79,7 +79,8 @@ def test_an_answer_stands_beside_the_probe_the_flow_and_the_regions(path):
     assert reply.timing.startswith("encode 1.0 ms · probe ")
     assert reply.band == (
         "Contact share 0.500; below 0.005 no direction is claimed, and no motion, verdict or "
-        "choice that is less than 50% sure: this answer is **told**."
+        "choice that is less than 50% sure, nor that nothing touches a gel that has changed: "
+        "this answer is **told**."
     )
 
 
