@@ -1,6 +1,8 @@
 """The page in a real browser: every tab is used as a person does, mistakes are made."""
 
 import time
+from contextlib import ExitStack
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)
 
 from app import ui  # noqa: E402
 from app.browser import EXECUTABLE, Browser  # noqa: E402
+from geotlm_lm.conversation.retell import CAMERA  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 from tests.live.test_idle_tracker import gel, touched  # noqa: E402
 
@@ -108,6 +111,66 @@ def test_a_recording_is_uploaded_and_asked_about_by_keyboard_alone(browser, reco
     )
     browser.press("Enter", 13, "\r")
     browser.wait_for(f"{TEXT}.includes('To the left, at ')")
+
+
+class Counting(FakeAnswerer):
+    """Says how often it was asked."""
+
+    asked = 0
+
+    def ask(self, encoded, question, *, frame=CAMERA, listen=None):
+        self.asked += 1
+        answer = super().ask(encoded, question, frame=frame)
+        return replace(answer, text=f"Asked {self.asked} times.")
+
+
+class Dictating(FakeAnswerer):
+    """Says a word every second, and more of them than anybody waits for."""
+
+    def ask(self, encoded, question, *, frame=CAMERA, listen=None):
+        for number in range(60):
+            listen(f"word{number} ")
+            time.sleep(1)
+        return super().ask(encoded, question, frame=frame)
+
+
+@pytest.fixture
+def asking(tmp_path):
+    """Open a page that answers with a given stand-in, an example shown and a question asked."""
+    with ExitStack() as opened:
+
+        def ask(answerer):
+            page = ui.build(answerer)
+            opened.callback(page.close)
+            browser = Browser(tmp_path)
+            opened.callback(browser.close)
+            browser.open(ui.launch(page))
+            browser.run("document.querySelector('.thumbnail-item').click()")
+            browser.wait_for(PICTURE + " != null")
+            browser.fill("Question", "Which way?")
+            browser.click("Ask", "button.primary")
+            return browser
+
+        yield ask
+
+
+def test_the_last_question_is_asked_again_in_its_old_place(asking):
+    browser = asking(Counting())
+    browser.wait_for(f"{TEXT}.includes('Asked 1 times.')")
+    browser.click("Retry")
+    browser.wait_for(f"{TEXT}.includes('Asked 2 times.')")
+    assert not browser.run(f"{TEXT}.includes('Asked 1 times.')")
+    assert browser.run(f"{TEXT}.split('Which way?').length") == 2
+
+
+def test_an_answer_is_stopped_half_way(asking):
+    browser = asking(Dictating())
+    browser.wait_for(f"{TEXT}.includes('word1')")
+    browser.click("Stop")
+    time.sleep(2)
+    said = browser.run(TEXT)
+    time.sleep(4)
+    assert browser.run(TEXT) == said
 
 
 def test_what_is_no_recording_is_told_in_a_sentence_and_the_page_goes_on(
