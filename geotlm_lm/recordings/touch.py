@@ -37,16 +37,15 @@ FAINT_GREY = 1.2
 
 BEYOND_NOISE = 40.0
 """Change in units of the noise from which on it is no noise. Simulated untouched clips reach 12,
-real recordings without a visible contact 26; touches a twentieth as strong as usual have 68 in the
-middle, unless a noise as strong as usual hides them."""
+real recordings without a visible contact 26."""
 
 BORDER_SHARE = 0.05
 """Width of the image's border relative to its width."""
 
 CUT_OFF = 1.5
 """Strength of the change along a border, relative to the whole image's, from which on an imprint is
-cut off there. Simulated contacts anywhere in the image are below, and 92 % of real windows; half of
-those moved half out of the image are above 1.8."""
+cut off there. Of 95 simulated contacts one is above, of 91 real windows 8; of those contacts moved
+half out of the image seven in ten."""
 
 
 @dataclass(frozen=True, eq=False)

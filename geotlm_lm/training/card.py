@@ -8,6 +8,7 @@ from typing import Any
 from geotlm_lm.checkpoint import CARD_FILE, Bundle
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.record import RunRecord
+from geotlm_lm.training.config import TrainingPreset
 from geotlm_lm.training.examples import VARIED
 from geotlm_lm.training.geometry import EQUAL_ACCURACY
 
@@ -39,7 +40,7 @@ def _card(folder: Path, bundle: Bundle, scores: dict[str, Any], seconds: float) 
         f"{mode} {value:.3f}" for mode, value in made["dgr_validation_accuracy"].items()
     )
     markers = VARIED["marker_share"]
-    fresh = min(preset["geometry_clips"], preset["head_clips"])
+    fresh = TrainingPreset(**preset).fresh_clips
     pretrained_on = preset["pretraining_clips"] + preset["head_clips"] - fresh
     size_mb = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
     return f"""---

@@ -29,8 +29,7 @@ from geotlm_lm.training.interrupts import whole_step
 from geotlm_lm.training.progress import Progress
 
 PRETRAINING_VERSION = 3
-"""Raised when the backbone is shown or asked other things than before: no older run is continued.
-"""
+"""Raised when the backbone is shown or asked other things: no older run is continued."""
 
 CHECKPOINT_EVERY_S = 30.0
 WEIGHT_DECAY = 0.05
