@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE
+from geotlm_lm.core.ranked import ranked
 
 Floats = NDArray[np.float32]
 
@@ -199,7 +200,7 @@ def _refined(before: Floats, after: Floats, motion: Rigid) -> Rigid:
         np.negative(slope_y, out=rows[2])
         rows[3] = moved.ravel()
         error = after.ravel() - rows[3]
-        spread = 2 * 1.48 * _median_size(error[counted]) + 1e-4
+        spread = 2 * 1.48 * float(ranked(np.abs(error[counted]))) + 1e-4
         weighted = rows * (changed / (1 + np.square(error / spread)))
         normal = (weighted @ rows.T).astype(np.float64)
         normal[np.diag_indices(5)] += 1e-3 * normal.diagonal() + 1e-6
@@ -226,12 +227,6 @@ def _counted(changed: Floats) -> NDArray[np.intp] | slice:
     """Return which pixels' errors tell how well a motion fits: those that changed, or else all."""
     moving = np.flatnonzero(changed > 0.5)
     return moving if len(moving) > FEWEST_CHANGED else slice(None)
-
-
-def _median_size(error: Floats) -> float:
-    """Return the (upper) median of the error's size; `numpy.median` takes four times as long."""
-    middle = len(error) // 2
-    return float(np.partition(np.abs(error), middle)[middle])
 
 
 def _channels(before: Floats, after: Floats, step: Rigid, totals: Sequence[Rigid]) -> Floats:

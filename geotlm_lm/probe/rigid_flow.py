@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.geometry import camera_size
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, along
+from geotlm_lm.core.ranked import ranked
 from geotlm_lm.probe.rigid_fit import Field, fit_rigid, radius_of_gyration
 
 Grey = NDArray[np.uint8]
@@ -169,7 +170,7 @@ def imprint_contrast(residual: Field) -> Field:
     Smoothed, so that sensor noise weighs next to nothing, and free of a change of exposure.
     """
     smooth = cv2.GaussianBlur(residual, (0, 0), NOISE_SIGMA_PX)[::FIT_STRIDE, ::FIT_STRIDE]
-    return np.abs(smooth - np.median(smooth[::2, ::2]))
+    return np.abs(smooth - ranked(smooth[::2, ::2]))
 
 
 def _dominant_direction(motion: RigidMotion, directed: list[Motion]) -> Motion:

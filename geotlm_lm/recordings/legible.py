@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.ranked import ranked
 
 DARK_GREY = 8
 """A pixel counts as black up to this level in every colour."""
@@ -82,7 +83,7 @@ def noise_grey(lines: NDArray[np.uint8]) -> float:
     """
     wide = lines.astype(np.int16)
     bend = wide[..., :-2] - 2 * wide[..., 1:-1] + wide[..., 2:]
-    return float(np.median(np.abs(bend))) / (0.6745 * np.sqrt(6.0))
+    return float(ranked(np.abs(bend))) / (0.6745 * np.sqrt(6.0))
 
 
 def _require_pixels(clip: Clip) -> None:

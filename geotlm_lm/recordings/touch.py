@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import cv2
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.ranked import ranked
 
 Floats = NDArray[np.float32]
 
@@ -61,14 +63,14 @@ class Change:
     frames: tuple[Floats, ...]
     changes: tuple[Floats, ...]
 
-    @property
+    @cached_property
     def grey(self) -> float:
         """How far the most changed hundredth of the image is from the idle gel, grey levels.
 
         The largest over the frames, in green, which a video codec keeps best; a change of exposure
         does not count.
         """
-        return max(float(np.quantile(np.abs(one), 1 - TOUCHED_SHARE)) for one in self.changes)
+        return max(float(ranked(np.abs(one), 1 - TOUCHED_SHARE)) for one in self.changes)
 
     @property
     def is_beyond_noise(self) -> bool:
@@ -76,9 +78,10 @@ class Change:
 
         Frames that are all the same tell nothing of their noise, and count as noisy.
         """
-        steps = [after - before for before, after in pairwise(self.frames)]
-        noise = [_noise_grey(step) for step in steps if step.any()]
-        return bool(noise) and self.grey > max(FAINT_GREY, BEYOND_NOISE * min(noise))
+        if self.grey <= FAINT_GREY:
+            return False
+        steps = (after - before for before, after in pairwise(self.frames))
+        return any(self.grey > BEYOND_NOISE * _noise_grey(step) for step in steps if step.any())
 
     @property
     def is_cut_off(self) -> bool:
@@ -110,15 +113,15 @@ def _noise_grey(step: Floats) -> float:
     """Return the deviation of one frame's noise, at the width the change is measured at."""
     fine = step - cv2.GaussianBlur(step, (0, 0), BLUR_PX)
     # The median of a normal deviation's size is 0.6745; two frames' noise adds up in a step.
-    return float(np.median(np.abs(fine))) / (0.6745 * 2**0.5)
+    return float(ranked(np.abs(fine))) / (0.6745 * 2**0.5)
 
 
 def _smooth(change: Floats) -> Floats:
-    return cv2.GaussianBlur(change - np.median(change), (0, 0), BLUR_PX)
+    return cv2.GaussianBlur(change - ranked(change), (0, 0), BLUR_PX)
 
 
 def _small(image: NDArray[np.uint8]) -> Floats:
-    green = np.ascontiguousarray(image[..., 1])
+    green = cv2.extractChannel(image, 1)
     columns = min(COLUMNS, image.shape[1])
     rows = max(round(image.shape[0] * columns / image.shape[1]), 1)
     return cv2.resize(green, (columns, rows), interpolation=cv2.INTER_AREA).astype(np.float32)
