@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 SUFFIXES = [".npy", ".npz", ".mp4", ".avi", ".mov", ".mkv", ".png", ".jpg", ".jpeg", ".bmp"]
 VIEWS = ["raw", "difference", "contact", "arrows"]
-MIRRORED, OTHER_SIDE, SENSOR_MOVES = "image is mirrored", "seen from the object", "sensor moves"
+MIRRORED, UPSIDE_DOWN = "image is mirrored", "image is upside down"
+OTHER_SIDE, SENSOR_MOVES = "seen from the object", "sensor moves"
 
 BUTTONS = ["download", "fullscreen"]
 """Beside a picture; the toolkit's third shares it with a site on the network."""
@@ -75,7 +76,7 @@ def _clip_side(gr: Any) -> dict[str, Any]:
             buttons=[],
         )
         side["frame"] = gr.CheckboxGroup(
-            [MIRRORED, OTHER_SIDE, SENSOR_MOVES], label="Tell it for another frame"
+            [MIRRORED, UPSIDE_DOWN, OTHER_SIDE, SENSOR_MOVES], label="Tell it for another frame"
         )
     side["told"] = gr.Markdown(handlers.told_in(FrameSpec(), None))
     with gr.Accordion("Frames and notes", open=False):
@@ -224,6 +225,7 @@ def _fields(facts: list[str]) -> dict[str, Any]:
     """Return the fields of a `FrameSpec` that the checked facts stand for."""
     return {
         "image_mirrored": MIRRORED in facts,
+        "image_upside_down": UPSIDE_DOWN in facts,
         "viewpoint": "object" if OTHER_SIDE in facts else "sensor",
         "actor": "sensor" if SENSOR_MOVES in facts else "object",
     }
@@ -233,6 +235,7 @@ def _facts(frame: FrameSpec) -> list[str]:
     """Return the facts to check for a frame: what the conversation said of it shows in the page."""
     is_so = {
         MIRRORED: frame.image_mirrored,
+        UPSIDE_DOWN: frame.image_upside_down,
         OTHER_SIDE: frame.viewpoint == "object",
         SENSOR_MOVES: frame.actor == "sensor",
     }

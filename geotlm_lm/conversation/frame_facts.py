@@ -1,7 +1,8 @@
 """Facts about the recording, said in words, read into a `FrameSpec` by strict rules.
 
 A text is read as a whole or not at all: one clause that is not understood changes nothing. A
-question ("is the image mirrored?") and a supposition ("if it were mirrored") state no fact.
+question ("is the image mirrored?") and a supposition ("if it were mirrored") state no fact; an
+image supposed to be turned upside down holds for the one question it is part of.
 """
 
 from __future__ import annotations
@@ -24,6 +25,14 @@ _MOVED = r"(?:moved|moves|turned|turns|slid|slides|is moving|was moving)"
 _TOUCHES = r"(?:touch|touches|touched|is on|is at|presses on|sees|see|looks at|look at|holds|grips)"
 _THREADED = r"(?:thread|threads|screw|bolt|nut|threaded)"
 
+_HALF_TURN = r"(?:by )?180 ?(?:degrees|deg|°)(?: (?:counter)?clockwise)?"
+_ON_ITS_HEAD = (
+    r"(?:(?:(?:turned|flipped|rotated|put|mounted|installed|held) )?(?:upside[ -]down|on its head)"
+    rf"|(?:turned|rotated|mounted|installed) {_HALF_TURN})"
+)
+_MOUNTED = r"(?:the |my )?sensor (?:{}) (?:mounted|installed)"
+"""A sensor held upside down for once shows the same image; one that is mounted so does not."""
+
 _IT_IS = r"(?:(?:it is|it's|it has|this is|i have|we have) )?"
 _HAND = rf"(?:(?:it is|it's|it has|this is|the thread is) )?(?:a )?{{}}(?: {_THREADED})?"
 
@@ -45,6 +54,23 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
         {"image_mirrored": False},
     ),
     (r"there(?:'s| is) no mirror(?: in the (?:optics|camera|sensor))?", {"image_mirrored": False}),
+    (
+        rf"{_IMAGE} (?:is|was) {_ON_ITS_HEAD}"
+        rf"|{_MOUNTED.format('is|was')} (?:upside[ -]down|on its head)"
+        r"|(?:an )?upside[ -]down (?:image|camera|video|clip|recording)",
+        {"image_upside_down": True},
+    ),
+    (
+        rf"{_IMAGE} (?:is|was)(?: not|n't) {_ON_ITS_HEAD}"
+        rf"|{_MOUNTED.format('is not|was not|isn.t|wasn.t')} (?:upside[ -]down|on its head)"
+        rf"|(?:{_IMAGE} (?:is|was)|{_MOUNTED.format('is|was')}) (?:upright|right side up)",
+        {"image_upside_down": False},
+    ),
+    (
+        rf"{_IMAGE} (?:is|was) (?:(?:mirrored|flipped) and upside[ -]down"
+        r"|upside[ -]down and (?:mirrored|flipped))",
+        {"image_mirrored": True, "image_upside_down": True},
+    ),
     (rf"(?:{_LOOK}(?: it)? )?from (?:{_OTHER_SIDE}|behind|the object)", {"viewpoint": "object"}),
     (rf"(?:i am|i'm|i stand|i sit) (?:on|at) {_OTHER_SIDE}", {"viewpoint": "object"}),
     (
@@ -78,6 +104,7 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
             "actor": "object",
             "contact_side": None,
             "thread": None,
+            "image_upside_down": False,
         },
     ),
 )
@@ -86,6 +113,27 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
 OF_THE_TELLING = ("viewpoint", "actor")
 """Fields that only say how to tell: put before a question by a comma they hold for it alone. The
 others are facts of the world and last."""
+
+_SUPPOSED = re.compile(
+    r",?\s*\b(?:(?:if|suppose|supposing|imagine) (?:"
+    rf"(?P<turns>(?:i|we|you|one) (?:had )?(?:turn|rotate|flip|put|turned|rotated|flipped) {_IMAGE}"
+    rf" (?:upside[ -]down|on its head|{_HALF_TURN}))"
+    rf"|{_IMAGE} (?:is|was|were|had been) {_ON_ITS_HEAD}"
+    rf"|{_MOUNTED.format('is|was|were')} (?:upside[ -]down|on its head))"
+    rf"|had {_IMAGE} been {_ON_ITS_HEAD})\b\s*[,:;.]?",
+    re.IGNORECASE,
+)
+"""An image that is turned for the length of a question."""
+
+_NO_SUPPOSITION = re.compile(
+    r"\b(?:know|tell|sure|certain|check|say|see|matters?|wonder|ask|asks|depends?|care|on|or)"
+    r"(?: me| us)?\s*$",
+    re.IGNORECASE,
+)
+"""Words before an "if" that ask whether it is so."""
+
+_NOTHING_ASKED = re.compile(r"(?:what|and|so|but|how|about|then|\W)*", re.IGNORECASE)
+_OPEN_QUESTION = "Which way does it move?"
 
 _LEAD = re.compile(
     r"^(?:please|note(?: that)?|fyi|by the way|ok|okay|actually|remember(?: that)?|so|and|now|but)"
@@ -124,6 +172,11 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
         frame: What was known before.
     """
     text = text.replace("\u2019", "'").strip()
+    supposed = _SUPPOSED.search(text)
+    if supposed and not _NO_SUPPOSITION.search(text[: supposed.start()]):
+        stated = read_facts(_without(text, supposed), frame)
+        is_turned = not (supposed["turns"] and stated.frame.image_upside_down)
+        return replace(stated, frame=replace(stated.frame, image_upside_down=is_turned))
     fields = _fields(text)
     if fields:
         told = replace(frame, **fields)
@@ -136,6 +189,15 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
             kept = {k: v for k, v in fields.items() if lasts or k not in OF_THE_TELLING}
             return Stated(replace(frame, **fields), replace(frame, **kept), rest, True)
     return Stated(frame, frame, text)
+
+
+def _without(text: str, supposed: re.Match[str]) -> str:
+    """Return what a text asks apart from its supposition."""
+    before, after = text[: supposed.start()].rstrip(), text[supposed.end() :].strip()
+    if after.strip("?!. ") and before:
+        return f"{before}, {after}"
+    rest = before + after
+    return _OPEN_QUESTION if _NOTHING_ASKED.fullmatch(rest) else rest
 
 
 def _fields(text: str) -> dict[str, Any]:

@@ -32,7 +32,11 @@ def place(frame: FrameSpec) -> str:
     """Return where from a direction is told: "in the camera image", "seen from ..."."""
     is_from_sensor = frame.viewpoint == "sensor"
     seen = "in the camera image" if is_from_sensor else "seen from the object's side"
-    return f"{seen} with the mirror undone" if frame.image_mirrored else seen
+    if frame.image_upside_down and is_from_sensor and not frame.image_mirrored:
+        return f"{seen} turned by 180 degrees"
+    changed = ["the mirror undone"] * frame.image_mirrored
+    changed += ["the image turned by 180 degrees"] * frame.image_upside_down
+    return f"{seen} with {' and '.join(changed)}" if changed else seen
 
 
 def name(motion: Motion) -> str:

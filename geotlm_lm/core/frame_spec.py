@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from geotlm_lm.core.labels import ROTATIONS, Motion, mirror, reverse
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, mirror, reverse
 
 Viewpoint = Literal["sensor", "object"]
 Actor = Literal["object", "sensor"]
@@ -23,6 +23,8 @@ class FrameSpec:
         actor: Whose motion is told: the object's relative to the sensor, or the sensor's.
         contact_side: Which side of a screw or cap touches the gel; None when unknown.
         thread: Handedness of a thread; None when unknown.
+        image_upside_down: Directions are told for the image turned by 180 degrees: the recorded one
+            is upside down, as from a camera mounted on its head, or a question supposes it.
     """
 
     image_mirrored: bool = False
@@ -30,16 +32,19 @@ class FrameSpec:
     actor: Actor = "object"
     contact_side: ContactSide | None = None
     thread: Thread | None = None
+    image_upside_down: bool = False
 
     def tell(self, motion: Motion) -> Motion:
         """Return `motion`, named in the camera image for the object, as this frame names it.
 
-        A mirrored recording and the view from the object's side each flip left and right; telling
-        the sensor's motion instead of the object's turns a direction around. Pressing stays
-        pressing whoever moves.
+        A mirrored recording and the view from the object's side each flip left and right; an image
+        upside down turns a slide around and leaves a turn as it is; telling the sensor's motion
+        instead of the object's turns any direction around. Pressing stays pressing whoever moves.
         """
         for is_flipped in (self.image_mirrored, self.viewpoint == "object"):
             motion = mirror(motion) if is_flipped else motion
+        if self.image_upside_down and motion in SLIDES:
+            motion = reverse(motion)
         if self.actor == "sensor" and motion not in (Motion.PRESS, Motion.RELEASE):
             motion = reverse(motion)
         return motion
@@ -70,6 +75,7 @@ class FrameSpec:
     def sentence(self) -> str:
         """Return the frame in words, as answers state it."""
         image = "mirrored camera image" if self.image_mirrored else "camera image"
+        image += " turned by 180 degrees" if self.image_upside_down else ""
         side = "looking out of the sensor" if self.viewpoint == "sensor" else "seen from the object"
         whose = "object relative to sensor" if self.actor == "object" else "sensor past the object"
         return f"{image}, {side}, {whose}"

@@ -22,7 +22,7 @@ TIME_BIN_COUNT = FRAME_COUNT // TUBE_FRAMES
 """Time-bins after the temporal tube."""
 
 SENSOR_TOKEN_COUNT = 5
-"""Sensor tokens of AnyTouch 2's layout: 1 global, 5 sensor, 392 patch tokens."""
+"""Sensor tokens, as in AnyTouch 2's layout of 1 global, 5 sensor and 392 patch tokens."""
 
 SHEAR_CHANNEL_COUNT = 2
 """In-plane components of the shear signal, (x, y)."""

@@ -31,6 +31,7 @@ WORDINGS_OF_ONE = 4
 
 STATEMENTS = (
     ("The image is mirrored. ", FrameSpec(image_mirrored=True)),
+    ("The camera is mounted upside down. ", FrameSpec(image_upside_down=True)),
     ("I look from the object's side. ", FrameSpec(viewpoint="object")),
     ("The sensor moved, not the object. ", FrameSpec(actor="sensor")),
 )

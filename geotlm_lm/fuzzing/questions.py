@@ -15,6 +15,7 @@ QUESTIONS = (
     "Isn't it turning clockwise?",
     "Why do you say that it slides up?",
     "The image is mirrored. Which way does it turn?",
+    "If I turned the picture upside down, where would it go?",
     "I look from the object's side. Does that tighten a left-hand thread touched at the head?",
     "Are you sure?",
     "How far does it slide, in millimetres?",

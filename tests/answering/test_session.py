@@ -100,6 +100,15 @@ def test_a_viewpoint_asked_for_once_does_not_last(session):
     assert session.ask("Which way?").direction is Motion.CLOCKWISE
 
 
+def test_an_image_turned_in_thought_is_turned_for_one_question(bundle):
+    answerer = feeling(bundle, "left")
+    session = answerer.session(answerer.encode(recording()))
+    once = session.ask("If I turned the picture upside down, which way?")
+    assert once.text == "Right, in the camera image turned by 180 degrees."
+    assert (once.direction, session.frame) == (Motion.RIGHT, FrameSpec())
+    assert session.ask("Which way?").text == "Left, in the camera image."
+
+
 def test_doubt_after_a_fact_is_about_the_answer_before_it(session):
     session.ask("Which way?")
     session.ask("Left-hand thread.")

@@ -10,7 +10,12 @@ from geotlm_lm.language.parse_answer import KINDS
 from tests.answering.scripted import answerer_saying, feeling, recording
 
 QUESTION = "A) left B) right C) up?"
-FRAMES = [FrameSpec(), FrameSpec(viewpoint="object"), FrameSpec(image_mirrored=True)]
+FRAMES = [
+    FrameSpec(),
+    FrameSpec(viewpoint="object"),
+    FrameSpec(image_mirrored=True),
+    FrameSpec(image_upside_down=True),
+]
 
 
 @pytest.fixture(scope="module", params=[None, 25.0], ids=["no time", "timed"])

@@ -56,6 +56,17 @@ def test_facts_hold_for_the_turns_that_follow_and_show_in_the_page(path):
     assert ask_tab._facts(shown.session.frame) == [ask_tab.MIRRORED, ask_tab.OTHER_SIDE]
 
 
+@pytest.mark.parametrize("is_mirrored", [False, True])
+@pytest.mark.parametrize("is_upside_down", [False, True])
+@pytest.mark.parametrize("viewpoint", ["sensor", "object"])
+@pytest.mark.parametrize("actor", ["object", "sensor"])
+def test_every_frame_that_can_be_checked_is_shown_as_it_was_checked(
+    is_mirrored, is_upside_down, viewpoint, actor
+):
+    frame = FrameSpec(is_mirrored, viewpoint, actor, image_upside_down=is_upside_down)
+    assert FrameSpec(**ask_tab._fields(ask_tab._facts(frame))) == frame
+
+
 def test_doubt_is_answered_from_the_conversation(path):
     answerer = FakeAnswerer()
     shown = handlers.show_clip(answerer, path)

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,17 @@ MIRRORED = FrameSpec(image_mirrored=True)
     [
         ("The camera image is mirrored.", {"image_mirrored": True}),
         ("my video is flipped left to right", {"image_mirrored": True}),
+        ("The image is upside down", {"image_upside_down": True}),
+        ("the camera is mounted upside-down", {"image_upside_down": True}),
+        ("My camera is rotated by 180 degrees.", {"image_upside_down": True}),
+        ("the sensor is mounted on its head", {"image_upside_down": True}),
+        ("the picture is turned upside down", {"image_upside_down": True}),
+        ("an upside down camera", {"image_upside_down": True}),
+        (
+            "The image is mirrored and upside down",
+            {"image_mirrored": True, "image_upside_down": True},
+        ),
+        ("The sensor is on its head", {"contact_side": "head"}),
         ("I look from the object's side", {"viewpoint": "object"}),
         ("I\u2019m looking from the other side!", {"viewpoint": "object"}),
         ("seen from behind", {"viewpoint": "object"}),
@@ -53,7 +66,10 @@ def test_a_fact_sets_its_field_and_no_other(text, fields):
         ("the image is not mirrored", MIRRORED, CAMERA),
         ("I look from the camera", FrameSpec(viewpoint="object"), CAMERA),
         ("the object moved, not the sensor", FrameSpec(actor="sensor"), CAMERA),
-        ("reset the frame", FrameSpec(True, "object", "sensor", "head", "left"), CAMERA),
+        ("the image is not upside down", FrameSpec(image_upside_down=True), CAMERA),
+        ("the camera is upright", FrameSpec(image_upside_down=True), CAMERA),
+        ("the sensor isn't mounted upside down", FrameSpec(image_upside_down=True), CAMERA),
+        ("reset the frame", FrameSpec(True, "object", "sensor", "head", "left", True), CAMERA),
     ],
 )
 def test_a_fact_is_taken_back(text, before, after):
@@ -64,6 +80,14 @@ def test_a_fact_is_taken_back(text, before, after):
     "text",
     [
         "Is the image mirrored?",
+        "Is the image upside down?",
+        "Can you tell if the image is upside down?",
+        "I don't know if the image is upside down, which way does it go?",
+        "It slipped when I turned the camera upside down. Which way?",
+        "the gripper is turned by 180 degrees",
+        "the sensor was turned by 180 degrees",
+        "the image is 180 degrees",
+        "the image is upside down and blue",
         "If the clip were mirrored, which way?",
         "the image is mirrored and blue",
         "left-hand thread or so",
@@ -99,6 +123,51 @@ def test_a_fact_of_the_world_lasts_even_before_a_comma():
     assert stated.rest == "is it tightening?"
 
 
+@pytest.mark.parametrize(
+    ("text", "rest"),
+    [
+        ("If I turned the picture upside down, where would it go?", "where would it go?"),
+        ("which way, if you rotate the video by 180 degrees", "which way"),
+        ("If I rotated the image 180 degrees clockwise, which way?", "which way?"),
+        ("Suppose I flip the picture upside down: which way?", "which way?"),
+        ("What if we turned the image on its head?", "Which way does it move?"),
+    ],
+)
+def test_an_image_turned_in_thought_is_turned_for_its_question_alone(text, rest):
+    for before in (CAMERA, MIRRORED, FrameSpec(image_upside_down=True)):
+        stated = read_facts(text, before)
+        assert stated.frame == replace(before, image_upside_down=not before.image_upside_down)
+        assert stated.lasting == before
+        assert stated.rest == rest
+
+
+@pytest.mark.parametrize(
+    ("text", "rest"),
+    [
+        ("Where would it go if the image were upside down?", "Where would it go?"),
+        ("If the camera were mounted upside down, which way?", "which way?"),
+        ("if the image had been flipped upside down which way?", "which way?"),
+        ("Had the image been upside down, which way?", "which way?"),
+        ("Suppose the image is upside down. Which way?", "Which way?"),
+    ],
+)
+def test_an_image_supposed_upside_down_is_so_for_its_question_alone(text, rest):
+    for before in (CAMERA, MIRRORED, FrameSpec(image_upside_down=True)):
+        stated = read_facts(text, before)
+        assert stated.frame == replace(before, image_upside_down=True)
+        assert stated.lasting == before
+        assert stated.rest == rest
+
+
+def test_facts_beside_a_supposition_hold():
+    stated = read_facts(
+        "It is a left-hand thread, if the image were upside down, does it tighten?", CAMERA
+    )
+    assert stated.frame == FrameSpec(thread="left", image_upside_down=True)
+    assert stated.lasting == FrameSpec(thread="left")
+    assert stated.rest == "does it tighten?"
+
+
 @pytest.mark.parametrize("type_id", sorted(set(load_templates().types) - {"T11", "T12"}))
 def test_no_question_of_another_type_is_taken_for_a_fact(type_id):
     rng = np.random.default_rng(5)
@@ -106,4 +175,6 @@ def test_no_question_of_another_type_is_taken_for_a_fact(type_id):
         for asked in questions_for(
             MotionLabel(Motion.LEFT), rng, types=[type_id], wordings=wordings, per_type=60
         ):
-            assert not read_facts(asked.question, CAMERA).is_stated, asked.question
+            stated = read_facts(asked.question, CAMERA)
+            assert not stated.is_stated, asked.question
+            assert (stated.frame, stated.rest) == (CAMERA, asked.question)

@@ -22,7 +22,11 @@ TOLD = {
     (False, "object", "sensor"): (CW, LEFT, DOWN, Motion.PRESS, Motion.STILL),
     (True, "object", "sensor"): (CCW, RIGHT, DOWN, Motion.PRESS, Motion.STILL),
 }
-FRAMES = list(itertools.product((False, True), ("sensor", "object"), ("object", "sensor")))
+FRAMES = [
+    (*frame, None, None, is_upside_down)
+    for frame in itertools.product((False, True), ("sensor", "object"), ("object", "sensor"))
+    for is_upside_down in (False, True)
+]
 
 
 @pytest.mark.parametrize("frame", TOLD)
@@ -36,6 +40,15 @@ def test_every_frame_tells_the_motion_as_it_is_seen_from_there(frame):
 def test_telling_twice_gives_the_camera_image_back(frame, motion):
     spec = FrameSpec(*frame)
     assert spec.tell(spec.tell(motion)) == motion
+
+
+@pytest.mark.parametrize("frame", TOLD)
+def test_an_image_upside_down_turns_slides_around_and_leaves_turns(frame):
+    turn, left, up, press, still = TOLD[frame]
+    opposite = {LEFT: RIGHT, RIGHT: LEFT, UP: DOWN, DOWN: UP}
+    spec = FrameSpec(*frame, image_upside_down=True)
+    expected = (turn, opposite[left], opposite[up], press, still)
+    assert tuple(spec.tell(motion) for motion in SEEN) == expected
 
 
 @pytest.mark.parametrize(
