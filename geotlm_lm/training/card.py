@@ -53,10 +53,10 @@ Answers questions about the motion of a touched object in a four-frame clip of a
 sensor. Every weight was trained on simulated clips alone, {markers:.0%} of them on gels
 with markers.
 
-- Backbone: ViT, width {config.width}, {config.depth} layers, {config.heads} heads, frozen after
-  pretraining on {pretrained_on:,} simulated clips, each drawn as it is or seen in a mirror
-  ({preset["pretraining_draws"]:,} draws), with the simulator's dense displacement, contact and
-  depth; DGR learnt from {fresh:,} others.
+- Backbone: ViT, width {config.width}, {config.depth} layers, {config.heads} heads, one
+  token for both time-bins of a patch, frozen after pretraining on {pretrained_on:,} simulated
+  clips, each drawn as it is or seen in a mirror ({preset["pretraining_draws"]:,} draws), with the
+  simulator's dense displacement, contact and depth; DGR learnt from {fresh:,} others.
 - DGR: the probe's mean accuracy on turns and slides of objects kept from training: {modes}, each
   at the epoch that was best on them; `grounded` is stored unless `paper` leads by more than
   {EQUAL_ACCURACY:g}.

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 import torch
 
+from geotlm_lm.backbone.stem import ALIGNED_AT, PATCH_INPUT_DIM
 from geotlm_lm.training import pretraining
 from geotlm_lm.training.config import SMOKE
 from geotlm_lm.training.pretraining import pretrain
@@ -47,3 +48,12 @@ def test_another_seed_gives_other_weights(tiny_examples, tmp_path):
     first = weights_after(tiny_examples, tmp_path / "a", seed=0)
     second = weights_after(tiny_examples, tmp_path / "b", seed=1)
     assert not torch.equal(first["embed.weight"], second["embed.weight"])
+
+
+def test_displacement_begins_as_the_alignment_of_its_own_time_bin():
+    learner = pretraining._Learner(replace(TINY, backbone_width=160), 1, 0, "cpu")
+    torch.nn.init.zeros_(learner.vit.positions)
+    inputs = torch.randn(2, 2, 14, 14, PATCH_INPUT_DIM)
+    with torch.no_grad():
+        told = learner.heads.patch(learner.vit(inputs).patches)[..., :2]
+    torch.testing.assert_close(told, inputs[..., ALIGNED_AT : ALIGNED_AT + 2], atol=1e-3, rtol=1e-3)
