@@ -28,7 +28,7 @@ from geotlm_lm.training.examples import Examples
 from geotlm_lm.training.interrupts import whole_step
 from geotlm_lm.training.progress import Progress
 
-PRETRAINING_VERSION = 3
+PRETRAINING_VERSION = 4
 """Raised when the backbone is shown or asked other things: no older run is continued."""
 
 CHECKPOINT_EVERY_S = 30.0
@@ -93,7 +93,7 @@ class _Learner:
         for head in (self.heads.summary, self.heads.kind, self.heads.amount):
             nn.init.normal_(head.weight, 0, config.width**-0.5, generator=generator)
             nn.init.zeros_(head.bias)
-        self.heads.start_from_alignment(self.vit.embed)
+        self.heads.start_from_alignment(self.vit.embed_one_bin())
         self.vit.to(device)
         self.heads.to(device)
         self._parameters = [*self.vit.parameters(), *self.heads.parameters()]

@@ -37,14 +37,27 @@ def test_a_block_equals_its_formula_written_out():
     torch.testing.assert_close(block(x), expected)
 
 
-def test_each_patch_input_lands_in_its_own_token():
-    model = vit()
+def changes_from_one_input(model):
+    """Return how far every patch token goes when an input of the late time-bin changes."""
     model.blocks = torch.nn.ModuleList()  # without attention only the own token may change
     inputs = torch.randn(1, 2, 5, 5, 7, dtype=torch.float64)
     changed = inputs.clone()
     changed[0, 1, 2, 4] += 1
-    difference = (model(changed).patches - model(inputs).patches).abs().sum(-1)
-    assert difference.nonzero().tolist() == [[0, 1, 2, 4]]
+    return (model(changed).patches - model(inputs).patches).abs().sum(-1)
+
+
+def test_each_patch_input_lands_in_the_tokens_of_its_own_patch():
+    model = vit()
+    torch.nn.init.normal_(model.split.weight)
+    change = changes_from_one_input(model)
+    assert change.nonzero().tolist() == [[0, 0, 2, 4], [0, 1, 2, 4]]
+
+
+def test_time_bins_begin_apart():
+    change = changes_from_one_input(vit())
+    assert change[0, 1, 2, 4] > 1
+    change[0, 1, 2, 4] = 0
+    assert change.max() < 1e-5
 
 
 def test_a_batch_equals_its_clips_one_by_one():
