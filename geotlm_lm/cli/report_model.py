@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Seed, require_writable
+from geotlm_lm.cli.options import Seed
 from geotlm_lm.cli.recorded import require_all_writable, save_page, show
 
 
@@ -90,49 +90,3 @@ def runtime(
     if figure is not None:
         draw_runtime(record, figure)
     typer.echo(pick_table(record))
-
-
-def sizes(
-    clips: Annotated[int, typer.Option(min=100, help="Simulated clips to learn from.")] = 8_000,
-    test_clips: Annotated[int, typer.Option(min=20, help="Clips to be asked about.")] = 500,
-    steps: Annotated[int, typer.Option(min=1, help="Steps of every language model.")] = 2_000,
-    workers: Annotated[int, typer.Option(min=1, help="Processes that simulate.")] = 2,
-    seed: Seed = 0,
-    model: Annotated[
-        Path | None,
-        typer.Option(help="Bundle that perceives. [default: the one shipped]"),
-    ] = None,
-    run_folder: Annotated[
-        Path, typer.Option(help="Keeps clips and checkpoints; a stopped run continues there.")
-    ] = Path("runs/sizes"),
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/sizes.json"
-    ),
-    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
-        "reports/sizes.md"
-    ),
-) -> None:
-    """Train language models of several sizes on one perception: error against run time.
-
-    Example: geotlm-lm report sizes
-    """
-    import sys
-
-    from geotlm_lm.cli.evaluate import command_line
-
-    require_all_writable(out, table)
-    require_writable(run_folder, "--run-folder")
-    from geotlm_lm.answering import Answerer
-    from geotlm_lm.experiments.sizes import Budget, compare_sizes
-    from geotlm_lm.reports.sizes import sizes_page, sizes_table
-
-    record = compare_sizes(
-        Answerer.load(model),
-        folder=run_folder,
-        budget=Budget(clips, test_clips, steps),
-        seed=seed,
-        workers=workers,
-        command=command_line(sys.argv),
-    )
-    save_page(record, out, table, sizes_page(record))
-    typer.echo(sizes_table(record))

@@ -24,7 +24,13 @@ from geotlm_lm.language.speak import Speaker
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.config import DEFAULT
-from geotlm_lm.training.examples import VARIED, ExampleSet, read_examples, simulate_examples
+from geotlm_lm.training.examples import (
+    VARIED,
+    Examples,
+    ExampleSet,
+    read_examples,
+    simulate_examples,
+)
 from geotlm_lm.training.language import LanguageTraining, train_language
 from geotlm_lm.training.progress import Progress
 from geotlm_lm.training.scoring import ClipSet, score_bundle
@@ -127,18 +133,32 @@ def _perceived(
     answerer: Answerer, folder: Path, budget: Budget, seed: int, workers: int
 ) -> tuple[ClipSet, ClipSet]:
     """Return the clips to learn from and those to be asked about, as the model perceives them."""
-    objects = example_sets(DEFAULT)["heads"].objects
-    sets = (
-        ExampleSet("sizes", budget.clips, objects),
-        ExampleSet("sizes_test", budget.test_clips, EVERYDAY_OBJECTS, is_varied=False),
-    )
-    claim_folder(folder, {"seed": seed, "series": SERIES_VERSION, "varied": VARIED})
-    simulate_examples(folder / "examples", sets, seed=seed, workers=workers)
-    model = answerer.bundle.model
-    learned, asked = (
-        perceive_examples(model, read_examples(folder / "examples", one)) for one in sets
-    )
+    sets = simulated_sets(folder, budget.clips, budget.test_clips, seed, workers)
+    learned, asked = (perceive_examples(answerer.bundle.model, one) for one in sets)
     return learned.only(learned.readable()), asked
+
+
+def simulated_sets(
+    folder: Path, clips: int, test_clips: int, seed: int, workers: int
+) -> tuple[Examples, Examples]:
+    """Return clips of training objects to learn from, and plain ones of everyday objects.
+
+    Args:
+        folder: Keeps them; what lies there already is not simulated again.
+        clips: How many to learn from.
+        test_clips: How many to be asked about.
+        seed: Root of the clips.
+        workers: Processes that simulate.
+
+    Raises:
+        UsageError: If the folder holds clips of another seed or series.
+    """
+    objects = example_sets(DEFAULT)["heads"].objects
+    learned = ExampleSet("sizes", clips, objects)
+    asked = ExampleSet("sizes_test", test_clips, EVERYDAY_OBJECTS, is_varied=False)
+    claim_folder(folder, {"seed": seed, "series": SERIES_VERSION, "varied": VARIED})
+    simulate_examples(folder / "examples", (learned, asked), seed=seed, workers=workers)
+    return read_examples(folder / "examples", learned), read_examples(folder / "examples", asked)
 
 
 def _trained(clips: ClipSet, config: LanguageTraining, folder: Path, name: str) -> Speaker:

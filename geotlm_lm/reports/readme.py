@@ -13,6 +13,7 @@ from pathlib import Path
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.record import RunRecord
+from geotlm_lm.reports.backbones import backbones_page
 from geotlm_lm.reports.confusions import FOLDER, stale_pictures
 from geotlm_lm.reports.fuzz import fuzz_page
 from geotlm_lm.reports.headline import (
@@ -68,6 +69,7 @@ PAGES: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "language.md": ("language.json", language_page),
     "runtime.md": ("runtime.json", runtime_page),
     "sizes.md": ("sizes.json", sizes_page),
+    "backbones.md": ("backbones.json", backbones_page),
     "stability.md": ("stability.json", stability_page),
     "transcript.md": ("transcript.json", transcript_page),
     "fuzz.md": ("fuzz.json", fuzz_page),

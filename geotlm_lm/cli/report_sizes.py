@@ -1,0 +1,94 @@
+"""What `geotlm-lm report` measures of model sizes: each function trains, judges and saves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geotlm_lm.cli.options import Seed, require_writable
+from geotlm_lm.cli.recorded import require_all_writable, save_page
+
+Clips = Annotated[int, typer.Option(min=100, help="Simulated clips to learn from.")]
+TestClips = Annotated[int, typer.Option(min=20, help="Clips to be asked about.")]
+Workers = Annotated[int, typer.Option(min=1, help="Processes that simulate.")]
+RunFolder = Annotated[
+    Path, typer.Option(help="Keeps clips and checkpoints; a stopped run continues there.")
+]
+Out = Annotated[Path, typer.Option(help="Where the record goes, as JSON.")]
+Table = Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")]
+
+
+def sizes(
+    clips: Clips = 8_000,
+    test_clips: TestClips = 500,
+    steps: Annotated[int, typer.Option(min=1, help="Steps of every language model.")] = 2_000,
+    workers: Workers = 2,
+    seed: Seed = 0,
+    model: Annotated[
+        Path | None,
+        typer.Option(help="Bundle that perceives. [default: the one shipped]"),
+    ] = None,
+    run_folder: RunFolder = Path("runs/sizes"),
+    out: Out = Path("reports/recorded/sizes.json"),
+    table: Table = Path("reports/sizes.md"),
+) -> None:
+    """Train language models of several sizes on one perception: error against run time.
+
+    Example: geotlm-lm report sizes
+    """
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line
+
+    require_all_writable(out, table)
+    require_writable(run_folder, "--run-folder")
+    from geotlm_lm.answering import Answerer
+    from geotlm_lm.experiments.sizes import Budget, compare_sizes
+    from geotlm_lm.reports.sizes import sizes_page, sizes_table
+
+    record = compare_sizes(
+        Answerer.load(model),
+        folder=run_folder,
+        budget=Budget(clips, test_clips, steps),
+        seed=seed,
+        workers=workers,
+        command=command_line(sys.argv),
+    )
+    save_page(record, out, table, sizes_page(record))
+    typer.echo(sizes_table(record))
+
+
+def backbones(
+    clips: Clips = 8_000,
+    test_clips: TestClips = 500,
+    steps: Annotated[int, typer.Option(min=1, help="Steps of every backbone.")] = 600,
+    workers: Workers = 2,
+    seed: Seed = 0,
+    run_folder: RunFolder = Path("runs/sizes"),
+    out: Out = Path("reports/recorded/backbones.json"),
+    table: Table = Path("reports/backbones.md"),
+) -> None:
+    """Pretrain backbones of several sizes on the same clips: error against run time.
+
+    Example: geotlm-lm report backbones
+    """
+    import sys
+
+    from geotlm_lm.cli.evaluate import command_line
+
+    require_all_writable(out, table)
+    require_writable(run_folder, "--run-folder")
+    from geotlm_lm.experiments.backbones import BackboneBudget, compare_backbones
+    from geotlm_lm.reports.backbones import backbones_page, backbones_table
+
+    record = compare_backbones(
+        folder=run_folder,
+        budget=BackboneBudget(clips, test_clips, steps),
+        seed=seed,
+        workers=workers,
+        command=command_line(sys.argv),
+    )
+    save_page(record, out, table, backbones_page(record))
+    typer.echo(backbones_table(record))
