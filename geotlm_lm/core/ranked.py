@@ -1,4 +1,4 @@
-"""Medians and quantiles of many numbers, at a hundredth of the time numpy's own take."""
+"""Medians and quantiles of many numbers by one selection."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 def ranked(values: NDArray[Any], share: float = 0.5) -> Any:
     """Return the value that stands at `share` of the way when they are sorted.
 
-    One selection over contiguous numbers, which numpy vectorises: of 19,200 float32 numbers 0.014
-    ms, where `numpy.median` takes 0.85 and `numpy.quantile` 1.6, which average two neighbours and
-    look for numbers that are none.
+    numpy vectorises the selection over contiguous numbers. Of 19,200 float32 ones it takes 0.013 ms
+    where `numpy.median` takes 0.03 and `numpy.quantile` 0.05, which average two neighbours and look
+    for numbers that are none; of 28,400 int16 ones 0.008 for 0.16.
 
     Args:
         values: Any shape, not empty, no NaN.
