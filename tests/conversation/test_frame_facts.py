@@ -126,6 +126,11 @@ def test_a_fact_of_the_world_lasts_even_before_a_comma():
 @pytest.mark.parametrize(
     ("text", "rest"),
     [
+        ("Where would it go if the image were upside down?", "Where would it go?"),
+        ("If the camera were mounted upside down, which way?", "which way?"),
+        ("if the image had been flipped upside down which way?", "which way?"),
+        ("Had the image been upside down, which way?", "which way?"),
+        ("Suppose the image is upside down. Which way?", "Which way?"),
         ("If I turned the picture upside down, where would it go?", "where would it go?"),
         ("which way, if you rotate the video by 180 degrees", "which way"),
         ("If I rotated the image 180 degrees clockwise, which way?", "which way?"),
@@ -133,30 +138,28 @@ def test_a_fact_of_the_world_lasts_even_before_a_comma():
         ("What if we turned the image on its head?", "Which way does it move?"),
     ],
 )
-def test_an_image_turned_in_thought_is_turned_for_its_question_alone(text, rest):
-    for before in (CAMERA, MIRRORED, FrameSpec(image_upside_down=True)):
-        stated = read_facts(text, before)
-        assert stated.frame == replace(before, image_upside_down=not before.image_upside_down)
-        assert stated.lasting == before
-        assert stated.rest == rest
+@pytest.mark.parametrize("before", [CAMERA, MIRRORED])
+def test_an_image_supposed_upside_down_is_so_for_its_question_alone(text, rest, before):
+    stated = read_facts(text, before)
+    assert stated.frame == replace(before, image_upside_down=True)
+    assert stated.lasting == before
+    assert stated.rest == rest
 
 
 @pytest.mark.parametrize(
-    ("text", "rest"),
+    ("text", "is_upside_down"),
     [
-        ("Where would it go if the image were upside down?", "Where would it go?"),
-        ("If the camera were mounted upside down, which way?", "which way?"),
-        ("if the image had been flipped upside down which way?", "which way?"),
-        ("Had the image been upside down, which way?", "which way?"),
-        ("Suppose the image is upside down. Which way?", "Which way?"),
+        ("If the image were upside down, which way?", True),
+        ("Had the image been upside down, which way?", True),
+        ("If I turned the picture upside down, which way?", False),
+        ("which way, if you rotate the video by 180 degrees", False),
     ],
 )
-def test_an_image_supposed_upside_down_is_so_for_its_question_alone(text, rest):
-    for before in (CAMERA, MIRRORED, FrameSpec(image_upside_down=True)):
-        stated = read_facts(text, before)
-        assert stated.frame == replace(before, image_upside_down=True)
-        assert stated.lasting == before
-        assert stated.rest == rest
+def test_turning_what_is_upside_down_makes_it_upright(text, is_upside_down):
+    before = FrameSpec(image_upside_down=True)
+    stated = read_facts(text, before)
+    assert stated.frame == FrameSpec(image_upside_down=is_upside_down)
+    assert stated.lasting == before
 
 
 def test_facts_beside_a_supposition_hold():
