@@ -6,6 +6,7 @@ import re
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
+from geotlm_lm.answering.amounts import Amount
 from geotlm_lm.backbone.stem import View
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
@@ -96,8 +97,9 @@ class Answer:
         text: The sentence.
         direction: The motion it claims, in `frame`; None when the question asks something else or
             the model abstains.
-        confidence: Probability of the answer among those of its kind, in [0, 1]; the temperature
-            was fitted on open questions about direction. 0 when the model abstains.
+        confidence: Probability of the answer among those of its kind, of an amount that it is right
+            within its tolerance, in [0, 1]; the temperature was fitted on open questions about
+            direction. 0 when the model abstains.
         abstained: Whether the model declines to say.
         frame: The frame of reference every direction is told in.
         options: Probability of each answer that was possible, by its deciding word.
@@ -108,10 +110,13 @@ class Answer:
             when the model's words did not parse or the question is not English.
         frames_used: Numbers of the four frames in the recording.
         notes: What was guessed or chosen on the way, one sentence each.
-        decided: The word of `options` that this answer is, such as "yes", "clockwise" or "15 deg":
-            what a program reads; None when nothing was decided.
+        decided: The word of `options` that this answer is, such as "yes" or "clockwise": what a
+            program reads. Of amounts, also of those between two options, it is one such as
+            "13 deg", how far altogether where a speed was asked for. None when nothing was decided.
         told_by: Whose sentence it is: the language model's own, or a rule's that follows from what
             the model read or stands for what it could not say.
+        amount: How far or how fast, with the span it lies in nine times in ten; None when the
+            question asks something else or there is no such amount.
     """
 
     text: str
@@ -127,6 +132,7 @@ class Answer:
     notes: tuple[str, ...] = field(default=())
     decided: str | None = None
     told_by: Literal["model", "rule"] = "rule"
+    amount: Amount | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON values."""
@@ -134,6 +140,7 @@ class Answer:
             "text": self.text,
             "direction": None if self.direction is None else self.direction.value,
             "decided": self.decided,
+            "amount": None if self.amount is None else self.amount.to_dict(),
             "confidence": round(self.confidence, 4),
             "abstained": self.abstained,
             "told_by": self.told_by,

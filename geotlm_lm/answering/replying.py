@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from geotlm_lm.answering.amounts import likeliest_amount
 from geotlm_lm.answering.answer import (
     Answer,
     Encoded,
@@ -33,7 +34,6 @@ from geotlm_lm.conversation.retell import (
     RETOLD,
     Felt,
     Told,
-    per_second,
     retell,
 )
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -111,13 +111,10 @@ def in_words(
         return _from_open_question(bundle, encoded, question, slots.kind, frame)
     if slots.kind in ALWAYS_RETOLD or (slots.kind in RETOLD and not is_as_seen(frame)):
         return _retold(bundle, encoded, question, heard, frame)
-    text = heard.text
-    if slots.kind == "rate" and slots.amount is not None:
-        text = per_second(slots.amount, slots.unit, encoded.seconds)
-        if text is None:
-            return plain(encoded, NO_TIME, slots.kind, frame, heard.timing_ms)
+    if slots.amount is not None:
+        return _measured(bundle, encoded, heard, frame)
     told = Told(
-        text=text,
+        text=heard.text,
         direction=slots.direction,
         frame=CAMERA if slots.kind == "evidence" else frame,
         options=heard.options,
@@ -216,6 +213,27 @@ def _from_open_question(
     return _retold(bundle, encoded, question, replace(heard, slots=slots), frame)
 
 
+def _measured(bundle: Bundle, encoded: Encoded, heard: Heard, frame: FrameSpec) -> Answer:
+    """Answer how far it went, or how fast, from the probabilities of all amounts."""
+    kind, amount = heard.slots.kind, likeliest_amount(heard.slots, heard.options)
+    decided = amount.word
+    if encoded.contact_share < bundle.calibration.contact_threshold:
+        text = _too_little_contact("say how far", encoded.contact_share)
+        return plain(encoded, text, kind, frame, heard.timing_ms)
+    if kind == "rate":
+        if not encoded.seconds:
+            return plain(encoded, NO_TIME, kind, frame, heard.timing_ms)
+        amount = amount.per_second(encoded.seconds)
+    return replace(
+        plain(encoded, amount.sentence(), kind, frame, heard.timing_ms),
+        confidence=amount.probability,
+        abstained=False,
+        options=heard.options,
+        decided=decided,
+        amount=amount,
+    )
+
+
 def _retold(
     bundle: Bundle, encoded: Encoded, question: str, heard: Heard, frame: FrameSpec
 ) -> Answer:
@@ -235,7 +253,8 @@ def _unless_withheld(
     text, direction, abstained = told.text, told.direction, told.is_refusal
     sure = told.options.get(told.decided, 0.0)
     if bundle.calibration.withholds(slots.direction, encoded.contact_share):
-        text, direction, abstained = _too_little_contact(encoded.contact_share), None, True
+        text = _too_little_contact("name a direction", encoded.contact_share)
+        direction, abstained = None, True
     elif is_contradicted(encoded, slots):
         text, direction, abstained = UNRECOGNISED, None, True
     elif not abstained and is_doubtful(slots.kind, told.decided, told.options):
@@ -257,5 +276,5 @@ def is_contradicted(encoded: Encoded, slots: Slots) -> bool:
     return encoded.is_changed and (is_denied or is_named)
 
 
-def _too_little_contact(share: float) -> str:
-    return f"I cannot name a direction: I see next to no contact (mask {share:.3f})."
+def _too_little_contact(what: str, share: float) -> str:
+    return f"I cannot {what}: I see next to no contact (mask {share:.3f})."

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from geotlm_lm.answering.amounts import likeliest_amount
 from geotlm_lm.answering.answer import Answer
 from geotlm_lm.answering.hearing import Heard
 from geotlm_lm.conversation.wording import clause, name, place
@@ -134,20 +135,18 @@ def compare_amounts(
     if (unsure := _withheld(answers)) is not None:
         which = ("first", "second")[unsure[0]]
         return refuse(f"I cannot compare them; of the {which}: {unsure[1].text}")
-    slots = [one.slots for one in heard]
-    if any(one is None or one.amount is None for one in slots):
+    found = [likeliest_amount(one.slots, one.options) for one in heard]
+    if any(one is None for one in found):
         return refuse("I cannot compare them: not both of them turn or slide.")
-    if slots[0].unit != slots[1].unit:
+    if found[0].unit != found[1].unit:
         return refuse("I cannot compare them: one turns, the other slides.")
-    amounts, unit = [one.amount for one in slots], slots[0].unit
+    amounts, unit = [one.value for one in found], found[0].unit
     if {_FASTER, _SLOWER} & _words(question):
         if not all(seconds):
             return refuse("I cannot tell which is faster: not both clips have a frame rate.")
         amounts = [amount / time for amount, time in zip(amounts, seconds, strict=True)]
         unit = f"{unit}/s"
-    confidence = heard[0].options.get(_word(slots[0]), 0.0) * heard[1].options.get(
-        _word(slots[1]), 0.0
-    )
+    confidence = found[0].probability * found[1].probability
     sizes = f"about {amounts[0]:.3g} and {amounts[1]:.3g} {unit}"
     if abs(amounts[0] - amounts[1]) <= SIMILAR * max(amounts):
         text = f"Neither: they are similar, {sizes}."
@@ -178,10 +177,6 @@ def _withheld(answers: Sequence[Answer]) -> tuple[int, Answer] | None:
 
 def _going(motion: Motion) -> str:
     return f"going {name(motion)}" if motion in DIRECTED else name(motion)
-
-
-def _word(slots: Any) -> str:
-    return f"{slots.amount:g} {slots.unit}"
 
 
 def _words(question: str) -> set[str]:

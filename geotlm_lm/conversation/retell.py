@@ -1,9 +1,9 @@
 """The motion a model felt, in the camera image -> what the question asked for, in its frame.
 
 Why rules: seen from the other side, told for the sensor, mirrored, played backwards, undone and
-tightened are exact functions of the motion in the camera image and of the frame, and speed is one
-of an amount and a time. A network could only learn them approximately, would need the frame in its
-prompt, and every new fact would double its questions. So the model says two things, which sort of
+tightened are exact functions of the motion in the camera image and of the frame. A network could
+only learn them approximately, would need the frame in its prompt, and every new fact would double
+its questions. So the model says two things, which sort of
 question this is and which motion it felt, both in one closed sentence ("Mirror image of: left in
 the camera image."), and what is told is derived here. The same rules serve a model that was trained
 on open questions alone: whoever asks it supplies the sort of question.
@@ -274,12 +274,3 @@ RETOLD = frozenset(_RULES)
 
 ALWAYS_RETOLD = RETOLD - {"direction", "verify", "choice", "negation", "premise"}
 """Kinds the rules derive even in the camera image; of the others the model's own words stand."""
-
-
-def per_second(amount: float, unit: str, seconds: float | None) -> str | None:
-    """Return a mean speed in words, or None where the time is not known."""
-    if not seconds:
-        return None
-    what = {"deg": "degrees", "mm": "millimetres"}[unit]
-    rounded = float(f"{amount / seconds:.2g}")  # two digits, without an exponent
-    return f"About {rounded:g} {what} per second, on average."

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geotlm_lm.answering import NOT_UNDERSTOOD
+from geotlm_lm.answering.amounts import amount_in
 from geotlm_lm.answering.replying import UNTRAINED
 from geotlm_lm.conversation.reasons import pattern_of
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -23,7 +24,6 @@ from geotlm_lm.experiments.language_cases import FLOW, PROBE, Touched, blind
 from geotlm_lm.experiments.language_evidence import claims_right
 from geotlm_lm.experiments.language_truth import (
     Truth,
-    amount_in,
     is_right,
     is_understood,
     scored_is_right,

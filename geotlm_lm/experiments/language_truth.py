@@ -7,10 +7,10 @@ by the same truth: it is right where the motion it reads has the same answer.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from geotlm_lm.answering.amounts import amount_in
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import (
     ROTATIONS,
@@ -39,8 +39,6 @@ VERDICTS = {
 """Deciding words where the claim is true, and where it is not."""
 
 NEEDS_ANOTHER_CLIP = ("comparison", "order")
-
-_AMOUNT = re.compile(r"([\d.]+) (deg|mm)")
 
 
 @dataclass(frozen=True)
@@ -164,12 +162,6 @@ def scored_is_right(answer: Answer, truth: Truth) -> bool | None:
         return None
     best = max(answer.options, key=answer.options.get)
     return best == truth.decided if truth.amount is None else _is_near(best, truth)
-
-
-def amount_in(decided: str | None) -> tuple[float, str] | None:
-    """Return the amount of a deciding word and its unit; None where it is none."""
-    said = _AMOUNT.fullmatch(decided or "")
-    return None if said is None else (float(said[1]), said[2])
 
 
 def claim_of(asked: QuestionAnswer) -> Motion:

@@ -40,7 +40,7 @@ def test_where_words_and_model_disagree_on_what_is_asked_the_words_count(
         AMOUNT_QUESTION: "About 12 degrees of turning.",
         EVIDENCE_QUESTION: CLOCKWISE_EVIDENCE,
     }
-    answerer = answerer_saying(bundle, known | {question: said})
+    answerer = answerer_saying(bundle, known | {question: said}, temperature=0.1)
     answerer.bundle.speaker.likes = "Left, in the camera image."
     answer = answerer.ask(answerer.encode(recording()), question)
     assert answer.text.startswith(text)

@@ -124,7 +124,6 @@ def test_evidence_of_an_untrained_model_is_its_geometry_in_words(bundle):
             "It is not: it goes left in the camera image.",
             Motion.LEFT,
         ),
-        ("How far?", "About 12 degrees of turning.", "About 12 degrees of turning.", None),
     ],
 )
 def test_a_trained_model_says_what_it_felt_and_the_rules_tell_it(
@@ -150,17 +149,40 @@ def test_a_trained_model_tells_its_confidence_from_the_open_question(bundle):
     ("fps", "frames", "text"),
     [
         # Frames 0 to 3 at 25 per second take 0.12 s.
-        (25.0, 4, "About 100 degrees per second, on average."),
-        (2.0, 4, "About 8 degrees per second, on average."),
+        (25.0, 4, "About 100 degrees per second on average, likely 92 to 110."),
+        (2.0, 4, "About 8 degrees per second on average, likely 7.3 to 8.7."),
         (None, 4, "I cannot tell the speed: it takes 3 frames and a frame rate; give it by fps."),
         (25.0, 2, "I cannot tell the speed: it takes 3 frames and a frame rate; give it by fps."),
     ],
 )
 def test_a_speed_needs_a_frame_rate_and_three_frames(bundle, fps, frames, text):
-    answerer = answerer_saying(bundle, {"*": "Over the whole clip about 12 degrees of turning."})
+    said = {"*": "Over the whole clip about 12 degrees of turning."}
+    answerer = answerer_saying(bundle, said, temperature=0.1)
     answer = answerer.ask(answerer.encode(recording(frames, fps)), "How fast?")
     assert answer.text == text
-    assert answer.abstained == text.startswith("I cannot")
+    assert answer.abstained == text.startswith("I cannot") == (answer.amount is None)
+
+
+def test_how_far_is_told_with_the_span_it_lies_in(bundle):
+    answerer = answerer_saying(bundle, {"*": "About 12 degrees of turning."}, temperature=0.1)
+    answer = answerer.ask(answerer.encode(recording()), "How far?")
+    assert answer.text == "About 12 degrees of turning, likely 11 to 13."
+    assert answer.to_dict()["amount"] == {"value": 12, "unit": "deg", "low": 11, "high": 13}
+    assert (answer.direction, answer.told_by) == (None, "rule")
+    assert answer.confidence == pytest.approx(1.0)
+
+
+def test_where_nothing_is_felt_to_turn_no_amount_is_told(bundle):
+    answerer = answerer_saying(bundle, {"*": "No distance: it is pressing in."})
+    answer = answerer.ask(answerer.encode(recording()), "How far?")
+    assert (answer.text, answer.amount) == ("No distance: it is pressing in.", None)
+
+
+def test_an_amount_is_withheld_where_next_to_nothing_touches(bundle):
+    said = {"*": "About 12 degrees of turning."}
+    answerer = answerer_saying(bundle, said, contact_threshold=2.0)
+    answer = answerer.ask(answerer.encode(recording()), "How far?")
+    assert (answer.abstained, answer.amount) == (True, None)
 
 
 def test_a_question_in_another_language_is_refused_before_the_model_runs(bundle):

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from geotlm_lm.conversation.retell import CAMERA, Felt, per_second, retell
+from geotlm_lm.conversation.retell import CAMERA, Felt, retell
 from geotlm_lm.conversation.wording import AT_REST, clause, sentence
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED, Motion, mirror, reverse
@@ -226,16 +226,3 @@ def test_rest_is_told_in_the_words_of_the_templates():
         assert grammar.parse(text) == Slots("direction", motion)
     for motion in DIRECTED:
         assert grammar.parse(sentence(motion, CAMERA)) == Slots("direction", motion)
-
-
-@pytest.mark.parametrize(
-    ("amount", "unit", "seconds", "text"),
-    [
-        (12.0, "deg", 0.4, "About 30 degrees per second, on average."),
-        (1.2, "mm", 2.0, "About 0.6 millimetres per second, on average."),
-        (12.0, "deg", None, None),
-        (12.0, "deg", 0.0, None),
-    ],
-)
-def test_a_speed_is_the_amount_by_the_time(amount, unit, seconds, text):
-    assert per_second(amount, unit, seconds) == text
