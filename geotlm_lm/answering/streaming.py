@@ -15,7 +15,13 @@ from typing import Any
 
 from geotlm_lm.answering.answer import Encoded, deciding_word
 from geotlm_lm.answering.hearing import NEVER_DOUBTED, Scores, is_doubtful
-from geotlm_lm.answering.replying import NEEDS_MORE, denies_nothing, is_as_seen, is_contradicted
+from geotlm_lm.answering.replying import (
+    NEEDS_MORE,
+    contradicts_itself,
+    denies_nothing,
+    is_as_seen,
+    is_contradicted,
+)
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.kinds import is_ruled_out
 from geotlm_lm.conversation.retell import ALWAYS_RETOLD, RETOLD
@@ -72,7 +78,7 @@ def stands(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, sl
         return False
     if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RETOLD or denies_nothing(slots, question):
         return False
-    if is_contradicted(encoded, slots):
+    if is_contradicted(encoded, slots) or contradicts_itself(slots, question):
         return False
     if slots.kind in RETOLD and not is_as_seen(frame):
         return False

@@ -333,3 +333,50 @@ def test_a_no_to_a_claim_stands_in_the_models_words(bundle, question):
     answerer = answerer_saying(bundle, {"*": denial})
     answer = answerer.ask(answerer.encode(recording()), question)
     assert (answer.text, answer.told_by) == (denial, "model")
+
+
+@pytest.mark.parametrize(
+    ("question", "said", "text", "decided"),
+    [
+        (
+            "Is the coin just resting there?",
+            "Yes, it is pressing in.",
+            "No, it is pressing in.",
+            "no",
+        ),
+        (
+            "Does it go left?",
+            "No, it goes left in the camera image.",
+            "Yes, it goes left in the camera image.",
+            "yes",
+        ),
+        (
+            "Is it not going right?",
+            "It is: it goes left in the camera image.",
+            "It is not: it goes left in the camera image.",
+            "it is not",
+        ),
+        (
+            "Why does it turn clockwise so slowly, and how fast?",
+            "That holds: it goes left in the camera image.",
+            "But no, it goes left in the camera image.",
+            "it does not",
+        ),
+    ],
+)
+def test_a_verdict_that_denies_the_motion_told_with_it_is_put_right(
+    bundle, question, said, text, decided
+):
+    opened = "It is pressing in." if "pressing" in text else "Left, in the camera image."
+    answerer = answerer_saying(bundle, {"*": said, OPEN_QUESTION: opened})
+    encoded = answerer.encode(recording())
+    answer = answerer.ask(encoded, question)
+    assert (answer.text, answer.decided, answer.told_by) == (text, decided, "rule")
+    *told, streamed = answerer.stream(encoded, question)
+    assert ("".join(told), streamed.text) == (text, text)
+
+
+def test_a_verdict_on_a_claim_that_no_rule_reads_stands(bundle):
+    answerer = answerer_saying(bundle, {"*": "Yes, it is pressing in."})
+    answer = answerer.ask(answerer.encode(recording()), "Is it being squashed?")
+    assert (answer.text, answer.told_by) == ("Yes, it is pressing in.", "model")
