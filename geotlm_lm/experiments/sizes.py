@@ -38,15 +38,13 @@ from geotlm_lm.training.train import claim_folder, example_sets, perceive_exampl
 
 SHIPPED = LanguageSize()
 
-DEEPER = replace(SHIPPED, layers=4)
-
 SIZES: dict[str, LanguageSize] = {
-    "64 wide, 2 layers": replace(SHIPPED, width=64, heads=2, mlp=172),
-    "128 wide, 2 layers": SHIPPED,
-    "128 wide, 4 layers": DEEPER,
-    "128 wide, 4 layers, 1 prefix token": replace(DEEPER, tactile_tokens=1),
-    "128 wide, 4 layers, 4 prefix tokens": replace(DEEPER, tactile_tokens=4),
-    "256 wide, 4 layers": replace(DEEPER, width=256, heads=8, mlp=688),
+    "64 wide, 2 layers": replace(SHIPPED, width=64, layers=2, heads=2, mlp=172),
+    "128 wide, 2 layers": replace(SHIPPED, layers=2),
+    "128 wide, 4 layers": SHIPPED,
+    "128 wide, 4 layers, 1 prefix token": replace(SHIPPED, tactile_tokens=1),
+    "128 wide, 4 layers, 4 prefix tokens": replace(SHIPPED, tactile_tokens=4),
+    "256 wide, 4 layers": replace(SHIPPED, width=256, heads=8, mlp=688),
 }
 """What is compared, each with 2 prefix tokens where it does not say otherwise."""
 

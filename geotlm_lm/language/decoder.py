@@ -42,7 +42,7 @@ class LanguageSize:
     """
 
     width: int = 128
-    layers: int = 2
+    layers: int = 4
     heads: int = 4
     mlp: int = 344
     tactile_tokens: int = 2
