@@ -22,7 +22,7 @@ from geotlm_lm.answering.hearing import (
     hear,
     score,
 )
-from geotlm_lm.answering.replying import UNTRAINED, by_rule, in_words, is_contradicted, plain
+from geotlm_lm.answering.replying import UNTRAINED, by_rule, in_words
 from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.several import (
     Comparison,
@@ -33,6 +33,7 @@ from geotlm_lm.answering.several import (
     tell_order,
 )
 from geotlm_lm.answering.streaming import Listener, StandingWords, pieces
+from geotlm_lm.answering.withholding import is_contradicted, plain
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts

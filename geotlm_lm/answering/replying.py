@@ -21,9 +21,9 @@ from geotlm_lm.answering.hearing import (
     Overhear,
     hear,
     hear_likeliest,
-    is_doubtful,
     score,
 )
+from geotlm_lm.answering.withholding import plain, too_little_contact, unless_withheld
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.claims import claimed_motion, motions_named, nearly_named
 from geotlm_lm.conversation.kinds import LATER_KINDS, asked_kind, is_ruled_out
@@ -37,7 +37,7 @@ from geotlm_lm.conversation.retell import (
     retell,
 )
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import Motion, MotionClass
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
 
 NOT_UNDERSTOOD = "I found no words for that; ask how the touched object moves."
@@ -60,12 +60,6 @@ NEEDS_MORE = {
     "order": "I see one motion per clip; give me the parts as clips of their own, in order.",
 }
 """Kinds that one clip never answers, whatever the model."""
-
-UNRECOGNISED = (
-    "I cannot tell: the gel has changed by more than noise, but I recognise no touch in it; press "
-    "harder, or record the idle gel again."
-)
-"""Said in place of a claim that nothing touches."""
 
 NO_TIME = "I cannot tell the speed: it takes 3 frames and a frame rate; give it by fps."
 
@@ -124,7 +118,7 @@ def in_words(
         decided=deciding_word(slots),
         is_refusal=slots.kind == "refusal",
     )
-    answer = _unless_withheld(bundle, encoded, told, slots, heard.timing_ms)
+    answer = unless_withheld(bundle, encoded, told, slots, heard.timing_ms)
     is_as_heard = answer.text == heard.text and not heard.is_by_rule
     return replace(answer, told_by="model") if is_as_heard else answer
 
@@ -189,31 +183,6 @@ def by_rule(bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: F
     return replace(answer, notes=(*answer.notes, FROM_DIRECTION.format(_ASKED_ABOUT[kind])))
 
 
-def plain(
-    encoded: Encoded,
-    text: str,
-    kind: str | None,
-    frame: FrameSpec,
-    timing_ms: dict[str, float] | None = None,
-) -> Answer:
-    """Return an answer that claims nothing."""
-    timing = encoded.timing_ms | (timing_ms or {})
-    timing["total"] = sum(timing.values())
-    return Answer(
-        text=text,
-        direction=None,
-        confidence=0.0,
-        abstained=True,
-        frame=frame,
-        options={},
-        evidence=evidence(encoded),
-        timing_ms=timing,
-        kind=kind,
-        frames_used=encoded.clip.frame_numbers,
-        notes=encoded.clip.notes,
-    )
-
-
 def is_as_seen(frame: FrameSpec) -> bool:
     """Tell whether `frame` names every direction as the camera image shows it."""
     return replace(frame, contact_side=None, thread=None) == CAMERA
@@ -235,7 +204,7 @@ def _measured(bundle: Bundle, encoded: Encoded, heard: Heard, frame: FrameSpec) 
     kind, amount = heard.slots.kind, likeliest_amount(heard.slots, heard.options)
     decided = amount.word
     if encoded.contact_share < bundle.calibration.contact_threshold:
-        text = _too_little_contact("say how far", encoded.contact_share)
+        text = too_little_contact("say how far", encoded.contact_share)
         return plain(encoded, text, kind, frame, heard.timing_ms)
     if kind == "rate":
         if not encoded.seconds:
@@ -260,38 +229,4 @@ def _retold(
         options = score(bundle, encoded, OPEN_QUESTION, "direction")
     probabilities = {Motion(word): share for word, share in options.items()}
     felt = Felt(slots.kind, slots.direction, question, frame, probabilities, slots.verdict)
-    return _unless_withheld(bundle, encoded, retell(felt), slots, heard.timing_ms)
-
-
-def _unless_withheld(
-    bundle: Bundle, encoded: Encoded, told: Told, slots: Slots, timing_ms: dict[str, float]
-) -> Answer:
-    """Return what is told, unless there is too little contact, or certainty, for it."""
-    text, direction, abstained = told.text, told.direction, told.is_refusal
-    sure = told.options.get(told.decided, 0.0)
-    if bundle.calibration.withholds(slots.direction, encoded.contact_share):
-        text = _too_little_contact("name a direction", encoded.contact_share)
-        direction, abstained = None, True
-    elif is_contradicted(encoded, slots):
-        text, direction, abstained = UNRECOGNISED, None, True
-    elif not abstained and is_doubtful(slots.kind, told.decided, told.options):
-        text, direction, abstained = f"I cannot tell for sure, {sure:.0%}: {text}", None, True
-    return replace(
-        plain(encoded, text, slots.kind, told.frame, timing_ms),
-        direction=direction,
-        confidence=0.0 if abstained else sure,
-        abstained=abstained,
-        options=told.options,
-        decided=None if abstained else told.decided,
-    )
-
-
-def is_contradicted(encoded: Encoded, slots: Slots) -> bool:
-    """Tell whether an answer says that nothing touches a gel that did change."""
-    is_denied = slots.kind == "contact" and slots.verdict is False
-    is_named = slots.direction is Motion.NONE or slots.motion_class is MotionClass.NONE
-    return encoded.is_changed and (is_denied or is_named)
-
-
-def _too_little_contact(what: str, share: float) -> str:
-    return f"I cannot {what}: I see next to no contact (mask {share:.3f})."
+    return unless_withheld(bundle, encoded, retell(felt), slots, heard.timing_ms)

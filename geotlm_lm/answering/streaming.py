@@ -20,8 +20,8 @@ from geotlm_lm.answering.replying import (
     contradicts_itself,
     denies_nothing,
     is_as_seen,
-    is_contradicted,
 )
+from geotlm_lm.answering.withholding import is_contradicted
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.kinds import is_ruled_out
 from geotlm_lm.conversation.retell import ALWAYS_RETOLD, RETOLD

@@ -1,0 +1,97 @@
+"""What is told of an answer, and what is withheld: for want of contact, or of certainty."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from geotlm_lm.answering.answer import Answer, Encoded, evidence
+from geotlm_lm.answering.hearing import NEVER_DOUBTED, is_doubtful
+from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.retell import Told
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion, MotionClass
+from geotlm_lm.language.parse_answer import Slots
+
+UNRECOGNISED = (
+    "I cannot tell: the gel has changed by more than noise, but I recognise no touch in it; press "
+    "harder, or record the idle gel again."
+)
+"""Said in place of a claim that nothing touches."""
+
+SURE, NOTEWORTHY = 0.9, 0.05
+"""An answer less probable than the first is told with the next likeliest one, if that one is at
+least as probable as the second."""
+
+
+def plain(
+    encoded: Encoded,
+    text: str,
+    kind: str | None,
+    frame: FrameSpec,
+    timing_ms: dict[str, float] | None = None,
+) -> Answer:
+    """Return an answer that claims nothing."""
+    timing = encoded.timing_ms | (timing_ms or {})
+    timing["total"] = sum(timing.values())
+    return Answer(
+        text=text,
+        direction=None,
+        confidence=0.0,
+        abstained=True,
+        frame=frame,
+        options={},
+        evidence=evidence(encoded),
+        timing_ms=timing,
+        kind=kind,
+        frames_used=encoded.clip.frame_numbers,
+        notes=encoded.clip.notes,
+    )
+
+
+def unless_withheld(
+    bundle: Bundle, encoded: Encoded, told: Told, slots: Slots, timing_ms: dict[str, float]
+) -> Answer:
+    """Return what is told, unless there is too little contact, or certainty, for it."""
+    text, direction, abstained = told.text, told.direction, told.is_refusal
+    sure, notes = told.options.get(told.decided, 0.0), ()
+    if bundle.calibration.withholds(slots.direction, encoded.contact_share):
+        text = too_little_contact("name a direction", encoded.contact_share)
+        direction, abstained = None, True
+    elif is_contradicted(encoded, slots):
+        text, direction, abstained = UNRECOGNISED, None, True
+    elif not abstained and slots.kind not in NEVER_DOUBTED:
+        notes = _next_likeliest(told)
+        if is_doubtful(slots.kind, told.decided, told.options):
+            text, direction, abstained = f"I cannot tell for sure, {sure:.0%}: {text}", None, True
+    answer = plain(encoded, text, slots.kind, told.frame, timing_ms)
+    return replace(
+        answer,
+        direction=direction,
+        confidence=0.0 if abstained else sure,
+        abstained=abstained,
+        options=told.options,
+        decided=None if abstained else told.decided,
+        notes=(*answer.notes, *notes),
+    )
+
+
+def is_contradicted(encoded: Encoded, slots: Slots) -> bool:
+    """Tell whether an answer says that nothing touches a gel that did change."""
+    is_denied = slots.kind == "contact" and slots.verdict is False
+    is_named = slots.direction is Motion.NONE or slots.motion_class is MotionClass.NONE
+    return encoded.is_changed and (is_denied or is_named)
+
+
+def too_little_contact(what: str, share: float) -> str:
+    """Return why it cannot be told `what`, by how much is touched."""
+    return f"I cannot {what}: I see next to no contact (mask {share:.3f})."
+
+
+def _next_likeliest(told: Told) -> tuple[str, ...]:
+    """Return a note on what else it may be, where the answer is not nearly certain."""
+    sure = told.options.get(told.decided, 0.0)
+    rest = {word: share for word, share in told.options.items() if word != told.decided}
+    word = max(rest, key=rest.get, default=None)
+    if word is None or sure >= SURE or rest[word] < NOTEWORTHY:
+        return ()
+    return (f"Told at {sure:.0%}, next likeliest at {rest[word]:.0%}: {word}.",)
