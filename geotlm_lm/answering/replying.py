@@ -25,7 +25,12 @@ from geotlm_lm.answering.hearing import (
 )
 from geotlm_lm.answering.withholding import plain, too_little_contact, unless_withheld
 from geotlm_lm.checkpoint import Bundle
-from geotlm_lm.conversation.claims import claimed_motion, motions_named, nearly_named
+from geotlm_lm.conversation.claims import (
+    claimed_motion,
+    claims_motion,
+    motions_named,
+    nearly_named,
+)
 from geotlm_lm.conversation.kinds import LATER_KINDS, asked_kind, is_ruled_out
 from geotlm_lm.conversation.reasons import halves
 from geotlm_lm.conversation.retell import (
@@ -97,6 +102,8 @@ def in_words(
     if slots is None:
         answer = plain(encoded, NOT_UNDERSTOOD, None, frame, heard.timing_ms)
         return replace(answer, options=heard.options)
+    if refuses_a_claim(slots, question):
+        return _from_open_question(bundle, encoded, question, "verify", frame)
     if slots.kind in NEEDS_MORE:
         return plain(encoded, NEEDS_MORE[slots.kind], slots.kind, frame, heard.timing_ms)
     if slots.kind == "confidence":
@@ -153,6 +160,11 @@ def denies_nothing(slots: Slots, question: str) -> bool:
     """
     is_no = slots.kind in ("verify", "premise") and slots.verdict is False
     return is_no and not motions_named(question) and not nearly_named(question)
+
+
+def refuses_a_claim(slots: Slots, question: str) -> bool:
+    """Tell whether the model declines to judge a claim of motion, its words being new to it."""
+    return slots.kind == "refusal" and claims_motion(question)
 
 
 def contradicts_itself(slots: Slots, question: str) -> bool:

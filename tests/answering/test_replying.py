@@ -403,3 +403,16 @@ def test_no_other_answer_is_named_where_none_stands_out(bundle, question, said, 
     answerer = answerer_saying(bundle, {"*": said}, temperature=temperature)
     encoded = answerer.encode(recording())
     assert answerer.ask(encoded, question).notes == encoded.clip.notes
+
+
+def test_a_claim_of_motion_in_new_words_is_not_declined(bundle):
+    said = {"*": "I cannot tell that from touch.", OPEN_QUESTION: "Up, in the camera image."}
+    answerer = answerer_saying(bundle, said)
+    encoded = answerer.encode(recording())
+    question = "Is the cable slipping through my fingers?"
+    answer = answerer.ask(encoded, question)
+    assert answer.text.startswith("Yes, it goes up in the camera image")
+    assert (answer.kind, answer.told_by) == ("verify", "rule")
+    *told, streamed = answerer.stream(encoded, question)
+    assert "".join(told) == streamed.text == answer.text
+    assert answerer.ask(encoded, "Is the cable red?").kind == "refusal"
