@@ -26,6 +26,7 @@ from geotlm_lm.answering.hearing import (
 from geotlm_lm.answering.withholding import plain, too_little_contact, unless_withheld
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.claims import (
+    claimed_class,
     claimed_motion,
     claims_motion,
     motions_named,
@@ -42,7 +43,7 @@ from geotlm_lm.conversation.retell import (
     retell,
 )
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import Motion, motion_class
 from geotlm_lm.language.parse_answer import Slots
 
 NOT_UNDERSTOOD = "I found no words for that; ask how the touched object moves."
@@ -164,7 +165,7 @@ def denies_nothing(slots: Slots, question: str) -> bool:
 
 def refuses_a_claim(slots: Slots, question: str) -> bool:
     """Tell whether the model declines to judge a claim of motion, its words being new to it."""
-    return slots.kind == "refusal" and claims_motion(question)
+    return slots.kind == "refusal" and asked_kind(question) is None and claims_motion(question)
 
 
 def contradicts_itself(slots: Slots, question: str) -> bool:
@@ -174,11 +175,13 @@ def contradicts_itself(slots: Slots, question: str) -> bool:
     not know for another claim. The rules read the claim of all of 3,600 questions from the
     templates rightly, a quarter of their wordings held out of training.
     """
-    claim = claimed_motion(question) if slots.verdict is not None else None
-    if claim is None or slots.kind not in ("verify", "negation", "premise"):
+    if slots.verdict is None or slots.kind not in ("verify", "negation", "premise"):
         return False
-    is_true = (slots.direction == claim) != (slots.kind == "negation")
-    return slots.verdict != is_true
+    claim, kind = claimed_motion(question), claimed_class(question)
+    if claim is not None:
+        return slots.verdict != ((slots.direction == claim) != (slots.kind == "negation"))
+    is_of_a_kind = kind is not None and slots.kind == "verify" and not nearly_named(question)
+    return is_of_a_kind and slots.verdict != (motion_class(slots.direction) == kind)
 
 
 def by_rule(bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: FrameSpec) -> Answer:
@@ -216,7 +219,8 @@ def _measured(bundle: Bundle, encoded: Encoded, heard: Heard, frame: FrameSpec) 
     kind, amount = heard.slots.kind, likeliest_amount(heard.slots, heard.options)
     decided = amount.word
     if encoded.contact_share < bundle.calibration.contact_threshold:
-        text = too_little_contact("say how far", encoded.contact_share)
+        what = "say how fast" if kind == "rate" else "say how far"
+        text = too_little_contact(what, encoded.contact_share)
         return plain(encoded, text, kind, frame, heard.timing_ms)
     if kind == "rate":
         if not encoded.seconds:

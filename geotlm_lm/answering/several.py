@@ -120,7 +120,7 @@ def compare_amounts(
     seconds: Sequence[float | None],
     answers: Sequence[Answer],
 ) -> Comparison:
-    """Tell which of two clips goes further, or faster, by the amounts the model said of each.
+    """Tell which of two clips goes further, or faster, by the likeliest amount of each.
 
     Args:
         question: Holds the word that says which one is asked for.

@@ -18,9 +18,9 @@ UNRECOGNISED = (
 )
 """Said in place of a claim that nothing touches."""
 
-SURE, NOTEWORTHY = 0.9, 0.05
-"""An answer less probable than the first is told with the next likeliest one, if that one is at
-least as probable as the second."""
+NEARLY_CERTAIN, NOTEWORTHY = 0.9, 0.05
+"""An answer less probable than the first, from which on confidence is called high, is told with the
+next likeliest one, if that one is at least as probable as the second."""
 
 
 def plain(
@@ -92,6 +92,6 @@ def _next_likeliest(told: Told) -> tuple[str, ...]:
     sure = told.options.get(told.decided, 0.0)
     rest = {word: share for word, share in told.options.items() if word != told.decided}
     word = max(rest, key=rest.get, default=None)
-    if word is None or sure >= SURE or rest[word] < NOTEWORTHY:
+    if word is None or sure >= NEARLY_CERTAIN or rest[word] < NOTEWORTHY:
         return ()
-    return (f"Told at {sure:.0%}, next likeliest at {rest[word]:.0%}: {word}.",)
+    return (f"Next likeliest, at {rest[word]:.0%}: {word}.",)

@@ -5,17 +5,18 @@ from __future__ import annotations
 import re
 from difflib import get_close_matches
 
-from geotlm_lm.core.labels import SLIDES, Motion, MotionClass
+from geotlm_lm.core.labels import Motion, MotionClass
 
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 
-_EDGE = r"(?:edge|border|side|end)\b"
+_TOWARDS, _EDGE = r"\b(?:to|towards?)(?: the)?", r"(?:edge|border|side|end)\b"
 
 _NO_MOTION = re.compile(
     r"am i right|(?:what|which|option|answer|letter|one) is right|(?:is|was|sounds?) that right"
     r"|(?:are|be) right|right (?:or wrong|that|to say|now)"
     r"|, right\b|\b(?:upper|lower|left|right|both) hal(?:f|ves)|(?:left|right)[ -]hand\w*"
     r"|left[ -](?:to[ -])?right|up to\b|upside[ -]down|speed\w* up|slow\w* down|screw\w* in"
+    r"|\bstill (?=\w+ing\b)|\b(?:from|along|off|at) the (?:left|right|top|bottom|upper|lower)\b"
 )
 """Words of motion in another sense; taken out before motions are looked for."""
 
@@ -38,8 +39,8 @@ NAMES: tuple[tuple[Motion, str], ...] = (
     (Motion.PRESS, r"\b(?:press|push)(?:es|ed|ing)?\b(?: in(?:to)?| down)?"),
     (Motion.LEFT, r"\bleft(?:wards?)?\b"),
     (Motion.RIGHT, r"\bright(?:wards?)?\b"),
-    (Motion.UP, rf"\bup(?:wards?)?\b|\bto the top\b|\b(?:upper|top) {_EDGE}"),
-    (Motion.DOWN, rf"\bdown(?:wards?)?\b|\bto the bottom\b|\b(?:lower|bottom) {_EDGE}"),
+    (Motion.UP, rf"\bup(?:wards?)?\b|\bto the top\b|{_TOWARDS} (?:upper|top) {_EDGE}"),
+    (Motion.DOWN, rf"\bdown(?:wards?)?\b|\bto the bottom\b|{_TOWARDS} (?:lower|bottom) {_EDGE}"),
 )
 """In the order they are looked for; what is found is taken out, so that "counterclockwise" names no
 clockwise turn and "pressing down" no slide."""
@@ -55,13 +56,23 @@ _YES_OR_NO = re.compile(
     r"(?:is|are|was|were|does|do|did|has|have|had|would|will|can|could)(?:n't|nt| not)? (?!you\b)"
 )
 
-_GOING = re.compile(
-    r"\b(?:go|goes|going|went|head(?:s|ed|ing)?|mov\w+|travel\w*|shift\w*|creep\w*|drift\w*|pull\w*)\b"
-    r"|\b(?:turn|rotat|twist|spin|spun|slid|slip|drag|glid)\w*"
-)
-"""What makes "right" in a question a way to go, and no praise."""
+_NO_ARTICLE = r"(?<!\bthe )(?<!\ba )(?<!\bthis )(?<!\bmy )"
 
-_OF_ANOTHER_TIME = re.compile(r"\b(?:will|would|later|tomorrow|next|again|before|should)\b")
+_PREDICATES = re.compile(
+    rf"\b(?:is|are|was|were|isn't|wasn't) (?:\w+ ){{1,4}}?{_NO_ARTICLE}"
+    r"(?:turn|rotat|twist|spinn|swivel|slid|slipp|dragg|glid|skidd|mov|go|head|travel|shift|creep"
+    r"|drift|press|push|lift|releas|rest)ing\b"
+    rf"|\b(?:does|do|did|doesn't|didn't) (?:\w+ ){{1,4}}?{_NO_ARTICLE}"
+    r"(?:turn|rotate|twist|spin|swivel|slide|slip|drag|glide|skid|move|go|head|travel|shift|creep"
+    r"|drift|press|push|lift|release|rest)\b"
+)
+"""What is done, where a yes-or-no question asks whether it is: "is the cable slipping", and neither
+"is the slippery cable" nor "does the slide rule"."""
+
+_OF_SOMETHING_ELSE = re.compile(
+    r"\b(?:will|would|later|tomorrow|next|again|before|should|not|who|person|price|cost|temperature)\b"
+    r"|\bgoing to (?!the\b)"
+)
 
 _OFTEN_MISTYPED = (
     "clockwise",
@@ -128,12 +139,9 @@ def claims_motion(text: str) -> bool:
     that touch cannot answer, none passes for one.
     """
     text = " ".join(text.lower().split())
-    if _OF_ANOTHER_TIME.search(text) or not _YES_OR_NO.search(text):
+    if _OF_SOMETHING_ELSE.search(text) or not _PREDICATES.search(text):
         return False
-    claim = claimed_motion(text)
-    if claim in SLIDES:
-        return bool(_GOING.search(text))
-    return claim is not None or claimed_class(text) is not None
+    return claimed_motion(text) is not None or claimed_class(text) is not None
 
 
 def offered_options(question: str) -> dict[str, Motion]:

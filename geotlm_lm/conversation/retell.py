@@ -3,14 +3,14 @@
 Why rules: seen from the other side, told for the sensor, mirrored, played backwards, undone and
 tightened are exact functions of the motion in the camera image and of the frame. A network could
 only learn them approximately, would need the frame in its prompt, and every new fact would double
-its questions. So the model says two things, which sort of
-question this is and which motion it felt, both in one closed sentence ("Mirror image of: left in
-the camera image."), and what is told is derived here. The same rules serve a model that was trained
-on open questions alone: whoever asks it supplies the sort of question.
+its questions. So the model says two things, which sort of question this is and which motion it
+felt, both in one closed sentence ("Mirror image of: left in the camera image."), and what is told
+is derived here. The same rules serve a model that was trained on open questions alone: whoever asks
+it supplies the sort of question.
 
 A yes or no depends on the frame through the claim in the question. In the camera image the model's
-own verdict stands; in any other frame the claim is read from the question by rule, and where that
-fails the direction is told without a verdict.
+own verdict stands unless it denies the motion told with it; in any other frame the claim is read
+from the question by rule, and where that fails the direction is told without a verdict.
 """
 
 from __future__ import annotations

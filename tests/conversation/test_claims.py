@@ -8,6 +8,7 @@ from geotlm_lm.conversation.claims import (
     motions_named,
     nearly_named,
 )
+from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.core.labels import Motion, MotionClass, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.data.questions import questions_for
@@ -53,8 +54,10 @@ def test_upside_down_names_no_motion_and_resting_is_still():
     [
         ("Is the cable slipping through my fingers?", True),
         ("Does it travel towards the upper edge of the picture?", True),
-        ("is it pulled to the bottom end", True),
+        ("is it going to the bottom end", True),
+        ("Is it still turning?", True),
         ("Did it turn anticlockwise?", True),
+        ("Is it moving away from the left border?", False),
         ("Is it just resting there?", True),
         ("Is it the right size?", False),
         ("Is that right?", False),
@@ -65,6 +68,18 @@ def test_upside_down_names_no_motion_and_resting_is_still():
         ("Is it turning or sliding?", False),
         ("Is it red?", False),
         ("left?", False),
+        ("Is it still warm?", False),
+        ("Does the button still work?", False),
+        ("Is the dragon green?", False),
+        ("Is the spine of the book blue?", False),
+        ("Is it slippery?", False),
+        ("Is the twisted cable red?", False),
+        ("Is the spinning top red?", False),
+        ("Does the slide rule work?", False),
+        ("Is the temperature going up?", False),
+        ("Is it going to be all right?", False),
+        ("Can it rotate freely?", False),
+        ("Is it not slipping?", False),
     ],
 )
 def test_a_claim_of_motion_is_told_from_other_questions(question, claims):
@@ -79,3 +94,30 @@ def test_no_question_that_touch_cannot_answer_passes_for_a_claim(wordings):
         for seed in range(1500)
     ]
     assert [one.question for one in asked if claims_motion(one.question)] == []
+
+
+@pytest.mark.parametrize(
+    ("question", "kind"),
+    [
+        ("How far did the top side turn?", "magnitude"),
+        ("How fast does the top edge turn?", "rate"),
+        ("How long is the top edge?", None),
+        ("Is the lower edge not sharp?", None),
+    ],
+)
+def test_an_edge_is_a_motion_only_where_one_goes_to_it(question, kind):
+    assert asked_kind(question) == kind
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("Is it still moving?", set()),
+        ("Did it come from the left?", set()),
+        ("Does it slide left along the bottom edge?", {Motion.LEFT}),
+        ("Is it still?", {Motion.STILL}),
+        ("Does it go to the lower border?", {Motion.DOWN}),
+    ],
+)
+def test_where_it_comes_from_is_no_motion(text, named):
+    assert motions_named(text) == named

@@ -15,7 +15,6 @@ from geotlm_lm.data.questions import questions_for
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.experiments.language_truth import (
     Truth,
-    amount_in,
     claim_of,
     is_right,
     letters_of,
@@ -191,10 +190,3 @@ def test_every_offered_motion_has_its_letter():
     letters = letters_of(asked)
     assert letters[Motion.UP] == asked.slots.letter
     assert sorted(letters.values()) == list("ABCD"[: len(letters)])
-
-
-@pytest.mark.parametrize(
-    ("word", "amount"), [("15 deg", (15.0, "deg")), ("0.4 mm", (0.4, "mm")), ("left", None)]
-)
-def test_amounts_are_read_from_their_deciding_word(word, amount):
-    assert amount_in(word) == amount
