@@ -27,12 +27,22 @@ class Field(Evidence):
     second_opinions: dict[str, Any]
 
 
+class Amount(TypedDict):
+    """How far or how fast, and the span it lies in nine times in ten, in `unit`."""
+
+    value: float
+    unit: Literal["deg", "mm", "deg/s", "mm/s"]
+    low: float
+    high: float
+
+
 class Answered(TypedDict):
     """An answer, its probability, the frame it is told in, and what it rests on."""
 
     text: str
     direction: Motion | None
     decided: str | None
+    amount: Amount | None
     confidence: float
     abstained: bool
     told_by: Literal["model", "rule"]
