@@ -1,0 +1,98 @@
+"""Yes and no: what a verdict is on, and that it agrees with the motion told with it."""
+
+import pytest
+
+from geotlm_lm.answering import OPEN_QUESTION
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.language.parse_answer import Slots
+from tests.answering.scripted import answerer_saying, recording
+
+
+@pytest.mark.parametrize(
+    ("question", "text", "decided"),
+    [
+        ("rotation sense pls", "Clockwise, in the camera image.", "clockwise"),
+        ("Is the thing slipping?", "No, it goes clockwise in the camera image.", "no"),
+        ("Would it be spinning?", "Yes, it goes clockwise in the camera image.", "yes"),
+    ],
+)
+def test_a_no_to_nothing_that_was_claimed_is_not_said(bundle, question, text, decided):
+    denial = bundle.grammar.sentence(Slots("verify", Motion.DOWN, verdict=False))
+    opened = bundle.grammar.sentence(Slots("direction", Motion.CLOCKWISE))
+    answerer = answerer_saying(bundle, {question: denial, OPEN_QUESTION: opened})
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert (answer.text, answer.decided) == (text, decided)
+
+
+@pytest.mark.parametrize("question", ["Is it sliding left?", "is it sliding lefft?"])
+def test_a_no_to_a_claim_stands_in_the_models_words(bundle, question):
+    denial = bundle.grammar.sentence(Slots("verify", Motion.DOWN, verdict=False))
+    answerer = answerer_saying(bundle, {"*": denial})
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert (answer.text, answer.told_by) == (denial, "model")
+
+
+@pytest.mark.parametrize(
+    ("question", "said", "text", "decided"),
+    [
+        (
+            "Is the coin just resting there?",
+            "Yes, it is pressing in.",
+            "No, it is pressing in.",
+            "no",
+        ),
+        (
+            "Does it go left?",
+            "No, it goes left in the camera image.",
+            "Yes, it goes left in the camera image.",
+            "yes",
+        ),
+        (
+            "Is it spinning?",
+            "Yes, left in the camera image.",
+            "No, it goes left in the camera image.",
+            "no",
+        ),
+        (
+            "Is it not going right?",
+            "It is: it goes left in the camera image.",
+            "It is not: it goes left in the camera image.",
+            "it is not",
+        ),
+        (
+            "Why does it turn clockwise so slowly, and how fast?",
+            "That holds: it goes left in the camera image.",
+            "But no, it goes left in the camera image.",
+            "it does not",
+        ),
+    ],
+)
+def test_a_verdict_that_denies_the_motion_told_with_it_is_put_right(
+    bundle, question, said, text, decided
+):
+    opened = "It is pressing in." if "pressing" in text else "Left, in the camera image."
+    answerer = answerer_saying(bundle, {"*": said, OPEN_QUESTION: opened})
+    encoded = answerer.encode(recording())
+    answer = answerer.ask(encoded, question)
+    assert (answer.text, answer.decided, answer.told_by) == (text, decided, "rule")
+    *told, streamed = answerer.stream(encoded, question)
+    assert ("".join(told), streamed.text) == (text, text)
+
+
+def test_a_verdict_on_a_claim_that_no_rule_reads_stands(bundle):
+    answerer = answerer_saying(bundle, {"*": "Yes, it is pressing in."})
+    answer = answerer.ask(answerer.encode(recording()), "Is it being squashed?")
+    assert (answer.text, answer.told_by) == ("Yes, it is pressing in.", "model")
+
+
+def test_a_claim_of_motion_in_new_words_is_not_declined(bundle):
+    said = {"*": "I cannot tell that from touch.", OPEN_QUESTION: "Up, in the camera image."}
+    answerer = answerer_saying(bundle, said)
+    encoded = answerer.encode(recording())
+    question = "Is the cable slipping through my fingers?"
+    answer = answerer.ask(encoded, question)
+    assert answer.text.startswith("Yes, it goes up in the camera image")
+    assert (answer.kind, answer.told_by) == ("verify", "rule")
+    *told, streamed = answerer.stream(encoded, question)
+    assert "".join(told) == streamed.text == answer.text
+    assert answerer.ask(encoded, "Is the cable red?").kind == "refusal"
