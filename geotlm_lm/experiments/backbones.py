@@ -45,10 +45,10 @@ class BackboneSize:
 SHIPPED = BackboneSize(DEFAULT.backbone_width, DEFAULT.backbone_depth, DEFAULT.backbone_heads)
 
 BACKBONES: dict[str, BackboneSize] = {
-    "160 wide, 2 layers": replace(SHIPPED, depth=2),
-    "160 wide, 4 layers": SHIPPED,
+    "160 wide, 2 layers": SHIPPED,
+    "160 wide, 4 layers": replace(SHIPPED, depth=4),
     "160 wide, 6 layers": replace(SHIPPED, depth=6),
-    "224 wide, 4 layers": replace(SHIPPED, width=224),
+    "224 wide, 4 layers": replace(SHIPPED, width=224, depth=4),
 }
 """What is compared. A narrower token could not hold the inputs of two time-bins, 148 numbers,
 apart, and so would not begin from the stem's alignment, as these do."""
