@@ -31,8 +31,10 @@ CHANNELS = 6
 """Displacement x and y, laid on the first frame; the same summed over the steps; gain of the last
 step's alignment over rest; its correlation. Where the two displacements differ, neither is sure."""
 
-TURNS_RAD = np.radians(np.arange(-45.0, 45.1, 5.0)).astype(np.float32)
-"""Turns that are searched; the refinement reaches half a step easily."""
+TURNS_RAD = np.radians(np.arange(-45.0, 45.1, 9.0)).astype(np.float32)
+"""Turns that are searched; the refinement reaches half a step. On 770 pairs of simulated frames it
+ends within a pixel of where steps of 5 degrees lead it, in all but 0.7 % within a quarter of one;
+steps of 10 degrees leave 2.9 % off by more than a pixel."""
 
 PRIOR_PER_PX2 = 2e-4
 """Loss of correlation per squared pixel of travel: of two equal matches, as a knurled cap has many,
@@ -92,16 +94,20 @@ class Rigid:
 
     def after(self, first: Rigid) -> Rigid:
         """Return `first` followed by this motion."""
-        x, y = self.matrix @ (first.x_px, first.y_px) + (self.x_px, self.y_px)
-        return Rigid(self.turn_rad + first.turn_rad, float(x), float(y), self.aspect)
+        (a, b), (c, d) = self.matrix.tolist()
+        x = a * first.x_px + b * first.y_px + self.x_px
+        y = c * first.x_px + d * first.y_px + self.y_px
+        return Rigid(self.turn_rad + first.turn_rad, x, y, self.aspect)
+
+    def way_back(self) -> NDArray[np.float64]:
+        """Return where each pixel after the motion came from, an affine map (2, 3)."""
+        (a, b), (c, d) = self._back().tolist()
+        x, y = _MIDDLE + self.x_px, _MIDDLE + self.y_px
+        return np.array([[a, b, _MIDDLE - a * x - b * y], [c, d, _MIDDLE - c * x - d * y]])
 
     def moved(self, image: Floats) -> Floats:
         """Return a square image of side `SIDE` after the motion; zero comes in from outside."""
-        (a, b), (c, d) = self._back().tolist()
-        x, y = _MIDDLE + self.x_px, _MIDDLE + self.y_px
-        back = np.array([[a, b, _MIDDLE - a * x - b * y], [c, d, _MIDDLE - c * x - d * y]])
-        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-        return cv2.warpAffine(image, back, (SIDE, SIDE), flags=flags)
+        return _warped(image, self.way_back())
 
     def displacement(self) -> Floats:
         """Return how far the point now under each patch centre has come, (14, 14, 2), pixels."""
@@ -171,14 +177,14 @@ def align(
 def _search(before: Floats, after: Floats, aspect: float) -> Rigid:
     """Return the turn and whole-pixel shift of highest correlation, short ways preferred."""
     turned = np.zeros((len(TURNS_RAD), _PADDED, _PADDED), np.float32)
-    for image, turn in zip(turned, TURNS_RAD, strict=True):
-        image[:SIDE, :SIDE] = Rigid(turn, aspect=aspect).moved(before)
+    for image, back in zip(turned, _turns_back(aspect), strict=True):
+        image[:SIDE, :SIDE] = _warped(before, back)
     target = np.zeros((_PADDED, _PADDED), np.float32)
     target[:SIDE, :SIDE] = after
-    spectra = torch.fft.rfft2(torch.from_numpy(turned)).conj()
-    match = torch.fft.irfft2(spectra * torch.fft.rfft2(torch.from_numpy(target)))
-    norm = np.sqrt(np.square(turned).sum(axis=(1, 2))) * np.sqrt(np.square(target).sum())
-    score = match / torch.from_numpy(norm[:, None, None] + 1e-6) - _prior()
+    norm = np.sqrt(np.square(turned).sum(axis=(1, 2)) * np.square(target).sum()) + 1e-6
+    spectra = torch.fft.rfft2(torch.from_numpy(turned)).conj_physical()
+    spectra *= torch.fft.rfft2(torch.from_numpy(target)) / torch.from_numpy(norm)[:, None, None]
+    score = torch.fft.irfft2(spectra) - _prior()
     turn, y, x = np.unravel_index(int(score.argmax()), score.shape)
     # The transform is periodic: shifts beyond half of it are negative.
     x, y = ((int(one) + _PADDED // 2) % _PADDED - _PADDED // 2 for one in (x, y))
@@ -187,25 +193,21 @@ def _search(before: Floats, after: Floats, aspect: float) -> Rigid:
 
 def _refined(before: Floats, after: Floats, motion: Rigid) -> Rigid:
     """Improve `motion` by robust Gauss-Newton steps; contrast and level may change besides."""
-    x, y = _levers(motion.aspect)
     changed = changed_weight(before, after).ravel()
     counted = _counted(changed)
-    rows = np.ones((5, SIDE * SIDE), np.float32)  # the last for a change of level
+    rows = np.ones((6, SIDE * SIDE), np.float32)
     for _ in range(REFINEMENTS):
-        moved = motion.moved(before)
-        slope_x = cv2.Sobel(moved, cv2.CV_32F, 1, 0, scale=1 / 8).ravel()
-        slope_y = cv2.Sobel(moved, cv2.CV_32F, 0, 1, scale=1 / 8).ravel()
-        np.subtract(slope_x * y, slope_y * x, out=rows[0])
-        np.negative(slope_x, out=rows[1])
-        np.negative(slope_y, out=rows[2])
-        rows[3] = moved.ravel()
-        error = after.ravel() - rows[3]
+        _fill(rows, motion, before, after)
+        error = rows[5]
         spread = 2 * 1.48 * float(ranked(np.abs(error[counted]))) + 1e-4
-        weighted = rows * (changed / (1 + np.square(error / spread)))
-        normal = (weighted @ rows.T).astype(np.float64)
-        normal[np.diag_indices(5)] += 1e-3 * normal.diagonal() + 1e-6
+        weighted = rows[:5] * (changed / (1 + np.square(error / spread)))
+        # Row by row: numpy's product of two such flat matrices takes twice as long.
+        products = np.array([rows @ row for row in weighted], np.float64)
+        normal = products[:, :5].copy()
+        diagonal = normal.ravel()[::6]
+        diagonal += 1e-3 * diagonal + 1e-6
         # OpenCV solves five equations in a quarter of numpy's time.
-        _, solution = cv2.solve(normal, (weighted @ error).astype(np.float64)[:, None])
+        _, solution = cv2.solve(normal, products[:, 5:].copy())
         turn, right, down = solution[:3, 0].tolist()
         step = Rigid(turn, right, down, motion.aspect)
         better = step.after(motion)
@@ -215,6 +217,18 @@ def _refined(before: Floats, after: Floats, motion: Rigid) -> Rigid:
         if max(abs(step.turn_rad) * TURN_RADIUS_PX, abs(step.x_px), abs(step.y_px)) < 0.01:
             break
     return motion
+
+
+def _fill(rows: Floats, motion: Rigid, before: Floats, after: Floats) -> None:
+    """Lay out how a pixel changes with the turn, the shifts, contrast and level, and its error."""
+    x, y = _levers(motion.aspect)
+    right, down, moved = (row.reshape(SIDE, SIDE) for row in rows[1:4])
+    moved[:] = motion.moved(before)
+    cv2.Sobel(moved, cv2.CV_32F, 1, 0, dst=right, scale=-1 / 8)
+    cv2.Sobel(moved, cv2.CV_32F, 0, 1, dst=down, scale=-1 / 8)
+    np.subtract(rows[2] * x, rows[1] * y, out=rows[0])
+    # Row 4 stays one: a change of level is the same everywhere.
+    np.subtract(after.ravel(), rows[3], out=rows[5])
 
 
 def changed_weight(before: Floats, after: Floats) -> Floats:
@@ -242,6 +256,11 @@ def _channels(before: Floats, after: Floats, step: Rigid, totals: Sequence[Rigid
     return np.concatenate([*moves, gain[..., None], correlation[..., None]], axis=-1)
 
 
+def _warped(image: Floats, back: NDArray[np.float64]) -> Floats:
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    return cv2.warpAffine(image, back, (SIDE, SIDE), flags=flags)
+
+
 def _small(image: Floats) -> Floats:
     small = cv2.resize(image, (SIDE, SIDE), interpolation=cv2.INTER_AREA)
     return small - small.mean()
@@ -253,6 +272,11 @@ def _levers(aspect: float) -> tuple[Floats, Floats]:
     axis = np.arange(SIDE, dtype=np.float32) - np.float32(_MIDDLE)
     x, y = np.meshgrid(axis, axis)
     return (x * np.float32(aspect)).ravel(), (y / np.float32(aspect)).ravel()
+
+
+@lru_cache(maxsize=8)
+def _turns_back(aspect: float) -> list[NDArray[np.float64]]:
+    return [Rigid(float(turn), aspect=aspect).way_back() for turn in TURNS_RAD]
 
 
 @lru_cache(maxsize=1)

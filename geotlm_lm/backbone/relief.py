@@ -54,7 +54,8 @@ def reliefs(residuals: Sequence[Floats], aspect: float = 1.0) -> Floats:
     slopes of a relief have no curl and those of a half inverted one do.
 
     Args:
-        residuals: Frames less the idle gel, float32 (side, side, 3), RGB grey levels.
+        residuals: Frames less the idle gel, float32 (side, side, 3), RGB grey levels; the relief's
+            own side saves the shrinking.
         aspect: Width of a pixel over its height: the shade tells the slope on the gel, and a wide
             pixel climbs farther on it.
 
@@ -84,10 +85,12 @@ def lights_are_mirrored(slope_x: Floats, slope_y: Floats) -> bool:
         to_right, down = (cv2.GaussianBlur(one, (0, 0), CURL_BLUR_PX) for one in (to_right, down))
         across = cv2.Sobel(to_right, cv2.CV_32F, 0, 1)
         along = cv2.Sobel(down, cv2.CV_32F, 1, 0)
-        kept += float(np.square(across - along).sum())
-        swapped += float(np.square(across + along).sum())
         outward = cv2.Sobel(down, cv2.CV_32F, 0, 1) - cv2.Sobel(to_right, cv2.CV_32F, 1, 0)
-        spread += float(np.square(outward).sum())
+        # The squares of sum and difference, without an image for either.
+        both, product = np.vdot(across, across) + np.vdot(along, along), np.vdot(across, along)
+        kept += float(both - 2 * product)
+        swapped += float(both + 2 * product)
+        spread += float(np.vdot(outward, outward))
     return swapped < MIRRORED_CURL * kept and swapped < CURL_OF_RELIEF * spread
 
 

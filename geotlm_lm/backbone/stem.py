@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.backbone.alignment import CHANNELS as ALIGNMENT_CHANNELS
 from geotlm_lm.backbone.alignment import alignment
-from geotlm_lm.backbone.relief import RELIEF_SCALE, as_image, reliefs
+from geotlm_lm.backbone.relief import RELIEF_SCALE, RELIEF_SIDE, as_image, reliefs
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import (
     FRAME_COUNT,
@@ -29,9 +29,6 @@ from geotlm_lm.core.geometry import (
 )
 
 Floats = NDArray[np.float32]
-
-Structure = tuple[Floats, Floats, Floats]
-"""Products of an image's gradients: xx, xy, yy."""
 
 CELLS = 4
 """Cells per patch side at which the residual is kept: 4 x 4 cells of 4 x 4 pixels."""
@@ -118,12 +115,13 @@ def look(clip: Clip) -> tuple[Floats, View]:
     view = contact_view([_structure(_green(image)) for image in whole])
     residual = [view.cut(image) for image in whole]
     aspect = pixel_aspect(*clip.frames.shape[1:3])
-    relief = reliefs(residual, aspect)
+    half = [_area_means(image, RELIEF_SIDE) for image in residual]
+    relief = reliefs(half, aspect)
     magnification = np.log(IMAGE_SIDE / view.side_px)
     parts = [
-        np.clip(_bin_means([_cells(image) for image in residual]) / RESIDUAL_SCALE_GREY, -4, 4),
-        _motion([_green(image) for image in residual], RESIDUAL_FLOW),
-        _motion([as_image(frame) for frame in relief], RELIEF_FLOW),
+        np.clip(_bin_means([_cells(image) for image in half]) / RESIDUAL_SCALE_GREY, -4, 4),
+        _motion([_green(image) for image in residual], RESIDUAL_PATCH_PX),
+        _motion([as_image(frame) for frame in relief], RELIEF_PATCH_PX),
         _bin_means([_area_means(frame, GRID_SIDE) for frame in relief])[..., None] / RELIEF_SCALE,
         np.full((TIME_BIN_COUNT, GRID_SIDE, GRID_SIDE, 1), magnification),
         _alignment(residual, relief, aspect),
@@ -131,18 +129,19 @@ def look(clip: Clip) -> tuple[Floats, View]:
     return np.concatenate(parts, axis=-1, dtype=np.float32), view
 
 
-def contact_view(structure: Sequence[Structure]) -> View:
+def contact_view(structure: Sequence[Floats]) -> View:
     """Return the view around what stands out from the idle gel in any frame.
 
     Args:
-        structure: Products of the residual's gradients of each frame.
+        structure: Mean products of the residual's gradients in each cell of each frame, xx, xy, yy:
+            (cells, cells, 3), a whole number of them on a cell of `VIEW_CELL_PX`.
 
     Returns:
         A view centred on the imprint, between `MIN_VIEW_PX` and the whole image large; the whole
         image where nothing stands out.
     """
     side = IMAGE_SIDE // VIEW_CELL_PX
-    energy = np.max([_area_means(xx + yy, side) for xx, _, yy in structure], axis=0)
+    energy = np.max([_area_means(one[..., 0] + one[..., 2], side) for one in structure], axis=0)
     excess = np.sqrt(np.maximum(energy - 2 * np.median(energy) - CONTRAST_FLOOR_GREY2, 0))
     mass = float(excess.sum())
     if mass == 0:
@@ -185,7 +184,7 @@ def _green(residual: Floats) -> NDArray[np.uint8]:
 
 
 def _cells(residual: Floats) -> Floats:
-    """Average (224, 224, 3) to (14, 14, 48): 4 x 4 cells of three colours per patch."""
+    """Average (side, side, 3) to (14, 14, 48): 4 x 4 cells of three colours per patch."""
     cells = _area_means(residual, GRID_SIDE * CELLS)
     cells = cells.reshape(GRID_SIDE, CELLS, GRID_SIDE, CELLS, 3)  # gh cell gw cell rgb
     return cells.transpose(0, 2, 1, 3, 4).reshape(GRID_SIDE, GRID_SIDE, -1)
@@ -202,58 +201,51 @@ def _bin_means(values: Sequence[Floats]) -> Floats:
     return stacked.reshape(-1, TUBE_FRAMES, *stacked.shape[1:]).mean(axis=1)
 
 
-def _structure(green: NDArray[np.uint8]) -> Structure:
-    """Return the products of image gradients (xx, xy, yy), each (side, side), grey^2 per px^2."""
+def _structure(green: NDArray[np.uint8]) -> Floats:
+    """Return the mean products of gradients xx, xy, yy in each pixel of the flow, (56, 56, 3).
+
+    In grey^2 per px^2.
+    """
     image = cv2.GaussianBlur(green, (5, 5), 0)
     gx = cv2.Sobel(image, cv2.CV_32F, 1, 0, scale=1 / 8)
     gy = cv2.Sobel(image, cv2.CV_32F, 0, 1, scale=1 / 8)
-    return gx * gx, gx * gy, gy * gy
+    return cv2.merge([_area_means(one, FLOW_SIDE) for one in (gx * gx, gx * gy, gy * gy)])
 
 
-def _orientation(structure: Structure) -> Floats:
+def _orientation(structure: Floats) -> Floats:
     """Return log contrast and the normalised structure of each patch, shape (14, 14, 4)."""
-    mean = np.stack([_area_means(products, GRID_SIDE) for products in structure], axis=-1)
+    mean = _area_means(structure, GRID_SIDE)
     energy = mean[..., :1] + mean[..., 2:]
     log_contrast = np.log1p(energy / CONTRAST_FLOOR_GREY2)
     return np.concatenate([log_contrast, mean / (energy + CONTRAST_FLOOR_GREY2)], axis=-1)
 
 
-@dataclass(frozen=True)
-class FlowSettings:
-    """Dense inverse search on a quarter of the view's resolution, 56 x 56.
+FLOW_SIDE = 56
+"""Side of the images whose flow is sought, a quarter of the view's resolution. Measured on 299
+simulated turns and slides, direction read by a rigid fit inside the true contact, patches of 8 px:
+0.98 and 0.93; at half of the view's resolution 0.98 and 0.90."""
 
-    Args:
-        finest_scale: Halvings from the image handed in to the finest one that is searched.
-        patch_px: Side of a matched patch, pixels of the finest image.
-    """
+RESIDUAL_PATCH_PX = 12
+"""Side of a patch matched in the residual: on the same clips 0.99 and 0.94."""
 
-    finest_scale: int
-    patch_px: int
-
-    def solver(self) -> cv2.DISOpticalFlow:
-        """Return the solver; variational smoothing gained nothing and costs half as much again."""
-        solver = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
-        solver.setFinestScale(self.finest_scale)
-        solver.setPatchSize(self.patch_px)
-        solver.setPatchStride(4)
-        solver.setVariationalRefinementIterations(0)
-        return solver
+RELIEF_PATCH_PX = 8
+"""Side of a patch matched in the relief: patches of 8 px find 0.86 of a turn, of 12 px 0.83."""
 
 
-RESIDUAL_FLOW = FlowSettings(finest_scale=2, patch_px=12)
-"""Measured on 299 simulated turns and slides, direction read by a rigid fit inside the true
-contact: patches of 12 px 0.99 and 0.94, of 8 px 0.98 and 0.93; half resolution 0.98 and 0.90."""
+def _solver(patch_px: int) -> cv2.DISOpticalFlow:
+    """Return dense inverse search; variational smoothing gained nothing and costs half as much."""
+    solver = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
+    solver.setFinestScale(0)
+    solver.setPatchSize(patch_px)
+    solver.setPatchStride(4)
+    solver.setVariationalRefinementIterations(0)
+    return solver
 
-RELIEF_FLOW = FlowSettings(finest_scale=1, patch_px=8)
-"""Measured as the relief was: patches of 8 px find 0.86 of a turn, of 12 px 0.83; full resolution
-finds no more and takes twice as long."""
 
-
-def _motion(images: list[NDArray[np.uint8]], settings: FlowSettings) -> Floats:
+def _motion(images: list[NDArray[np.uint8]], patch_px: int) -> Floats:
     """Return flow, log contrast and orientation of each patch, (2, 14, 14, 6), early bin first."""
     structure = [_structure(image) for image in images]
-    pixel = IMAGE_SIDE / len(images[0])
-    flow = _bin_means(_accumulated_flow(images, structure, settings)) * (pixel / FLOW_SCALE_PX)
+    flow = _bin_means(_accumulated_flow(images, structure, patch_px)) / FLOW_SCALE_PX
     orientation = _bin_means([_orientation(products) for products in structure])
     return np.concatenate([flow, orientation], axis=-1)
 
@@ -273,17 +265,22 @@ def _alignment(residual: Sequence[Floats], relief: Sequence[Floats], aspect: flo
 
 
 def _accumulated_flow(
-    images: list[NDArray[np.uint8]], structure: list[Structure], settings: FlowSettings
+    images: list[NDArray[np.uint8]], structure: list[Floats], patch_px: int
 ) -> list[Floats]:
-    """Sum each patch's contrast-weighted flow from the first frame on, (14, 14, 2) a frame, px."""
-    solver = settings.solver()
+    """Sum each patch's contrast-weighted flow from the first frame on, (14, 14, 2) a frame.
+
+    In pixels of the view.
+    """
+    solver = _solver(patch_px)
+    # Shrunk once here: the solver would shrink both images of every pair, and spread its flow over
+    # all their pixels again.
+    small = [_area_means(image, FLOW_SIDE) for image in images]
     total = [np.zeros((GRID_SIDE, GRID_SIDE, 2), np.float32)]
-    for before, after, products in zip(images[:-1], images[1:], structure[1:], strict=True):
+    for before, after, products in zip(small[:-1], small[1:], structure[1:], strict=True):
         step = np.zeros_like(total[0])
         if not np.array_equal(before, after):
-            flow = solver.calc(before, after, None)
-            weight = products[0] + products[2] + 1e-3
-            step = _area_means(flow * weight[..., None], GRID_SIDE)
-            step /= _area_means(weight, GRID_SIDE)[..., None]
-        total.append(total[-1] + step)
+            weight = products[..., 0] + products[..., 2] + np.float32(1e-3)
+            flow = solver.calc(before, after, None) * weight[..., None]
+            step = _area_means(flow, GRID_SIDE) / _area_means(weight, GRID_SIDE)[..., None]
+        total.append(total[-1] + step * np.float32(IMAGE_SIDE / FLOW_SIDE))
     return total
