@@ -261,7 +261,7 @@ _HARD = {
     "textured_ball_release": "a ball",
     "corner_counterclockwise": "at the border",
     "key_none": "no contact",
-    "pen_clip_left": "told wrong",
+    "pen_clip_left": "a small slide",
 }
 
 
