@@ -103,7 +103,7 @@ def in_words(
     if slots is None:
         answer = plain(encoded, NOT_UNDERSTOOD, None, frame, heard.timing_ms)
         return replace(answer, options=heard.options)
-    if refuses_a_claim(slots, question):
+    if passes_over_a_claim(slots, question):
         return _from_open_question(bundle, encoded, question, "verify", frame)
     if slots.kind in NEEDS_MORE:
         return plain(encoded, NEEDS_MORE[slots.kind], slots.kind, frame, heard.timing_ms)
@@ -163,9 +163,14 @@ def denies_nothing(slots: Slots, question: str) -> bool:
     return is_no and not motions_named(question) and not nearly_named(question)
 
 
-def refuses_a_claim(slots: Slots, question: str) -> bool:
-    """Tell whether the model declines to judge a claim of motion, its words being new to it."""
-    return slots.kind == "refusal" and asked_kind(question) is None and claims_motion(question)
+def passes_over_a_claim(slots: Slots, question: str) -> bool:
+    """Tell whether the model declines to judge a claim of motion, or speaks of contact instead.
+
+    The claim's words are then new to it. No question of the templates about contact or about
+    motion as such passes for a claim.
+    """
+    passes_over = slots.kind in ("refusal", "contact")
+    return passes_over and asked_kind(question) is None and claims_motion(question)
 
 
 def contradicts_itself(slots: Slots, question: str) -> bool:

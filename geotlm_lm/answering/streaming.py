@@ -20,7 +20,7 @@ from geotlm_lm.answering.replying import (
     contradicts_itself,
     denies_nothing,
     is_as_seen,
-    refuses_a_claim,
+    passes_over_a_claim,
 )
 from geotlm_lm.answering.withholding import is_contradicted
 from geotlm_lm.checkpoint import Bundle
@@ -79,7 +79,7 @@ def stands(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, sl
         return False
     if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RETOLD or denies_nothing(slots, question):
         return False
-    if refuses_a_claim(slots, question):
+    if passes_over_a_claim(slots, question):
         return False
     if is_contradicted(encoded, slots) or contradicts_itself(slots, question):
         return False

@@ -85,8 +85,11 @@ def test_a_verdict_on_a_claim_that_no_rule_reads_stands(bundle):
     assert (answer.text, answer.told_by) == ("Yes, it is pressing in.", "model")
 
 
-def test_a_claim_of_motion_in_new_words_is_not_declined(bundle):
-    said = {"*": "I cannot tell that from touch.", OPEN_QUESTION: "Up, in the camera image."}
+@pytest.mark.parametrize(
+    "passed_over", ["I cannot tell that from touch.", "Yes, something is touching the gel."]
+)
+def test_a_claim_of_motion_in_new_words_is_not_passed_over(bundle, passed_over):
+    said = {"*": passed_over, OPEN_QUESTION: "Up, in the camera image."}
     answerer = answerer_saying(bundle, said)
     encoded = answerer.encode(recording())
     question = "Is the cable slipping through my fingers?"
@@ -95,4 +98,4 @@ def test_a_claim_of_motion_in_new_words_is_not_declined(bundle):
     assert (answer.kind, answer.told_by) == ("verify", "rule")
     *told, streamed = answerer.stream(encoded, question)
     assert "".join(told) == streamed.text == answer.text
-    assert answerer.ask(encoded, "Is the cable red?").kind == "refusal"
+    assert answerer.ask(encoded, "Is the cable red?").text == passed_over

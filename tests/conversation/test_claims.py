@@ -87,12 +87,11 @@ def test_a_claim_of_motion_is_told_from_other_questions(question, claims):
 
 
 @pytest.mark.parametrize("wordings", ["seen", "held_out"])
-def test_no_question_that_touch_cannot_answer_passes_for_a_claim(wordings):
+@pytest.mark.parametrize("asked_type", ["T6", "T16", "T17"])
+def test_no_question_of_another_type_passes_for_a_claim_of_a_motion(asked_type, wordings):
     label = MotionLabel(Motion.CLOCKWISE, rotation_deg=12.0)
-    asked = [
-        questions_for(label, generator_for(seed, "claims"), types=["T17"], wordings=wordings)[0]
-        for seed in range(1500)
-    ]
+    rngs = (generator_for(seed, "claims") for seed in range(1500))
+    asked = [questions_for(label, rng, types=[asked_type], wordings=wordings)[0] for rng in rngs]
     assert [one.question for one in asked if claims_motion(one.question)] == []
 
 
