@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.reports.published import (
     ABLATION,
@@ -137,8 +138,7 @@ def comparison_table(
     for other, cells in published.items():
         if other not in counterparts.values():
             lines.append([f"paper: {other}", *("-",) * 4, *_published(cells)])
-    classes = " / ".join(found["truths"])
-    return f"{markdown(header, lines)}\n\nRecalls: {classes}."
+    return f"{markdown(header, lines)}\n\nRecalls: {' / '.join(_truths(found))}."
 
 
 def ablation_table(tasks: Mapping[str, Any]) -> str:
@@ -256,18 +256,23 @@ def _backbone(record: RunRecord) -> str:
 
 
 def _facts(found: Mapping[str, Any]) -> str:
-    truths = ", ".join(f"{count} {motion}" for motion, count in found["truths"].items())
+    truths = ", ".join(f"{count} {motion}" for motion, count in _truths(found).items())
     return (
         f"{found['clips']} clips: {truths}; {found['unreadable_left_out']} left out, their images "
         f"do not show the motion."
     )
 
 
+def _truths(found: Mapping[str, Any]) -> dict[str, int]:
+    """Return the clips of each motion in the order of the published recalls, not by letter."""
+    return {name: found["truths"][name] for name in Motion if name in found["truths"]}
+
+
 def _ours(found: Mapping[str, Any], row: str) -> list[str]:
     cells = []
     for protocol in (FIVE_FOLD, LEAVE_ONE_OUT):
         scores = found["protocols"][protocol]["rows"][row]
-        recalls = " / ".join(f"{scores['recall'][name]:.3f}" for name in found["truths"])
+        recalls = " / ".join(f"{scores['recall'][name]:.3f}" for name in _truths(found))
         cells += [f"{scores['mean']:.3f} ± {scores['sd']:.3f}", recalls]
     return cells
 

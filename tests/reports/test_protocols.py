@@ -1,5 +1,7 @@
 """A made record, so that every cell of the page has a known place."""
 
+import json
+
 import pytest
 
 from geotlm_lm.core.record import RunRecord
@@ -131,6 +133,15 @@ def test_ours_and_the_published_figures_stand_in_one_row_under_their_own_data(re
         "0.440 / 0.599",
     ]
     assert line_of(table, "Curl + LR")[-2:] == ["-", "-"]
+
+
+def test_recalls_stand_in_the_published_order_however_a_stored_record_is_sorted(record):
+    found = record.numbers["tasks"]["sliding"]
+    stored = json.loads(json.dumps(found, sort_keys=True))
+    tables = [comparison_table(one, ("DGR, paper",), "sliding", SLIDING) for one in (found, stored)]
+    assert tables[0] == tables[1]
+    assert tables[0].endswith("Recalls: left / right / up / down.")
+    assert line_of(tables[0], "DGR, paper")[6] == "0.991 / 0.985 / 0.988 / 0.990"
 
 
 def test_published_rows_without_a_counterpart_stand_below_ours(record):
