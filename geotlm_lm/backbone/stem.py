@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -184,13 +185,14 @@ def _green(residual: Floats) -> NDArray[np.uint8]:
 
 
 def _cells(residual: Floats) -> Floats:
-    """Average (side, side, 3) to (14, 14, 48): 4 x 4 cells of three colours per patch."""
+    """Average (side, side, 3), a multiple of 56, to (14, 14, 48): 4 x 4 cells of RGB per patch."""
     cells = _area_means(residual, GRID_SIDE * CELLS)
     cells = cells.reshape(GRID_SIDE, CELLS, GRID_SIDE, CELLS, 3)  # gh cell gw cell rgb
     return cells.transpose(0, 2, 1, 3, 4).reshape(GRID_SIDE, GRID_SIDE, -1)
 
 
-def _area_means(values: Floats, side: int) -> Floats:
+def _area_means(values: NDArray[Any], side: int) -> NDArray[Any]:
+    """Average a square image to `side` pixels, each a whole number of its own; keeps the type."""
     # Measured 15 times faster than a numpy mean over two axes of the reshaped image.
     return cv2.resize(values, (side, side), interpolation=cv2.INTER_AREA)
 
@@ -233,7 +235,7 @@ RELIEF_PATCH_PX = 8
 
 
 def _solver(patch_px: int) -> cv2.DISOpticalFlow:
-    """Return dense inverse search; variational smoothing gained nothing and costs half as much."""
+    """Return dense inverse search; variational smoothing gained nothing and took half again."""
     solver = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
     solver.setFinestScale(0)
     solver.setPatchSize(patch_px)

@@ -86,6 +86,20 @@ def test_a_verdict_on_a_claim_that_no_rule_reads_stands(bundle):
 
 
 @pytest.mark.parametrize(
+    "question",
+    [
+        "Is anything pressing on the gel?",
+        "Is something pushing on the sensor?",
+        "Is anything resting on the gel?",
+    ],
+)
+def test_what_presses_or_rests_may_be_answered_by_a_contact(bundle, question):
+    answerer = answerer_saying(bundle, {"*": "Yes, something is touching the gel."})
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert (answer.kind, answer.told_by) == ("contact", "model")
+
+
+@pytest.mark.parametrize(
     "passed_over", ["I cannot tell that from touch.", "Yes, something is touching the gel."]
 )
 def test_a_claim_of_motion_in_new_words_is_not_passed_over(bundle, passed_over):

@@ -88,7 +88,7 @@ def test_a_claim_of_motion_is_told_from_other_questions(question, claims):
 
 @pytest.mark.parametrize("wordings", ["seen", "held_out"])
 @pytest.mark.parametrize("asked_type", ["T6", "T16", "T17"])
-def test_no_question_of_another_type_passes_for_a_claim_of_a_motion(asked_type, wordings):
+def test_no_question_of_contact_or_beyond_touch_passes_for_a_claim(asked_type, wordings):
     label = MotionLabel(Motion.CLOCKWISE, rotation_deg=12.0)
     rngs = (generator_for(seed, "claims") for seed in range(1500))
     asked = [questions_for(label, rng, types=[asked_type], wordings=wordings)[0] for rng in rngs]
