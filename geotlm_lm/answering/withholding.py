@@ -8,6 +8,7 @@ from geotlm_lm.answering.answer import Answer, Encoded, evidence
 from geotlm_lm.answering.hearing import NEVER_DOUBTED, is_doubtful
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.retell import Told
+from geotlm_lm.conversation.wording import level
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, MotionClass
 from geotlm_lm.language.parse_answer import Slots
@@ -18,9 +19,9 @@ UNRECOGNISED = (
 )
 """Said in place of a claim that nothing touches."""
 
-NEARLY_CERTAIN, NOTEWORTHY = 0.9, 0.05
-"""An answer less probable than the first, from which on confidence is called high, is told with the
-next likeliest one, if that one is at least as probable as the second."""
+NOTEWORTHY = 0.05
+"""An answer whose confidence is not called high is told with the next likeliest one, if that one is
+at least this probable."""
 
 
 def plain(
@@ -92,6 +93,6 @@ def _next_likeliest(told: Told) -> tuple[str, ...]:
     sure = told.options.get(told.decided, 0.0)
     rest = {word: share for word, share in told.options.items() if word != told.decided}
     word = max(rest, key=rest.get, default=None)
-    if word is None or sure >= NEARLY_CERTAIN or rest[word] < NOTEWORTHY:
+    if word is None or level(sure) == "high" or rest[word] < NOTEWORTHY:
         return ()
     return (f"Next likeliest, at {rest[word]:.0%}: {word}.",)

@@ -46,6 +46,17 @@ CONTRAST_FLOOR_GREY2 = 4.0
 FLOW_CHANNELS = 6
 """Flow x, flow y, log contrast, and the gradients' orientation (3)."""
 
+FLOW_SIDE = 56
+"""Side of the images whose flow is sought, a quarter of the view's resolution. Measured on 299
+simulated turns and slides, direction read by a rigid fit inside the true contact, patches of 8 px:
+0.98 and 0.93; at half of the view's resolution 0.98 and 0.90."""
+
+RESIDUAL_PATCH_PX = 12
+"""Side of a patch matched in the residual: on the same clips 0.99 and 0.94."""
+
+RELIEF_PATCH_PX = 8
+"""Side of a patch matched in the relief: patches of 8 px find 0.86 of a turn, of 12 px 0.83."""
+
 PATCH_INPUT_DIM = 3 * CELLS**2 + 2 * FLOW_CHANNELS + 2 + 2 * ALIGNMENT_CHANNELS
 """RGB residual cells, then the flow channels of the residual and of the relief, then the relief and
 the log of the view's magnification, then the alignment channels of the relief and of the
@@ -125,7 +136,7 @@ def look(clip: Clip) -> tuple[Floats, View]:
         _motion([as_image(frame) for frame in relief], RELIEF_PATCH_PX),
         _bin_means([_area_means(frame, GRID_SIDE) for frame in relief])[..., None] / RELIEF_SCALE,
         np.full((TIME_BIN_COUNT, GRID_SIDE, GRID_SIDE, 1), magnification),
-        _alignment(residual, relief, aspect),
+        _alignment(half, relief, aspect),
     ]
     return np.concatenate(parts, axis=-1, dtype=np.float32), view
 
@@ -220,18 +231,6 @@ def _orientation(structure: Floats) -> Floats:
     energy = mean[..., :1] + mean[..., 2:]
     log_contrast = np.log1p(energy / CONTRAST_FLOOR_GREY2)
     return np.concatenate([log_contrast, mean / (energy + CONTRAST_FLOOR_GREY2)], axis=-1)
-
-
-FLOW_SIDE = 56
-"""Side of the images whose flow is sought, a quarter of the view's resolution. Measured on 299
-simulated turns and slides, direction read by a rigid fit inside the true contact, patches of 8 px:
-0.98 and 0.93; at half of the view's resolution 0.98 and 0.90."""
-
-RESIDUAL_PATCH_PX = 12
-"""Side of a patch matched in the residual: on the same clips 0.99 and 0.94."""
-
-RELIEF_PATCH_PX = 8
-"""Side of a patch matched in the relief: patches of 8 px find 0.86 of a turn, of 12 px 0.83."""
 
 
 def _solver(patch_px: int) -> cv2.DISOpticalFlow:
