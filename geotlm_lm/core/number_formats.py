@@ -7,7 +7,7 @@ from geotlm_lm.core.errors import UsageError
 INT8 = "int8"
 
 OFFERED = ("float32", "bfloat16", INT8)
-"""Measured to err alike; bfloat16 answers in 0.88, int8 in 0.86 of float32's time
+"""Measured to err alike; bfloat16 answers in 0.90, int8 in 0.88 of float32's time
 (reports/runtime.md)."""
 
 
