@@ -16,6 +16,7 @@ import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -175,7 +176,10 @@ def _clips_in(path: Path) -> int:
 
 def _write_all(shards: list[_Shard], workers: int) -> Iterator[int]:
     if workers <= 1 or len(shards) <= 1:
-        yield from map(_write_shard, shards)
+        for shard in shards:
+            with _one_thread():
+                written = _write_shard(shard)
+            yield written
         return
     # Spawned, not forked: a forked process inherits torch's threads in an unusable state. And no
     # multiprocessing.Pool, which waits for ever for a worker that the system has killed.
@@ -196,6 +200,22 @@ def _write_all(shards: list[_Shard], workers: int) -> Iterator[int]:
         ) from error
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """Work on one thread inside, as workers do: how many there are decides a sum's last bits."""
+    import cv2
+    import torch
+
+    before = torch.get_num_threads(), cv2.getNumThreads()
+    torch.set_num_threads(1)
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before[0])
+        cv2.setNumThreads(before[1])
 
 
 def _prepare_worker() -> None:
