@@ -14,9 +14,9 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.recordings.damage import as_pixels, drifted, faded, gained, jpeg
 from geotlm_lm.recordings.read import read_clip
 
 Degrade = Callable[[Clip, np.random.Generator], Clip]
@@ -121,14 +121,12 @@ def noisy(sigma_grey: float, clip: Clip, rng: np.random.Generator) -> Clip:
 
 def drifting(offset_grey: float, gain: float, clip: Clip, rng: np.random.Generator) -> Clip:
     """Return the clip growing brighter, evenly from the first frame to the last."""
-    share = np.linspace(0, 1, len(clip))[:, None, None, None]
-    return replace(clip, frames=as_pixels(clip.frames * (1 + gain * share) + offset_grey * share))
+    return replace(clip, frames=drifted(offset_grey, gain, clip.frames))
 
 
 def faint(contrast: float, clip: Clip, rng: np.random.Generator) -> Clip:
     """Return the clip with only a share of its change against the background."""
-    idle = clip.background.astype(np.float64)
-    return replace(clip, frames=as_pixels(idle + contrast * (clip.frames - idle)))
+    return replace(clip, frames=faded(contrast, clip.frames, clip.background))
 
 
 def moved_off(distance_px: float, clip: Clip, rng: np.random.Generator) -> Clip:
@@ -176,17 +174,6 @@ def filmed(codec: str, clip: Clip, rng: np.random.Generator) -> Clip:
         return replace(read_clip(path), background=clip.background)
 
 
-def jpeg(quality: float, image: Frames) -> Frames:
-    """Return an image through JPEG."""
-    packed = cv2.imencode(".jpg", image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, int(quality)])[1]
-    return cv2.imdecode(packed, cv2.IMREAD_COLOR)[..., ::-1].copy()
-
-
-def gained(gain: float, image: Frames) -> Frames:
-    """Return an image exposed `gain` times as long."""
-    return as_pixels(image * float(gain))
-
-
 def half_black(image: Frames) -> Frames:
     """Return an image whose right half is black."""
     darkened = image.copy()
@@ -203,8 +190,3 @@ def resized(size: tuple[int, int], image: Frames) -> Frames:
     """Return an image of (columns, rows) pixels."""
     shrinks = size[0] < image.shape[1]
     return cv2.resize(image, size, interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR)
-
-
-def as_pixels(values: NDArray[np.floating]) -> Frames:
-    """Return values rounded and cut to what a pixel holds."""
-    return np.clip(np.rint(values), 0, 255).astype(np.uint8)

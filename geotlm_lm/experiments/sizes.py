@@ -26,6 +26,7 @@ from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.config import DEFAULT
 from geotlm_lm.training.examples import (
     VARIED,
+    WORN_SHARE,
     Examples,
     ExampleSet,
     read_examples,
@@ -156,7 +157,8 @@ def simulated_sets(
     objects = example_sets(DEFAULT)["heads"].objects
     learned = ExampleSet("sizes", clips, objects)
     asked = ExampleSet("sizes_test", test_clips, EVERYDAY_OBJECTS, is_varied=False)
-    claim_folder(folder, {"seed": seed, "series": SERIES_VERSION, "varied": VARIED})
+    about = {"series": SERIES_VERSION, "varied": VARIED, "worn": WORN_SHARE}
+    claim_folder(folder, {"seed": seed} | about)
     simulate_examples(folder / "examples", (learned, asked), seed=seed, workers=workers)
     return read_examples(folder / "examples", learned), read_examples(folder / "examples", asked)
 

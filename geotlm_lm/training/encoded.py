@@ -23,7 +23,7 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.training.examples import ExampleSet
-from geotlm_lm.training.forms import Recorded, as_recorded
+from geotlm_lm.training.forms import Recorded
 from geotlm_lm.training.progress import Progress
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def _batches(wanted: ExampleSet, seed: int, first: int) -> Iterator[list[tuple[s
     batch = []
     for index, simulated in enumerate(clips, start=first):
         rng = generator_for(stage_seed, "form", index)
-        batch.append((simulated.object_name, as_recorded(simulated, rng)))
+        batch.append((simulated.object_name, wanted.recorded(simulated, rng)))
         if len(batch) == BATCH or index == wanted.count - 1:
             yield batch
             batch = []

@@ -1,4 +1,4 @@
-"""The forms a recording may come in: a pair or four frames, mirrored, its idle gel known or not."""
+"""The forms a recording may come in: a pair or four frames, mirrored, no idle gel, worn."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, TIME_BIN_COUNT
 from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.training.wear import worn
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.stem import View
@@ -43,8 +44,16 @@ class Recorded:
     truth: SimulatedClip
 
 
-def as_recorded(simulated: SimulatedClip, rng: np.random.Generator) -> Recorded:
-    """Draw a clip's form: all frames or a pair, through a mirror or not, an idle frame or none."""
+def as_recorded(
+    simulated: SimulatedClip, rng: np.random.Generator, *, worn_share: float = 0.0
+) -> Recorded:
+    """Draw a clip's form: all frames or a pair, through a mirror or not, an idle frame or none.
+
+    Args:
+        simulated: The clip and the truth about it.
+        rng: Source of the form.
+        worn_share: Probability of damage by light or storage, as `wear.worn` draws it.
+    """
     from dataclasses import replace
 
     from geotlm_lm.recordings.idle import estimate_background
@@ -53,8 +62,11 @@ def as_recorded(simulated: SimulatedClip, rng: np.random.Generator) -> Recorded:
     is_mirrored = rng.random() < MIRRORED_SHARE
     label = simulated.label_until(max(order))
     simulated = mirrored(simulated) if is_mirrored else simulated
-    clip = simulated.clip.select(order)
-    if rng.random() < UNKNOWN_BACKGROUND_SHARE:
+    clip, is_idle_known = simulated.clip.select(order), rng.random() >= UNKNOWN_BACKGROUND_SHARE
+    # Drawn last: forms of clips without damage stay what they were.
+    if worn_share > 0 and rng.random() < worn_share:
+        clip, label = worn(clip, label, simulated.trace_until(max(order)).change_grey, rng)
+    if not is_idle_known:
         clip = replace(clip, background=estimate_background(clip.frames))
     return Recorded(clip, label.mirrored() if is_mirrored else label, order, simulated)
 

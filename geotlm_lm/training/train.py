@@ -35,6 +35,7 @@ from geotlm_lm.training.config import HeadsPreset, TrainingPreset, preset_named
 from geotlm_lm.training.dense import DenseHeads
 from geotlm_lm.training.examples import (
     VARIED,
+    WORN_SHARE,
     Examples,
     ExampleSet,
     read_examples,
@@ -158,7 +159,7 @@ def perceive_examples(model: GeoTLM, examples: Examples) -> ClipSet:
 def _claim(out: Path, settings: TrainingPreset, seed: int) -> None:
     """Mark `out` as the folder of this run, or refuse a folder of another."""
     about = {"preset": settings.to_dict(), "seed": seed}
-    about |= {"series": SERIES_VERSION, "inputs": PATCH_INPUT_DIM}
+    about |= {"series": SERIES_VERSION, "inputs": PATCH_INPUT_DIM, "worn": WORN_SHARE}
     claim_folder(out, about | {"varied": VARIED, "pretraining": PRETRAINING_VERSION})
 
 

@@ -1,0 +1,65 @@
+"""Damage that training's clips meet: hard compression, a dim or drifting camera, a faint touch."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.recordings.damage import drifted, faded, gained, jpeg
+from geotlm_lm.simulation.trace import READABLE_GREY
+
+if TYPE_CHECKING:
+    from geotlm_lm.core.clip import Clip
+
+JPEG_QUALITY = (5.0, 60.0)
+"""Below the qualities that the simulator's cameras store; drawn evenly on a log scale."""
+
+DIM_GAIN = (0.15, 0.7)
+"""Exposure relative to a well-lit gel, drawn evenly on a log scale; readers refuse darker ones."""
+
+DRIFT_SHARE = 0.06
+DRIFT_GREY = 6.0
+"""Most by which the last frame is brighter or darker than the first: what a camera that sets its
+own exposure may do before a reader refuses it."""
+
+FAINT_CONTRAST = (0.08, 0.7)
+"""Contrast of a touch relative to the simulated one, drawn evenly on a log scale."""
+
+
+def worn(
+    clip: Clip, label: MotionLabel, change_grey: float, rng: np.random.Generator
+) -> tuple[Clip, MotionLabel]:
+    """Return a clip with one kind of damage, and what it still tells.
+
+    Args:
+        clip: Frames and the idle frame.
+        label: The truth about it.
+        change_grey: How much the motion changes the picture, grey levels, as `Trace` has it.
+        rng: Source of the damage.
+    """
+    frames, background = clip.frames, clip.background
+    kind = rng.integers(4)
+    if kind == 0:
+        change = partial(jpeg, _log_uniform(rng, JPEG_QUALITY))
+        frames, background = np.stack([change(frame) for frame in frames]), change(background)
+    elif kind == 1:
+        gain = _log_uniform(rng, DIM_GAIN)
+        frames, background = gained(gain, frames), gained(gain, background)
+    elif kind == 2:
+        share, grey = rng.uniform(-1, 1, 2) * (DRIFT_SHARE, DRIFT_GREY)
+        frames = drifted(grey, share, frames)
+    else:
+        contrast = _log_uniform(rng, FAINT_CONTRAST)
+        frames = faded(contrast, frames, background)
+        is_seen = label.motion in (Motion.STILL, Motion.NONE)
+        is_seen |= change_grey * contrast >= READABLE_GREY
+        label = replace(label, is_readable=label.is_readable and is_seen)
+    return replace(clip, frames=frames, background=background), label
+
+
+def _log_uniform(rng: np.random.Generator, span: tuple[float, float]) -> float:
+    return float(np.exp(rng.uniform(*np.log(span))))
