@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import DIRECTED, Motion, reverse
 from geotlm_lm.evaluation.answers import false_claim_rate, tally
 from geotlm_lm.evaluation.scores import (
     accuracy,
@@ -196,6 +196,25 @@ def per_object(replies: Replies, methods: Sequence[str]) -> dict[str, Any]:
         one: {"clips": counts[one]} | {name: right[one] for name, right in rights.items()}
         for one in objects
     }
+
+
+def claims(forwards: Replies, backwards: Replies) -> dict[str, dict[str, int]]:
+    """Return how many directions each method claimed, and of how many it claimed the opposite too.
+
+    A direction that turns round with the clip was seen in it; one that a method is merely inclined
+    to claim does not.
+
+    Args:
+        forwards: What was said of clips.
+        backwards: What was said of the same clips in the same order, played backwards.
+    """
+    counts = {}
+    for name, answers in forwards.motions.items():
+        pairs = list(zip(answers, backwards.motions[name], strict=True))
+        claimed = [(one, other) for one, other in pairs if one in DIRECTED]
+        turned = sum(other == reverse(one) for one, other in claimed)
+        counts[name] = {"directions": len(claimed), "turned_round": turned}
+    return counts
 
 
 def compare(

@@ -30,10 +30,17 @@ from geotlm_lm.experiments.cases import (
     by_task,
     real_cases,
 )
-from geotlm_lm.experiments.compare import Method, Replies, ask_all, per_object, summarise
+from geotlm_lm.experiments.compare import (
+    Method,
+    Replies,
+    ask_all,
+    claims,
+    per_object,
+    summarise,
+)
 from geotlm_lm.experiments.data_sets import judge_data_set, open_data_sets
 from geotlm_lm.experiments.methods import BY_OBJECT, CONTRASTS, GENERATED, all_methods
-from geotlm_lm.experiments.negatives import NoContactWindows, PressedIn
+from geotlm_lm.experiments.negatives import BothWays, NoContactWindows, PressedIn
 from geotlm_lm.experiments.semi_real import SemiRealHeld, SemiRealSlides, UntouchedCases
 
 if TYPE_CHECKING:
@@ -159,7 +166,10 @@ def judge_negatives(
     progress: Progress,
     contrasts: Sequence[tuple[str, str]] = CONTRASTS,
 ) -> dict[str, Any]:
-    """Return the tables of clips without a direction: no contact, pressed in only, held still."""
+    """Return the tables of clips without a direction: no contact, pressed in only, held still.
+
+    Each clip is also played backwards, which tells whether a direction that is claimed was seen.
+    """
     tables = {}
     windows = NoContactWindows(untouched)
     for title, cases, total in (
@@ -167,9 +177,12 @@ def judge_negatives(
         (f"real {name}, pressed in", PressedIn(touched), len(PressedIn(touched))),
         (f"semi-real {name}, held or pressed", SemiRealHeld(touched, seed), 3 * len(touched)),
     ):
-        replies = ask_all(methods, cases, tuple(Motion), _telling(progress, title, total))
-        if len(replies):
-            tables[title] = summarise(replies, contrasts, seed=seed)
+        tell = _telling(progress, title, 2 * total)
+        replies = ask_all(methods, BothWays(cases), tuple(Motion), tell)
+        forwards, backwards = (replies.where(played=way) for way in ("forwards", "backwards"))
+        if len(forwards):
+            tables[title] = summarise(forwards, contrasts, seed=seed)
+            tables[title]["claims"] = claims(forwards, backwards)
     if windows.too_short and (title := f"real {name}, no visible contact") in tables:
         tables[title]["too_short_left_out"] = windows.too_short
     return tables

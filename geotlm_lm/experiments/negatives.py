@@ -5,14 +5,14 @@ What counts is how often a direction is claimed all the same. Knows clips, not m
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import Motion, reverse
 from geotlm_lm.data.touch_table import FIRST_IDLE, SURELY_IDLE, TouchRow, UntouchedRow
 from geotlm_lm.experiments.compare import Case
 from geotlm_lm.experiments.semi_real import as_image, read_touched
@@ -71,6 +71,27 @@ class PressedIn:
             numbers = _evenly(row.pressing)
             clip = Clip(frames[numbers], fps=row.fps, background=as_image(idle), name=row.path.name)
             yield Case(clip, Motion.PRESS, row.object_id, row.object_family, {})
+
+
+@dataclass(frozen=True)
+class BothWays:
+    """Clips as they are, tagged played="forwards", each followed by itself played "backwards".
+
+    Args:
+        cases: The clips.
+    """
+
+    cases: Iterable[Case]
+
+    def __iter__(self) -> Iterator[Case]:
+        for case in self.cases:
+            yield replace(case, tags={**case.tags, "played": "forwards"})
+            yield replace(
+                case,
+                clip=case.clip.reversed(),
+                motion=reverse(case.motion),
+                tags={**case.tags, "played": "backwards"},
+            )
 
 
 def _evenly(frames: range) -> list[int]:

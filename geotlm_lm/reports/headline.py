@@ -26,6 +26,8 @@ SHORT_NAMES = {
 
 WORDS = "language model, words"
 
+TURNED_ROUND = "of these, the opposite when played backwards"
+
 _FINE_SHARE = re.compile(r", (pairs, .*|\d+ fps|sensor .*)$")
 
 _ASIDE = re.compile(
@@ -62,17 +64,24 @@ def difference_headline(record: RunRecord) -> str:
 
 
 def false_claim_headline(record: RunRecord) -> str:
-    """Return how often a direction is claimed where none is, a row per table with such clips."""
+    """Return how often a direction is claimed where none is, a row per table with such clips.
+
+    Below a table whose clips were also played backwards stands how many claims turned round with
+    the clip.
+    """
     tables = {
         title: table
         for title, table in record.numbers["tables"].items()
         if any(own["false_claim_rate"] is not None for own in table["methods"].values())
     }
     methods = _in_order(name for table in tables.values() for name in table["methods"])
-    rows = [
-        [title, str(_undirected(table)), *(_claimed(table["methods"].get(m)) for m in methods)]
-        for title, table in tables.items()
-    ]
+    rows = []
+    for title, table in tables.items():
+        claimed = [_claimed(table["methods"].get(name)) for name in methods]
+        rows.append([title, str(_undirected(table)), *claimed])
+        if any(own["directions"] for own in table.get("claims", {}).values()):
+            turned = [_turned_round(table["claims"].get(name)) for name in methods]
+            rows.append([TURNED_ROUND, "", *turned])
     header = ["clips without a direction", "n", *(SHORT_NAMES.get(name, name) for name in methods)]
     return markdown(header, rows) + "\n\n" + provenance(record)
 
@@ -115,6 +124,10 @@ def _undirected(table: dict[str, Any]) -> int:
 def _claimed(scores: dict[str, Any] | None) -> str:
     rate = None if scores is None else scores["false_claim_rate"]
     return "-" if rate is None else f"{rate:.3f}"
+
+
+def _turned_round(claims: dict[str, int] | None) -> str:
+    return "-" if not claims else "{turned_round} of {directions}".format(**claims)
 
 
 def _accuracy(scores: dict[str, Any] | None) -> str:

@@ -7,6 +7,7 @@ from geotlm_lm.experiments.compare import (
     Case,
     Reply,
     ask_all,
+    claims,
     compare,
     per_object,
     summarise,
@@ -108,6 +109,14 @@ def test_false_claims_are_counted_on_clips_without_direction():
     assert scores["first"]["false_claim_rate"] == 1.0
     assert scores["oracle"]["false_claim_rate"] == 0.0
     assert scores["silent"]["false_claim_rate"] == 0.0
+
+
+def test_a_claim_counts_as_seen_where_it_turns_round_with_the_clip():
+    answers = iter([CW, CCW, CW, CW, STILL, CW])
+    ways = [case(STILL, played=way) for _ in range(3) for way in ("forwards", "backwards")]
+    said = ask_all({"m": lambda clip, among: Reply(next(answers), 1.0)}, ways, tuple(Motion))
+    counted = claims(said.where(played="forwards"), said.where(played="backwards"))
+    assert counted == {"m": {"directions": 2, "turned_round": 1}}
 
 
 def test_cases_are_read_one_at_a_time():

@@ -156,6 +156,20 @@ def test_the_first_page_tells_false_claims_by_table_and_method(record):
     assert lines[3] == ""
 
 
+def test_claims_that_turn_round_with_the_clip_stand_below_their_table(record):
+    tables = record.numbers["tables"]
+    methods = tables["simulated rotation"]["methods"]
+    undirected = {name: scores | {"false_claim_rate": 0.5} for name, scores in methods.items()}
+    claimed = {WORDS: {"directions": 3, "turned_round": 2}}
+    tables["real x, pressed in"] = {
+        "truths": {"press": 6},
+        "methods": undirected,
+        "claims": claimed,
+    }
+    row = false_claim_headline(record).splitlines()[3]
+    assert cells(row) == ["of these, the opposite when played backwards", "", "2 of 3", "-"]
+
+
 def test_objects_are_listed_under_their_table(record):
     table = record.numbers["tables"]["simulated rotation"]
     table["by_object"] = {"cap": {"clips": 3, WORDS: 1.0}, "key": {"clips": 1, WORDS: 0.0}}
