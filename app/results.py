@@ -36,6 +36,13 @@ class Amount(TypedDict):
     high: float
 
 
+class Lean(TypedDict):
+    """Which way it turns, or slides, if it does, and its share among the motions of that kind."""
+
+    direction: Motion
+    share: float
+
+
 class Answered(TypedDict):
     """An answer, its probability, the frame it is told in, and what it rests on."""
 
@@ -43,6 +50,7 @@ class Answered(TypedDict):
     direction: Motion | None
     decided: str | None
     amount: Amount | None
+    lean: Lean | None
     confidence: float
     abstained: bool
     told_by: Literal["model", "rule"]

@@ -90,6 +90,23 @@ class Encoded:
 
 
 @dataclass(frozen=True)
+class Lean:
+    """Which way it goes, if it goes as the question takes for granted.
+
+    Args:
+        direction: The likeliest motion of that kind, in the answer's frame.
+        share: Its share of the probability that all motions of that kind have.
+    """
+
+    direction: Motion
+    share: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain JSON values."""
+        return {"direction": self.direction.value, "share": round(self.share, 4)}
+
+
+@dataclass(frozen=True)
 class Answer:
     """One answer and what it rests on.
 
@@ -117,6 +134,8 @@ class Answer:
             the model read or stands for what it could not say.
         amount: How far or how fast, with the span it lies in nine times in ten; None when the
             question asks something else or there is no such amount.
+        lean: Which way it turns, or slides, if it does: told where a question takes that for
+            granted and the answer names another motion or none; None where nothing leans.
     """
 
     text: str
@@ -133,6 +152,7 @@ class Answer:
     decided: str | None = None
     told_by: Literal["model", "rule"] = "rule"
     amount: Amount | None = None
+    lean: Lean | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON values."""
@@ -141,6 +161,7 @@ class Answer:
             "direction": None if self.direction is None else self.direction.value,
             "decided": self.decided,
             "amount": None if self.amount is None else self.amount.to_dict(),
+            "lean": None if self.lean is None else self.lean.to_dict(),
             "confidence": round(self.confidence, 4),
             "abstained": self.abstained,
             "told_by": self.told_by,

@@ -22,6 +22,7 @@ from geotlm_lm.answering.hearing import (
     hear,
     score,
 )
+from geotlm_lm.answering.leaning import with_lean
 from geotlm_lm.answering.replying import UNTRAINED, by_rule, in_words
 from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.several import (
@@ -164,7 +165,8 @@ class Answerer:
         if kind is not None and kind not in self.bundle.grammar.kinds:
             return by_rule(self.bundle, encoded, stated.rest, kind, stated.frame)
         words = listen and StandingWords(self.bundle, encoded, stated.rest, stated.frame, listen)
-        return in_words(self.bundle, encoded, stated.rest, stated.frame, words)
+        answer = in_words(self.bundle, encoded, stated.rest, stated.frame, words)
+        return with_lean(self.bundle, encoded, stated.rest, answer)
 
     def stream(
         self, encoded: Encoded, question: str, *, frame: FrameSpec = CAMERA

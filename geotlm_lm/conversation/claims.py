@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from difflib import get_close_matches
 
-from geotlm_lm.core.labels import Motion, MotionClass
+from geotlm_lm.core.labels import Motion, MotionClass, motion_class
 
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 
@@ -131,6 +131,18 @@ def claimed_class(text: str) -> MotionClass | None:
         return None
     named = [kind for kind, words in CLASS_NAMES if re.search(words, text)]
     return named[0] if len(named) == 1 else None
+
+
+def presumed_class(text: str) -> MotionClass | None:
+    """Return the kind of motion that an open question takes for granted: "Which way does it turn?".
+
+    None where its words tell of no turn and no slide, or of both.
+    """
+    text = " ".join(text.lower().split())
+    kinds = {motion_class(motion) for motion in motions_named(text)}
+    kinds |= {kind for kind, words in CLASS_NAMES if re.search(words, text)}
+    presumed = kinds.pop() if len(kinds) == 1 else None
+    return presumed if presumed in (MotionClass.ROTATION, MotionClass.SLIDE) else None
 
 
 def claims_motion(text: str) -> bool:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.data.questions import WORDINGS, questions_for
 from geotlm_lm.experiments.compare import Method, Reply, timed
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded
 
 GENERATED = "language model, words"
+GENERATED_LEAN = "language model, words or lean"
 GENERATED_UNSEEN = "language model, words, unseen wordings"
 SCORED = "language model, scored"
 SCORED_FREE = "language model, scored, all motions"
@@ -43,6 +44,12 @@ BY_OBJECT = (GENERATED, SCORED, PROBE, FLOW)
 """Rows that tables of real recordings also give object by object."""
 
 ALL_MOTIONS = tuple(Motion)
+
+PRESUMING = {
+    frozenset(ROTATIONS): "Which way is it turning?",
+    frozenset(SLIDES): "Which way is it sliding?",
+}
+"""Motions in question -> how someone asks who takes it for granted that one of them happens."""
 
 Read = Callable[["Encoded", tuple[Motion, ...]], Motion | None]
 """Takes a perceived clip and the motions in question."""
@@ -83,6 +90,12 @@ def all_methods(answerer: Answerer, seed: int) -> dict[str, Method]:
         questions = direction_questions(seed, wordings)
         return lambda encoded, among: answerer.ask(encoded, questions()).direction
 
+    from geotlm_lm.answering import OPEN_QUESTION
+
+    def words_or_lean(encoded: Encoded, among: tuple[Motion, ...]) -> Motion | None:
+        answer = answerer.ask(encoded, PRESUMING.get(frozenset(among), OPEN_QUESTION))
+        return answer.direction if answer.lean is None else answer.lean.direction
+
     def scored() -> Read:
         questions = direction_questions(seed, "seen")
         return lambda encoded, among: most_probable(answerer.score(encoded, questions()), among)
@@ -99,6 +112,7 @@ def all_methods(answerer: Answerer, seed: int) -> dict[str, Method]:
     return {
         GENERATED: _after_perceiving(perceive, words("seen")),
         GENERATED_UNSEEN: _after_perceiving(perceive, words("held_out")),
+        GENERATED_LEAN: _after_perceiving(perceive, words_or_lean),
         SCORED: _after_perceiving(perceive, scored()),
         SCORED_FREE: _after_perceiving(perceive, among_all(scored())),
         PROBE: _after_perceiving(perceive, probe),

@@ -15,6 +15,7 @@ from geotlm_lm.reports.tables import provenance
 SHORT_NAMES = {
     "language model, words": "words",
     "language model, words, unseen wordings": "words, unseen wordings",
+    "language model, words or lean": "words or lean*",
     "language model, scored, all motions": "scored",
     "linear probe on z, all motions": "probe on z",
     "language model, scored": "scored*",

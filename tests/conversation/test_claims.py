@@ -7,6 +7,7 @@ from geotlm_lm.conversation.claims import (
     claims_motion,
     motions_named,
     nearly_named,
+    presumed_class,
 )
 from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.core.labels import Motion, MotionClass, MotionLabel
@@ -120,3 +121,21 @@ def test_an_edge_is_a_motion_only_where_one_goes_to_it(question, kind):
 )
 def test_where_it_comes_from_is_no_motion(text, named):
     assert motions_named(text) == named
+
+
+@pytest.mark.parametrize(
+    ("question", "presumed"),
+    [
+        ("Which way is the cap turning?", MotionClass.ROTATION),
+        ("cw or ccw?", MotionClass.ROTATION),
+        ("how does it twist", MotionClass.ROTATION),
+        ("Where is it sliding?", MotionClass.SLIDE),
+        ("left or right?", MotionClass.SLIDE),
+        ("Which way is it moving?", None),
+        ("Does it turn or slide?", None),
+        ("Is it pressed or turned?", None),
+        ("What is it pressing on?", None),
+    ],
+)
+def test_the_kind_of_motion_a_question_takes_for_granted(question, presumed):
+    assert presumed_class(question) == presumed

@@ -18,9 +18,13 @@ def level_motion(clip):
 
 @dataclass
 class FakeAnswerer:
-    """Perceives the number in the last pixel; says it, but has no words for `mute`."""
+    """Perceives the number in the last pixel; says it, but has no words for `mute`.
+
+    Whatever it says, it leans to `lean` if there is one.
+    """
 
     mute: Motion | None = None
+    lean: Motion | None = None
     encoded_count: int = 0
     questions: list[str] = field(default_factory=list)
     scored: list[str] = field(default_factory=list)
@@ -48,7 +52,8 @@ class FakeAnswerer:
     def ask(self, encoded, question):
         self.questions.append(question)
         direction = None if encoded.seen == self.mute else encoded.seen
-        return SimpleNamespace(direction=direction)
+        lean = None if self.lean is None else SimpleNamespace(direction=self.lean)
+        return SimpleNamespace(direction=direction, lean=lean)
 
     def score(self, encoded, question, kind="direction"):
         self.scored.append(question)

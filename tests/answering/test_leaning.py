@@ -1,0 +1,98 @@
+"""What an answer leans to where the question takes a turn, or a slide, for granted."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from geotlm_lm.answering.answer import Answer, Lean
+from geotlm_lm.answering.leaning import LEAST_SHARE, with_lean
+from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import DIRECTED, Motion
+
+TURN, SLIDE = "Which way is it turning?", "Which way did it slide?"
+PRESS_THEN_CLOCKWISE = {"press": 0.8, "clockwise": 0.15, "counterclockwise": 0.01, "left": 0.04}
+
+
+def answered(options, kind="direction", frame=CAMERA):
+    told = max(options, key=options.get)
+    return Answer(
+        text="It is told.",
+        direction=Motion(told),
+        confidence=options[told],
+        abstained=False,
+        frame=frame,
+        options=options,
+        evidence={},
+        timing_ms={"total": 1.0},
+        kind=kind,
+        frames_used=(0, 1, 2, 3),
+        notes=("As before.",),
+        decided=told,
+    )
+
+
+def leaning(question, answer, contact_share=0.2):
+    def withholds(claim, share):
+        return claim in DIRECTED and share < 0.01
+
+    bundle = SimpleNamespace(calibration=SimpleNamespace(withholds=withholds))
+    return with_lean(bundle, SimpleNamespace(contact_share=contact_share), question, answer)
+
+
+def test_a_turn_asked_after_is_told_beside_a_press():
+    answer = leaning(TURN, answered(PRESS_THEN_CLOCKWISE))
+    assert answer.lean == Lean(Motion.CLOCKWISE, pytest.approx(0.9375))
+    assert answer.direction == Motion.PRESS
+    assert answer.notes == (
+        "As before.",
+        "If it turns at all, it goes clockwise in the camera image: 94% of what is left for the "
+        "two turns.",
+    )
+    assert answer.to_dict()["lean"] == {"direction": "clockwise", "share": 0.9375}
+
+
+def test_a_slide_asked_after_is_told_beside_a_turn():
+    answer = leaning(SLIDE, answered({"clockwise": 0.6, "left": 0.3, "up": 0.05, "press": 0.05}))
+    assert answer.lean.direction == Motion.LEFT
+    assert answer.lean.share == pytest.approx(0.3 / 0.35)
+    assert "slides" in answer.notes[-1]
+
+
+@pytest.mark.parametrize(
+    ("question", "options"),
+    [
+        ("Which way is it moving?", PRESS_THEN_CLOCKWISE),  # takes no turn for granted
+        (TURN, {"clockwise": 0.5, "counterclockwise": 0.4, "press": 0.1}),  # tells a turn
+        (TURN, {"none": 0.9, "clockwise": 0.1}),  # nothing there to turn
+        (TURN, {"press": 0.8, "clockwise": 0.6 * 0.2, "counterclockwise": 0.4 * 0.2}),  # undecided
+        (TURN, {"press": 1.0}),
+        (TURN, {}),
+    ],
+)
+def test_nothing_leans(question, options):
+    answer = answered(options or {"press": 1.0})
+    if not options:
+        answer = answered({"press": 1.0}, kind=None)
+    assert leaning(question, answer) == answer
+
+
+def test_another_kind_of_question_is_left_alone():
+    answer = answered(PRESS_THEN_CLOCKWISE, kind="verify")
+    assert leaning("Is it turning?", answer) == answer
+
+
+def test_without_contact_nothing_leans():
+    answer = answered(PRESS_THEN_CLOCKWISE)
+    assert leaning(TURN, answer, contact_share=0.0) == answer
+
+
+def test_what_leans_is_told_in_the_frame_of_the_answer():
+    frame = FrameSpec(viewpoint="object")
+    answer = leaning(TURN, answered(PRESS_THEN_CLOCKWISE, frame=frame))
+    assert "seen from the object's side" in answer.notes[-1]
+
+
+def test_a_share_just_large_enough_is_told():
+    edge = {"press": 0.9, "clockwise": 0.1 * LEAST_SHARE, "counterclockwise": 0.1 * 0.3}
+    assert leaning(TURN, answered(edge)).lean is not None
