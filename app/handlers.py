@@ -190,6 +190,7 @@ def _open(shown: Shown | None) -> Shown:
 def _reply(answerer: Answerer, shown: Shown, answer: Any) -> Reply:
     is_sure_of_something = not answer.abstained and answer.options
     told = f"  ({100 * answer.confidence:.0f} % sure)" if is_sure_of_something else ""
+    told += "" if answer.lean is None else f" {answer.lean.text}"
     details = answer.to_dict()
     timing = details.get("timing_ms", {}) | shown.opinions["timing_ms"]
     return Reply(

@@ -41,6 +41,7 @@ class Lean(TypedDict):
 
     direction: Motion
     share: float
+    text: str
 
 
 class Answered(TypedDict):

@@ -96,14 +96,20 @@ class Lean:
     Args:
         direction: The likeliest motion of that kind, in the answer's frame.
         share: Its share of the probability that all motions of that kind have.
+        text: The sentence, also among the answer's notes.
     """
 
     direction: Motion
     share: float
+    text: str
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON values."""
-        return {"direction": self.direction.value, "share": round(self.share, 4)}
+        return {
+            "direction": self.direction.value,
+            "share": round(self.share, 4),
+            "text": self.text,
+        }
 
 
 @dataclass(frozen=True)
@@ -134,8 +140,8 @@ class Answer:
             the model read or stands for what it could not say.
         amount: How far or how fast, with the span it lies in nine times in ten; None when the
             question asks something else or there is no such amount.
-        lean: Which way it turns, or slides, if it does: told where a question takes that for
-            granted and the answer names another motion or none; None where nothing leans.
+        lean: Which way it turns, or slides, if it does: told where an open question takes that for
+            granted and the answer names another motion; None where nothing leans.
     """
 
     text: str

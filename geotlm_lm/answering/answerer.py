@@ -163,9 +163,12 @@ class Answerer:
             return replace(noted, abstained=False, confidence=1.0)
         kind = asked_kind(stated.rest)
         if kind is not None and kind not in self.bundle.grammar.kinds:
-            return by_rule(self.bundle, encoded, stated.rest, kind, stated.frame)
-        words = listen and StandingWords(self.bundle, encoded, stated.rest, stated.frame, listen)
-        answer = in_words(self.bundle, encoded, stated.rest, stated.frame, words)
+            answer = by_rule(self.bundle, encoded, stated.rest, kind, stated.frame)
+        else:
+            words = listen and StandingWords(
+                self.bundle, encoded, stated.rest, stated.frame, listen
+            )
+            answer = in_words(self.bundle, encoded, stated.rest, stated.frame, words)
         return with_lean(self.bundle, encoded, stated.rest, answer)
 
     def stream(

@@ -19,6 +19,8 @@ UNRECOGNISED = (
 )
 """Said in place of a claim that nothing touches."""
 
+NEXT_LIKELIEST = "Next likeliest"
+
 NOTEWORTHY = 0.05
 """An answer whose confidence is not called high is told with the next likeliest one, if that one is
 at least this probable."""
@@ -95,4 +97,4 @@ def _next_likeliest(told: Told) -> tuple[str, ...]:
     word = max(rest, key=rest.get, default=None)
     if word is None or level(sure) == "high" or rest[word] < NOTEWORTHY:
         return ()
-    return (f"Next likeliest, at {rest[word]:.0%}: {word}.",)
+    return (f"{NEXT_LIKELIEST}, at {rest[word]:.0%}: {word}.",)

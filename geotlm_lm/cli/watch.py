@@ -90,7 +90,10 @@ def _words(answerer: Any, watcher: Any, event: MotionEvent, question: str | None
     if question is None or event.phase == "start":
         return None
     clip = watcher.clip_of(event)
-    return None if clip is None else answerer.ask(answerer.encode(clip), question).text
+    if clip is None:
+        return None
+    answer = answerer.ask(answerer.encode(clip), question)
+    return answer.text if answer.lean is None else f"{answer.text} {answer.lean.text}"
 
 
 def _tell(event: MotionEvent, as_json: bool, words: str | None) -> None:

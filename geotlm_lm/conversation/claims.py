@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from difflib import get_close_matches
 
-from geotlm_lm.core.labels import Motion, MotionClass, motion_class
+from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class
 
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 
@@ -50,6 +50,26 @@ CLASS_NAMES: tuple[tuple[MotionClass, str], ...] = (
     (MotionClass.SLIDE, r"\b(?:slid|slip|drag|glid|skid)\w*"),
 )
 """Words of a kind of motion that leave its direction open."""
+
+_NO_NOUN = r"(?<!\bthe )(?<!\ba )(?<!\ban )(?<!\bmy )(?<!\byour )"
+
+_NO_OBJECT = r"(?! (?:out|my|your|the|it|this|that|rule)\b)"
+
+_VERBS: tuple[tuple[MotionClass, str], ...] = (
+    (
+        MotionClass.ROTATION,
+        rf"{_NO_NOUN}\b(?:turn(?:s|ed|ing)?|rotat(?:e|es|ed|ing|ion)|twist(?:s|ed|ing)?"
+        rf"|spin(?:s|ning)?|spun|swivel(?:s|l?ed|l?ing)?|revolv(?:e|es|ed|ing))\b{_NO_OBJECT}",
+    ),
+    (
+        MotionClass.SLIDE,
+        rf"{_NO_NOUN}\b(?:slid(?:e|es|ing)?|slip(?:s|ped|ping)?|drag(?:s|ged|ging)?"
+        rf"|glid(?:e|es|ed|ing)|skid(?:s|ded|ding)?)\b{_NO_OBJECT}",
+    ),
+)
+"""What the touched object does by itself: no "turntable", "my turn", "turns out", "I turned it"."""
+
+_DENIED = re.compile(r"n't\b|\b(?:not|never|no longer|stop\w*|instead|if|would|unless)\b")
 
 _YES_OR_NO = re.compile(
     r"(?:^|[,;:.!] |\b(?:and|so|but|hey|ok|please|now) )"
@@ -136,11 +156,16 @@ def claimed_class(text: str) -> MotionClass | None:
 def presumed_class(text: str) -> MotionClass | None:
     """Return the kind of motion that an open question takes for granted: "Which way does it turn?".
 
-    None where its words tell of no turn and no slide, or of both.
+    None where its words tell of no turn and no slide, or of both, or where they deny one. A choice
+    of two ways of one kind, "cw or ccw?", takes that kind for granted too.
     """
     text = " ".join(text.lower().split())
-    kinds = {motion_class(motion) for motion in motions_named(text)}
-    kinds |= {kind for kind, words in CLASS_NAMES if re.search(words, text)}
+    if _DENIED.search(text):
+        return None
+    kinds = {kind for kind, words in _VERBS if re.search(words, text)}
+    named = motions_named(text)
+    # One way alone may be a place: "the right cap".
+    kinds |= {motion_class(one) for one in named if len(named) > 1 or one not in DIRECTED}
     presumed = kinds.pop() if len(kinds) == 1 else None
     return presumed if presumed in (MotionClass.ROTATION, MotionClass.SLIDE) else None
 

@@ -202,11 +202,12 @@ def claims(forwards: Replies, backwards: Replies) -> dict[str, dict[str, int]]:
     """Return how many directions each method claimed, and of how many it claimed the opposite too.
 
     A direction that turns round with the clip was seen in it; one that a method is merely inclined
-    to claim does not.
+    to claim stays as it is.
 
     Args:
         forwards: What was said of clips.
-        backwards: What was said of the same clips in the same order, played backwards.
+        backwards: What was said of the same clips in the same order, played backwards, perhaps
+            asked in other words.
     """
     counts = {}
     for name, answers in forwards.motions.items():

@@ -31,7 +31,7 @@ from geotlm_lm.data.tactile_tracking import (
     read_tactile_tracking,
 )
 from geotlm_lm.experiments.compare import Case, Method, ask_all, summarise
-from geotlm_lm.experiments.methods import CONTRASTS
+from geotlm_lm.experiments.methods import CONTRASTS, in_question
 from geotlm_lm.recordings.choose import choose_frames
 
 DATA_TASKS: dict[str, tuple[Motion, ...]] = {"rotation": ROTATIONS, "sliding": SLIDES}
@@ -156,7 +156,7 @@ def judge_data_set(
         def tell(done: int, title: str = title, total: int = len(cases)) -> None:
             progress(title, done, total)
 
-        replies = ask_all(methods, cases, among, tell)
+        replies = ask_all(in_question(methods, among), cases, among, tell)
         if not len(replies):
             continue
         tables[title] = summarise(replies, contrasts, seed=seed) | facts

@@ -39,8 +39,14 @@ from geotlm_lm.experiments.compare import (
     summarise,
 )
 from geotlm_lm.experiments.data_sets import judge_data_set, open_data_sets
-from geotlm_lm.experiments.methods import BY_OBJECT, CONTRASTS, GENERATED, all_methods
-from geotlm_lm.experiments.negatives import BothWays, NoContactWindows, PressedIn
+from geotlm_lm.experiments.methods import (
+    BY_OBJECT,
+    CONTRASTS,
+    GENERATED,
+    all_methods,
+    in_question,
+)
+from geotlm_lm.experiments.negatives import NoContactWindows, PressedIn, backwards
 from geotlm_lm.experiments.semi_real import SemiRealHeld, SemiRealSlides, UntouchedCases
 
 if TYPE_CHECKING:
@@ -132,7 +138,7 @@ def judge_simulated(
     def tell(done: int) -> None:
         progress(cases.title, done - cases.unreadable, cases.count)
 
-    replies = ask_all(methods, cases, cases.among, tell)
+    replies = ask_all(in_question(methods, cases.among), cases, cases.among, tell)
     left_out = replies.where(**UNREADABLE)
     return _table(replies.without(**UNREADABLE), seed) | {
         "unreadable_left_out": cases.unreadable,
@@ -149,7 +155,12 @@ def judge_recordings(
         tables |= judge_real(methods, name + part, cases, seed, progress)
         title = f"real {name}{part}, no idle frame"
         shown = StartingInContact(cases.recordings)
-        replies = ask_all(methods, shown, cases.among, _telling(progress, title, len(shown)))
+        replies = ask_all(
+            in_question(methods, cases.among),
+            shown,
+            cases.among,
+            _telling(progress, title, len(shown)),
+        )
         tables[title] = _table(replies, seed) | _by_object(replies)
     table = real.recordings.folder / TABLE_NAME
     touched = read_touch_table(table)
@@ -177,12 +188,19 @@ def judge_negatives(
         (f"real {name}, pressed in", PressedIn(touched), len(PressedIn(touched))),
         (f"semi-real {name}, held or pressed", SemiRealHeld(touched, seed), 3 * len(touched)),
     ):
-        tell = _telling(progress, title, 2 * total)
-        replies = ask_all(methods, BothWays(cases), tuple(Motion), tell)
-        forwards, backwards = (replies.where(played=way) for way in ("forwards", "backwards"))
-        if len(forwards):
-            tables[title] = summarise(forwards, contrasts, seed=seed)
-            tables[title]["claims"] = claims(forwards, backwards)
+        replies = ask_all(
+            in_question(methods, tuple(Motion)),
+            cases,
+            tuple(Motion),
+            _telling(progress, title, total),
+        )
+        if len(replies):
+            tell = _telling(progress, f"{title}, backwards", total)
+            turned = ask_all(
+                in_question(methods, tuple(Motion)), backwards(cases), tuple(Motion), tell
+            )
+            tables[title] = summarise(replies, contrasts, seed=seed)
+            tables[title]["claims"] = claims(replies, turned)
     if windows.too_short and (title := f"real {name}, no visible contact") in tables:
         tables[title]["too_short_left_out"] = windows.too_short
     return tables
@@ -200,7 +218,7 @@ def judge_real(
     def tell(done: int) -> None:
         progress(f"real {name}", done, len(cases))
 
-    replies = ask_all(methods, cases, cases.among, tell)
+    replies = ask_all(in_question(methods, cases.among), cases, cases.among, tell)
     left_out = {"rows_left_out": dict(cases.recordings.skipped)}
     rates = sorted({tags["fps"] for tags in replies.tags})
     tables = {}
@@ -234,7 +252,7 @@ def judge_made(
         def tell(done: int, title: str = title, total: int = len(cases)) -> None:
             progress(title, done, total)
 
-        replies = ask_all(methods, cases, among, tell)
+        replies = ask_all(in_question(methods, among), cases, among, tell)
         if len(replies):
             tables[title] = summarise(replies, contrasts, seed=seed)
     if (title := f"semi-real {name}, sliding") in tables:

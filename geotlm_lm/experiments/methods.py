@@ -6,7 +6,7 @@ Binds the loaded model's parts to the form `compare` asks for; holds no numbers 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from geotlm_lm.core.clip import Clip
@@ -90,10 +90,8 @@ def all_methods(answerer: Answerer, seed: int) -> dict[str, Method]:
         questions = direction_questions(seed, wordings)
         return lambda encoded, among: answerer.ask(encoded, questions()).direction
 
-    from geotlm_lm.answering import OPEN_QUESTION
-
     def words_or_lean(encoded: Encoded, among: tuple[Motion, ...]) -> Motion | None:
-        answer = answerer.ask(encoded, PRESUMING.get(frozenset(among), OPEN_QUESTION))
+        answer = answerer.ask(encoded, PRESUMING[frozenset(among)])
         return answer.direction if answer.lean is None else answer.lean.direction
 
     def scored() -> Read:
@@ -120,6 +118,12 @@ def all_methods(answerer: Answerer, seed: int) -> dict[str, Method]:
         GLOBAL_PROBE: _after_perceiving(perceive, global_probe),
         FLOW: timed(flow_on_the_guessed_gel),
     }
+
+
+def in_question(methods: Mapping[str, Method], among: Sequence[Motion]) -> dict[str, Method]:
+    """Return the rows that say something of a task: none leans where nothing is presumed."""
+    leaves = () if frozenset(among) in PRESUMING else (GENERATED_LEAN,)
+    return {name: method for name, method in methods.items() if name not in leaves}
 
 
 def flow_on_the_guessed_gel(clip: Clip, among: tuple[Motion, ...]) -> Motion:

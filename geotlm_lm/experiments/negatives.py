@@ -73,25 +73,10 @@ class PressedIn:
             yield Case(clip, Motion.PRESS, row.object_id, row.object_family, {})
 
 
-@dataclass(frozen=True)
-class BothWays:
-    """Clips as they are, tagged played="forwards", each followed by itself played "backwards".
-
-    Args:
-        cases: The clips.
-    """
-
-    cases: Iterable[Case]
-
-    def __iter__(self) -> Iterator[Case]:
-        for case in self.cases:
-            yield replace(case, tags={**case.tags, "played": "forwards"})
-            yield replace(
-                case,
-                clip=case.clip.reversed(),
-                motion=reverse(case.motion),
-                tags={**case.tags, "played": "backwards"},
-            )
+def backwards(cases: Iterable[Case]) -> Iterator[Case]:
+    """Yield each clip played backwards."""
+    for case in cases:
+        yield replace(case, clip=case.clip.reversed(), motion=reverse(case.motion))
 
 
 def _evenly(frames: range) -> list[int]:

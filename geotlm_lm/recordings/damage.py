@@ -36,7 +36,7 @@ def drifted(offset_grey: float, gain: float, frames: Frames) -> Frames:
 
 
 def faded(contrast: float, frames: Frames, background: Frames) -> Frames:
-    """Return frames with only a share of their change against the background."""
+    """Return frames with only a share of their change, noise and all, against the background."""
     idle = background.astype(np.float64)
     return as_pixels(idle + contrast * (frames - idle))
 

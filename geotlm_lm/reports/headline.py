@@ -15,7 +15,7 @@ from geotlm_lm.reports.tables import provenance
 SHORT_NAMES = {
     "language model, words": "words",
     "language model, words, unseen wordings": "words, unseen wordings",
-    "language model, words or lean": "words or lean*",
+    "language model, words or lean": "words or lean",
     "language model, scored, all motions": "scored",
     "linear probe on z, all motions": "probe on z",
     "language model, scored": "scored*",
@@ -128,7 +128,11 @@ def _claimed(scores: dict[str, Any] | None) -> str:
 
 
 def _turned_round(claims: dict[str, int] | None) -> str:
-    return "-" if not claims else "{turned_round} of {directions}".format(**claims)
+    return (
+        "-"
+        if not claims or not claims["directions"]
+        else "{turned_round} of {directions}".format(**claims)
+    )
 
 
 def _accuracy(scores: dict[str, Any] | None) -> str:

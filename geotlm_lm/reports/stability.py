@@ -18,7 +18,8 @@ slide, the others overlook one, as where a contact is too faint to see. `sure` i
 probability of the answers given, `wrong at` the highest of a wrong one. What is quoted is the
 gravest case of the row: a crash before a wrong answer before a refusal. Damage rows ask about
 simulated objects kept from training, all ten motions; where nothing can be told (a black image)
-only an abstention or a refusal is right."""
+only an abstention or a refusal is right. A fifth of training's clips were damaged as well: by JPEG,
+a dim or drifting camera, or a fainter touch."""
 
 FLOOR_NOTE = """\
 A unit field, pooled as the model pools it (float32). As written, Eq. 5 shrinks it under a faint

@@ -19,12 +19,13 @@ JPEG_QUALITY = (5.0, 60.0)
 """Below the qualities that the simulator's cameras store; drawn evenly on a log scale."""
 
 DIM_GAIN = (0.15, 0.7)
-"""Exposure relative to a well-lit gel, drawn evenly on a log scale; readers refuse darker ones."""
+"""Exposure relative to a well-lit gel, drawn evenly on a log scale; one clip in forty of these is
+so dark that a reader would refuse it."""
 
 DRIFT_SHARE = 0.06
 DRIFT_GREY = 6.0
-"""Most by which the last frame is brighter or darker than the first: what a camera that sets its
-own exposure may do before a reader refuses it."""
+"""Most by which the last frame is brighter or darker than the first, about what a camera may drift
+before a reader refuses it: one clip in a hundred of these would be."""
 
 FAINT_CONTRAST = (0.08, 0.7)
 """Contrast of a touch relative to the simulated one, drawn evenly on a log scale."""
@@ -34,6 +35,9 @@ def worn(
     clip: Clip, label: MotionLabel, change_grey: float, rng: np.random.Generator
 ) -> tuple[Clip, MotionLabel]:
     """Return a clip with one kind of damage, and what it still tells.
+
+    Only fading is counted against what can be read, not what rounding in a dim picture or
+    compression may take of a change that was near the limit before.
 
     Args:
         clip: Frames and the idle frame.

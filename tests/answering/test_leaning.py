@@ -1,14 +1,21 @@
 """What an answer leans to where the question takes a turn, or a slide, for granted."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
+from geotlm_lm import answer_schema
 from geotlm_lm.answering.answer import Answer, Lean
 from geotlm_lm.answering.leaning import LEAST_SHARE, with_lean
+from geotlm_lm.answering.withholding import UNRECOGNISED
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED, Motion
+from tests.answering.json_schema import problems
+from tests.answering.scripted import answerer_saying, recording
+
+SCHEMA = answer_schema()
 
 TURN, SLIDE = "Which way is it turning?", "Which way did it slide?"
 PRESS_THEN_CLOCKWISE = {"press": 0.8, "clockwise": 0.15, "counterclockwise": 0.01, "left": 0.04}
@@ -42,14 +49,12 @@ def leaning(question, answer, contact_share=0.2):
 
 def test_a_turn_asked_after_is_told_beside_a_press():
     answer = leaning(TURN, answered(PRESS_THEN_CLOCKWISE))
-    assert answer.lean == Lean(Motion.CLOCKWISE, pytest.approx(0.9375))
+    told = "If it turns at all, it goes clockwise in the camera image: 94% among the two turns."
+    assert answer.lean == Lean(Motion.CLOCKWISE, pytest.approx(0.9375), told)
     assert answer.direction == Motion.PRESS
-    assert answer.notes == (
-        "As before.",
-        "If it turns at all, it goes clockwise in the camera image: 94% of what is left for the "
-        "two turns.",
-    )
-    assert answer.to_dict()["lean"] == {"direction": "clockwise", "share": 0.9375}
+    assert answer.notes == ("As before.", told)
+    lean = answer.to_dict()["lean"]
+    assert lean == {"direction": "clockwise", "share": 0.9375, "text": told}
 
 
 def test_a_slide_asked_after_is_told_beside_a_turn():
@@ -67,6 +72,7 @@ def test_a_slide_asked_after_is_told_beside_a_turn():
         (TURN, {"none": 0.9, "clockwise": 0.1}),  # nothing there to turn
         (TURN, {"press": 0.8, "clockwise": 0.6 * 0.2, "counterclockwise": 0.4 * 0.2}),  # undecided
         (TURN, {"press": 1.0}),
+        (TURN, {"press": 0.96, "clockwise": 0.04}),  # too little to share out
         (TURN, {}),
     ],
 )
@@ -77,9 +83,29 @@ def test_nothing_leans(question, options):
     assert leaning(question, answer) == answer
 
 
-def test_another_kind_of_question_is_left_alone():
-    answer = answered(PRESS_THEN_CLOCKWISE, kind="verify")
-    assert leaning("Is it turning?", answer) == answer
+@pytest.mark.parametrize("kind", ["verify", "mirrored", "reversed", "actor", "thread"])
+def test_another_kind_of_question_is_left_alone(kind):
+    answer = answered(PRESS_THEN_CLOCKWISE, kind=kind)
+    assert leaning(TURN, answer) == answer
+
+
+def test_what_leans_is_not_told_twice():
+    answer = answered(PRESS_THEN_CLOCKWISE)
+    next_one = "Next likeliest, at 15%: clockwise."
+    answer = leaning(TURN, replace(answer, notes=("As before.", next_one)))
+    assert answer.notes == ("As before.", answer.lean.text)
+    other = leaning(TURN, replace(answer, notes=("Next likeliest, at 15%: left.",), lean=None))
+    assert len(other.notes) == 2
+
+
+def test_what_is_withheld_for_want_of_a_touch_leans_nowhere():
+    answer = replace(answered(PRESS_THEN_CLOCKWISE), direction=None, text=UNRECOGNISED)
+    assert leaning(TURN, answer) == answer
+
+
+def test_a_withheld_guess_may_lean():
+    answer = replace(answered(PRESS_THEN_CLOCKWISE), direction=None, abstained=True)
+    assert leaning(TURN, answer).lean.direction == Motion.CLOCKWISE
 
 
 def test_without_contact_nothing_leans():
@@ -89,10 +115,39 @@ def test_without_contact_nothing_leans():
 
 def test_what_leans_is_told_in_the_frame_of_the_answer():
     frame = FrameSpec(viewpoint="object")
-    answer = leaning(TURN, answered(PRESS_THEN_CLOCKWISE, frame=frame))
+    answer = leaning(TURN, answered(PRESS_THEN_CLOCKWISE, "viewpoint", frame))
     assert "seen from the object's side" in answer.notes[-1]
 
 
 def test_a_share_just_large_enough_is_told():
     edge = {"press": 0.9, "clockwise": 0.1 * LEAST_SHARE, "counterclockwise": 0.1 * 0.3}
     assert leaning(TURN, answered(edge)).lean is not None
+
+
+def pressing(bundle):
+    """An answerer that says press, and nearly as likely takes it for clockwise."""
+    answerer = answerer_saying(bundle, {"*": "It is pressing in."})
+    answerer.bundle.speaker.likes = "Clockwise, in the camera image."
+    return answerer
+
+
+def test_a_user_who_asks_which_way_it_turns_is_told_through_every_door(bundle):
+    answerer = pressing(bundle)
+    encoded = answerer.encode(recording())
+    asked = answerer.ask(encoded, TURN)
+    in_session = answerer.session(encoded).ask(TURN)
+    *_, streamed = answerer.stream(encoded, TURN)
+    for answer in (asked, in_session, streamed):
+        assert answer.lean is not None
+        assert answer.lean.direction == Motion.CLOCKWISE
+        assert answer.lean.text in answer.notes
+    assert problems(asked.to_dict(), SCHEMA, SCHEMA) == []
+    assert answerer.ask(encoded, "Which way is it moving?").lean is None
+
+
+def test_a_lean_seen_from_the_other_side_turns_round(bundle):
+    answerer = pressing(bundle)
+    question = "Seen from the object's side, which way does it turn?"
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert answer.lean.direction == Motion.COUNTERCLOCKWISE
+    assert "seen from the object's side" in answer.lean.text

@@ -112,10 +112,14 @@ def test_false_claims_are_counted_on_clips_without_direction():
 
 
 def test_a_claim_counts_as_seen_where_it_turns_round_with_the_clip():
-    answers = iter([CW, CCW, CW, CW, STILL, CW])
-    ways = [case(STILL, played=way) for _ in range(3) for way in ("forwards", "backwards")]
-    said = ask_all({"m": lambda clip, among: Reply(next(answers), 1.0)}, ways, tuple(Motion))
-    counted = claims(said.where(played="forwards"), said.where(played="backwards"))
+    answers = iter([CW, CW, STILL, CCW, CW, CW])
+    forwards, backwards = (
+        ask_all(
+            {"m": lambda clip, among: Reply(next(answers), 1.0)}, [case(STILL)] * 3, tuple(Motion)
+        )
+        for _ in range(2)
+    )
+    counted = claims(forwards, backwards)
     assert counted == {"m": {"directions": 2, "turned_round": 1}}
 
 

@@ -42,7 +42,6 @@ def test_free_rows_may_name_any_motion():
     [
         (ROTATIONS, "Which way is it turning?"),
         (SLIDES, "Which way is it sliding?"),
-        (ALL, "Which way is it moving?"),
     ],
 )
 def test_what_words_lean_to_counts_where_the_task_is_taken_for_granted(among, question):
@@ -50,6 +49,12 @@ def test_what_words_lean_to_counts_where_the_task_is_taken_for_granted(among, qu
     rows = all_methods(answerer, seed=0)
     assert rows[methods.GENERATED_LEAN](clip_of(Motion.PRESS), among).motion == Motion.CLOCKWISE
     assert answerer.questions == [question]
+
+
+def test_nothing_leans_where_no_motion_is_presumed():
+    rows = all_methods(FakeAnswerer(), seed=0)
+    assert set(rows) - set(methods.in_question(rows, ALL)) == {methods.GENERATED_LEAN}
+    assert methods.in_question(rows, ROTATIONS) == rows
 
 
 def test_words_that_do_not_lean_are_taken_as_they_are():
