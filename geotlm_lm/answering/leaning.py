@@ -2,8 +2,8 @@
 
 Who asks "Which way is the cap turning?" of a turn that begins under a press is told of the press;
 the model has an opinion on the turn all the same. Measured on 1,344 real windows of turns asked so,
-of which 125 are told as something else: in 51 something leans, each time the true way. Of 508 real
-and semi-real slides 22 are told as something else, and five of six leans are the true way.
+of which 125 are told as something else: 61 lean, 60 of them the true way. Of 374 real and semi-real
+slides 22 are told as something else; 7 lean, 6 of them the true way.
 """
 
 from __future__ import annotations
@@ -11,15 +11,17 @@ from __future__ import annotations
 from dataclasses import replace
 
 from geotlm_lm.answering.answer import Answer, Encoded, Lean
-from geotlm_lm.answering.withholding import NEXT_LIKELIEST, NOTEWORTHY, UNRECOGNISED
+from geotlm_lm.answering.withholding import NEXT_LIKELIEST, UNRECOGNISED
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.claims import presumed_class
 from geotlm_lm.conversation.wording import clause
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionClass
 
 LEAST_SHARE = 0.7
-"""Share, among the motions of the presumed kind, of one that is worth telling; together they hold
-`NOTEWORTHY` of the probability."""
+"""Share, among the motions of the presumed kind, of one that is worth telling."""
+
+LEAST_TOTAL = 0.02
+"""Probability that these motions hold together; of less, 5 more windows lean, 4 rightly."""
 
 KINDS = frozenset(("direction", "viewpoint"))
 """Kinds of questions about which way the object goes, as the clip shows it."""
@@ -44,7 +46,7 @@ def with_lean(bundle: Bundle, encoded: Encoded, question: str, answer: Answer) -
         return answer
     shares = {motion: answer.options.get(motion.value, 0.0) for motion in among}
     way, total = max(shares, key=shares.get), sum(shares.values())
-    if total < NOTEWORTHY or shares[way] < LEAST_SHARE * total:
+    if total < LEAST_TOTAL or shares[way] < LEAST_SHARE * total:
         return answer
     if bundle.calibration.withholds(way, encoded.contact_share):
         return answer
