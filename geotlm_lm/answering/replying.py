@@ -164,16 +164,16 @@ def denies_nothing(slots: Slots, question: str) -> bool:
 
 
 def passes_over_a_claim(slots: Slots, question: str) -> bool:
-    """Tell whether the model declines to judge a claim of motion, or speaks of contact instead.
+    """Tell whether the model declines to judge a claim of motion, or speaks of another thing.
 
-    The claim's words are then new to it. What presses on the gel or rests on it touches it, so that
-    such a question may well be about contact. No question of the templates about contact or about
-    motion as such passes for a claim.
+    It may tell of contact, or that it moves and not how: the claim's words are then new to it. What
+    presses on the gel or rests on it touches it, so that such a question may well be about contact.
+    No question of the templates about contact or about motion as such passes for a claim.
     """
     if asked_kind(question) is not None or not claims_motion(question):
         return False
     of_contact = claimed_motion(question) in (Motion.PRESS, Motion.STILL)
-    return slots.kind == "refusal" or (slots.kind == "contact" and not of_contact)
+    return slots.kind in ("refusal", "moving") or (slots.kind == "contact" and not of_contact)
 
 
 def contradicts_itself(slots: Slots, question: str) -> bool:

@@ -100,7 +100,12 @@ def test_what_presses_or_rests_may_be_answered_by_a_contact(bundle, question):
 
 
 @pytest.mark.parametrize(
-    "passed_over", ["I cannot tell that from touch.", "Yes, something is touching the gel."]
+    "passed_over",
+    [
+        "I cannot tell that from touch.",
+        "Yes, something is touching the gel.",
+        "Yes, it is moving.",
+    ],
 )
 def test_a_claim_of_motion_in_new_words_is_not_passed_over(bundle, passed_over):
     said = {"*": passed_over, OPEN_QUESTION: "Up, in the camera image."}
