@@ -9,6 +9,7 @@ is derived by the rules of `conversation`.
 from geotlm_lm.answering.answer import (
     Answer,
     Encoded,
+    Lean,
     check_question,
     deciding_word,
     evidence,
@@ -28,6 +29,7 @@ __all__ = [
     "Answerer",
     "Comparison",
     "Encoded",
+    "Lean",
     "Order",
     "Session",
     "Turn",

@@ -1,6 +1,6 @@
 """A stand-in for the model that answers at once, from what the clip itself looks like."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from geotlm_lm import FrameSpec, Motion
-from geotlm_lm.answering import Encoded, evidence, four_frames_with_background
+from geotlm_lm.answering import Encoded, Lean, evidence, four_frames_with_background
 from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.several import compare_directions
 from geotlm_lm.backbone.stem import View
@@ -26,6 +26,10 @@ class FakeProbe:
         return odds
 
 
+TURNING = "Which way is it turning round?"
+LEAN = Lean(Motion.CLOCKWISE, 0.9, "If it turns at all, it goes clockwise.")
+
+
 @dataclass(frozen=True)
 class FakeAnswer:
     text: str
@@ -36,6 +40,7 @@ class FakeAnswer:
     abstained: bool
     confidence: float = 0.97
     kind: str = "direction"
+    lean: Lean | None = None
     options = {"right": 0.97, "left": 0.03}
 
     def to_dict(self):
@@ -84,9 +89,10 @@ class FakeAnswerer:
         if listen is not None:
             for word in text.split(" ")[:-1]:
                 listen(f"{word} ")
-        return FakeAnswer(
+        answer = FakeAnswer(
             text, None if is_silent else direction, frame, evidence(encoded), question, is_silent
         )
+        return replace(answer, lean=LEAN) if question == TURNING else answer
 
     def compare(self, first, second):
         return compare_directions(*(self.ask(one, "Which way?") for one in (first, second)))

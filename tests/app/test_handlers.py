@@ -7,7 +7,7 @@ import pytest
 from app import ask_tab, handlers, ui
 from geotlm_lm import FrameSpec, GeoTLMError, Motion
 from geotlm_lm.core.errors import MissingDependency
-from tests.app.fakes import FakeAnswerer
+from tests.app.fakes import TURNING, FakeAnswerer
 
 
 def saved(folder, name="clip.npy", top=200):
@@ -33,6 +33,15 @@ def test_an_answer_is_shown_with_its_probabilities(path):
     assert reply.sentence.startswith("To the right, at ")
     assert reply.sentence.endswith(".  (97 % sure)")
     assert reply.probabilities == {"right": 0.97, "left": 0.03}
+
+
+def test_what_an_answer_leans_to_stands_behind_it(path):
+    answerer = FakeAnswerer()
+    shown = handlers.show_clip(answerer, path)
+    reply = handlers.ask(answerer, shown, TURNING)
+    assert reply.sentence.endswith(".  (97 % sure) If it turns at all, it goes clockwise.")
+    *_, streamed = handlers.converse(answerer, shown, TURNING, {})
+    assert streamed.sentence == reply.sentence
 
 
 def test_words_come_as_they_are_generated_and_last_the_whole_reply(path):
