@@ -46,7 +46,7 @@ VARIED = {"marker_share": 0.15, "unsteady_share": 0.5}
 WORN_SHARE = 0.2
 """Share of training's clips damaged by light or storage. Without any, of 60 clips through JPEG of
 quality 20 nine were told wrong, of as many that grow 5 % brighter on the way six, and of as many a
-fifth as bright five; of undamaged ones one."""
+fifth as bright five; of undamaged ones none."""
 
 _ARRAYS = ("inputs", "displacement_px", "contact", "depth_mm")
 
