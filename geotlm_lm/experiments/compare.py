@@ -201,8 +201,8 @@ def per_object(replies: Replies, methods: Sequence[str]) -> dict[str, Any]:
 def claims(forwards: Replies, backwards: Replies) -> dict[str, dict[str, int]]:
     """Return how many directions each method claimed, and of how many it claimed the opposite too.
 
-    A direction that turns round with the clip was seen in it; one that a method is merely inclined
-    to claim stays as it is.
+    That a direction turns round with the clip speaks for a motion in it; one that a method is
+    merely inclined to claim stays as it is.
 
     Args:
         forwards: What was said of clips.

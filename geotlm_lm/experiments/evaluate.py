@@ -179,7 +179,7 @@ def judge_negatives(
 ) -> dict[str, Any]:
     """Return the tables of clips without a direction: no contact, pressed in only, held still.
 
-    Each clip is also played backwards, which tells whether a direction that is claimed was seen.
+    Each clip is also played backwards, which speaks for or against a direction that is claimed.
     """
     tables = {}
     windows = NoContactWindows(untouched)
