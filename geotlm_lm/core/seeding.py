@@ -1,4 +1,4 @@
-"""One root seed, and named generators drawn from it; nothing here touches a global generator."""
+"""One root seed, named generators drawn from it, and what they draw; none of them is global."""
 
 from __future__ import annotations
 
@@ -17,3 +17,8 @@ def seed_for(root_seed: int, *names: str | int) -> int:
 def generator_for(root_seed: int, *names: str | int) -> np.random.Generator:
     """Return the random generator that belongs to `names` under `root_seed`."""
     return np.random.default_rng(seed_for(root_seed, *names))
+
+
+def log_uniform(rng: np.random.Generator, span: tuple[float, float]) -> float:
+    """Return a number between two positive ones, drawn evenly on a log scale."""
+    return float(np.exp(rng.uniform(*np.log(span))))

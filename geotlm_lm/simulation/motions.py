@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.seeding import log_uniform
 from geotlm_lm.simulation.scene import Path
 
 DEPTH_CHANGE_MM = (0.15, 0.9)
@@ -115,7 +116,7 @@ def _times(rng: np.random.Generator) -> PathArray:
 def _rotate(
     rng: np.random.Generator, time: PathArray, motion: Motion, hand: Hand
 ) -> tuple[PathArray, PathArray, PathArray]:
-    total = np.radians(_log_uniform(rng, *hand.rotation_deg))
+    total = np.radians(log_uniform(rng, hand.rotation_deg))
     turn = total * time * (1 if motion == Motion.CLOCKWISE else -1)
     arm = rng.uniform(0, PIVOT_MM)
     if rng.random() < 0.5:
@@ -131,7 +132,7 @@ def _rotate(
 def _slide(
     rng: np.random.Generator, time: PathArray, motion: Motion, hand: Hand
 ) -> tuple[PathArray, PathArray, PathArray]:
-    total = _log_uniform(rng, *hand.slide_mm)
+    total = log_uniform(rng, hand.slide_mm)
     fan = rng.uniform(-SLIDE_FAN_DEG, SLIDE_FAN_DEG)
     angle = np.radians(_SLIDE_ANGLE_DEG[motion] + fan)
     turn = rng.uniform(-1, 1) * IMPURITY * total / CONTACT_RADIUS_MM * time
@@ -142,7 +143,7 @@ def _press(
     rng: np.random.Generator, time: PathArray, depth_range_mm: tuple[float, float], motion: Motion
 ) -> PathArray:
     """Return the depths of a press; a release is the same backwards, perhaps out of contact."""
-    change = _log_uniform(rng, *DEPTH_CHANGE_MM)
+    change = log_uniform(rng, DEPTH_CHANGE_MM)
     deepest = rng.uniform(max(depth_range_mm[0], min(change * 0.8, 1.2)), depth_range_mm[1])
     depth = deepest - change * (1 - time)
     return depth if motion == Motion.PRESS else depth[::-1]
@@ -162,7 +163,3 @@ def _small_depth_change(
     """Return the hand's unevenness, small beside the motion."""
     total = rng.normal(0, min(hand.unevenness * travel_mm, hand.unevenness_mm))
     return total * (time - 0.5) + rng.normal(0, DEPTH_JITTER_MM, FRAME_COUNT)
-
-
-def _log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
-    return float(np.exp(rng.uniform(np.log(low), np.log(high))))

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from geotlm_lm.core.seeding import log_uniform
 from geotlm_lm.simulation.scene import Markers, Mounting, Optics, VideoCodec
 
 ZOOM = (0.6, 1.15)
@@ -100,7 +101,7 @@ MARKER_DARKNESS = (0.45, 0.8)
 def random_optics(rng: np.random.Generator) -> Optics:
     """Return a camera, lights and noise within the ranges real units were measured in."""
     zoom, ratio = rng.uniform(*ZOOM), rng.uniform(*ASPECT)
-    strength = _log_uniform(rng, STRENGTH)
+    strength = log_uniform(rng, STRENGTH)
     turns = np.radians(USUAL_TURN_DEG + rng.uniform(-1, 1, 3) * LIGHT_TURN_DEG)
     is_other_session = rng.random() < SESSION_SHARE
     how = rng.random()
@@ -119,8 +120,8 @@ def random_optics(rng: np.random.Generator) -> Optics:
         ),
         shadow=max(rng.uniform(*SHADOW), 0.0),
         psf_mm=rng.uniform(*PSF_MM),
-        noise_grey=_three(np.array(NOISE_GREY) * _log_uniform(rng, NOISE_SHARE)),
-        drift_grey=_log_uniform(rng, DRIFT_GREY),
+        noise_grey=_three(np.array(NOISE_GREY) * log_uniform(rng, NOISE_SHARE)),
+        drift_grey=log_uniform(rng, DRIFT_GREY),
         light_change=_three(rng.normal(0, SESSION_CHANGE, 3) * is_other_session),
         jpeg_quality=int(rng.integers(*JPEG_QUALITY)) if how > 1 - JPEG_SHARE else None,
         video=_random_video(rng) if how < VIDEO_SHARE else None,
@@ -151,16 +152,12 @@ def _random_mounting(rng: np.random.Generator) -> Mounting:
 
 
 def _random_video(rng: np.random.Generator) -> VideoCodec:
-    strength, usual = _log_uniform(rng, VIDEO_STRENGTH), VideoCodec()
+    strength, usual = log_uniform(rng, VIDEO_STRENGTH), VideoCodec()
     return VideoCodec(
         whole_grey=_three(strength * np.array(usual.whole_grey)),
         predicted_grey=_three(strength * np.array(usual.predicted_grey)),
-        frames_apart=round(_log_uniform(rng, (1, VIDEO_FRAMES_APART))),
+        frames_apart=round(log_uniform(rng, (1, VIDEO_FRAMES_APART))),
     )
-
-
-def _log_uniform(rng: np.random.Generator, span: tuple[float, float]) -> float:
-    return float(np.exp(rng.uniform(*np.log(span))))
 
 
 def _three(values: Sequence[float] | np.ndarray) -> tuple[float, float, float]:

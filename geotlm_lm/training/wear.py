@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.core.seeding import log_uniform
 from geotlm_lm.recordings.damage import drifted, faded, gained, jpeg
 from geotlm_lm.simulation.trace import READABLE_GREY
 
@@ -26,6 +27,9 @@ DRIFT_SHARE = 0.06
 DRIFT_GREY = 6.0
 """Most by which the last frame is brighter or darker than the first, about what a camera may drift
 before a reader refuses it: one clip in a hundred of these would be."""
+
+KINDS = ("jpeg", "dim", "drift", "faint")
+"""Damage, each as likely."""
 
 FAINT_CONTRAST = (0.08, 0.7)
 """Contrast of a touch relative to the simulated one, drawn evenly on a log scale."""
@@ -46,24 +50,20 @@ def worn(
         rng: Source of the damage.
     """
     frames, background = clip.frames, clip.background
-    kind = rng.integers(4)
-    if kind == 0:
-        change = partial(jpeg, _log_uniform(rng, JPEG_QUALITY))
+    kind = KINDS[rng.integers(len(KINDS))]
+    if kind == "jpeg":
+        change = partial(jpeg, log_uniform(rng, JPEG_QUALITY))
         frames, background = np.stack([change(frame) for frame in frames]), change(background)
-    elif kind == 1:
-        gain = _log_uniform(rng, DIM_GAIN)
+    elif kind == "dim":
+        gain = log_uniform(rng, DIM_GAIN)
         frames, background = gained(gain, frames), gained(gain, background)
-    elif kind == 2:
+    elif kind == "drift":
         share, grey = rng.uniform(-1, 1, 2) * (DRIFT_SHARE, DRIFT_GREY)
         frames = drifted(grey, share, frames)
     else:
-        contrast = _log_uniform(rng, FAINT_CONTRAST)
+        contrast = log_uniform(rng, FAINT_CONTRAST)
         frames = faded(contrast, frames, background)
         is_seen = label.motion in (Motion.STILL, Motion.NONE)
         is_seen |= change_grey * contrast >= READABLE_GREY
         label = replace(label, is_readable=label.is_readable and is_seen)
     return replace(clip, frames=frames, background=background), label
-
-
-def _log_uniform(rng: np.random.Generator, span: tuple[float, float]) -> float:
-    return float(np.exp(rng.uniform(*np.log(span))))
