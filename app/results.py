@@ -31,7 +31,7 @@ class Amount(TypedDict):
     """How far or how fast, and the span it lies in nine times in ten, in `unit`."""
 
     value: float
-    unit: Literal["deg", "mm", "deg/s", "mm/s"]
+    unit: Literal["deg", "px", "mm", "deg/s", "px/s", "mm/s"]
     low: float
     high: float
 

@@ -29,6 +29,7 @@ from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import GeoTLM
+from geotlm_lm.odometry.odometer import Odometer
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
 
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from geotlm_lm.language.parse_answer import AnswerGrammar
     from geotlm_lm.language.speak import Speaker
 
-BUNDLE_FORMAT = 2
+BUNDLE_FORMAT = 3
 CONFIG_FILE = "config.json"
 PERCEPTION_FILE = "perception.safetensors"
 LANGUAGE_DIR = "language"
@@ -76,9 +77,10 @@ class Calibration:
 
 @dataclass(eq=False)
 class Bundle:
-    """A whole model: what the sensor shows, what is said about it, and how sure that is."""
+    """A whole model: what the sensor shows, how far it moved, what is said, and how surely."""
 
     model: GeoTLM
+    odometer: Odometer
     speaker: Speaker
     grammar: AnswerGrammar
     calibration: Calibration
@@ -87,7 +89,7 @@ class Bundle:
     def digest(self) -> str:
         """Return twelve hex digits of the weights and the calibration, for run records."""
         found = hashlib.sha256(repr(self.calibration).encode())
-        states = _perception_states(self.model) | {"language": self.speaker.model.state_dict()}
+        states = _perception_states(self) | {"language": self.speaker.model.state_dict()}
         for part, state in states.items():
             for name, value in state.items():
                 found.update(f"{part}.{name}".encode())
@@ -127,7 +129,7 @@ def save_bundle(folder: Path, bundle: Bundle) -> None:
     model = bundle.model
     tensors = {
         f"{part}.{name}": value.detach().cpu()
-        for part, state in _perception_states(model).items()
+        for part, state in _perception_states(bundle).items()
         for name, value in state.items()
     }
     stored = {name: value.half().contiguous() for name, value in tensors.items()}
@@ -156,7 +158,8 @@ def load_bundle(folder: Path | None = None) -> Bundle:
     config = read_config(folder)
     try:
         tensors = load_file(folder / PERCEPTION_FILE)
-        model = _assemble(config, {name: value.float() for name, value in tensors.items()})
+        wide = {name: value.float() for name, value in tensors.items()}
+        model, odometer = _assemble(config, wide)
         calibration, provenance = Calibration(**config["calibration"]), config["provenance"]
     except (OSError, SafetensorError, KeyError, TypeError, RuntimeError, ValueError) as error:
         raise IncompatibleBundle(
@@ -173,7 +176,7 @@ def load_bundle(folder: Path | None = None) -> Bundle:
             f"{PERCEPTION_FILE} gives width {model.backbone.width}; copy the bundle again."
         )
     grammar = AnswerGrammar.load(folder / GRAMMAR_FILE)
-    return Bundle(model, speaker, grammar, calibration, provenance)
+    return Bundle(model, odometer, speaker, grammar, calibration, provenance)
 
 
 def read_config(folder: Path) -> dict[str, Any]:
@@ -203,7 +206,8 @@ def read_config(folder: Path) -> dict[str, Any]:
     return config
 
 
-def _perception_states(model: GeoTLM) -> dict[str, dict[str, Tensor]]:
+def _perception_states(bundle: Bundle) -> dict[str, dict[str, Tensor]]:
+    model = bundle.model
     return {
         "vit": model.backbone.state_dict(),
         "global_standardiser": model.global_standardiser.state(),
@@ -211,10 +215,11 @@ def _perception_states(model: GeoTLM) -> dict[str, dict[str, Tensor]]:
         "dgr": model.dgr.state_dict(),
         "probe": model.probe.state_dict(),
         "global_probe": model.global_probe.state_dict(),
+        "odometer": bundle.odometer.state_dict(),
     }
 
 
-def _assemble(config: dict[str, Any], tensors: dict[str, Tensor]) -> GeoTLM:
+def _assemble(config: dict[str, Any], tensors: dict[str, Tensor]) -> tuple[GeoTLM, Odometer]:
     vit_config = ViTConfig(**config["backbone"])
     if vit_config.input_dim != PATCH_INPUT_DIM:
         raise ValueError(
@@ -228,6 +233,7 @@ def _assemble(config: dict[str, Any], tensors: dict[str, Tensor]) -> GeoTLM:
             "dgr": DGR(width),
             "probe": LinearProbe(width, labels),
             "global_probe": LinearProbe(width, labels),
+            "odometer": Odometer(),
         }
     standardisers = ("global_standardiser", "patch_standardiser")
     strangers = {name.partition(".")[0] for name in tensors} - {*modules, *standardisers}
@@ -237,7 +243,7 @@ def _assemble(config: dict[str, Any], tensors: dict[str, Tensor]) -> GeoTLM:
     for name, module in modules.items():
         module.load_state_dict(state(name), assign=True)
         module.requires_grad_(False).eval()
-    return GeoTLM(
+    model = GeoTLM(
         backbone=FrozenBackbone(modules["vit"]),
         global_standardiser=Standardiser.from_state(state("global_standardiser")),
         patch_standardiser=Standardiser.from_state(state("patch_standardiser")),
@@ -245,6 +251,7 @@ def _assemble(config: dict[str, Any], tensors: dict[str, Tensor]) -> GeoTLM:
         probe=modules["probe"],
         global_probe=modules["global_probe"],
     )
+    return model, modules["odometer"]
 
 
 def _state_of(tensors: dict[str, Tensor], part: str) -> dict[str, Tensor]:

@@ -30,12 +30,15 @@ class Perception:
         geometry: Everything DGR computed.
         fused_token: z = c + g, shape (b, d) (Eq. 9).
         views: The square of the image each clip's grid covers; None where it covers no square.
+        inputs: What the stem made of each clip, (b, 2, gh, gw, dim); None where the backbone has no
+            stem.
     """
 
     global_token: Tensor
     geometry: Geometry
     fused_token: Tensor
     views: tuple[View | None, ...] = ()
+    inputs: Tensor | None = None
 
 
 @dataclass(eq=False)
@@ -69,7 +72,7 @@ class GeoTLM:
         patches = self.patch_standardiser.apply(tokens.patches)
         geometry = self.dgr(patches)  # Eqs. 2-8
         fused_token = global_token + geometry.feature  # Eq. 9
-        return Perception(global_token, geometry, fused_token, tokens.views)
+        return Perception(global_token, geometry, fused_token, tokens.views, tokens.inputs)
 
 
 def rigid_motion(

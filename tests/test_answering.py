@@ -45,6 +45,7 @@ def answerer_saying(bundle, slots=None, text=None, **calibration):
     return Answerer(
         type(bundle)(
             bundle.model,
+            bundle.odometer,
             ScriptedSpeaker(sentence),
             bundle.grammar,
             Calibration(**calibration),
@@ -93,7 +94,7 @@ def test_an_answer_that_is_likelier_wrong_than_right_is_withheld_and_told_as_a_g
 
 
 def test_amounts_are_told_however_many_are_near_alike(bundle):
-    said = Slots("magnitude", amount=15.0, unit="deg")
+    said = Slots("magnitude", unit="deg")
     answerer = answerer_saying(bundle, said, temperature=4.0)
     answer = answerer.ask(answerer.encode(recording()), "How far did it turn?")
     assert not answer.abstained

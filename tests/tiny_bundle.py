@@ -11,6 +11,7 @@ from geotlm_lm.data.templates import load_templates
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.language.decoder import LanguageSize
 from geotlm_lm.model import GeoTLM
+from geotlm_lm.odometry.odometer import Odometer
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.training.language import LanguageTraining, new_speaker
@@ -33,4 +34,5 @@ def tiny_bundle(calibration=None):
     fused_tokens = torch.randn(9, WIDTH, generator=generator)
     speaker = new_speaker(fused_tokens, LanguageTraining(size=size))
     calibration = calibration or Calibration(temperature=2.0, contact_threshold=0.0)
-    return Bundle(model, speaker, load_templates().grammar(), calibration, {"command": "test"})
+    grammar = load_templates().grammar()
+    return Bundle(model, Odometer().eval(), speaker, grammar, calibration, {"command": "test"})

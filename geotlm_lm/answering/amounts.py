@@ -1,6 +1,6 @@
 """How far it went: one amount, and how far off it may be, from the probabilities of many.
 
-The model weighs a few dozen amounts, each standing for those nearest to it. Which single one is
+The odometer weighs a few dozen amounts, each standing for those nearest to it. Which single one is
 likeliest says little where three neighbours are nearly as likely; what is told is the amount that
 is most probably right within its tolerance, and the span that holds nine tenths of the
 probability.
@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -18,22 +17,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.evaluation.answers import RELATIVE_TOLERANCE, TOLERANCES
-from geotlm_lm.language.parse_answer import Slots
+from geotlm_lm.evaluation.answers import RELATIVE_TOLERANCE
 
-STEPS = {"deg": 1.0, "mm": 0.1}
+STEPS = {"deg": 1.0, "px": 1.0, "mm": 0.1}
 """What told amounts are multiples of, by unit."""
 
 SPAN_SHARE = 0.9
-"""Probability of the span, of all amounts in its unit. Measured on the 594 of the card's 619 turns
-and slides that are told in the right unit, before its ends were rounded outwards: it holds the true
-amount of 0.92 of the turns and 0.91 of the slides."""
+"""Probability of the span, of all amounts in its unit."""
 
-POINTS_A_CELL = 40
-"""Amounts that stand for all of those an option stands for: shares of a cell to within 0.03."""
+POINTS_A_CELL = 8
+"""Amounts that stand for all of those in a cell, which is half of a tolerance wide."""
 
-_WORD = re.compile(r"([\d.]+) (deg|mm)")
-_NAMES = {"deg": ("degree", "degrees", "turning"), "mm": ("millimetre", "millimetres", "sliding")}
+_WORD = re.compile(r"([\d.]+) (deg|px|mm)")
+_NAMES = {
+    "deg": ("degree", "degrees", "turning"),
+    "px": ("pixel", "pixels", "sliding"),
+    "mm": ("millimetre", "millimetres", "sliding"),
+}
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ class Amount:
 
     Args:
         value: The amount told, in `unit`.
-        unit: "deg" or "mm"; "deg/s" or "mm/s" of a mean speed.
+        unit: "deg", "px" of the recording's frames, or "mm"; "deg/s" and so on of a mean speed.
         low: Lower end of the span that holds nine tenths of the probability.
         high: Its upper end.
-        probability: That the value is off by no more than an answer may be: 2 degrees, 0.2 mm, or a
-            fifth.
+        probability: That the value is off by no more than an answer may be: 2 degrees, 0.2 mm, 2
+            pixels of a 224-pixel image, or a fifth.
     """
 
     value: float
@@ -85,62 +85,49 @@ def amount_in(word: str | None) -> tuple[float, str] | None:
     return None if said is None else (float(said[1]), said[2])
 
 
-def likeliest_amount(slots: Slots | None, options: Mapping[str, float]) -> Amount | None:
-    """Return the amount that is most probably right, and its span; None where none was named.
+def most_probably_right(
+    amounts: tuple[float, ...], shares: NDArray[np.floating], unit: str, tolerance: float
+) -> Amount:
+    """Return the amount that is most probably right within its tolerance, and its span.
 
     Args:
-        slots: What the model said: its unit is kept, and of amounts as probable the one nearest to
-            its own is told.
-        options: Probability of every answer of that kind, by its deciding word.
+        amounts: Rising; each stands for all that are nearer to it than to its neighbours.
+        shares: Probability of each; they sum to 1.
+        unit: Of them, one of `STEPS`.
+        tolerance: Least error that still counts as right, in `unit`; a fifth of the amount does.
     """
-    if slots is None or slots.amount is None:
-        return None
-    said = {word: amount_in(word) for word in options}
-    weights = {one[0]: options[word] for word, one in said.items() if one and one[1] == slots.unit}
-    total = sum(weights.values())
-    if not total:
-        return Amount(slots.amount, slots.unit, slots.amount, slots.amount, 0.0)
-    amounts = tuple(sorted(weights))
-    shares = np.array([weights[amount] for amount in amounts]) / total
-    told, hits, edges = _cells(amounts, slots.unit)
+    told, hits, edges = _cells(amounts, STEPS[unit], tolerance)
     hit = hits @ shares
     best = np.flatnonzero(hit >= hit.max() - 1e-9)
-    place = best[np.argmin(np.abs(told[best] - slots.amount))]
+    # Of several that are right as often the one in the middle is told.
+    place = best[len(best) // 2]
     tail = (1 - SPAN_SHARE) / 2
     low, high = np.interp([tail, 1 - tail], np.concatenate([[0], shares.cumsum()]), edges)
-    value = float(told[place])
-    step = STEPS[slots.unit]
+    value, step = float(told[place]), STEPS[unit]
     # Rounded outwards, so that the span still holds its share; what is told lies in it.
     low = min(round(math.floor(low / step + 1e-9) * step, 1), value)
     high = max(round(math.ceil(high / step - 1e-9) * step, 1), value)
-    return Amount(value, slots.unit, low, high, float(hit[place] * total))
+    return Amount(value, unit, low, high, float(hit[place]))
 
 
 @lru_cache(maxsize=8)
 def _cells(
-    amounts: tuple[float, ...], unit: str
+    amounts: tuple[float, ...], step: float, tolerance: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return what may be told, how much of each option's cell that is right of, and the cells.
-
-    Args:
-        amounts: What the options say, rising; each stands for all that are nearer to it than to its
-            neighbours.
-        unit: Of them.
+    """Return what may be told, how much of each amount's cell that is right of, and the cells.
 
     Returns:
-        Amounts that may be told (told,), shares in [0, 1] (told, options), edges (options + 1,).
+        Amounts that may be told (told,), shares in [0, 1] (told, amounts), edges (amounts + 1,).
     """
     centres = np.array(amounts)
     middles = (centres[1:] + centres[:-1]) / 2
-    outer = (centres[0], centres[-1]) if len(centres) == 1 else (middles[0], middles[-1])
-    first, last = max(2 * centres[0] - outer[0], 0.0), 2 * centres[-1] - outer[1]
+    first, last = max(2 * centres[0] - middles[0], 0.0), 2 * centres[-1] - middles[-1]
     edges = np.concatenate([[first], middles, [last]])
-    step = STEPS[unit]
-    told = np.round(np.arange(1, round(last / step) + 1) * step, 1)
+    told = np.round(np.arange(1, max(round(last / step), 1) + 1) * step, 1)
     inside = (np.arange(POINTS_A_CELL) + 0.5) / POINTS_A_CELL
     true = edges[:-1, None] + np.diff(edges)[:, None] * inside
-    tolerance = np.maximum(TOLERANCES[unit], RELATIVE_TOLERANCE * true) + 1e-9
-    return told, (np.abs(told[:, None, None] - true) <= tolerance).mean(axis=-1), edges
+    allowed = np.maximum(tolerance, RELATIVE_TOLERANCE * true) + 1e-9
+    return told, (np.abs(told[:, None, None] - true) <= allowed).mean(axis=-1), edges
 
 
 def _two_digits(value: float) -> float:

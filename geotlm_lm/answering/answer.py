@@ -134,8 +134,8 @@ class Answer:
         frames_used: Numbers of the four frames in the recording.
         notes: What was guessed or chosen on the way, one sentence each.
         decided: The word of `options` that this answer is, such as "yes" or "clockwise": what a
-            program reads. Of amounts, also of those between two options, it is one such as
-            "13 deg", how far altogether where a speed was asked for. None when nothing was decided.
+            program reads. Of amounts it is one such as "13 deg", how far altogether where a speed
+            was asked for. None when nothing was decided.
         told_by: Whose sentence it is: the language model's own, or a rule's that follows from what
             the model read or stands for what it could not say.
         amount: How far or how fast, with the span it lies in nine times in ten; None when the
@@ -227,8 +227,8 @@ def deciding_word(slots: Slots) -> str:
         return f"{slots.letter}) {slots.direction.value}"
     if slots.kind == "class":
         return slots.motion_class.value
-    if slots.amount is not None:
-        return f"{slots.amount:g} {slots.unit}"
+    if slots.unit is not None:
+        return slots.unit
     return slots.direction.value if slots.direction else slots.kind
 
 

@@ -23,6 +23,7 @@ from geotlm_lm.answering.hearing import (
     score,
 )
 from geotlm_lm.answering.leaning import with_lean
+from geotlm_lm.answering.measuring import measured
 from geotlm_lm.answering.replying import UNTRAINED, by_rule, in_words
 from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.several import (
@@ -208,7 +209,14 @@ class Answerer:
         if "magnitude" not in self.bundle.grammar.kinds:
             return Comparison(UNTRAINED["magnitude"], "unknown", 0.0, True, *answers)
         heard = [hear(self.bundle, one, AMOUNT_QUESTION) for one in (first, second)]
-        return compare_amounts(question, heard, (first.seconds, second.seconds), answers)
+        found = [
+            measured(self.bundle, one, said, stated.frame)
+            for one, said in zip((first, second), heard, strict=True)
+        ]
+        sizes = {one.clip.frames.shape[1:3] for one in (first, second)}
+        if len(sizes) > 1 and {one and one.unit for one in found} == {"px"}:
+            return Comparison(OTHER_SIZES, "unknown", 0.0, True, *answers)
+        return compare_amounts(question, found, (first.seconds, second.seconds), answers)
 
     def order(self, parts: Sequence[Encoded], *, frame: FrameSpec = CAMERA) -> Order:
         """Tell the motions of `parts`, clips of one recording in the order of time.
@@ -256,6 +264,8 @@ class Answerer:
             last += " This speaks against the answer: the model is not of one mind."
         return (*steps, last)
 
+
+OTHER_SIZES = "I cannot compare how far they slide: their frames have other sizes."
 
 CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."
 

@@ -15,8 +15,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm.answering.answer import Encoded
+from geotlm_lm.answering.schema import answer_schema
+from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError, UsageError
+from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.recordings.read import read_clip
 
 if TYPE_CHECKING:
@@ -48,6 +51,7 @@ def answer_all(
     out: Path,
     *,
     fps: float | None = None,
+    frame: FrameSpec = CAMERA,
     progress: Progress = lambda done, total: None,
 ) -> BatchResult:
     """Write one row per clip and question to `out`, as JSON lines.
@@ -62,6 +66,7 @@ def answer_all(
         questions: What to ask about each.
         out: The file to write.
         fps: Frames per second of the recordings; None to take what each file says.
+        frame: What is known of how all of them were taken.
         progress: Told how many clips are done.
 
     Raises:
@@ -69,14 +74,14 @@ def answer_all(
             `out`.
     """
     part = out.with_name(f"{out.name}.part")
-    settings = _settings(answerer, clips, questions, fps)
+    settings = _settings(answerer, clips, questions, fps, frame)
     kept, errors = _continued(part, settings, len(questions))
     if not kept:
         write_text_atomically(part, f"{json.dumps(settings)}\n")
     with part.open("a", encoding="utf-8") as stream:
         for number, clip in enumerate(clips):
             if number >= kept // len(questions):
-                rows = list(rows_of(answerer, clip, questions, fps))
+                rows = list(rows_of(answerer, clip, questions, fps, frame))
                 stream.write("".join(f"{json.dumps(row)}\n" for row in rows))
                 stream.flush()
                 errors += sum(row["error"] is not None for row in rows)
@@ -89,7 +94,11 @@ def answer_all(
 
 
 def rows_of(
-    answerer: Answerer, clip: Path, questions: Sequence[str], fps: float | None = None
+    answerer: Answerer,
+    clip: Path,
+    questions: Sequence[str],
+    fps: float | None = None,
+    frame: FrameSpec = CAMERA,
 ) -> Iterator[dict[str, Any]]:
     """Yield the rows of one clip, which is encoded once."""
     encoded, error = _encode(answerer, clip, fps)
@@ -97,7 +106,7 @@ def rows_of(
         answer = None
         if encoded is not None:
             try:
-                answer, error = answerer.ask(encoded, question).to_dict(), None
+                answer, error = answerer.ask(encoded, question, frame=frame).to_dict(), None
             except GeoTLMError as refused:
                 error = str(refused)
         yield {"clip": clip.name, "question": question, "answer": answer, "error": error}
@@ -111,10 +120,18 @@ def _encode(answerer: Answerer, clip: Path, fps: float | None) -> tuple[Encoded 
 
 
 def _settings(
-    answerer: Answerer, clips: Sequence[Path], questions: Sequence[str], fps: float | None
+    answerer: Answerer,
+    clips: Sequence[Path],
+    questions: Sequence[str],
+    fps: float | None,
+    frame: FrameSpec,
 ) -> dict[str, Any]:
-    """Return what decides the rows, so that no other run's are taken for them."""
-    told = json.dumps([[_stamp(clip) for clip in clips], list(questions), fps])
+    """Return what decides the rows, so that no other run's are taken for them.
+
+    The schema is among it: a run that an older version began had other fields.
+    """
+    asked = [list(questions), fps, frame.to_dict()]
+    told = json.dumps([[_stamp(clip) for clip in clips], asked, answer_schema()])
     digest = hashlib.sha256(told.encode()).hexdigest()[:16]
     return {"model": answerer.bundle.digest(), "clips_and_questions": digest}
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
+import time
 from dataclasses import replace
 
-from geotlm_lm.answering.amounts import likeliest_amount
 from geotlm_lm.answering.answer import (
     Answer,
     Encoded,
@@ -23,6 +24,7 @@ from geotlm_lm.answering.hearing import (
     hear_likeliest,
     score,
 )
+from geotlm_lm.answering.measuring import measured
 from geotlm_lm.answering.withholding import plain, too_little_contact, unless_withheld
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.claims import (
@@ -66,6 +68,18 @@ NEEDS_MORE = {
     "order": "I see one motion per clip; give me the parts as clips of their own, in order.",
 }
 """Kinds that one clip never answers, whatever the model."""
+
+PIXELS_NOTE = (
+    "Pixels of the recording's {}x{} frames: nothing tells how large one is on the gel; say for "
+    "example '0.06 mm per pixel'."
+)
+NO_LENGTH = " In millimetres only if you tell me the size of a pixel."
+
+_LENGTH = re.compile(
+    r"\b(?:mm|cm|um|millimet(?:er|re)s?|centimet(?:er|re)s?|micromet(?:er|re)s?|microns?|inch(?:es)?)\b",
+    re.IGNORECASE,
+)
+"""Asks for a length on the gel."""
 
 NO_TIME = "I cannot tell the speed: it takes 3 frames and a frame rate; give it by fps."
 
@@ -116,8 +130,8 @@ def in_words(
         return _retold(bundle, encoded, question, heard, frame)
     if slots.kind in ALWAYS_RETOLD or (slots.kind in RETOLD and not is_as_seen(frame)):
         return _retold(bundle, encoded, question, heard, frame)
-    if slots.amount is not None:
-        return _measured(bundle, encoded, heard, frame)
+    if slots.unit is not None:
+        return _measured(bundle, encoded, question, heard, frame)
     told = Told(
         text=heard.text,
         direction=slots.direction,
@@ -208,7 +222,7 @@ def by_rule(bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: F
 
 def is_as_seen(frame: FrameSpec) -> bool:
     """Tell whether `frame` names every direction as the camera image shows it."""
-    return replace(frame, contact_side=None, thread=None) == CAMERA
+    return replace(frame, contact_side=None, thread=None, mm_per_px=None) == CAMERA
 
 
 def _from_open_question(
@@ -222,24 +236,35 @@ def _from_open_question(
     return _retold(bundle, encoded, question, replace(heard, slots=slots), frame)
 
 
-def _measured(bundle: Bundle, encoded: Encoded, heard: Heard, frame: FrameSpec) -> Answer:
-    """Answer how far it went, or how fast, from the probabilities of all amounts."""
-    kind, amount = heard.slots.kind, likeliest_amount(heard.slots, heard.options)
-    decided = amount.word
+def _measured(
+    bundle: Bundle, encoded: Encoded, question: str, heard: Heard, frame: FrameSpec
+) -> Answer:
+    """Answer how far it went, or how fast, with what the odometer measures."""
+    kind = heard.slots.kind
     if encoded.contact_share < bundle.calibration.contact_threshold:
         what = "say how fast" if kind == "rate" else "say how far"
         text = too_little_contact(what, encoded.contact_share)
         return plain(encoded, text, kind, frame, heard.timing_ms)
+    if kind == "rate" and not encoded.seconds:
+        return plain(encoded, NO_TIME, kind, frame, heard.timing_ms)
+    started = time.perf_counter()
+    whole = amount = measured(bundle, encoded, heard, frame)
+    timing = heard.timing_ms | {"measure": 1e3 * (time.perf_counter() - started)}
     if kind == "rate":
-        if not encoded.seconds:
-            return plain(encoded, NO_TIME, kind, frame, heard.timing_ms)
-        amount = amount.per_second(encoded.seconds)
+        amount = whole.per_second(encoded.seconds)
+    text, notes = amount.sentence(), ()
+    if whole.unit == "px":
+        rows, columns = encoded.clip.frames.shape[1:3]
+        notes = (PIXELS_NOTE.format(columns, rows),)
+        text += NO_LENGTH if _LENGTH.search(question) else ""
+    answer = plain(encoded, text, kind, frame, timing)
     return replace(
-        plain(encoded, amount.sentence(), kind, frame, heard.timing_ms),
+        answer,
+        notes=(*answer.notes, *notes),
         confidence=amount.probability,
         abstained=False,
         options=heard.options,
-        decided=decided,
+        decided=whole.word,
         amount=amount,
     )
 

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from geotlm_lm.answering.amounts import likeliest_amount
+from geotlm_lm.answering.amounts import Amount
 from geotlm_lm.answering.answer import Answer
-from geotlm_lm.answering.hearing import Heard
 from geotlm_lm.conversation.wording import clause, name, place
 from geotlm_lm.core.labels import DIRECTED, Motion, reverse
 
@@ -116,7 +115,7 @@ def compare_directions(first: Answer, second: Answer) -> Comparison:
 
 def compare_amounts(
     question: str,
-    heard: Sequence[Heard],
+    found: Sequence[Amount | None],
     seconds: Sequence[float | None],
     answers: Sequence[Answer],
 ) -> Comparison:
@@ -124,7 +123,7 @@ def compare_amounts(
 
     Args:
         question: Holds the word that says which one is asked for.
-        heard: What the model said of each clip's amount.
+        found: How far each goes; None where it goes no way.
         seconds: Time of each clip; None where it is unknown.
         answers: Which way each goes.
     """
@@ -135,7 +134,6 @@ def compare_amounts(
     if (unsure := _withheld(answers)) is not None:
         which = ("first", "second")[unsure[0]]
         return refuse(f"I cannot compare them; of the {which}: {unsure[1].text}")
-    found = [likeliest_amount(one.slots, one.options) for one in heard]
     if any(one is None for one in found):
         return refuse("I cannot compare them: not both of them turn or slide.")
     if found[0].unit != found[1].unit:

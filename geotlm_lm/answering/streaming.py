@@ -1,7 +1,7 @@
 """Words as they are generated, as far as they will stand in the answer.
 
 Most answers are the model's own sentence and may be told while it is written. Others are derived
-from it by rule, weigh all amounts, or are withheld for want of contact or certainty: of these
+from it by rule, are measured, or are withheld for want of contact or certainty: of these
 nothing is told before the end. Which it will be is known from the first words on, because every
 answer is one of a closed set of sentences.
 """
@@ -85,7 +85,7 @@ def stands(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, sl
         return False
     if slots.kind in RETOLD and not is_as_seen(frame):
         return False
-    if slots.amount is not None:
+    if slots.unit is not None:
         return False
     return not bundle.calibration.withholds(slots.direction, encoded.contact_share)
 

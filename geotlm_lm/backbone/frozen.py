@@ -39,8 +39,8 @@ class FrozenBackbone:
     def encode(self, clips: list[Clip]) -> Tokens:
         """Return the tokens of clips of four frames with a background each, in float32."""
         inputs, views = zip(*(look(clip) for clip in clips), strict=True)
-        tokens = self.encode_inputs(torch.from_numpy(np.stack(inputs)))
-        return replace(tokens, views=views)
+        stacked = torch.from_numpy(np.stack(inputs))
+        return replace(self.encode_inputs(stacked), views=views, inputs=stacked)
 
     @torch.inference_mode()
     def encode_inputs(self, inputs: Tensor) -> Tokens:

@@ -20,11 +20,14 @@ class Tokens:
         patches: Patch tokens F, shape (b, 2, gh, gw, d), early time-bin first (Eq. 1).
         views: The square of the image each clip's grid covers, None where it covers no square;
             empty where nobody asked.
+        inputs: What the stem made of each clip, (b, 2, gh, gw, dim); None where the backbone has no
+            stem, or nobody asked.
     """
 
     global_token: Tensor
     patches: Tensor
     views: tuple[View | None, ...] = ()
+    inputs: Tensor | None = None
 
     def __len__(self) -> int:
         return len(self.global_token)

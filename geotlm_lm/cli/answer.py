@@ -17,6 +17,8 @@ from geotlm_lm.cli.options import (
     FrameSpan,
     FramesPerSecond,
     LayoutName,
+    MmPerPixel,
+    frame_of,
     span_of,
 )
 from geotlm_lm.core.errors import Abstained, UsageError
@@ -30,6 +32,7 @@ def answer(
     layout: LayoutName = None,
     background: Background = None,
     fps: FramesPerSecond = None,
+    mm_per_px: MmPerPixel = None,
     model: Annotated[
         Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
     ] = None,
@@ -53,7 +56,7 @@ def answer(
         raise UsageError("The question holds bytes that are no text; give it in UTF-8.")
     from geotlm_lm.recordings.read import read_clip
 
-    span = span_of(frames)
+    span, frame = span_of(frames), frame_of(mm_per_px)
     recording = read_clip(clip, layout=layout, fps=fps, background=background)
 
     # Imported only now: a wrong path must not wait for the model's libraries.
@@ -61,7 +64,7 @@ def answer(
 
     answerer = Answerer.load(model)
     encoded = answerer.encode(recording, span=span)
-    reply = answerer.ask(encoded, question)
+    reply = answerer.ask(encoded, question, frame=frame)
     for note in reply.notes:
         print(f"note: {note}", file=sys.stderr)
     reasons = answerer.why(encoded, reply) if why else None

@@ -8,7 +8,13 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import FramesPerSecond, Precision, require_writable_file
+from geotlm_lm.cli.options import (
+    FramesPerSecond,
+    MmPerPixel,
+    Precision,
+    frame_of,
+    require_writable_file,
+)
 from geotlm_lm.core.errors import UsageError
 
 COMMENT = "#"
@@ -24,6 +30,7 @@ def batch(
     ],
     out: Annotated[Path, typer.Option(help="Where the rows go, one JSON object a line.")],
     fps: FramesPerSecond = None,
+    mm_per_px: MmPerPixel = None,
     model: Annotated[
         Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
     ] = None,
@@ -40,6 +47,7 @@ def batch(
 
     if fps is not None and not 0 < fps < 1e5:
         raise UsageError(f"A frame rate of {fps:g} was given, expected 0 to 100000 per second.")
+    frame = frame_of(mm_per_px)
     found, asked = clips_in(clips), read_questions(questions)
     require_writable_file(out, "--out")
 
@@ -55,6 +63,7 @@ def batch(
         asked,
         out,
         fps=fps,
+        frame=frame,
         progress=lambda done, total: report("answered", done, total),
     )
     if result.continued:

@@ -15,10 +15,13 @@ from geotlm_lm.cli.options import (
     FrameSpan,
     FramesPerSecond,
     LayoutName,
+    MmPerPixel,
     Precision,
+    frame_of,
     span_of,
 )
 from geotlm_lm.core.errors import GeoTLMError
+from geotlm_lm.core.frame_spec import FrameSpec
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded, Session
@@ -42,6 +45,7 @@ def chat(
     layout: LayoutName = None,
     background: Background = None,
     fps: FramesPerSecond = None,
+    mm_per_px: MmPerPixel = None,
     model: Annotated[
         Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
     ] = None,
@@ -55,7 +59,7 @@ def chat(
     """
     from geotlm_lm.recordings.read import read_clip
 
-    span = span_of(frames)
+    span, frame = span_of(frames), frame_of(mm_per_px)
     recording = read_clip(clip, layout=layout, fps=fps, background=background)
 
     # Imported only now: a wrong path must not wait for the model's libraries.
@@ -63,7 +67,7 @@ def chat(
 
     answerer = Answerer.load(model, precision=precision)
     encoded = answerer.encode(recording, span=span)
-    Conversation(answerer, encoded).run()
+    Conversation(answerer, encoded, frame).run()
 
 
 class Conversation:
@@ -72,11 +76,14 @@ class Conversation:
     Args:
         answerer: The model.
         encoded: The clip it begins with.
+        frame: The frame of reference it begins with.
     """
 
-    def __init__(self, answerer: Answerer, encoded: Encoded) -> None:
+    def __init__(
+        self, answerer: Answerer, encoded: Encoded, frame: FrameSpec | None = None
+    ) -> None:
         self.answerer = answerer
-        self.session: Session = answerer.session(encoded)
+        self.session: Session = answerer.session(encoded, frame or FrameSpec())
         self.is_json = False
         self._tell_notes(encoded.clip.notes)
 

@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass, replace
 from typing import Any
 
-from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.frame_spec import MM_PER_PX, FrameSpec
 
 _IMAGE = (
     r"(?:the |my )?(?:(?:camera|recorded|tactile) )?(?:image|picture|video|clip|recording|camera)"
@@ -105,10 +105,25 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
             "contact_side": None,
             "thread": None,
             "image_upside_down": False,
+            "mm_per_px": None,
         },
     ),
 )
 """What may be said, to the letter, and the fields of `FrameSpec` it sets."""
+
+_NUMBER = r"(?P<number>\d*\.?\d+)"
+_LENGTH = r"(?P<unit>mm|millimet(?:er|re)s?|um|\u00b5m|\u03bcm|microns?|micromet(?:er|re)s?)"
+_PIXEL = r"(?:px|pixels?)"
+_SCALE_IS = r"(?:(?:(?:the )?(?:scale|resolution|pixel size|size of a pixel) is|it is|it's|at) )?"
+_PER = r" ?(?:per|a|/) ?"
+
+_SIZES = (
+    rf"{_SCALE_IS}{_NUMBER} ?{_LENGTH}{_PER}{_PIXEL}",
+    rf"(?:a|one|1|each|every) {_PIXEL} (?:is|measures|=) {_NUMBER} ?{_LENGTH}(?: wide| long)?",
+    rf"mm[_ ]per[_ ]{_PIXEL} ?(?:is|=|:)? ?{_NUMBER}",
+)
+_DENSITY = rf"{_SCALE_IS}{_NUMBER} ?{_PIXEL}{_PER}{_LENGTH}"
+"""How large a pixel is, or how many there are to a length."""
 
 OF_THE_TELLING = ("viewpoint", "actor")
 """Fields that only say how to tell: put before a question by a comma they hold for it alone. The
@@ -224,4 +239,21 @@ def _fields(text: str) -> dict[str, Any]:
 
 
 def _fact(clause: str) -> dict[str, Any] | None:
-    return next((sets for words, sets in FACTS if re.fullmatch(words, clause)), None)
+    found = next((sets for words, sets in FACTS if re.fullmatch(words, clause)), None)
+    return found or _scale(clause)
+
+
+def _scale(clause: str) -> dict[str, Any] | None:
+    """Return the size of a pixel that a clause states, if it is one a camera can have."""
+    for words in (*_SIZES, _DENSITY):
+        if (said := re.fullmatch(words, clause)) is None:
+            continue
+        unit = said.groupdict().get("unit", "mm")
+        size_mm = 1.0 if unit.startswith(("mm", "milli")) else 1e-3
+        number = float(said["number"])
+        if words is _DENSITY:
+            size_mm = size_mm / number if number else 0.0
+        else:
+            size_mm *= number
+        return {"mm_per_px": size_mm} if MM_PER_PX[0] <= size_mm <= MM_PER_PX[1] else None
+    return None

@@ -73,4 +73,6 @@ def known(frame: FrameSpec) -> str:
         facts.append(f"{frame.thread}-hand thread")
     if frame.contact_side is not None:
         facts.append(f"touched at its {frame.contact_side}")
+    if frame.mm_per_px is not None:
+        facts.append(f"{frame.mm_per_px:g} mm per pixel")
     return ", ".join(facts)

@@ -12,6 +12,9 @@ Actor = Literal["object", "sensor"]
 ContactSide = Literal["head", "shank", "side"]
 Thread = Literal["right", "left"]
 
+MM_PER_PX = (0.001, 2.0)
+"""Least and most a pixel can measure: cameras see a few mm to a few dm of gel."""
+
 
 @dataclass(frozen=True)
 class FrameSpec:
@@ -25,6 +28,7 @@ class FrameSpec:
         thread: Handedness of a thread; None when unknown.
         image_upside_down: Directions are told for the image turned by 180 degrees: the recorded one
             is upside down, as from a camera mounted on its head, or a question supposes it.
+        mm_per_px: Width on the gel of a pixel of the recording's frames; None when unknown.
     """
 
     image_mirrored: bool = False
@@ -33,6 +37,7 @@ class FrameSpec:
     contact_side: ContactSide | None = None
     thread: Thread | None = None
     image_upside_down: bool = False
+    mm_per_px: float | None = None
 
     def tell(self, motion: Motion) -> Motion:
         """Return `motion`, named in the camera image for the object, as this frame names it.

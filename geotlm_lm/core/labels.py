@@ -7,6 +7,7 @@ of the object relative to the sensor, in the camera image, unless a `FrameSpec` 
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass, replace
 from enum import StrEnum
 from typing import Any
@@ -121,6 +122,8 @@ class MotionLabel:
         contact_fraction: Share of the image in contact, one number per frame, in [0, 1].
         is_readable: Whether the motion changes the image more than the sensor's noise, as a smooth
             ball spinning about its own axis does not, and is the greater one at the contact.
+        mm_per_px: Width and height on the gel of a pixel of the 224-pixel image; None where the
+            recording does not tell.
     """
 
     motion: Motion
@@ -130,6 +133,15 @@ class MotionLabel:
     depth_change_mm: float = 0.0
     contact_fraction: tuple[float, ...] = ()
     is_readable: bool = True
+    mm_per_px: tuple[float, float] | None = None
+
+    @property
+    def slide_px(self) -> float | None:
+        """Length of the travel, pixels of the 224-pixel image; None where their size is unknown."""
+        if self.mm_per_px is None:
+            return None
+        across, down = self.mm_per_px
+        return math.hypot(self.slide_x_mm / across, self.slide_y_mm / down)
 
     def mirrored(self) -> MotionLabel:
         """Return the label of the clip flipped left to right."""
@@ -145,15 +157,18 @@ class MotionLabel:
         return asdict(self) | {
             "motion": self.motion.value,
             "contact_fraction": list(self.contact_fraction),
+            "mm_per_px": None if self.mm_per_px is None else list(self.mm_per_px),
         }
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> MotionLabel:
         """Read a label back from `to_dict`."""
+        size = values.get("mm_per_px")
         return cls(
             **values
             | {
                 "motion": Motion(values["motion"]),
                 "contact_fraction": tuple(values["contact_fraction"]),
+                "mm_per_px": None if size is None else tuple(size),
             }
         )

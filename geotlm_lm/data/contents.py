@@ -6,7 +6,6 @@ the other side, ...) are answered with the motion in the camera image; rules der
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -31,10 +30,13 @@ Content = tuple[str, Slots, list[Slots]]
 
 
 def amount_of(label: MotionLabel) -> float | None:
-    """Return how far the object turns, in degrees, or slides, in mm; None where it does neither."""
+    """Return how far the object turns, in degrees, or slides, in pixels of the 224-pixel image.
+
+    None where it does neither, or where the size of a pixel is not known.
+    """
     if label.motion in ROTATIONS:
         return abs(label.rotation_deg)
-    return math.hypot(label.slide_x_mm, label.slide_y_mm) if label.motion in SLIDES else None
+    return label.slide_px if label.motion in SLIDES else None
 
 
 def _told(
@@ -161,14 +163,13 @@ def _moving(
 def _measured(
     _: Templates, kind: QuestionType, wording: Wording, label: MotionLabel, rng: np.random.Generator
 ) -> Content:
-    """Answer with the nearest amount the answers hold, or why there is none."""
+    """Answer what sort of amount there is, or why there is none."""
     options = list(kind.answers.values())
-    true = amount_of(label)
-    if true is None:
-        return wording.text, Slots(kind.kind, label.motion), options
-    unit = "deg" if label.motion in ROTATIONS else "mm"
-    of_unit = [slots for slots in options if slots.unit == unit]
-    return wording.text, min(of_unit, key=lambda slots: abs(slots.amount - true)), options
+    if label.motion in ROTATIONS:
+        return wording.text, Slots(kind.kind, unit="deg"), options
+    if label.motion in SLIDES:
+        return wording.text, Slots(kind.kind, unit="px"), options
+    return wording.text, Slots(kind.kind, label.motion), options
 
 
 CONTENTS: dict[str, Callable[..., Content]] = {

@@ -38,7 +38,7 @@ TYPO_MIN_LETTERS = 5
 class QuestionAnswer:
     """A question, its true answer, and the closed set of answers it may be scored over.
 
-    `amount` is the true one, before it was rounded to an answer's; None where none is asked.
+    `amount` is the true one, in the unit of the slots; None where none is asked or known.
     """
 
     type_id: str
@@ -128,7 +128,7 @@ def written(
         answer=sentences[slots],
         slots=slots,
         options=tuple(sentences[option] for option in options),
-        amount=amount_of(label) if slots.amount is not None else None,
+        amount=amount_of(label) if slots.unit is not None else None,
     )
 
 

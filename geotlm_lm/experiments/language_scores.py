@@ -20,6 +20,7 @@ from geotlm_lm.evaluation.selective import (
 from geotlm_lm.evaluation.uncertainty import clustered_interval, paired_difference
 from geotlm_lm.experiments.language_asking import METHODS, WORDS, Row
 from geotlm_lm.experiments.language_groups import Group
+from geotlm_lm.odometry.odometer import UNITS
 
 DIRECTIONS = ("T1", "T2", "T3", "T4", "T11", "T12", "T14", "T15", "T18", "T21")
 """Types whose answer names a direction."""
@@ -59,7 +60,7 @@ def summarise_talk(rows: Sequence[Row], groups: Sequence[Group], seed: int) -> d
             "all types": confidence_scores(rows),
             "open question": confidence_scores(by_type.get("T1", [])),
         },
-        "amounts": {unit: amount_scores(rows, unit) for unit in ("deg", "mm")},
+        "amounts": {unit: amount_scores(rows, unit) for unit in UNITS},
         "evidence": {
             "with the true field": _claims([row.claims for row in rows]),
             "with what the model read": _claims([row.own_claims for row in rows]),

@@ -50,7 +50,7 @@ class Truth:
         direction: The motion it claims, in its frame; None where it claims none.
         abstains: Whether the right answer is to decline.
         amount: How far it goes, in the unit of `unit`; None where no amount is asked.
-        unit: "deg" or "mm".
+        unit: "deg" or "px".
     """
 
     decided: str | None = None

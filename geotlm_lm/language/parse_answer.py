@@ -37,8 +37,8 @@ Kind = Literal[
 ]
 KINDS: tuple[str, ...] = get_args(Kind)
 
-Unit = Literal["deg", "mm"]
-"""Of an amount: degrees of turning, millimetres of sliding."""
+Unit = Literal["deg", "px"]
+"""Of what is measured: degrees of turning, pixels of sliding."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,7 @@ class Slots:
         verdict: Its yes or no.
         letter: The option it picks.
         motion_class: The kind of motion it claims.
-        amount: How much it moved between the first and the last frame, in `unit`.
-        unit: Of the amount.
+        unit: Of the amount it says there is, which is measured apart from it.
     """
 
     kind: Kind
@@ -60,7 +59,6 @@ class Slots:
     verdict: bool | None = None
     letter: str | None = None
     motion_class: MotionClass | None = None
-    amount: float | None = None
     unit: Unit | None = None
 
     def to_dict(self) -> dict[str, Any]:
@@ -86,8 +84,6 @@ class Slots:
             converted["direction"] = Motion(values["direction"])
         if "motion_class" in values:
             converted["motion_class"] = MotionClass(values["motion_class"])
-        if "amount" in values:
-            converted["amount"] = float(values["amount"])
         if values.get("unit", "deg") not in get_args(Unit):
             raise ValueError(f"unknown unit {values['unit']!r}")
         return cls(**converted)

@@ -35,6 +35,7 @@ def label_for(
         depth_change_mm=path.depth_mm[last] - path.depth_mm[0],
         contact_fraction=tuple(round(float(share), 5) for share in contact_fraction),
         is_readable=is_readable(scene.motion, contact_fraction, trace),
+        mm_per_px=(scene.optics.mm_per_px_x, scene.optics.mm_per_px_y),
     )
 
 

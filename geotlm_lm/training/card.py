@@ -36,12 +36,14 @@ def _card(folder: Path, bundle: Bundle, scores: dict[str, Any], seconds: float) 
     made = bundle.provenance
     config = bundle.model.backbone.vit.config
     preset, machine = made["preset"], made["machine"]
+    amounts = scores["amounts"]
     modes = ", ".join(
         f"{mode} {value:.3f}" for mode, value in made["dgr_validation_accuracy"].items()
     )
     markers = VARIED["marker_share"]
     fresh = TrainingPreset(**preset).fresh_clips
     pretrained_on = preset["pretraining_clips"] + preset["head_clips"] - fresh
+    parameters = sum(one.numel() for one in bundle.odometer.parameters())
     size_mb = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
     return f"""---
 license: apache-2.0
@@ -60,6 +62,8 @@ with markers, {WORN_SHARE:.0%} damaged by compression, a dim or drifting camera 
 - DGR: the probe's mean accuracy on turns and slides of objects kept from training: {modes}, each
   at the epoch that was best on them; `grounded` is stored unless `paper` leads by more than
   {EQUAL_ACCURACY:g}.
+- Odometer: how far it turned or slid, {parameters:,} weights on the rigid motions of shear, flow
+  and alignments.
 - Language model: trained from random weights, {preset["language_steps"]:,} steps of
   {preset["language_batch"]} questions.
 - Command: `{made["command"]}`, {seconds / 60:.0f} min on {machine["processor"]}
@@ -83,6 +87,9 @@ Choosing the most likely of the ten answers instead of writing freely is right f
 {100 * scores["scored"]:.1f} % of all clips; its stated probability is off by
 {100 * scores["calibration_error"]:.1f} % on average (expected calibration error).
 
+The odometer's median is within 2 degrees or a fifth of {_share(amounts["deg"])} of the turns,
+within 2 pixels of the 224-pixel image or a fifth of {_share(amounts["px"])} of the slides.
+
 | question type | seen wordings | held-out wordings |
 |---|---|---|
 {_type_rows(scores)}
@@ -103,6 +110,10 @@ def _task_rows(scores: dict[str, Any]) -> str:
         + " |"
         for task in ("rotation", "sliding")
     )
+
+
+def _share(share: float | None) -> str:
+    return "none" if share is None else f"{share:.3f}"
 
 
 def _type_rows(scores: dict[str, Any]) -> str:

@@ -21,7 +21,6 @@ from geotlm_lm.backbone.mirror import Mirror, mirrored_field, mirrored_inputs
 from geotlm_lm.backbone.stem import ALIGNED_AT, FLOW_SCALE_PX, MAGNIFICATION_AT
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, MotionClass, MotionLabel, motion_class
-from geotlm_lm.data.contents import amount_of
 from geotlm_lm.training.examples import Examples
 from geotlm_lm.training.motion_loss import counts_motion, motion_loss
 
@@ -181,8 +180,8 @@ def _kind(label: MotionLabel) -> int:
 
 def _amounts(label: MotionLabel) -> tuple[float, float]:
     """Return degrees turned and mm slid, whatever the way; NaN for what the motion is not."""
-    amount = amount_of(label) if label.is_readable else None
+    turns, slides = (label.is_readable and label.motion in kind for kind in (ROTATIONS, SLIDES))
     return (
-        amount if label.motion in ROTATIONS and amount is not None else math.nan,
-        amount if label.motion in SLIDES and amount is not None else math.nan,
+        abs(label.rotation_deg) if turns else math.nan,
+        math.hypot(label.slide_x_mm, label.slide_y_mm) if slides else math.nan,
     )

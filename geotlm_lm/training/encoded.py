@@ -16,10 +16,13 @@ import numpy as np
 import torch
 from numpy.lib.format import open_memmap
 from numpy.typing import NDArray
+from torch import Tensor
 
+from geotlm_lm.backbone.stem import PATCH_INPUT_DIM, look
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.geometry import GRID_SIDE, TIME_BIN_COUNT
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.training.examples import ExampleSet
@@ -39,11 +42,14 @@ class EncodedClips:
 
     Args:
         tokens: Global tokens in float32, patch tokens in float16, on disk.
+        inputs: What our own stem makes of each clip, float16, on disk, (n, 2, 14, 14, dim): how far
+            an imprint moved is measured with it, whatever the encoder.
         labels: The truth of each clip.
         objects: Name of the touched object of each clip.
     """
 
     tokens: Tokens
+    inputs: Tensor
     labels: tuple[MotionLabel, ...]
     objects: tuple[str, ...]
 
@@ -107,7 +113,7 @@ def _batches(wanted: ExampleSet, seed: int, first: int) -> Iterator[list[tuple[s
 def _write(
     encoder: ReleasedEncoder,
     batch: list[tuple[str, Recorded]],
-    arrays: tuple[NDArray, NDArray],
+    arrays: tuple[NDArray, ...],
     rows: slice,
 ) -> None:
     tokens = encoder.encode([one.clip for _, one in batch])
@@ -117,32 +123,39 @@ def _write(
             f"{encoder.adapter.title}: tokens up to {float(tokens.patches.abs().max()):.3g} were "
             f"found, expected below 65504; the file's weights are not those of a trained encoder."
         )
-    arrays[0][rows], arrays[1][rows] = tokens.global_token.numpy(), patches.numpy()
+    inputs = np.stack([look(one.clip)[0] for _, one in batch])
+    made = tokens.global_token.numpy(), patches.numpy(), inputs
+    for array, values in zip(arrays, made, strict=True):
+        array[rows] = values
     for array in arrays:
         array.flush()
 
 
-def _paths(folder: Path, wanted: ExampleSet) -> tuple[Path, Path]:
-    return folder / f"{wanted.stage}_global.npy", folder / f"{wanted.stage}_patches.npy"
+def _paths(folder: Path, wanted: ExampleSet) -> list[Path]:
+    return [folder / f"{wanted.stage}_{name}.npy" for name in ("global", "patches", "inputs")]
 
 
 def _arrays(
     encoder: ReleasedEncoder, folder: Path, wanted: ExampleSet, *, is_new: bool
-) -> tuple[NDArray, NDArray]:
-    shapes = (wanted.count, encoder.width), (wanted.count, *encoder.patch_shape)
+) -> tuple[NDArray, ...]:
+    inputs = (TIME_BIN_COUNT, GRID_SIDE, GRID_SIDE, PATCH_INPUT_DIM)
+    shapes = [(wanted.count, *one) for one in ((encoder.width,), encoder.patch_shape, inputs)]
     return tuple(
         open_memmap(path, "w+", kind, shape) if is_new else open_memmap(path, "r+")
         for path, kind, shape in zip(
-            _paths(folder, wanted), (np.float32, np.float16), shapes, strict=True
+            _paths(folder, wanted), (np.float32, np.float16, np.float16), shapes, strict=True
         )
     )
 
 
 def _read(folder: Path, wanted: ExampleSet, about: list) -> EncodedClips:
     # Copy-on-write, so that torch need not warn of memory it may not write.
-    maps = [np.load(path, mmap_mode="c") for path in _paths(folder, wanted)]
+    plain, patches, inputs = (
+        torch.from_numpy(np.load(path, mmap_mode="c")) for path in _paths(folder, wanted)
+    )
     return EncodedClips(
-        tokens=Tokens(*(torch.from_numpy(values) for values in maps)),
+        tokens=Tokens(plain, patches),
+        inputs=inputs,
         labels=tuple(MotionLabel.from_dict(label) for _, label in about),
         objects=tuple(name for name, _ in about),
     )

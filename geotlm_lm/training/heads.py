@@ -18,6 +18,7 @@ from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.model import GeoTLM
+from geotlm_lm.odometry.movement import movement
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.config import HeadsPreset, heads_preset_named
@@ -30,6 +31,7 @@ from geotlm_lm.training.geometry import (
     train_global_probe,
 )
 from geotlm_lm.training.motion_loss import counts_motion
+from geotlm_lm.training.odometry import train_odometer
 from geotlm_lm.training.scoring import ClipSet
 from geotlm_lm.training.train import RUN_FILE, VALIDATION_EVERY, calibrated, train_speaker
 
@@ -57,8 +59,10 @@ def train_heads(encoder: ReleasedEncoder, preset: str, out: Path, seed: int) -> 
         encode_examples(encoder, out / "tokens", one, seed=seed) for one in _sets(settings)
     )
     model = _train_perception(encoder, heads, validation, settings, seed, out)
-    speaker = train_speaker(_perceived(model, heads), settings, seed, out)
-    bundle = Bundle(model, speaker, load_templates().grammar(), Calibration(), about)
+    spoken_of = _perceived(model, heads)
+    odometer = train_odometer(spoken_of, seed=seed)
+    speaker = train_speaker(spoken_of, settings, seed, out)
+    bundle = Bundle(model, odometer, speaker, load_templates().grammar(), Calibration(), about)
     bundle.calibration = calibrated(bundle, _perceived(model, validation), seed)
     return bundle
 
@@ -131,8 +135,8 @@ def _token_set(clips: EncodedClips) -> TokenSet:
 
 
 def _perceived(model: GeoTLM, clips: EncodedClips) -> ClipSet:
-    """Return fused token, global token and contact share of every clip."""
-    fused, plain, contact = [], [], []
+    """Return fused token, global token, contact share and movement of every clip."""
+    fused, plain, contact, moved = [], [], [], []
     for start in range(0, len(clips), PERCEIVE_BATCH):
         rows = slice(start, start + PERCEIVE_BATCH)
         tokens = Tokens(clips.tokens.global_token[rows], clips.tokens.patches[rows].float())
@@ -140,10 +144,12 @@ def _perceived(model: GeoTLM, clips: EncodedClips) -> ClipSet:
         fused.append(perception.fused_token)
         plain.append(perception.global_token)
         contact.append(perception.geometry.region_mass[:, -1])
+        moved.append(movement(clips.inputs[rows], perception.geometry))
     return ClipSet(
         fused_tokens=torch.cat(fused),
         global_tokens=torch.cat(plain),
         contact_share=torch.cat(contact).numpy(),
+        movement=torch.cat(moved),
         labels=clips.labels,
         objects=clips.objects,
     )

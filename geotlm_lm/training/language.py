@@ -36,10 +36,10 @@ CORPUS_ROUNDS = 16
 
 CHECKPOINT_EVERY_S = 30.0
 
-TYPE_WEIGHTS = {"T1": 6.0, "T2": 4.0, "T3": 8.0, "T7": 2.0, "T8": 2.0, "T17": 2.0}
+TYPE_WEIGHTS = {"T1": 6.0, "T2": 4.0, "T3": 8.0, "T17": 2.0}
 """How often a type is asked against 1 for the others: the open question is what users ask most;
-verifying and choosing compare the clip with words of the question and are learned last; amounts are
-numbers, not words; refusals have the widest vocabulary."""
+verifying and choosing compare the clip with words of the question and are learned last; refusals
+have the widest vocabulary."""
 
 
 MOTION_WEIGHTS = {Motion.PRESS: 2.0, Motion.RELEASE: 2.0, Motion.STILL: 2.0}

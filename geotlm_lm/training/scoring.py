@@ -14,9 +14,7 @@ from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.data.questions import WORDINGS, QuestionAnswer, questions_for
-from geotlm_lm.evaluation.answers import within_tolerance
 from geotlm_lm.evaluation.calibration import expected_calibration_error
-from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.probe.linear import LinearProbe
 
 OPEN_QUESTION = "T1"
@@ -30,6 +28,7 @@ class ClipSet:
         fused_tokens: z, shape (n, d).
         global_tokens: c, shape (n, d).
         contact_share: Mean contact mask, shape (n,).
+        movement: What tells how far each imprint moved, shape (n, MOVEMENT_DIM).
         labels: The truth of each clip.
         objects: Name of the touched object of each clip.
     """
@@ -37,6 +36,7 @@ class ClipSet:
     fused_tokens: Tensor
     global_tokens: Tensor
     contact_share: NDArray[np.floating]
+    movement: Tensor
     labels: Sequence[MotionLabel]
     objects: Sequence[str]
 
@@ -50,6 +50,7 @@ class ClipSet:
             fused_tokens=self.fused_tokens[rows],
             global_tokens=self.global_tokens[rows],
             contact_share=self.contact_share[rows],
+            movement=self.movement[rows],
             labels=[self.labels[row] for row in rows],
             objects=[self.objects[row] for row in rows],
         )
@@ -130,17 +131,9 @@ def _ask_all(bundle: Bundle, clips: ClipSet, wordings: WORDINGS, seed: int) -> l
         slots = bundle.grammar.parse(text)
         claim = slots.direction if slots else None
         is_withheld = bundle.calibration.withholds(claim, float(clips.contact_share[row]))
-        is_right = is_right_answer(one, text, slots) and not is_withheld
+        is_right = text == one.answer and not is_withheld
         replies.append(_Reply(row, one.type_id, is_right, None if is_withheld else claim))
     return replies
-
-
-def is_right_answer(asked: QuestionAnswer, text: str, slots: Slots | None) -> bool:
-    """Tell whether `text` answers the question: to the letter, an amount within its tolerance."""
-    if asked.amount is None or slots is None or slots.amount is None:
-        return text == asked.answer
-    is_asked_for = (slots.kind, slots.unit) == (asked.slots.kind, asked.slots.unit)
-    return is_asked_for and within_tolerance(slots.amount, asked.amount, asked.slots.unit)
 
 
 def _scored(bundle: Bundle, clips: ClipSet, seed: int) -> dict[str, float]:

@@ -27,6 +27,7 @@ from geotlm_lm.core.record import commit, machine
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.speak import Speaker
 from geotlm_lm.model import GeoTLM
+from geotlm_lm.odometry.movement import movement
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.calibration import fit_contact_threshold, fit_temperature
@@ -51,6 +52,7 @@ from geotlm_lm.training.geometry import (
 )
 from geotlm_lm.training.language import LanguageTraining, train_language
 from geotlm_lm.training.motion_loss import counts_motion
+from geotlm_lm.training.odometry import train_odometer, within_tolerance_share
 from geotlm_lm.training.pretraining import PRETRAINING_VERSION, pretrain
 from geotlm_lm.training.progress import Progress
 from geotlm_lm.training.scoring import ClipSet, score_bundle, true_option_likelihoods
@@ -96,6 +98,7 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
         )
         spoken_of = perceive_examples(model, learned)
         del learned
+        odometer = train_odometer(spoken_of, seed=seed)
         speaker = train_speaker(spoken_of, settings, seed, out)
         provenance = {
             "command": f"geotlm-lm train --preset {preset} --seed {seed} --workers {workers} "
@@ -107,7 +110,8 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
             "device": device,
             "dgr_validation_accuracy": modes,
         }
-        bundle = Bundle(model, speaker, load_templates().grammar(), Calibration(), provenance)
+        grammar = load_templates().grammar()
+        bundle = Bundle(model, odometer, speaker, grammar, Calibration(), provenance)
         bundle.calibration = calibrated(bundle, perceive_examples(model, validation), seed)
         folder = out / "bundle"
         save_bundle(folder, bundle)
@@ -115,6 +119,7 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
         stored = load_bundle(folder)
         test = perceive_examples(stored.model, read_examples(examples, sets["test"]))
         scores = score_bundle(stored, test, seed)
+        scores["amounts"] = within_tolerance_share(stored.odometer, test)
     write_card(folder, stored, scores, seconds())
     return folder
 
@@ -137,8 +142,8 @@ def example_sets(settings: TrainingPreset) -> dict[str, ExampleSet]:
 
 
 def perceive_examples(model: GeoTLM, examples: Examples) -> ClipSet:
-    """Return fused token, global token and contact share of every example."""
-    fused, plain, contact = [], [], []
+    """Return fused token, global token, contact share and movement of every example."""
+    fused, plain, contact, moved = [], [], [], []
     progress = Progress("perceive", len(examples))
     for start in range(0, len(examples), ENCODE_BATCH):
         inputs = torch.from_numpy(examples.inputs[start : start + ENCODE_BATCH])
@@ -146,11 +151,13 @@ def perceive_examples(model: GeoTLM, examples: Examples) -> ClipSet:
         fused.append(perception.fused_token)
         plain.append(perception.global_token)
         contact.append(perception.geometry.region_mass[:, -1])
+        moved.append(movement(inputs, perception.geometry))
         progress.show(min(start + ENCODE_BATCH, len(examples)))
     return ClipSet(
         fused_tokens=torch.cat(fused),
         global_tokens=torch.cat(plain),
         contact_share=torch.cat(contact).numpy(),
+        movement=torch.cat(moved),
         labels=examples.labels,
         objects=examples.objects,
     )

@@ -1,8 +1,9 @@
-"""A speaker that says what a test wrote down, and a model of random weights around it."""
+"""A speaker and an odometer that say what a test wrote down, around a model of random weights."""
 
 from types import SimpleNamespace
 
 import numpy as np
+import torch
 
 from geotlm_lm.answering import OPEN_QUESTION, Answerer
 from geotlm_lm.checkpoint import Calibration
@@ -10,6 +11,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import AnswerGrammar, Slots
 from geotlm_lm.language.speak import Weighed
+from geotlm_lm.odometry.odometer import AMOUNTS, amounts
 
 FIRST_KINDS = ("direction", "verify", "choice", "class", "contact", "moving", "refusal")
 
@@ -55,18 +57,31 @@ class Scripted:
         return self.sentences.get(question, self.sentences.get("*"))
 
 
+class Measuring:
+    """An odometer that measures the same of every clip, sure of the amount nearest to it."""
+
+    def __init__(self, **measures):
+        self.measures = {"deg": 12.0, "px": 14.0} | measures
+
+    def read(self, movement, unit):
+        nearest = (amounts(unit) - self.measures[unit]).abs().argmin()
+        return torch.eye(AMOUNTS)[nearest].expand(len(movement), -1)
+
+    def state_dict(self):
+        return {}
+
+
 def first_kinds_of(grammar):
     """The grammar of a model that was trained on the first seven kinds alone."""
     sentences = [text for kind in FIRST_KINDS for text in grammar.options_for(kind)]
     return AnswerGrammar({text: grammar.parse(text) for text in sentences})
 
 
-def answerer_saying(bundle, sentences, *, grammar=None, **calibration):
+def answerer_saying(bundle, sentences, *, grammar=None, measures=None, **calibration):
     """An answerer whose model says `sentences`, by question; "*" stands for any."""
-    grammar = grammar or bundle.grammar
-    return Answerer(
-        type(bundle)(bundle.model, Scripted(sentences), grammar, Calibration(**calibration), {})
-    )
+    grammar, odometer = grammar or bundle.grammar, Measuring(**measures or {})
+    speaker, calibration = Scripted(sentences), Calibration(**calibration)
+    return Answerer(type(bundle)(bundle.model, odometer, speaker, grammar, calibration, {}))
 
 
 def feeling(bundle, motion, **calibration):
@@ -76,7 +91,7 @@ def feeling(bundle, motion, **calibration):
     return answerer_saying(bundle, {"*": said, OPEN_QUESTION: said}, grammar=grammar, **calibration)
 
 
-def recording(frames=4, fps=None, seed=1):
+def recording(frames=4, fps=None, seed=1, size=(48, 64)):
     rng = np.random.default_rng(seed)
-    images = rng.integers(95, 120, (frames, 48, 64, 3)).astype(np.uint8)
+    images = rng.integers(95, 120, (frames, *size, 3)).astype(np.uint8)
     return Clip(images, fps=fps, background=images[0], name="x.npy")

@@ -22,7 +22,7 @@ CLOCKWISE_EVIDENCE = load_templates().grammar().sentence(Slots("evidence", Motio
         ("And mirrored?", "Left, in the camera image.", "Right, in the camera image, if the clip"),
         ("Does it come loose?", "Yes, left in the camera image.", "Neither tighter nor looser: "),
         # Asked again in words the model knows.
-        ("How many degrees, about?", "I cannot tell that from touch.", "About 12 degrees of tur"),
+        ("How many degrees, about?", "I cannot tell that from touch.", "About 13 degrees of tur"),
         ("What makes you think so?", "I cannot tell that from touch.", "The upper half goes right"),
         # The likeliest answer of a kind that the words do not rule out.
         (
@@ -37,7 +37,7 @@ def test_where_words_and_model_disagree_on_what_is_asked_the_words_count(
 ):
     known = {
         OPEN_QUESTION: "Left, in the camera image.",
-        AMOUNT_QUESTION: "About 12 degrees of turning.",
+        AMOUNT_QUESTION: "An amount of turning, as measured.",
         EVIDENCE_QUESTION: CLOCKWISE_EVIDENCE,
     }
     answerer = answerer_saying(bundle, known | {question: said}, temperature=0.1)

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
+from geotlm_lm.answering.amounts import Amount
 from geotlm_lm.answering.answer import Answer
-from geotlm_lm.answering.hearing import Heard
 from geotlm_lm.answering.several import (
     asks_amount,
     compare_amounts,
@@ -15,7 +15,6 @@ from geotlm_lm.answering.several import (
 )
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, reverse
-from geotlm_lm.language.parse_answer import Slots
 from tests.answering.scripted import answerer_saying, feeling, recording
 
 
@@ -77,9 +76,8 @@ def test_a_withheld_direction_withholds_the_comparison():
     assert (compared.relation, compared.abstained, compared.confidence) == ("unknown", True, 0.0)
 
 
-def heard(amount, unit="deg", share=0.5):
-    slots = Slots("magnitude", amount=amount, unit=unit)
-    return Heard(slots, "", {f"{amount:g} {unit}": share})
+def measured(value, unit="deg", share=0.5):
+    return Amount(value, unit, 0.9 * value, 1.1 * value, share)
 
 
 @pytest.mark.parametrize(
@@ -113,7 +111,7 @@ def heard(amount, unit="deg", share=0.5):
     ],
 )
 def test_amounts_are_compared_by_size_or_by_time(question, amounts, seconds, relation, text):
-    pair = [heard(amount) for amount in amounts]
+    pair = [measured(amount) for amount in amounts]
     answers = (answer("clockwise"), answer("clockwise"))
     compared = compare_amounts(question, pair, seconds, answers)
     assert (compared.relation, compared.text) == (relation, text)
@@ -123,13 +121,8 @@ def test_amounts_are_compared_by_size_or_by_time(question, amounts, seconds, rel
 @pytest.mark.parametrize(
     ("one", "other", "text"),
     [
-        (heard(12), heard(1.2, "mm"), "I cannot compare them: one turns, the other slides."),
-        (
-            heard(12),
-            Heard(Slots("magnitude", Motion.PRESS), "", {}),
-            "I cannot compare them: not both of them turn or slide.",
-        ),
-        (heard(12), Heard(None, "", {}), "I cannot compare them: not both of them turn or slide."),
+        (measured(12), measured(14, "px"), "I cannot compare them: one turns, the other slides."),
+        (measured(12), None, "I cannot compare them: not both of them turn or slide."),
     ],
 )
 def test_amounts_of_different_things_are_not_compared(one, other, text):
@@ -191,9 +184,9 @@ def test_the_seam_compares_two_clips(bundle):
 def test_the_seam_compares_amounts_of_a_model_that_was_trained_for_them(bundle):
     said = {
         "*": "Clockwise, in the camera image.",
-        "How far did it go?": "About 12 degrees of turning.",
+        "How far did it go?": "An amount of turning, as measured.",
     }
     answerer = answerer_saying(bundle, said, temperature=0.1)
     clips = [answerer.encode(recording(seed=seed)) for seed in (1, 2)]
     compared = answerer.compare(*clips, "Which turned further?")
-    assert compared.text == "Neither: they are similar, about 12 and 12 deg."
+    assert compared.text == "Neither: they are similar, about 13 and 13 deg."

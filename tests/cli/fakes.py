@@ -11,6 +11,7 @@ class FakeAnswerer:
 
     def __init__(self):
         self.clips, self.spans, self.questions, self.folders = [], [], [], []
+        self.frames = []
 
     def load(self, folder=None):
         self.folders.append(folder)
@@ -21,8 +22,9 @@ class FakeAnswerer:
         self.spans.append(span)
         return choose_frames(clip, span=span)
 
-    def ask(self, encoded, question):
+    def ask(self, encoded, question, *, frame):
         self.questions.append(question)
+        self.frames.append(frame)
         return SimpleNamespace(
             text="Clockwise.",
             abstained=self.abstained,

@@ -80,6 +80,15 @@ def test_background_rate_and_model_reach_their_seams(capsys, answerer, clip_path
     assert answerer.folders == [tmp_path]
 
 
+def test_the_size_of_a_pixel_reaches_the_frame(capsys, answerer, clip_path):
+    ask = ["answer", "--clip", clip_path, "--q", "How far?"]
+    assert run(capsys, *ask)[0] == run(capsys, *ask, "--mm-per-px", 0.06)[0] == 0
+    assert [frame.mm_per_px for frame in answerer.frames] == [None, 0.06]
+    code, _, err = run(capsys, *ask, "--mm-per-px", 40)
+    assert code == 2
+    assert "--mm-per-px 40 was given, expected 0.001 to 2 mm" in err
+
+
 def test_an_abstention_fails_only_when_asked_to(capsys, answerer, clip_path):
     answerer.abstained = True
     call = ["answer", "--clip", clip_path, "--q", "Which way?"]

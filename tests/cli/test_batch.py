@@ -84,3 +84,10 @@ def test_a_file_without_questions_is_refused(tmp_path, content, sentence):
 def test_the_number_format_reaches_the_loader(invoke):
     assert invoke("--precision", "bfloat16").exit_code == 0
     assert invoke.formats == ["bfloat16"]
+
+
+def test_the_size_of_a_pixel_stands_in_every_row(invoke, tmp_path):
+    invoke("--mm-per-px", "0.06")
+    rows = (tmp_path / "deep" / "answers.jsonl").read_text().splitlines()
+    assert {json.loads(row)["answer"]["frame"]["mm_per_px"] for row in rows} == {0.06}
+    assert isinstance(invoke("--mm-per-px", "9").exception, UsageError)

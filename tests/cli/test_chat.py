@@ -142,3 +142,8 @@ def test_the_model_folder_reaches_the_loader_once(talk, tmp_path):
 def test_the_number_format_reaches_the_loader(talk):
     talk("which way?", options=("--precision", "int8"))
     assert talk.folders == [(None, "int8")]
+
+
+def test_the_size_of_a_pixel_given_at_the_start_is_part_of_the_frame(talk):
+    out, _ = talk("/frame", options=("--mm-per-px", "0.06"))
+    assert "0.06 mm per pixel" in out[0]

@@ -44,6 +44,16 @@ MIRRORED = FrameSpec(image_mirrored=True)
         ("touched at its shank", {"contact_side": "shank"}),
         ("side grip", {"contact_side": "side"}),
         ("Note that the image is mirrored", {"image_mirrored": True}),
+        ("0.06 mm per pixel", {"mm_per_px": 0.06}),
+        ("The scale is .05 millimetres per px.", {"mm_per_px": 0.05}),
+        ("one pixel is 60 microns wide", {"mm_per_px": 0.06}),
+        ("A pixel measures 0.1mm", {"mm_per_px": 0.1}),
+        ("mm_per_px = 0.0634", {"mm_per_px": 0.0634}),
+        ("20 pixels per mm", {"mm_per_px": 0.05}),
+        (
+            "It is 0.06 mm/px and the image is mirrored",
+            {"mm_per_px": 0.06, "image_mirrored": True},
+        ),
         (
             "right-hand thread, touched at the head",
             {"thread": "right", "contact_side": "head"},
@@ -69,6 +79,7 @@ def test_a_fact_sets_its_field_and_no_other(text, fields):
         ("the image is not upside down", FrameSpec(image_upside_down=True), CAMERA),
         ("the camera is upright", FrameSpec(image_upside_down=True), CAMERA),
         ("the sensor isn't mounted upside down", FrameSpec(image_upside_down=True), CAMERA),
+        ("reset the frame", FrameSpec(mm_per_px=0.06), CAMERA),
         ("reset the frame", FrameSpec(True, "object", "sensor", "head", "left", True), CAMERA),
     ],
 )
@@ -115,6 +126,19 @@ def test_a_way_of_telling_before_a_comma_holds_for_its_question_alone():
     stated = read_facts("Seen from the object's side, which way?", CAMERA)
     assert stated.frame == FrameSpec(viewpoint="object")
     assert stated.lasting == CAMERA
+
+
+@pytest.mark.parametrize(
+    "text", ["0 pixels per mm", "40 mm per pixel", "1e3 mm per pixel", "one pixel is small"]
+)
+def test_a_pixel_no_camera_has_is_no_fact(text):
+    assert read_facts(text, CAMERA).frame == CAMERA
+
+
+def test_the_size_of_a_pixel_said_before_a_question_lasts():
+    stated = read_facts("One pixel is 0.06 mm. How far did it slide?", CAMERA)
+    assert stated.rest == "How far did it slide?"
+    assert stated.frame == stated.lasting == FrameSpec(mm_per_px=0.06)
 
 
 def test_a_fact_of_the_world_lasts_even_before_a_comma():

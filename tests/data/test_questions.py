@@ -1,5 +1,6 @@
 import re
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -210,39 +211,25 @@ def test_a_denial_is_true_where_the_claim_is_not():
 
 
 @pytest.mark.parametrize("type_id", ["T7", "T8"])
-@pytest.mark.parametrize(
-    ("motion", "unit", "lowest", "highest"),
-    [
-        (Motion.CLOCKWISE, "deg", 1.0, 77.0),
-        (Motion.UP, "mm", 0.1, 5.3),
-        (Motion.CLOCKWISE, "deg", 0.2, 1.0),  # a pair of frames, two frames apart
-        (Motion.UP, "mm", 0.02, 0.1),
-    ],
-)
-def test_amounts_are_rounded_by_at_most_half_their_tolerance(
-    type_id, motion, unit, lowest, highest
-):
-    rng = np.random.default_rng(0)
-    for true in np.geomspace(lowest, highest, 80):
-        turn, shift = (-true, 0.0) if unit == "deg" else (0.0, true)
-        label = MotionLabel(motion, rotation_deg=turn, slide_y_mm=-shift)
-        (asked,) = questions_for(label, rng, types=[type_id])
-        assert asked.amount == pytest.approx(true)
-        assert asked.slots.unit == unit
-        floor = {"deg": 2.0, "mm": 0.2}[unit]
-        assert abs(asked.slots.amount - true) <= 0.5 * max(floor, 0.2 * true) + 1e-9
+@pytest.mark.parametrize(("motion", "unit"), [(Motion.COUNTERCLOCKWISE, "deg"), (Motion.UP, "px")])
+def test_the_amount_is_known_and_its_unit_said(type_id, motion, unit):
+    label = MotionLabel(motion, rotation_deg=-20.0, slide_y_mm=-1.4, mm_per_px=(0.1, 0.07))
+    (asked,) = questions_for(label, np.random.default_rng(0), types=[type_id])
+    assert asked.slots.unit == unit
+    assert asked.amount == pytest.approx(20.0)
 
 
 @pytest.mark.parametrize("type_id", ["T7", "T8"])
 def test_what_has_no_amount_is_answered_with_what_it_does(type_id):
-    label = MotionLabel(Motion.PRESS, depth_change_mm=0.7)
+    label = MotionLabel(Motion.PRESS, depth_change_mm=0.7, mm_per_px=(0.1, 0.1))
     (asked,) = questions_for(label, np.random.default_rng(0), types=[type_id])
-    assert (asked.amount, asked.slots.amount, asked.slots.direction) == (None, None, Motion.PRESS)
+    assert (asked.amount, asked.slots.unit, asked.slots.direction) == (None, None, Motion.PRESS)
 
 
-def test_the_amount_of_a_slide_is_its_length_whatever_its_direction():
+def test_the_amount_of_a_slide_is_its_length_in_pixels_whatever_its_direction():
     label = MotionLabel(Motion.RIGHT, slide_x_mm=3.0, slide_y_mm=-0.4, rotation_deg=9.0)
-    assert amount_of(label) == pytest.approx(np.hypot(3.0, 0.4))
+    assert amount_of(label) is None
+    assert amount_of(replace(label, mm_per_px=(0.1, 0.05))) == pytest.approx(np.hypot(30, 8))
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from tests.tiny_bundle import tiny_bundle
 
 
 def touch(motion, degrees=0.0, mm=0.0, encoded=None):
-    label = MotionLabel(Motion(motion), rotation_deg=degrees, slide_x_mm=mm)
+    label = MotionLabel(Motion(motion), rotation_deg=degrees, slide_x_mm=mm, mm_per_px=(0.09, 0.07))
     return Touched(encoded, label, True, motion, motion, None, {})
 
 

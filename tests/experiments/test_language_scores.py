@@ -84,7 +84,7 @@ def test_amounts_are_off_by_their_median_and_unstated_ones_are_out_of_tolerance(
     assert (scores["asked"], scores["stated"]) == (4, 3)
     assert scores["median_relative_error"] == 0.2
     assert scores["in_tolerance"] == 0.75
-    assert amount_scores(rows, "mm")["in_tolerance"] is None
+    assert amount_scores(rows, "px")["in_tolerance"] is None
 
 
 def test_a_group_is_right_as_a_whole_or_not():

@@ -35,6 +35,7 @@ LABELS = {
         rotation_deg={Motion.CLOCKWISE: 20.0, Motion.COUNTERCLOCKWISE: -20.0}.get(motion, 0.0),
         slide_x_mm={Motion.LEFT: -1.0, Motion.RIGHT: 1.0}.get(motion, 0.0),
         slide_y_mm={Motion.UP: -1.0, Motion.DOWN: 1.0}.get(motion, 0.0),
+        mm_per_px=(0.1, 0.1),
     )
     for motion in Motion
 }
@@ -56,14 +57,15 @@ def answer_of(bundle, asked, felt, frame=CAMERA, *, knows_all=True, says=None):
     grammar = bundle.grammar if knows_all else first_kinds_of(bundle.grammar)
     sentences = {asked.question: says or asked.answer, OPEN_QUESTION: opened, "*": opened}
     # Sure of its words even among the forty answers to a choice: doubt is not the matter here.
-    return answerer_saying(bundle, sentences, grammar=grammar, temperature=0.2).ask(
-        perceived(bundle), asked.question, frame=frame
-    )
+    measures = {"deg": 20.0, "px": 10.0}
+    return answerer_saying(
+        bundle, sentences, grammar=grammar, measures=measures, temperature=0.2
+    ).ask(perceived(bundle), asked.question, frame=frame)
 
 
 @cache
 def perceived(bundle):
-    return Answerer(bundle).encode(recording(fps=25.0))
+    return Answerer(bundle).encode(recording(fps=25.0, size=(224, 224)))
 
 
 @pytest.mark.parametrize("motion", Motion)
@@ -149,15 +151,13 @@ def test_speed_without_a_time_is_rightly_declined():
 @pytest.mark.parametrize(("said", "right"), [(23, True), (27, False), (18, True), (15, False)])
 def test_an_amount_is_right_within_a_fifth(bundle, said, right):
     asked = asked_about(Motion.CLOCKWISE, "T7")  # 20 degrees
-    nearest = bundle.grammar.sentence(Slots("magnitude", amount=22.0, unit="deg"))
-    answer = answer_of(bundle, asked, Motion.CLOCKWISE, says=nearest)
-    answer = replace(answer, decided=f"{said} deg")
+    answer = replace(answer_of(bundle, asked, Motion.CLOCKWISE), decided=f"{said} deg")
     assert is_right(asked, answer, truth_of(asked, Motion.CLOCKWISE, CAMERA)) == right
 
 
 def test_an_amount_in_the_other_unit_is_wrong(bundle):
     asked = asked_about(Motion.CLOCKWISE, "T7")
-    answer = replace(answer_of(bundle, asked, Motion.CLOCKWISE), decided="20 mm")
+    answer = replace(answer_of(bundle, asked, Motion.CLOCKWISE), decided="20 px")
     assert not is_right(asked, answer, truth_of(asked, Motion.CLOCKWISE, CAMERA))
 
 

@@ -1,0 +1,70 @@
+"""How far the imprint of a clip moved, in the unit that what is known of the recording allows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import torch
+
+from geotlm_lm.answering.amounts import Amount, most_probably_right
+from geotlm_lm.answering.answer import Encoded
+from geotlm_lm.answering.hearing import Heard
+from geotlm_lm.backbone.stem import look
+from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size, pixel_aspect
+from geotlm_lm.evaluation.answers import TOLERANCES
+from geotlm_lm.odometry.movement import movement, travel_px
+from geotlm_lm.odometry.odometer import amounts
+
+
+def measured(bundle: Bundle, encoded: Encoded, heard: Heard, frame: FrameSpec) -> Amount | None:
+    """Return how far it went from the first to the last frame; None where it goes no way.
+
+    The language model says whether it turned or slid, the odometer how far. The amount's
+    probability is that of both.
+
+    Args:
+        bundle: The model.
+        encoded: The clip.
+        heard: What the model said to a question about an amount.
+        frame: Tells the size of a pixel, if anybody does; slides are told in pixels otherwise.
+    """
+    if heard.slots is None or heard.slots.unit is None:
+        return None
+    read, told, scale = heard.slots.unit, heard.slots.unit, 1.0
+    if read == "px":
+        told, scale = _slide_scale(encoded, frame)
+    tolerance = TOLERANCES[told] * (scale if told == "px" else 1.0)
+    shares = bundle.odometer.read(_movement(encoded), read)[0].double().numpy()
+    weighed = tuple((amounts(read) * scale).tolist())
+    amount = most_probably_right(weighed, shares / shares.sum(), told, tolerance)
+    return replace(amount, probability=amount.probability * heard.options.get(read, 1.0))
+
+
+def _movement(encoded: Encoded) -> torch.Tensor:
+    perception, inputs = encoded.perception, encoded.perception.inputs
+    if inputs is None:  # a backbone without the stem
+        inputs = torch.from_numpy(look(encoded.clip)[0][None])
+    aspect = pixel_aspect(*encoded.clip.frames.shape[1:3])
+    return movement(inputs, perception.geometry, aspect)
+
+
+def _slide_scale(encoded: Encoded, frame: FrameSpec) -> tuple[str, float]:
+    """Return the unit slides are told in, and how much of it a pixel of the 224-pixel image is.
+
+    The frames' pixels may be of another size across than down: the way of the slide decides.
+    """
+    rows, columns = encoded.clip.frames.shape[1:3]
+    side_px = IMAGE_SIDE if encoded.view is None else encoded.view.side_px
+    right, down = travel_px(encoded.perception.geometry, side_px)
+    length = math.hypot(right, down)
+    way = np.array([right, down]) / length if length > 0 else np.array([1.0, 0.0])
+    if frame.mm_per_px is None:
+        return "px", float(np.hypot(*(way * [columns, rows]))) / IMAGE_SIDE
+    # A camera's own pixels are square.
+    camera_rows, camera_columns = camera_size(rows, columns)
+    camera_px = float(np.hypot(*(way * [camera_columns, camera_rows]))) / IMAGE_SIDE
+    return "mm", camera_px * columns / camera_columns * frame.mm_per_px

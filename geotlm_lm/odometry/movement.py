@@ -1,0 +1,128 @@
+"""What tells how far an imprint moved: the rigid motions of its flow, alignments and learned shear.
+
+Only sizes are kept, no directions: a clip and its mirror image moved as far.
+"""
+
+from __future__ import annotations
+
+import torch
+from torch import Tensor
+
+from geotlm_lm.backbone.stem import (
+    ALIGNED_AT,
+    CELLS,
+    FLOW_CHANNELS,
+    FLOW_SCALE_PX,
+    MAGNIFICATION_AT,
+)
+from geotlm_lm.core.geometry import IMAGE_SIDE, REGIONS, pixel_aspect
+from geotlm_lm.dgr.encoder import Geometry
+
+RESIDUAL_CHANNELS = 3 * CELLS**2
+
+ALIGNMENTS = (0, 2, 6, 8)
+"""Places of the displacements behind `ALIGNED_AT`: laid on the first frame and summed over the
+steps, of the relief and of the residual."""
+
+QUALITIES = (4, 5, 10, 11)
+"""Places of the alignments' gain over rest and correlation."""
+
+FLOWS = (RESIDUAL_CHANNELS, RESIDUAL_CHANNELS + FLOW_CHANNELS)
+"""Places of the optical flow of the residual and of the relief."""
+
+FLOOR = 0.3
+"""Degrees or pixels below which all amounts are alike."""
+
+SQUARE_ASPECT = pixel_aspect(IMAGE_SIDE, IMAGE_SIDE)
+"""Of the simulator's pictures."""
+
+MOVEMENT_DIM = 2 * (1 + 2 * len(ALIGNMENTS) + len(FLOWS)) + 2 * len(QUALITIES) + 2
+"""Numbers that describe how far a clip's imprint moved."""
+
+
+def movement(inputs: Tensor, geometry: Geometry, aspect: float = SQUARE_ASPECT) -> Tensor:
+    """Describe how far each clip's imprint moved, (b, MOVEMENT_DIM).
+
+    First the logarithms of turn and travel of every rigid motion, the learned shear's first, in
+    degrees and pixels of the 224-pixel image; then how well the alignments fit, the logarithm of
+    the view's side, relative to the image's, and the contact mass.
+
+    Early time-bins are among them: what is told is the way to the last frame, a bin is a mean of
+    two, and frames do not follow each other evenly. Without them 0.86 of 309 turns of objects kept
+    from training are told within their tolerance, with them 0.88.
+
+    Args:
+        inputs: What the stem made of the clips, (b, 2, 14, 14, PATCH_INPUT_DIM).
+        geometry: What DGR made of their tokens.
+        aspect: Width of a pixel over its height.
+    """
+    inputs = inputs.float()
+    side = (-inputs[:, 0, 0, 0, MAGNIFICATION_AT]).exp()
+    # Patches count as much as they differ from the idle gel.
+    changed = inputs[..., :RESIDUAL_CHANNELS].abs().mean(dim=(1, 4))
+    motions = [rigid_motions(geometry.shear_change.float(), geometry.mask.float(), aspect)]
+    for place in ALIGNMENTS:
+        at = ALIGNED_AT + place
+        for time_bin in (1, 0):
+            motions.append(rigid_motions(inputs[:, time_bin, :, :, at : at + 2], changed, aspect))
+    for at in FLOWS:
+        motions.append(rigid_motions(inputs[:, 1, :, :, at : at + 2], changed, aspect))
+    turns, travels = zip(*motions, strict=True)
+    turn_deg = torch.stack(turns, dim=1).rad2deg().abs()
+    travel_px = torch.stack(travels, dim=1).norm(dim=2) * side[:, None]
+    sizes = torch.stack([turn_deg, travel_px], dim=2).flatten(1)
+    fits = [inputs[..., ALIGNED_AT + place].mean(dim=(2, 3)) for place in QUALITIES]
+    mass = geometry.region_mass[:, REGIONS.index("global")].float()
+    whole = torch.stack([side.log(), mass], dim=1)
+    return torch.cat([(FLOOR + sizes).log(), *fits, whole], dim=1)
+
+
+def travel_px(geometry: Geometry, side_px: float) -> tuple[float, float]:
+    """Return how far one clip's imprint slid by its learned shear, right and down.
+
+    Args:
+        geometry: Of one clip.
+        side_px: Side of the view that its grid covers, pixels of the 224-pixel image, as returned.
+    """
+    _, travel = rigid_motions(geometry.shear_change.float(), geometry.mask.float())
+    right, down = (travel[0] * side_px / IMAGE_SIDE).tolist()
+    return right, down
+
+
+def rigid_motions(
+    field: Tensor, weight: Tensor, aspect: float = SQUARE_ASPECT
+) -> tuple[Tensor, Tensor]:
+    """Fit a turn and a slide to each displacement field, by weighted least squares.
+
+    The same closed form as `probe.rigid_fit.fit_rigid`, for many fields at once.
+
+    Args:
+        field: Displacement in units of `FLOW_SCALE_PX`, (b, gh, gw, 2), x right, y down.
+        weight: (b, gh, gw), not negative.
+        aspect: Width of a pixel over its height: a turn is rigid on the gel.
+
+    Returns:
+        Turns in rad, (b,), positive clockwise as drawn, and slides in pixels of the view, (b, 2).
+        Zeros where there is no weight.
+    """
+    share = weight / weight.sum(dim=(1, 2), keepdim=True).clamp(min=1e-6)
+    step_x, step_y = (field * FLOW_SCALE_PX).unbind(dim=-1)
+    step_x = step_x * aspect
+    rows, columns = weight.shape[1:]
+    x, y = _centres(columns)[None, None, :] * aspect, _centres(rows)[None, :, None]
+
+    def mean(values: Tensor) -> Tensor:
+        return (share * values).sum(dim=(1, 2), keepdim=True)
+
+    slide_x, slide_y = mean(step_x), mean(step_y)
+    arm_x, arm_y = x - mean(x), y - mean(y)
+    moved_x, moved_y = arm_x + step_x - slide_x, arm_y + step_y - slide_y
+    across = mean(arm_x * moved_y - arm_y * moved_x)
+    along = mean(arm_x * moved_x + arm_y * moved_y)
+    slides = torch.cat([slide_x / aspect, slide_y], dim=1).squeeze(-1)
+    return torch.atan2(across, along).flatten(), slides
+
+
+def _centres(count: int) -> Tensor:
+    """Return where the centres of so many patches in a row lie, pixels from the view's middle."""
+    return (torch.arange(count) - (count - 1) / 2) * (IMAGE_SIDE / count)

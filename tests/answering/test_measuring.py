@@ -1,0 +1,120 @@
+"""Amounts in the unit that what is known of the recording allows."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from geotlm_lm.answering.answer import Encoded
+from geotlm_lm.answering.hearing import Heard
+from geotlm_lm.answering.measuring import measured
+from geotlm_lm.backbone.stem import View
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.dgr.encoder import DGR
+from geotlm_lm.language.parse_answer import Slots
+from geotlm_lm.model import Perception
+from tests.answering.scripted import answerer_saying, recording
+from tests.tiny_bundle import tiny_bundle
+
+SLIDING = "An amount of sliding, as measured."
+CAMERA = FrameSpec()
+
+
+@pytest.fixture(scope="module")
+def bundle():
+    return tiny_bundle()
+
+
+def encoded(rows, columns, right=1.0, down=0.0):
+    """A clip whose whole imprint slides by the same shear."""
+    field = torch.tensor([right, down]).expand(1, 14, 14, 2)
+    with torch.no_grad():
+        geometry = DGR(4).pool(torch.zeros(1, 2, 14, 14, 2), field, torch.ones(1, 14, 14))
+    token = torch.zeros(1, 4)
+    frames = np.zeros((4, rows, columns, 3), np.uint8)
+    clip = Clip(frames, background=frames[0])
+    return Encoded(clip, Perception(token, geometry, token, (View(),)), {})
+
+
+def slide(bundle, clip, frame=CAMERA, px=14.0):
+    """What is told of a slide by `px` pixels of the 224-pixel image."""
+    model = answerer_saying(bundle, {}, measures={"px": px}).bundle
+    return measured(model, clip, Heard(Slots("magnitude", unit="px"), "", {"px": 0.9}), frame)
+
+
+@pytest.mark.parametrize(
+    ("size", "way", "factor"),
+    [
+        ((224, 224), (1.0, 0.0), 1.0),
+        ((480, 640), (1.0, 0.0), 640 / 224),
+        ((480, 640), (0.0, -1.0), 480 / 224),
+        ((480, 640), (0.6, 0.8), np.hypot(0.6 * 640, 0.8 * 480) / 224),
+    ],
+)
+def test_without_a_scale_a_slide_is_told_in_the_recordings_own_pixels(bundle, size, way, factor):
+    amount = slide(bundle, encoded(*size, *way))
+    assert amount.unit == "px"
+    assert amount.value == pytest.approx(14 * factor, rel=0.12)
+    assert amount.probability == pytest.approx(0.9, abs=0.01)
+    plain = slide(bundle, encoded(224, 224, *way))
+    assert amount.value / plain.value == pytest.approx(factor, rel=0.08)
+
+
+@pytest.mark.parametrize(
+    ("size", "way", "mm_per_224_px"),
+    [
+        # A 224-pixel image was squashed from a camera of four to three: 10 of its pixels across are
+        # as wide as 13.3 are high.
+        ((224, 224), (1.0, 0.0), 0.1),
+        ((224, 224), (0.0, 1.0), 0.075),
+        ((240, 320), (1.0, 0.0), 0.1 * 320 / 224),
+        ((240, 320), (0.0, 1.0), 0.1 * 240 / 224),
+        ((400, 400), (0.0, 1.0), 0.1 * 400 / 224),
+    ],
+)
+def test_with_a_scale_it_is_told_in_millimetres(bundle, size, way, mm_per_224_px):
+    amount = slide(bundle, encoded(*size, *way), FrameSpec(mm_per_px=0.1), px=30.0)
+    assert amount.unit == "mm"
+    assert amount.value == pytest.approx(30 * mm_per_224_px, rel=0.12)
+
+
+def test_turns_need_no_scale(bundle):
+    model = answerer_saying(bundle, {}, measures={"deg": 20.0}).bundle
+    heard = Heard(Slots("magnitude", unit="deg"), "", {"deg": 1.0})
+    for frame in (CAMERA, FrameSpec(mm_per_px=0.1)):
+        amount = measured(model, encoded(240, 320), heard, frame)
+        assert (amount.unit, amount.value) == ("deg", pytest.approx(20, abs=2))
+
+
+@pytest.mark.parametrize("slots", [None, Slots("magnitude")])
+def test_what_goes_no_way_has_no_amount(bundle, slots):
+    model = answerer_saying(bundle, {}).bundle
+    assert measured(model, encoded(64, 64), Heard(slots, "", {}), CAMERA) is None
+
+
+def test_an_imprint_that_does_not_move_has_no_way_and_still_an_answer(bundle):
+    assert slide(bundle, encoded(240, 320, 0.0, 0.0)).unit == "px"
+
+
+def test_the_stems_inputs_are_made_again_where_a_backbone_has_none(bundle):
+    answerer = answerer_saying(bundle, {"*": SLIDING})
+    whole = answerer.encode(recording())
+    bare = replace(whole, perception=replace(whole.perception, inputs=None))
+    first, again = (answerer.ask(one, "How far?") for one in (whole, bare))
+    assert first.amount == again.amount
+
+
+def test_pixels_are_named_and_what_millimetres_take(bundle):
+    answerer = answerer_saying(bundle, {"*": SLIDING})
+    seen = answerer.encode(recording())
+    answer = answerer.ask(seen, "How far?")
+    assert answer.text.startswith("About ")
+    assert "pixels of sliding" in answer.text
+    assert any("64x48 frames" in note and "mm per pixel" in note for note in answer.notes)
+    asked_for = answerer.ask(seen, "How many mm did it go?")
+    assert asked_for.text.endswith(" In millimetres only if you tell me the size of a pixel.")
+    told = answerer.ask(seen, "0.06 mm per pixel. How many mm did it go?")
+    assert told.amount.unit == "mm"
+    assert not any("pixel" in note for note in told.notes)
