@@ -5,18 +5,18 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-import numpy as np
 import torch
 
 from geotlm_lm.answering.amounts import Amount, most_probably_right
 from geotlm_lm.answering.answer import Encoded
 from geotlm_lm.answering.hearing import Heard
-from geotlm_lm.backbone.stem import look
+from geotlm_lm.backbone.stem import View, look
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size, pixel_aspect
 from geotlm_lm.evaluation.answers import TOLERANCES
-from geotlm_lm.odometry.movement import movement, travel_px
+from geotlm_lm.model import rigid_motion
+from geotlm_lm.odometry.movement import movement
 from geotlm_lm.odometry.odometer import amounts
 
 
@@ -57,14 +57,14 @@ def _slide_scale(encoded: Encoded, frame: FrameSpec) -> tuple[str, float]:
 
     The frames' pixels may be of another size across than down: the way of the slide decides.
     """
-    rows, columns = encoded.clip.frames.shape[1:3]
-    side_px = IMAGE_SIDE if encoded.view is None else encoded.view.side_px
-    right, down = travel_px(encoded.perception.geometry, side_px)
-    length = math.hypot(right, down)
-    way = np.array([right, down]) / length if length > 0 else np.array([1.0, 0.0])
+    rows, columns = size = encoded.clip.frames.shape[1:3]
+    _, x, y = rigid_motion(encoded.perception.geometry, encoded.view or View(), size)
+    if x == y == 0:
+        x = 1.0  # no way is any way
+    square_px = math.hypot(x * IMAGE_SIDE / columns, y * IMAGE_SIDE / rows)
     if frame.mm_per_px is None:
-        return "px", float(np.hypot(*(way * [columns, rows]))) / IMAGE_SIDE
-    # A camera's own pixels are square.
+        return "px", math.hypot(x, y) / square_px
+    # A camera's own pixels are square; those of our square image are wider than high.
     camera_rows, camera_columns = camera_size(rows, columns)
-    camera_px = float(np.hypot(*(way * [camera_columns, camera_rows]))) / IMAGE_SIDE
-    return "mm", camera_px * columns / camera_columns * frame.mm_per_px
+    height = camera_rows / rows * columns / camera_columns
+    return "mm", frame.mm_per_px * math.hypot(x, y * height) / square_px

@@ -77,18 +77,6 @@ def movement(inputs: Tensor, geometry: Geometry, aspect: float = SQUARE_ASPECT) 
     return torch.cat([(FLOOR + sizes).log(), *fits, whole], dim=1)
 
 
-def travel_px(geometry: Geometry, side_px: float) -> tuple[float, float]:
-    """Return how far one clip's imprint slid by its learned shear, right and down.
-
-    Args:
-        geometry: Of one clip.
-        side_px: Side of the view that its grid covers, pixels of the 224-pixel image, as returned.
-    """
-    _, travel = rigid_motions(geometry.shear_change.float(), geometry.mask.float())
-    right, down = (travel[0] * side_px / IMAGE_SIDE).tolist()
-    return right, down
-
-
 def rigid_motions(
     field: Tensor, weight: Tensor, aspect: float = SQUARE_ASPECT
 ) -> tuple[Tensor, Tensor]:

@@ -14,7 +14,6 @@ from geotlm_lm.odometry.movement import (
     SQUARE_ASPECT,
     movement,
     rigid_motions,
-    travel_px,
 )
 from geotlm_lm.probe.rigid_fit import fit_rigid
 
@@ -101,7 +100,3 @@ def test_a_mirror_image_moves_as_far(mirror):
     assert movement(flipped, still)[0].tolist() == pytest.approx(
         movement(made, still)[0].tolist(), abs=1e-4
     )
-
-
-def test_the_way_of_a_slide_is_that_of_the_shear_in_the_image():
-    assert travel_px(geometry(turned(0.0, 6.0, -8.0)), IMAGE_SIDE / 2) == pytest.approx((3.0, -4.0))
