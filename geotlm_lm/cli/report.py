@@ -10,7 +10,7 @@ import typer
 from geotlm_lm.cli.options import Seed, require_writable, require_writable_file
 from geotlm_lm.cli.protocols import protocols
 from geotlm_lm.cli.report_language import language, transcript
-from geotlm_lm.cli.report_model import model_stability, runtime
+from geotlm_lm.cli.report_model import model_stability, odometry, runtime
 from geotlm_lm.cli.report_outside import fuzz, page
 from geotlm_lm.cli.report_simulator import closed_forms, optics, simulator, simulator_stability
 from geotlm_lm.cli.report_sizes import backbones, sizes
@@ -21,6 +21,7 @@ EXAMPLE_QUESTION = "Which way is the cap turning?"
 app = typer.Typer(help="Tables from recorded runs.", no_args_is_help=True)
 app.command()(protocols)
 app.command()(runtime)
+app.command()(odometry)
 app.command()(sizes)
 app.command()(backbones)
 app.command()(simulator)

@@ -90,3 +90,43 @@ def runtime(
     if figure is not None:
         draw_runtime(record, figure)
     typer.echo(pick_table(record))
+
+
+def odometry(
+    clips: Annotated[int, typer.Option(min=2, help="Simulated clips per task.")] = 300,
+    real: Annotated[
+        Path | None, typer.Option(help="Folder of labelled recordings to add; see `evaluate`.")
+    ] = None,
+    seed: Seed = 0,
+    model: Annotated[
+        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
+        "reports/recorded/odometry.json"
+    ),
+    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
+        "reports/odometry.md"
+    ),
+) -> None:
+    """Hold how far clips are told to go against how far they went, beside optical flow.
+
+    Example: geotlm-lm report odometry --real DIR
+    """
+    import sys
+
+    from geotlm_lm.answering import Answerer
+    from geotlm_lm.cli.evaluate import command_line
+    from geotlm_lm.experiments.how_far import how_far
+    from geotlm_lm.reports.odometry import odometry_page, odometry_table
+
+    require_all_writable(out, table)
+    record = how_far(
+        Answerer.load(model),
+        clips=clips,
+        seed=seed,
+        real_folder=real,
+        command=command_line(sys.argv),
+        progress=show,
+    )
+    save_page(record, out, table, odometry_page(record))
+    typer.echo(odometry_table(record))

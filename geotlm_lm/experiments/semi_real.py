@@ -97,6 +97,10 @@ class SemiRealSlides:
         return 2 * len(self.rows)
 
     def __iter__(self) -> Iterator[Case]:
+        return (case for case, _ in self.made())
+
+    def made(self) -> Iterator[tuple[Case, float]]:
+        """Yield the same clips with the length of the slide, pixels of the clip's frames."""
         self.cut_off = given = 0
         for index, row in enumerate(self.rows):
             frames, idle = read_touched(row)
@@ -106,9 +110,13 @@ class SemiRealSlides:
                 continue
             motion, given = SLIDES[given % len(SLIDES)], given + 1
             rng = generator_for(self.seed, "semi-real", index)
-            clip = slid(imprint, idle, motion, rng, name=row.path.name)
+            path_px, turn_deg = slide_path(motion, idle.shape[1], rng)
+            clip = carried(
+                imprint, idle, rng, path_px=path_px, turn_deg=turn_deg, name=row.path.name
+            )
             for shown, truth in ((clip, motion), (clip.reversed(), reverse(motion))):
-                yield Case(shown, truth, row.object_id, row.object_family, {})
+                case = Case(shown, truth, row.object_id, row.object_family, {})
+                yield case, float(np.hypot(*path_px))
 
 
 @dataclass
@@ -148,30 +156,21 @@ class SemiRealHeld:
                 yield Case(clip, motion, row.object_id, row.object_family, {})
 
 
-def slid(
-    imprint: NDArray[np.float32],
-    idle: NDArray[np.float32],
-    motion: Motion,
-    rng: np.random.Generator,
-    *,
-    name: str = "",
-) -> Clip:
-    """Return four frames in which an imprint is carried over the idle gel.
+def slide_path(
+    motion: Motion, columns: int, rng: np.random.Generator
+) -> tuple[NDArray[np.float64], float]:
+    """Draw how an imprint slides: its travel right and down in pixels, and its turn in degrees.
 
     Args:
-        imprint: Change of a touched frame against the idle gel, (rows, columns, 3), grey levels.
-        idle: The idle gel, likewise.
         motion: One of the four slides.
-        rng: Draws the travel, what goes astray, and noise.
-        name: What the clip is called.
+        columns: Width of the frames.
+        rng: Draws the travel and what goes astray.
     """
-    columns = idle.shape[1]
     along = rng.uniform(*TRAVEL_SHARE) * columns
     aside = rng.uniform(-SIDEWAYS_SHARE, SIDEWAYS_SHARE) * along
     toward = np.array(_TOWARDS[motion], float)
-    path = along * toward + aside * toward[::-1]
-    turn_deg = rng.uniform(-TURN_DEG, TURN_DEG)
-    return carried(imprint, idle, rng, path_px=path, turn_deg=turn_deg, name=name)
+    path_px = along * toward + aside * toward[::-1]
+    return path_px, rng.uniform(-TURN_DEG, TURN_DEG)
 
 
 def carried(
@@ -187,8 +186,8 @@ def carried(
     """Return four frames of an imprint on the idle gel, evenly from its own place to another.
 
     Args:
-        imprint: As of `slid`.
-        idle: As of `slid`.
+        imprint: Change of a touched frame against the idle gel, (rows, columns, 3), grey levels.
+        idle: The idle gel, likewise.
         rng: Draws the noise.
         path_px: Travel, right and down.
         turn_deg: Turn about the image's middle, positive clockwise.

@@ -5,7 +5,13 @@ from geotlm_lm.core.labels import SLIDES, Motion, reverse
 from geotlm_lm.data.touch_table import TouchRow
 from geotlm_lm.experiments.compare import Reply
 from geotlm_lm.experiments.evaluate import judge_made
-from geotlm_lm.experiments.semi_real import SemiRealHeld, SemiRealSlides, UntouchedCases, slid
+from geotlm_lm.experiments.semi_real import (
+    SemiRealHeld,
+    SemiRealSlides,
+    UntouchedCases,
+    carried,
+    slide_path,
+)
 
 ROWS, COLUMNS = 120, 160
 TOWARDS = {Motion.LEFT: (-1, 0), Motion.RIGHT: (1, 0), Motion.UP: (0, -1), Motion.DOWN: (0, 1)}
@@ -37,9 +43,15 @@ def middles(clip):
     return np.stack([[(w * columns).sum(), (w * rows).sum()] / w.sum() for w in weight])
 
 
+def slid(motion):
+    rng = np.random.default_rng(3)
+    path_px, turn_deg = slide_path(motion, COLUMNS, rng)
+    return carried(blob(80, 60), idle_gel(), rng, path_px=path_px, turn_deg=turn_deg)
+
+
 @pytest.mark.parametrize("motion", SLIDES)
 def test_an_imprint_is_carried_the_way_it_is_named(motion):
-    clip = slid(blob(80, 60), idle_gel(), motion, np.random.default_rng(3))
+    clip = slid(motion)
     places = middles(clip)
     across, along = np.array(TOWARDS[motion][::-1]), np.array(TOWARDS[motion])
     travel = places[-1] - places[0]
@@ -48,9 +60,16 @@ def test_an_imprint_is_carried_the_way_it_is_named(motion):
 
 
 def test_an_imprint_travels_evenly():
-    clip = slid(blob(80, 60), idle_gel(), Motion.RIGHT, np.random.default_rng(3))
+    clip = slid(Motion.RIGHT)
     steps = np.diff(middles(clip), axis=0)[:, 0]
     assert np.ptp(steps) < 0.2 * np.mean(steps)
+
+
+def test_the_length_of_each_slide_is_known(tmp_path):
+    rows = [recording(tmp_path, f"{k}.npy", blob(80, 60)) for k in range(2)]
+    for case, travel_px in SemiRealSlides(rows, seed=0).made():
+        places = middles(case.clip)
+        assert np.hypot(*(places[-1] - places[0])) == pytest.approx(travel_px, rel=0.1)
 
 
 def test_the_four_ways_come_in_turn_and_each_is_played_backwards_too(tmp_path):
