@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from geotlm_lm import answer_schema
-from geotlm_lm.answering import Answerer
+from geotlm_lm.answering import Answerer, batch
 from geotlm_lm.answering.batch import answer_all
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.recordings.listing import clips_in
 from tests.answering.json_schema import problems
 from tests.answering.scripted import feeling, recording
@@ -124,20 +125,26 @@ def test_half_a_row_that_a_kill_left_is_written_again(bundle, clips, tmp_path):
     assert len(rows_in(out)) == 6
 
 
-@pytest.mark.parametrize("change", ["questions", "clip", "model"])
-def test_an_unfinished_run_of_something_else_is_not_continued(bundle, clips, tmp_path, change):
+@pytest.mark.parametrize("change", ["questions", "clip", "model", "frame", "schema"])
+def test_an_unfinished_run_of_something_else_is_not_continued(
+    bundle, clips, tmp_path, monkeypatch, change
+):
     out, answerer, questions = tmp_path / "x.jsonl", feeling(bundle, "left"), list(QUESTIONS)
-    found = clips_in(clips)
+    found, frame = clips_in(clips), FrameSpec()
     with pytest.raises(Stopped):
         answer_all(answerer, found, questions, out, progress=stop_after(1))
     if change == "questions":
         questions.append("Is it still?")
     elif change == "clip":
         np.save(clips / "a.npy", recording(frames=7).frames)
-    else:
+    elif change == "model":
         answerer = feeling(bundle, "left", temperature=2.0)
+    elif change == "frame":
+        frame = FrameSpec(mm_per_px=0.06)
+    else:  # an older version, whose answers had other fields
+        monkeypatch.setattr(batch, "answer_schema", dict)
     with pytest.raises(UsageError) as error:
-        answer_all(answerer, found, questions, out)
+        answer_all(answerer, found, questions, out, frame=frame)
     assert str(error.value) == (
         f"{out}.part: belongs to a run of other clips, questions or another model, expected this "
         f"one's; delete it to begin anew, or give another --out."
