@@ -93,12 +93,18 @@ def test_an_answer_that_is_likelier_wrong_than_right_is_withheld_and_told_as_a_g
     assert max(answer.options, key=answer.options.get) == "clockwise"
 
 
-def test_amounts_are_told_however_many_are_near_alike(bundle):
-    said = Slots("magnitude", unit="deg")
-    answerer = answerer_saying(bundle, said, temperature=4.0)
+def test_an_amount_is_withheld_where_it_may_as_well_not_turn(bundle):
+    answerer = answerer_saying(bundle, Slots("magnitude", unit="deg"), temperature=4.0)
     answer = answerer.ask(answerer.encode(recording()), "How far did it turn?")
-    assert not answer.abstained
-    assert answer.confidence < 0.5
+    assert answer.text.startswith("I cannot tell for sure, 27%: About ")
+    assert (answer.abstained, answer.amount, answer.confidence) == (True, None, 0.0)
+
+
+def test_an_amount_is_told_however_unsure_its_number_is(bundle):
+    answerer = answerer_saying(bundle, Slots("magnitude", unit="deg"), temperature=0.5)
+    answer = answerer.ask(answerer.encode(recording()), "How far did it turn?")
+    assert answer.amount is not None
+    assert answer.confidence < 0.5 < answer.options["rotation"]
 
 
 def test_a_direction_without_contact_becomes_an_abstention(bundle):

@@ -19,9 +19,6 @@ from numpy.typing import NDArray
 
 from geotlm_lm.evaluation.answers import RELATIVE_TOLERANCE
 
-STEPS = {"deg": 1.0, "px": 1.0, "mm": 0.1}
-"""What told amounts are multiples of, by unit."""
-
 SPAN_SHARE = 0.9
 """Probability of the span, of all amounts in its unit."""
 
@@ -93,20 +90,23 @@ def most_probably_right(
     Args:
         amounts: Rising; each stands for all that are nearer to it than to its neighbours.
         shares: Probability of each; they sum to 1.
-        unit: Of them, one of `STEPS`.
+        unit: Of them.
         tolerance: Least error that still counts as right, in `unit`; a fifth of the amount does.
     """
-    told, hits, edges = _cells(amounts, STEPS[unit], tolerance)
+    # What is told is a multiple of a power of ten that is no coarser than the tolerance.
+    decimals = -math.floor(math.log10(tolerance))
+    step = 10.0**-decimals
+    told, hits, edges = _cells(amounts, step, tolerance)
     hit = hits @ shares
     best = np.flatnonzero(hit >= hit.max() - 1e-9)
     # Of several that are right as often the one in the middle is told.
     place = best[len(best) // 2]
     tail = (1 - SPAN_SHARE) / 2
     low, high = np.interp([tail, 1 - tail], np.concatenate([[0], shares.cumsum()]), edges)
-    value, step = float(told[place]), STEPS[unit]
+    value = round(float(told[place]), decimals)
     # Rounded outwards, so that the span still holds its share; what is told lies in it.
-    low = min(round(math.floor(low / step + 1e-9) * step, 1), value)
-    high = max(round(math.ceil(high / step - 1e-9) * step, 1), value)
+    low = min(round(math.floor(low / step + 1e-9) * step, decimals), value)
+    high = max(round(math.ceil(high / step - 1e-9) * step, decimals), value)
     return Amount(value, unit, low, high, float(hit[place]))
 
 
@@ -123,7 +123,7 @@ def _cells(
     middles = (centres[1:] + centres[:-1]) / 2
     first, last = max(2 * centres[0] - middles[0], 0.0), 2 * centres[-1] - middles[-1]
     edges = np.concatenate([[first], middles, [last]])
-    told = np.round(np.arange(1, max(round(last / step), 1) + 1) * step, 1)
+    told = np.arange(1, math.ceil(last / step) + 1) * step
     inside = (np.arange(POINTS_A_CELL) + 0.5) / POINTS_A_CELL
     true = edges[:-1, None] + np.diff(edges)[:, None] * inside
     allowed = np.maximum(tolerance, RELATIVE_TOLERANCE * true) + 1e-9

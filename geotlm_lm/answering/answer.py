@@ -12,7 +12,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT, REGIONS
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import Motion, MotionClass
 from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.model import Perception
 from geotlm_lm.recordings.choose import choose_frames
@@ -32,6 +32,9 @@ _VERDICT_WORDS = {
 }
 """Deciding words of a true and of a false verdict."""
 
+
+GOES_BY = {"deg": MotionClass.ROTATION.value, "px": MotionClass.SLIDE.value}
+"""Unit of what is measured -> the deciding word of an answer that says there is such an amount."""
 
 CUT_OFF_DOUBT = 1.5
 """Of an imprint of which a part is out of the image. Of 66 simulated clips of training objects,
@@ -228,7 +231,7 @@ def deciding_word(slots: Slots) -> str:
     if slots.kind == "class":
         return slots.motion_class.value
     if slots.unit is not None:
-        return slots.unit
+        return GOES_BY[slots.unit]
     return slots.direction.value if slots.direction else slots.kind
 
 

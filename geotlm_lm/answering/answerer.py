@@ -214,9 +214,8 @@ class Answerer:
             for one, said in zip((first, second), heard, strict=True)
         ]
         sizes = {one.clip.frames.shape[1:3] for one in (first, second)}
-        if len(sizes) > 1 and {one and one.unit for one in found} == {"px"}:
-            return Comparison(OTHER_SIZES, "unknown", 0.0, True, *answers)
-        return compare_amounts(question, found, (first.seconds, second.seconds), answers)
+        seconds = (first.seconds, second.seconds)
+        return compare_amounts(question, found, seconds, answers, is_same_size=len(sizes) == 1)
 
     def order(self, parts: Sequence[Encoded], *, frame: FrameSpec = CAMERA) -> Order:
         """Tell the motions of `parts`, clips of one recording in the order of time.
@@ -264,8 +263,6 @@ class Answerer:
             last += " This speaks against the answer: the model is not of one mind."
         return (*steps, last)
 
-
-OTHER_SIZES = "I cannot compare how far they slide: their frames have other sizes."
 
 CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."
 

@@ -70,8 +70,8 @@ def answer_all(
         progress: Told how many clips are done.
 
     Raises:
-        UsageError: If an unfinished run of other clips, questions or another model lies beside
-            `out`.
+        UsageError: If an unfinished run of other clips, questions, frame or rate, or of another
+            model or version, lies beside `out`.
     """
     part = out.with_name(f"{out.name}.part")
     settings = _settings(answerer, clips, questions, fps, frame)
@@ -133,7 +133,7 @@ def _settings(
     asked = [list(questions), fps, frame.to_dict()]
     told = json.dumps([[_stamp(clip) for clip in clips], asked, answer_schema()])
     digest = hashlib.sha256(told.encode()).hexdigest()[:16]
-    return {"model": answerer.bundle.digest(), "clips_and_questions": digest}
+    return {"model": answerer.bundle.digest(), "asked": digest}
 
 
 def _stamp(clip: Path) -> list[Any]:
@@ -157,8 +157,8 @@ def _continued(part: Path, settings: dict[str, Any], per_clip: int) -> tuple[int
         first = stream.readline()
         if not first.endswith(b"\n") or json.loads(first) != settings:
             raise UsageError(
-                f"{part}: belongs to a run of other clips, questions or another model, expected "
-                f"this one's; delete it to begin anew, or give another --out."
+                f"{part}: belongs to a run of other clips, questions or facts, or of another model "
+                f"or version, expected this one's; delete it to begin anew, or give another --out."
             )
         end = stream.tell()
         for number, line in enumerate(iter(stream.readline, b""), start=1):

@@ -26,9 +26,9 @@ EVIDENCE_QUESTION = "Which half moves which way?"
 LEAST_SURE = 0.5
 """Probability below which an answer is withheld: it would more likely be wrong than right."""
 
-NEVER_DOUBTED = frozenset({"magnitude", "rate", "evidence", "confidence", "refusal"})
-"""Kinds whose answers are told whatever their probability: amounts and signs are one of many near
-alike, and who asks for the confidence is told it."""
+NEVER_DOUBTED = frozenset({"evidence", "confidence", "refusal"})
+"""Kinds whose answers are told whatever their probability: signs are one of many near alike, and
+who asks for the confidence is told it."""
 
 Scores = Callable[[str], dict[str, float]]
 """Takes a kind of answer, returns the probability of each by its deciding word."""

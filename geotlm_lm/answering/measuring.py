@@ -8,15 +8,14 @@ from dataclasses import replace
 import torch
 
 from geotlm_lm.answering.amounts import Amount, most_probably_right
-from geotlm_lm.answering.answer import Encoded
+from geotlm_lm.answering.answer import GOES_BY, Encoded
 from geotlm_lm.answering.hearing import Heard
-from geotlm_lm.backbone.stem import View, look
+from geotlm_lm.backbone.stem import look
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size, pixel_aspect
 from geotlm_lm.evaluation.answers import TOLERANCES
-from geotlm_lm.model import rigid_motion
-from geotlm_lm.odometry.movement import movement
+from geotlm_lm.odometry.movement import movement, way_of_slide
 from geotlm_lm.odometry.odometer import amounts
 
 
@@ -24,7 +23,8 @@ def measured(bundle: Bundle, encoded: Encoded, heard: Heard, frame: FrameSpec) -
     """Return how far it went from the first to the last frame; None where it goes no way.
 
     The language model says whether it turned or slid, the odometer how far. The amount's
-    probability is that of both.
+    probability is that of both. An amount of a slide is right within `TOLERANCES["px"]`, whatever
+    the unit it is told in.
 
     Args:
         bundle: The model.
@@ -35,36 +35,29 @@ def measured(bundle: Bundle, encoded: Encoded, heard: Heard, frame: FrameSpec) -
     if heard.slots is None or heard.slots.unit is None:
         return None
     read, told, scale = heard.slots.unit, heard.slots.unit, 1.0
-    if read == "px":
-        told, scale = _slide_scale(encoded, frame)
-    tolerance = TOLERANCES[told] * (scale if told == "px" else 1.0)
-    shares = bundle.odometer.read(_movement(encoded), read)[0].double().numpy()
-    weighed = tuple((amounts(read) * scale).tolist())
-    amount = most_probably_right(weighed, shares / shares.sum(), told, tolerance)
-    return replace(amount, probability=amount.probability * heard.options.get(read, 1.0))
-
-
-def _movement(encoded: Encoded) -> torch.Tensor:
-    perception, inputs = encoded.perception, encoded.perception.inputs
+    inputs, geometry = encoded.perception.inputs, encoded.perception.geometry
     if inputs is None:  # a backbone without the stem
         inputs = torch.from_numpy(look(encoded.clip)[0][None])
-    aspect = pixel_aspect(*encoded.clip.frames.shape[1:3])
-    return movement(inputs, perception.geometry, aspect)
+    if read == "px":
+        told, scale = _slide_scale(encoded, inputs, frame)
+    moved = movement(inputs, geometry, pixel_aspect(*encoded.clip.frames.shape[1:3]))
+    shares = bundle.odometer.read(moved, read)[0].double().numpy() ** (1 / encoded.doubt)
+    weighed = tuple((amounts(read) * scale).tolist())
+    amount = most_probably_right(weighed, shares / shares.sum(), told, TOLERANCES[read] * scale)
+    return replace(amount, probability=amount.probability * heard.options[GOES_BY[read]])
 
 
-def _slide_scale(encoded: Encoded, frame: FrameSpec) -> tuple[str, float]:
+def _slide_scale(encoded: Encoded, inputs: torch.Tensor, frame: FrameSpec) -> tuple[str, float]:
     """Return the unit slides are told in, and how much of it a pixel of the 224-pixel image is.
 
     The frames' pixels may be of another size across than down: the way of the slide decides.
     """
-    rows, columns = size = encoded.clip.frames.shape[1:3]
-    _, x, y = rigid_motion(encoded.perception.geometry, encoded.view or View(), size)
-    if x == y == 0:
-        x = 1.0  # no way is any way
-    square_px = math.hypot(x * IMAGE_SIDE / columns, y * IMAGE_SIDE / rows)
+    rows, columns = encoded.clip.frames.shape[1:3]
+    right, down = way_of_slide(inputs)
+    across, along = right * columns / IMAGE_SIDE, down * rows / IMAGE_SIDE
     if frame.mm_per_px is None:
-        return "px", math.hypot(x, y) / square_px
+        return "px", math.hypot(across, along)
     # A camera's own pixels are square; those of our square image are wider than high.
     camera_rows, camera_columns = camera_size(rows, columns)
     height = camera_rows / rows * columns / camera_columns
-    return "mm", frame.mm_per_px * math.hypot(x, y * height) / square_px
+    return "mm", frame.mm_per_px * math.hypot(across, along * height)

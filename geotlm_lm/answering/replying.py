@@ -22,6 +22,7 @@ from geotlm_lm.answering.hearing import (
     Overhear,
     hear,
     hear_likeliest,
+    is_doubtful,
     score,
 )
 from geotlm_lm.answering.measuring import measured
@@ -257,6 +258,10 @@ def _measured(
         rows, columns = encoded.clip.frames.shape[1:3]
         notes = (PIXELS_NOTE.format(columns, rows),)
         text += NO_LENGTH if _LENGTH.search(question) else ""
+    word = deciding_word(heard.slots)
+    if is_doubtful(kind, word, heard.options):
+        text = f"I cannot tell for sure, {heard.options[word]:.0%}: {text}"
+        return replace(plain(encoded, text, kind, frame, timing), options=heard.options)
     answer = plain(encoded, text, kind, frame, timing)
     return replace(
         answer,

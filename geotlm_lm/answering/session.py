@@ -90,7 +90,12 @@ class Session:
         return next((one for one in said if getattr(one, "kind", "") != "frame"), None)
 
     def add_clip(self, encoded: Encoded) -> None:
-        """Make another clip the one that questions are about; comparisons look back at the last."""
+        """Make another clip the one that questions are about; comparisons look back at the last.
+
+        The size of a pixel that was told holds for frames of the same size only.
+        """
+        if encoded.clip.frames.shape[1:3] != self.encoded.clip.frames.shape[1:3]:
+            self.frame = replace(self.frame, mm_per_px=None)
         self.clips.append(encoded)
 
     def ask(self, question: str, *, listen: Listener | None = None) -> Reply:

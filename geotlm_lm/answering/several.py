@@ -118,6 +118,8 @@ def compare_amounts(
     found: Sequence[Amount | None],
     seconds: Sequence[float | None],
     answers: Sequence[Answer],
+    *,
+    is_same_size: bool = True,
 ) -> Comparison:
     """Tell which of two clips goes further, or faster, by the likeliest amount of each.
 
@@ -126,6 +128,8 @@ def compare_amounts(
         found: How far each goes; None where it goes no way.
         seconds: Time of each clip; None where it is unknown.
         answers: Which way each goes.
+        is_same_size: Whether their frames have the same size: a pixel of one is else not one of
+            the other.
     """
 
     def refuse(text: str) -> Comparison:
@@ -138,6 +142,8 @@ def compare_amounts(
         return refuse("I cannot compare them: not both of them turn or slide.")
     if found[0].unit != found[1].unit:
         return refuse("I cannot compare them: one turns, the other slides.")
+    if found[0].unit != "deg" and not is_same_size:
+        return refuse("I cannot compare how far they slide: their frames differ in size.")
     amounts, unit = [one.value for one in found], found[0].unit
     if {_FASTER, _SLOWER} & _words(question):
         if not all(seconds):

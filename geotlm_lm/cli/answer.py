@@ -18,10 +18,10 @@ from geotlm_lm.cli.options import (
     FramesPerSecond,
     LayoutName,
     MmPerPixel,
-    frame_of,
     span_of,
 )
 from geotlm_lm.core.errors import Abstained, UsageError
+from geotlm_lm.core.frame_spec import FrameSpec
 
 
 def answer(
@@ -56,7 +56,7 @@ def answer(
         raise UsageError("The question holds bytes that are no text; give it in UTF-8.")
     from geotlm_lm.recordings.read import read_clip
 
-    span, frame = span_of(frames), frame_of(mm_per_px)
+    span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)
     recording = read_clip(clip, layout=layout, fps=fps, background=background)
 
     # Imported only now: a wrong path must not wait for the model's libraries.

@@ -12,10 +12,10 @@ from geotlm_lm.cli.options import (
     FramesPerSecond,
     MmPerPixel,
     Precision,
-    frame_of,
     require_writable_file,
 )
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.frame_spec import FrameSpec
 
 COMMENT = "#"
 """Begins a line of a question file that is no question."""
@@ -47,7 +47,7 @@ def batch(
 
     if fps is not None and not 0 < fps < 1e5:
         raise UsageError(f"A frame rate of {fps:g} was given, expected 0 to 100000 per second.")
-    frame = frame_of(mm_per_px)
+    frame = FrameSpec(mm_per_px=mm_per_px)
     found, asked = clips_in(clips), read_questions(questions)
     require_writable_file(out, "--out")
 

@@ -17,7 +17,6 @@ from geotlm_lm.cli.options import (
     LayoutName,
     MmPerPixel,
     Precision,
-    frame_of,
     span_of,
 )
 from geotlm_lm.core.errors import GeoTLMError
@@ -59,7 +58,7 @@ def chat(
     """
     from geotlm_lm.recordings.read import read_clip
 
-    span, frame = span_of(frames), frame_of(mm_per_px)
+    span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)
     recording = read_clip(clip, layout=layout, fps=fps, background=background)
 
     # Imported only now: a wrong path must not wait for the model's libraries.

@@ -9,7 +9,6 @@ from typing import Annotated
 import typer
 
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.frame_spec import MM_PER_PX, FrameSpec
 from geotlm_lm.core.number_formats import require_offered
 
 ClipPath = Annotated[
@@ -124,21 +123,6 @@ def span_of(frames: str | None) -> tuple[int, int] | None:
     if not all(number.isdecimal() and len(number) < 10 for number in (first, last)):
         raise UsageError(f"--frames '{frames[:40]}' was given, expected FIRST:LAST such as 40:60.")
     return int(first), int(last)
-
-
-def frame_of(mm_per_px: float | None) -> FrameSpec:
-    """Return the frame of reference with the size of a pixel, as far as it is given.
-
-    Raises:
-        UsageError: If no camera has pixels of that size.
-    """
-    low, high = MM_PER_PX
-    if mm_per_px is not None and not low <= mm_per_px <= high:
-        raise UsageError(
-            f"--mm-per-px {mm_per_px:g} was given, expected {low:g} to {high:g} mm; a GelSight "
-            f"Mini's pixel at 320x240 is 0.06."
-        )
-    return FrameSpec(mm_per_px=mm_per_px)
 
 
 def require_writable(folder: Path, option: str) -> None:

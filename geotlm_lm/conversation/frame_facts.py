@@ -111,15 +111,19 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
 )
 """What may be said, to the letter, and the fields of `FrameSpec` it sets."""
 
-_NUMBER = r"(?P<number>\d*\.?\d+)"
+_NUMBER = r"(?P<number>\d+(?:\.\d+)?|\.\d+)"
 _LENGTH = r"(?P<unit>mm|millimet(?:er|re)s?|um|\u00b5m|\u03bcm|microns?|micromet(?:er|re)s?)"
 _PIXEL = r"(?:px|pixels?)"
-_SCALE_IS = r"(?:(?:(?:the )?(?:scale|resolution|pixel size|size of a pixel) is|it is|it's|at) )?"
 _PER = r" ?(?:per|a|/) ?"
+_SCALE_IS = r"(?:(?:(?:the )?(?:scale|resolution) is|it is|it's|at) )?"
+_PIXEL_IS = (
+    rf"(?:(?:a|one|1|each|every) {_PIXEL}|(?:the )?(?:pixel size|size of (?:a|one) {_PIXEL})|"
+    rf"(?:the |my )?pixels)"
+)
 
 _SIZES = (
     rf"{_SCALE_IS}{_NUMBER} ?{_LENGTH}{_PER}{_PIXEL}",
-    rf"(?:a|one|1|each|every) {_PIXEL} (?:is|measures|=) {_NUMBER} ?{_LENGTH}(?: wide| long)?",
+    rf"{_PIXEL_IS} (?:is|are|measures?|=) {_NUMBER} ?{_LENGTH}(?: wide| long|{_PER}{_PIXEL})?",
     rf"mm[_ ]per[_ ]{_PIXEL} ?(?:is|=|:)? ?{_NUMBER}",
 )
 _DENSITY = rf"{_SCALE_IS}{_NUMBER} ?{_PIXEL}{_PER}{_LENGTH}"
@@ -155,7 +159,7 @@ _LEAD = re.compile(
     r"[:,]? +"
 )
 _BREAK = re.compile(r"\s*(?:[,;]|\band\b|\bbut\b)\s*")
-_ENDS = re.compile(r"[.!;:,\n]")
+_ENDS = re.compile(r"[!;:,\n]|\.(?!\d)")
 
 MOST_CLAUSES = 4
 """One fact may run over: more than any in the list does (a comma and an "and" make three). Without

@@ -14,6 +14,7 @@ from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered
 
 _GO = r"(?:go|goes|move|moves|moved|turn|turns|turned|slide|slides|slid|went)"
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
+_MEASURES = r"(?:degrees?|deg|mm|millimet(?:re|er)s?|pixels?|px)"
 _HOLDER = rf"(?:{_GEL}|finger|gripper)"
 """What moves the sensor, and the sensor with it."""
 
@@ -151,11 +152,9 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\bhow (?:far|large|big|small)\b(?! or)",
         r"\b(?:by )?how much\b",
         r"\b(?:amount|extent|displacement)\b",
-        r"\bhow many (?:degrees|mm|millimetres)\b",
-        r"\b(?:more|less) than \S+ (?:degrees?|deg|mm|millimetres?)\b",
-        r"\bdegrees or\b",
-        r"\bmm or\b",
-        r"\bmillimetres or\b",
+        rf"\bhow many {_MEASURES}\b",
+        rf"\b(?:more|less) than \S+ {_MEASURES}\b",
+        rf"\b{_MEASURES} or\b",
         r"\b(?:angle or distance|distance or angle)\b",
         r"\bsize of\b",
         r"\b(?:measure|estimate) (?:the motion|the movement|how)\b",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
+from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, mirror, reverse
 
 Viewpoint = Literal["sensor", "object"]
@@ -29,6 +30,9 @@ class FrameSpec:
         image_upside_down: Directions are told for the image turned by 180 degrees: the recorded one
             is upside down, as from a camera mounted on its head, or a question supposes it.
         mm_per_px: Width on the gel of a pixel of the recording's frames; None when unknown.
+
+    Raises:
+        UsageError: If no camera has pixels of that size.
     """
 
     image_mirrored: bool = False
@@ -38,6 +42,14 @@ class FrameSpec:
     thread: Thread | None = None
     image_upside_down: bool = False
     mm_per_px: float | None = None
+
+    def __post_init__(self) -> None:
+        low, high = MM_PER_PX
+        if self.mm_per_px is not None and not low <= self.mm_per_px <= high:
+            raise UsageError(
+                f"A pixel of {self.mm_per_px:g} mm was given, expected {low:g} to {high:g} mm; one "
+                f"of a GelSight Mini's 320x240 is 0.06."
+            )
 
     def tell(self, motion: Motion) -> Motion:
         """Return `motion`, named in the camera image for the object, as this frame names it.

@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from geotlm_lm.answering import Answerer
+from geotlm_lm.answering import Answerer, deciding_word
 from geotlm_lm.answering.hearing import Heard
 from geotlm_lm.answering.measuring import measured
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
-from geotlm_lm.core.labels import ROTATIONS, SLIDES
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.data.contents import amount_of
 from geotlm_lm.data.labelled_recordings import WindowRow
@@ -51,13 +51,22 @@ class Moved:
         clip: Four frames with a background.
         unit: "deg" of a turn, "px" of the clip's own frames of a slide.
         amount: How far, at least 0.
+        motion: Which way, which is not asked.
         family: Objects that are not independent of each other.
     """
 
     clip: Clip
     unit: str
     amount: float
+    motion: Motion
     family: str
+
+    @property
+    def least(self) -> float:
+        """Error that counts as right however small the amount; pixels are of a 224-pixel image."""
+        rows, columns = self.clip.frames.shape[1:3]
+        side = rows if self.motion in (Motion.UP, Motion.DOWN) else columns
+        return TOLERANCES[self.unit] * (side / IMAGE_SIDE if self.unit == "px" else 1.0)
 
 
 @dataclass(frozen=True)
@@ -129,7 +138,8 @@ def simulated(clips: int, seed: int) -> dict[str, Callable[[], Iterator[Moved]]]
     def moved(cases: SimulatedCases) -> Iterator[Moved]:
         for made in cases.made():
             unit = "deg" if made.label.motion in ROTATIONS else "px"
-            yield Moved(made.clip, unit, amount_of(made.label), made.object_name)
+            label = made.label
+            yield Moved(made.clip, unit, amount_of(label), label.motion, made.object_name)
 
     return {
         cases.title: lambda cases=cases: moved(cases)
@@ -152,7 +162,7 @@ def real(folder: Path, seed: int) -> dict[str, Callable[[], Iterator[Moved]]]:
                 )
         if touched := read_touch_table(cases.recordings.folder / TABLE_NAME):
             sources[f"semi-real {name}, sliding"] = lambda rows=touched: (
-                Moved(case.clip, "px", travel_px, case.family)
+                Moved(case.clip, "px", travel_px, case.motion, case.family)
                 for case, travel_px in SemiRealSlides(rows, seed).made()
             )
     return sources
@@ -162,7 +172,7 @@ def known_amount(row: WindowRow, unit: str) -> float | None:
     """Return how far a labelled window goes; None where its table does not tell.
 
     Amounts of recordings are measurements too. Where a second one stands beside the first, the two
-    have to agree as closely as an answer has to.
+    have to agree to within 2 degrees, 2 pixels of the recording, or a fifth.
     """
     if row.motion not in (ROTATIONS if unit == "deg" else SLIDES):
         return None
@@ -175,7 +185,8 @@ def known_amount(row: WindowRow, unit: str) -> float | None:
 
 def tell(answerer: Answerer, moved: Moved) -> Told:
     """Return what the odometer tells of a clip whose kind of motion is given."""
-    heard = Heard(Slots("magnitude", unit=moved.unit), "", {moved.unit: 1.0})
+    slots = Slots("magnitude", unit=moved.unit)
+    heard = Heard(slots, "", {deciding_word(slots): 1.0})
     amount = measured(answerer.bundle, answerer.encode(moved.clip), heard, FrameSpec())
     return Told(amount.value, amount.low, amount.high, amount.probability)
 
@@ -211,16 +222,15 @@ def scores(clips: list[Moved], told: list[Told], seed: int) -> dict[str, Any]:
 
 
 def is_within_tolerance(moved: Moved, value: float) -> bool:
-    """Tell whether an amount is right as an answer is; pixels are those of a 224-pixel image."""
-    least = TOLERANCES[moved.unit]
-    if moved.unit == "px":
-        least *= moved.clip.frames.shape[2] / IMAGE_SIDE
-    return bool(abs(value - moved.amount) <= max(least, RELATIVE_TOLERANCE * moved.amount))
+    """Tell whether an amount is right as an answer is."""
+    allowed = max(moved.least, RELATIVE_TOLERANCE * moved.amount)
+    return bool(abs(value - moved.amount) <= allowed)
 
 
 def _windows(cases: RealCases, unit: str) -> Iterator[Moved]:
     for window in cases.recordings.windows(frames=("four",), backwards=True):
-        yield Moved(window.clip, unit, known_amount(window.row, unit), window.row.object_family)
+        amount = known_amount(window.row, unit)
+        yield Moved(window.clip, unit, amount, window.motion, window.row.object_family)
 
 
 def _length(values: Mapping[str, str], columns: tuple[str, ...]) -> float | None:

@@ -115,8 +115,8 @@ def mirrored(clip: Clip) -> Clip:
 def blind(touches: list[Touched]) -> Encoded:
     """Return the mean clip: what a model sees that is told nothing of the clip asked about.
 
-    Fused token and geometry are the means over `touches`; its frames are those of the first clip
-    that is touched.
+    Fused token, geometry and inputs are the means over `touches`; its frames are those of the first
+    clip that is touched.
     """
     touched = next((one for one in touches if one.motion is not Motion.NONE), touches[0])
     seen = [one.encoded.perception for one in touches]
@@ -125,11 +125,13 @@ def blind(touches: list[Touched]) -> Encoded:
         name: torch.stack([getattr(one.geometry, name) for one in seen]).mean(dim=0)
         for name in ("shear", "shear_change", "mask", "region_mass", "descriptor", "feature")
     }
+    inputs = [one.inputs for one in seen]
     perception = replace(
         touched.encoded.perception,
         global_token=torch.stack([one.global_token for one in seen]).mean(dim=0),
         fused_token=torch.stack([one.fused_token for one in seen]).mean(dim=0),
         geometry=replace(geometry, **means),
+        inputs=None if any(one is None for one in inputs) else torch.stack(inputs).mean(dim=0),
     )
     return replace(touched.encoded, perception=perception)
 

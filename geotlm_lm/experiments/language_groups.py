@@ -40,8 +40,8 @@ STATEMENTS = (
 DOUBTS = ("Are you sure?", "No, that is wrong.", "Really?", "I don't think so.")
 
 SIMILAR, SURELY_APART = 0.2, 0.33
-"""Amounts apart by at most a fifth are similar; from a third on they are not, whatever a stated
-amount was rounded by (13 %). Between the two either answer is right."""
+"""Amounts apart by at most a fifth are similar; from a third on they are not, though each is told
+to within a fifth at best. Between the two either answer is right."""
 
 _AMOUNT = re.compile(r"\b(?:further|farther|more|larger|less|smaller|faster|slower)\b", re.I)
 _LESS = re.compile(r"\b(?:less|smaller|slower)\b", re.I)

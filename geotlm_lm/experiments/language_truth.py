@@ -156,12 +156,12 @@ def scored_is_right(answer: Answer, truth: Truth) -> bool | None:
     """Tell whether the likeliest of the options is right, whatever the words say.
 
     Returns:
-        None where the answer scored no options, or none of them could be right.
+        None where the answer scored no options, none of them could be right, or the right one is an
+        amount, which is measured and no option.
     """
-    if truth.abstains or not answer.options:
+    if truth.abstains or truth.amount is not None or not answer.options:
         return None
-    best = max(answer.options, key=answer.options.get)
-    return best == truth.decided if truth.amount is None else _is_near(best, truth)
+    return max(answer.options, key=answer.options.get) == truth.decided
 
 
 def claim_of(asked: QuestionAnswer) -> Motion:

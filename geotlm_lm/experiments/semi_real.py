@@ -100,7 +100,7 @@ class SemiRealSlides:
         return (case for case, _ in self.made())
 
     def made(self) -> Iterator[tuple[Case, float]]:
-        """Yield the same clips with the length of the slide, pixels of the clip's frames."""
+        """Yield the same clips and how far the imprint's middle goes, pixels of its frames."""
         self.cut_off = given = 0
         for index, row in enumerate(self.rows):
             frames, idle = read_touched(row)
@@ -116,7 +116,7 @@ class SemiRealSlides:
             )
             for shown, truth in ((clip, motion), (clip.reversed(), reverse(motion))):
                 case = Case(shown, truth, row.object_id, row.object_family, {})
-                yield case, float(np.hypot(*path_px))
+                yield case, travel_of(imprint, path_px, turn_deg)
 
 
 @dataclass
@@ -171,6 +171,24 @@ def slide_path(
     toward = np.array(_TOWARDS[motion], float)
     path_px = along * toward + aside * toward[::-1]
     return path_px, rng.uniform(-TURN_DEG, TURN_DEG)
+
+
+def travel_of(
+    imprint: NDArray[np.float32], path_px: Sequence[float] | NDArray[np.float64], turn_deg: float
+) -> float:
+    """Return how far the middle of an imprint goes when it is carried, in pixels.
+
+    The turn is about the middle of the image, and takes an imprint beside it along.
+    """
+    rows, columns = imprint.shape[:2]
+    weight = np.square(imprint).sum(axis=-1)
+    weight /= weight.sum()
+    arm_x = float(weight.sum(axis=0) @ np.arange(columns)) - columns / 2
+    arm_y = float(weight.sum(axis=1) @ np.arange(rows)) - rows / 2
+    cos, sin = np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg))
+    x = path_px[0] + (cos - 1) * arm_x - sin * arm_y
+    y = path_px[1] + sin * arm_x + (cos - 1) * arm_y
+    return float(np.hypot(x, y))
 
 
 def carried(

@@ -77,6 +77,26 @@ def movement(inputs: Tensor, geometry: Geometry, aspect: float = SQUARE_ASPECT) 
     return torch.cat([(FLOOR + sizes).log(), *fits, whole], dim=1)
 
 
+def way_of_slide(inputs: Tensor) -> tuple[float, float]:
+    """Return which way one clip's imprint slid, right and down, as a vector of length 1.
+
+    By the stem's alignments: what DGR learns on a released encoder is no displacement. Where
+    nothing moved, to the right.
+
+    Args:
+        inputs: What the stem made of the clip, (1, 2, 14, 14, PATCH_INPUT_DIM).
+    """
+    inputs = inputs.float()
+    changed = inputs[..., :RESIDUAL_CHANNELS].abs().mean(dim=(1, 4))
+    places = (ALIGNED_AT + ALIGNMENTS[0], ALIGNED_AT + ALIGNMENTS[2])
+    slides = [rigid_motions(inputs[:, 1, :, :, at : at + 2], changed)[1][0] for at in places]
+    way = torch.stack(slides).sum(dim=0)
+    if not way.any():
+        return 1.0, 0.0
+    right, down = (way / way.norm()).tolist()
+    return right, down
+
+
 def rigid_motions(
     field: Tensor, weight: Tensor, aspect: float = SQUARE_ASPECT
 ) -> tuple[Tensor, Tensor]:

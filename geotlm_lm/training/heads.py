@@ -23,7 +23,7 @@ from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.config import HeadsPreset, heads_preset_named
 from geotlm_lm.training.encoded import EncodedClips, encode_examples
-from geotlm_lm.training.examples import VARIED, WORN_SHARE, ExampleSet
+from geotlm_lm.training.examples import EXAMPLES_VERSION, VARIED, WORN_SHARE, ExampleSet
 from geotlm_lm.training.geometry import (
     ALL_MOTIONS,
     TokenSet,
@@ -81,6 +81,7 @@ def _claim(out: Path, encoder: ReleasedEncoder, settings: HeadsPreset, seed: int
     """Mark `out` as the folder of this run and say what it is, or refuse a folder of another."""
     about = encoder.describe() | {"preset": settings.to_dict(), "seed": seed}
     about |= {"series": SERIES_VERSION, "varied": VARIED, "worn": WORN_SHARE}
+    about |= {"examples": EXAMPLES_VERSION}
     path = out / RUN_FILE
     if path.exists() and json.loads(path.read_text()) != about:
         raise UsageError(

@@ -10,6 +10,7 @@ from geotlm_lm.core.labels import ROTATIONS
 from geotlm_lm.data.contents import amount_of
 from geotlm_lm.evaluation.answers import within_tolerance
 from geotlm_lm.odometry.odometer import AMOUNTS, UNITS, Odometer, amounts, place_of
+from geotlm_lm.training.progress import Progress
 from geotlm_lm.training.scoring import ClipSet
 
 EPOCHS = 30
@@ -25,28 +26,29 @@ chance."""
 def train_odometer(clips: ClipSet, *, seed: int) -> Odometer:
     """Return an odometer trained on the readable turns and slides of `clips`.
 
-    It takes a minute for 40,000 clips and keeps no checkpoint.
+    It takes a quarter of a minute for 40,000 clips and keeps no checkpoint.
 
     Args:
         clips: With labels that know the size of a pixel.
         seed: Of weights and order.
 
     Raises:
-        ValueError: If none of them turns or slides by a known amount.
+        ValueError: If none of them turns, or none slides, by a known amount.
     """
     rows, unit, amount = _measured(clips)
-    if not rows:
-        raise ValueError("no clip turns or slides by a known amount")
+    if len(unit.unique()) < len(UNITS):
+        raise ValueError("no clip turns, or none slides, by a known amount")
     movement, target = clips.movement[rows], _target(unit, amount)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         odometer = Odometer().train()
         odometer.mean.copy_(movement.mean(dim=0))
-        odometer.scale.copy_(movement.std(dim=0).clamp(min=1e-3))
+        odometer.scale.copy_(movement.std(dim=0, correction=0).clamp(min=1e-3))
         optimiser = torch.optim.AdamW(odometer.parameters(), weight_decay=WEIGHT_DECAY)
         steps = EPOCHS * -(-len(rows) // BATCH)
         schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, PEAK_RATE, total_steps=steps)
-        for _ in range(EPOCHS):
+        progress = Progress("train odometer", EPOCHS)
+        for epoch in range(EPOCHS):
             for chosen in torch.randperm(len(rows)).split(BATCH):
                 logits = odometer(movement[chosen])[torch.arange(len(chosen)), unit[chosen]]
                 loss = -(target[chosen] * logits.log_softmax(dim=-1)).sum(dim=-1).mean()
@@ -54,6 +56,7 @@ def train_odometer(clips: ClipSet, *, seed: int) -> Odometer:
                 loss.backward()
                 optimiser.step()
                 schedule.step()
+            progress.show(epoch + 1)
     return odometer.eval().requires_grad_(False)
 
 

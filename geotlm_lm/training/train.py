@@ -35,6 +35,7 @@ from geotlm_lm.training.card import write_card
 from geotlm_lm.training.config import HeadsPreset, TrainingPreset, preset_named
 from geotlm_lm.training.dense import DenseHeads
 from geotlm_lm.training.examples import (
+    EXAMPLES_VERSION,
     VARIED,
     WORN_SHARE,
     Examples,
@@ -167,6 +168,7 @@ def _claim(out: Path, settings: TrainingPreset, seed: int) -> None:
     """Mark `out` as the folder of this run, or refuse a folder of another."""
     about = {"preset": settings.to_dict(), "seed": seed}
     about |= {"series": SERIES_VERSION, "inputs": PATCH_INPUT_DIM, "worn": WORN_SHARE}
+    about |= {"examples": EXAMPLES_VERSION}
     claim_folder(out, about | {"varied": VARIED, "pretraining": PRETRAINING_VERSION})
 
 

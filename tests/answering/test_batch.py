@@ -146,6 +146,6 @@ def test_an_unfinished_run_of_something_else_is_not_continued(
     with pytest.raises(UsageError) as error:
         answer_all(answerer, found, questions, out, frame=frame)
     assert str(error.value) == (
-        f"{out}.part: belongs to a run of other clips, questions or another model, expected this "
-        f"one's; delete it to begin anew, or give another --out."
+        f"{out}.part: belongs to a run of other clips, questions or facts, or of another model or "
+        f"version, expected this one's; delete it to begin anew, or give another --out."
     )

@@ -9,12 +9,13 @@ import torch
 from geotlm_lm.answering.answer import Encoded
 from geotlm_lm.answering.hearing import Heard
 from geotlm_lm.answering.measuring import measured
-from geotlm_lm.backbone.stem import View
+from geotlm_lm.backbone.stem import ALIGNED_AT, PATCH_INPUT_DIM, View
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.model import Perception
+from geotlm_lm.odometry.odometer import AMOUNTS
 from tests.answering.scripted import answerer_saying, recording
 from tests.tiny_bundle import tiny_bundle
 
@@ -28,20 +29,22 @@ def bundle():
 
 
 def encoded(rows, columns, right=1.0, down=0.0):
-    """A clip whose whole imprint slides by the same shear."""
-    field = torch.tensor([right, down]).expand(1, 14, 14, 2)
+    """A clip whose whole imprint slides, laid on its first frame by the stem."""
+    field = torch.zeros(1, 14, 14, 2)
     with torch.no_grad():
         geometry = DGR(4).pool(torch.zeros(1, 2, 14, 14, 2), field, torch.ones(1, 14, 14))
-    token = torch.zeros(1, 4)
+    token, inputs = torch.zeros(1, 4), torch.zeros(1, 2, 14, 14, PATCH_INPUT_DIM)
+    inputs[..., :48] = 1.0
+    inputs[:, 1, :, :, ALIGNED_AT : ALIGNED_AT + 2] = torch.tensor([right, down])
     frames = np.zeros((4, rows, columns, 3), np.uint8)
     clip = Clip(frames, background=frames[0])
-    return Encoded(clip, Perception(token, geometry, token, (View(),)), {})
+    return Encoded(clip, Perception(token, geometry, token, (View(),), inputs), {})
 
 
 def slide(bundle, clip, frame=CAMERA, px=14.0):
     """What is told of a slide by `px` pixels of the 224-pixel image."""
     model = answerer_saying(bundle, {}, measures={"px": px}).bundle
-    return measured(model, clip, Heard(Slots("magnitude", unit="px"), "", {"px": 0.9}), frame)
+    return measured(model, clip, Heard(Slots("magnitude", unit="px"), "", {"slide": 0.9}), frame)
 
 
 @pytest.mark.parametrize(
@@ -82,7 +85,7 @@ def test_with_a_scale_it_is_told_in_millimetres(bundle, size, way, mm_per_224_px
 
 def test_turns_need_no_scale(bundle):
     model = answerer_saying(bundle, {}, measures={"deg": 20.0}).bundle
-    heard = Heard(Slots("magnitude", unit="deg"), "", {"deg": 1.0})
+    heard = Heard(Slots("magnitude", unit="deg"), "", {"rotation": 1.0})
     for frame in (CAMERA, FrameSpec(mm_per_px=0.1)):
         amount = measured(model, encoded(240, 320), heard, frame)
         assert (amount.unit, amount.value) == ("deg", pytest.approx(20, abs=2))
@@ -94,8 +97,33 @@ def test_what_goes_no_way_has_no_amount(bundle, slots):
     assert measured(model, encoded(64, 64), Heard(slots, "", {}), CAMERA) is None
 
 
-def test_an_imprint_that_does_not_move_has_no_way_and_still_an_answer(bundle):
-    assert slide(bundle, encoded(240, 320, 0.0, 0.0)).unit == "px"
+def test_an_imprint_that_does_not_move_counts_as_going_right(bundle):
+    still, right = (slide(bundle, encoded(240, 320, x, 0.0)) for x in (0.0, 1.0))
+    assert still == right
+
+
+@pytest.mark.parametrize(("size", "px"), [((24, 32), 1.0), ((8, 8), 2.0), ((48, 64), 0.9)])
+def test_small_frames_get_fractions_of_a_pixel(bundle, size, px):
+    amount = slide(bundle, encoded(*size), px=px)
+    assert amount.value == pytest.approx(px * size[1] / 224, abs=2 * size[1] / 224)
+    assert amount.low <= amount.value <= amount.high
+    assert amount.probability == pytest.approx(0.9, abs=0.01)
+
+
+def test_large_frames_get_round_numbers(bundle):
+    assert slide(bundle, encoded(2160, 3840)).value % 10 == 0
+
+
+def test_a_doubtful_clip_spreads_the_span_and_lowers_the_probability(bundle):
+    model = answerer_saying(bundle, {}).bundle
+    shares = torch.softmax(-((torch.arange(AMOUNTS) - 20.0) ** 2) / 8, dim=0)[None]
+    model.odometer.read = lambda movement, unit: shares
+    heard, clip = Heard(Slots("magnitude", unit="deg"), "", {"rotation": 1.0}), encoded(240, 320)
+    sure, unsure = (
+        measured(model, one, heard, CAMERA) for one in (clip, replace(clip, is_cut_off=True))
+    )
+    assert unsure.probability < sure.probability
+    assert unsure.high - unsure.low > sure.high - sure.low
 
 
 def test_the_stems_inputs_are_made_again_where_a_backbone_has_none(bundle):

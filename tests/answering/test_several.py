@@ -123,12 +123,32 @@ def test_amounts_are_compared_by_size_or_by_time(question, amounts, seconds, rel
     [
         (measured(12), measured(14, "px"), "I cannot compare them: one turns, the other slides."),
         (measured(12), None, "I cannot compare them: not both of them turn or slide."),
+        (
+            measured(12, "px"),
+            measured(30, "px"),
+            "I cannot compare how far they slide: their frames differ in size.",
+        ),
+        (
+            measured(1.2, "mm"),
+            measured(3, "mm"),
+            "I cannot compare how far they slide: their frames differ in size.",
+        ),
     ],
 )
 def test_amounts_of_different_things_are_not_compared(one, other, text):
     answers = (answer("clockwise"), answer("left"))
-    compared = compare_amounts("Which went further?", [one, other], (None, None), answers)
+    compared = compare_amounts(
+        "Which went further?", [one, other], (None, None), answers, is_same_size=False
+    )
     assert (compared.text, compared.abstained) == (text, True)
+
+
+def test_turns_are_compared_whatever_the_size_of_the_frames():
+    pair, answers = [measured(12), measured(27)], (answer("clockwise"), answer("clockwise"))
+    compared = compare_amounts(
+        "Which went further?", pair, (None, None), answers, is_same_size=False
+    )
+    assert compared.relation == "second"
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ def test_a_doubtful_answer_comes_with_the_next_likeliest(bundle):
     [
         ("Which way?", "It is pressing in.", 0.1),  # sure
         ("Which way?", "It is pressing in.", 1.0),  # the others are all as unlikely
-        ("How far?", "No distance: it is pressing in.", 1.0),  # amounts are near one another
+        ("How far?", "No distance: it is pressing in.", 0.5),  # of six kinds
         ("What does it cost?", "I cannot tell that from touch.", 1.0),
     ],
 )

@@ -86,7 +86,7 @@ def test_the_size_of_a_pixel_reaches_the_frame(capsys, answerer, clip_path):
     assert [frame.mm_per_px for frame in answerer.frames] == [None, 0.06]
     code, _, err = run(capsys, *ask, "--mm-per-px", 40)
     assert code == 2
-    assert "--mm-per-px 40 was given, expected 0.001 to 2 mm" in err
+    assert "A pixel of 40 mm was given, expected 0.001 to 2 mm" in err
 
 
 def test_an_abstention_fails_only_when_asked_to(capsys, answerer, clip_path):

@@ -50,6 +50,9 @@ MIRRORED = FrameSpec(image_mirrored=True)
         ("A pixel measures 0.1mm", {"mm_per_px": 0.1}),
         ("mm_per_px = 0.0634", {"mm_per_px": 0.0634}),
         ("20 pixels per mm", {"mm_per_px": 0.05}),
+        ("The pixel size is 0.06 mm", {"mm_per_px": 0.06}),
+        ("the size of a pixel is 60 um per pixel", {"mm_per_px": 0.06}),
+        ("Pixels are 0.06 mm wide.", {"mm_per_px": 0.06}),
         (
             "It is 0.06 mm/px and the image is mirrored",
             {"mm_per_px": 0.06, "image_mirrored": True},
@@ -133,6 +136,10 @@ def test_a_way_of_telling_before_a_comma_holds_for_its_question_alone():
 )
 def test_a_pixel_no_camera_has_is_no_fact(text):
     assert read_facts(text, CAMERA).frame == CAMERA
+
+
+def test_a_number_is_not_cut_at_its_point():
+    assert not read_facts("mm per pixel is 1.5 how far did it slide?", CAMERA).is_stated
 
 
 def test_the_size_of_a_pixel_said_before_a_question_lasts():

@@ -211,12 +211,14 @@ def test_a_denial_is_true_where_the_claim_is_not():
 
 
 @pytest.mark.parametrize("type_id", ["T7", "T8"])
-@pytest.mark.parametrize(("motion", "unit"), [(Motion.COUNTERCLOCKWISE, "deg"), (Motion.UP, "px")])
-def test_the_amount_is_known_and_its_unit_said(type_id, motion, unit):
-    label = MotionLabel(motion, rotation_deg=-20.0, slide_y_mm=-1.4, mm_per_px=(0.1, 0.07))
+@pytest.mark.parametrize(
+    ("motion", "unit", "amount"), [(Motion.COUNTERCLOCKWISE, "deg", 15.0), (Motion.UP, "px", 20.0)]
+)
+def test_the_amount_is_known_and_its_unit_said(type_id, motion, unit, amount):
+    label = MotionLabel(motion, rotation_deg=-15.0, slide_y_mm=-1.4, mm_per_px=(0.1, 0.07))
     (asked,) = questions_for(label, np.random.default_rng(0), types=[type_id])
     assert asked.slots.unit == unit
-    assert asked.amount == pytest.approx(20.0)
+    assert asked.amount == pytest.approx(amount)
 
 
 @pytest.mark.parametrize("type_id", ["T7", "T8"])

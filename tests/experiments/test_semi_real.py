@@ -11,6 +11,7 @@ from geotlm_lm.experiments.semi_real import (
     UntouchedCases,
     carried,
     slide_path,
+    travel_of,
 )
 
 ROWS, COLUMNS = 120, 160
@@ -47,6 +48,15 @@ def slid(motion):
     rng = np.random.default_rng(3)
     path_px, turn_deg = slide_path(motion, COLUMNS, rng)
     return carried(blob(80, 60), idle_gel(), rng, path_px=path_px, turn_deg=turn_deg)
+
+
+def test_a_turn_takes_an_imprint_beside_the_middle_along():
+    rng, beside = np.random.default_rng(3), blob(50, 40)
+    clip = carried(beside, idle_gel(), rng, path_px=(4.0, 0.0), turn_deg=4.0)
+    places = middles(clip)
+    went = np.hypot(*(places[-1] - places[0]))
+    assert travel_of(beside, (4.0, 0.0), 4.0) == pytest.approx(went, rel=0.05)
+    assert abs(went - 4.0) > 0.5
 
 
 @pytest.mark.parametrize("motion", SLIDES)
