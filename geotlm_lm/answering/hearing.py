@@ -20,6 +20,7 @@ OPEN_QUESTION = "Which way is it moving?"
 """Asked of a model in place of a question it was not trained on."""
 
 AMOUNT_QUESTION = "How far did it go?"
+MOVING_QUESTION = "Is it moving at all?"
 RATE_QUESTION = "How fast did it go?"
 EVIDENCE_QUESTION = "Which half moves which way?"
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
+import time
 from dataclasses import replace
 
 import torch
 
 from geotlm_lm.answering.amounts import Amount, most_probably_right
-from geotlm_lm.answering.answer import GOES_BY, Encoded
-from geotlm_lm.answering.hearing import Heard
+from geotlm_lm.answering.answer import GOES_BY, Answer, Encoded, deciding_word
+from geotlm_lm.answering.hearing import Heard, is_doubtful
+from geotlm_lm.answering.withholding import plain, too_little_contact
 from geotlm_lm.backbone.stem import look
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -17,6 +20,61 @@ from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size, pixel_aspect
 from geotlm_lm.evaluation.answers import TOLERANCES
 from geotlm_lm.odometry.movement import movement, way_of_slide
 from geotlm_lm.odometry.odometer import amounts
+
+PIXELS_NOTE = (
+    "Pixels of the recording's {}x{} frames: nothing tells how large one is on the gel; say for "
+    "example '0.06 mm per pixel'."
+)
+NO_LENGTH = " In millimetres only if you tell me the size of a pixel."
+
+_LENGTH = re.compile(
+    r"\b(?:mm|cm|um|millimet(?:er|re)s?|centimet(?:er|re)s?|micromet(?:er|re)s?|microns?|inch(?:es)?)\b",
+    re.IGNORECASE,
+)
+"""Asks for a length on the gel."""
+
+NO_TIME = "I cannot tell the speed: it takes 3 frames and a frame rate; give it by fps."
+
+
+def answer_measured(
+    bundle: Bundle, encoded: Encoded, question: str, heard: Heard, frame: FrameSpec
+) -> Answer:
+    """Answer how far it went, or how fast, with what the odometer measures.
+
+    Withheld where next to nothing touches, where a speed has no time, and where it may as well not
+    turn or slide at all; the number itself is told however unsure it is, with its span.
+    """
+    kind = heard.slots.kind
+    if encoded.contact_share < bundle.calibration.contact_threshold:
+        what = "say how fast" if kind == "rate" else "say how far"
+        text = too_little_contact(what, encoded.contact_share)
+        return plain(encoded, text, kind, frame, heard.timing_ms)
+    if kind == "rate" and not encoded.seconds:
+        return plain(encoded, NO_TIME, kind, frame, heard.timing_ms)
+    started = time.perf_counter()
+    whole = amount = measured(bundle, encoded, heard, frame)
+    timing = heard.timing_ms | {"measure": 1e3 * (time.perf_counter() - started)}
+    if kind == "rate":
+        amount = whole.per_second(encoded.seconds)
+    text, notes = amount.sentence(), ()
+    if whole.unit == "px":
+        rows, columns = encoded.clip.frames.shape[1:3]
+        notes = (PIXELS_NOTE.format(columns, rows),)
+        text += NO_LENGTH if _LENGTH.search(question) else ""
+    word = deciding_word(heard.slots)
+    if is_doubtful(kind, word, heard.options):
+        text = f"I cannot tell for sure, {heard.options[word]:.0%}: {text}"
+        return replace(plain(encoded, text, kind, frame, timing), options=heard.options)
+    answer = plain(encoded, text, kind, frame, timing)
+    return replace(
+        answer,
+        notes=(*answer.notes, *notes),
+        confidence=amount.probability,
+        abstained=False,
+        options=heard.options,
+        decided=whole.word,
+        amount=amount,
+    )
 
 
 def measured(bundle: Bundle, encoded: Encoded, heard: Heard, frame: FrameSpec) -> Amount | None:

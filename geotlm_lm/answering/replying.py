@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-import time
 from dataclasses import replace
 
 from geotlm_lm.answering.answer import (
@@ -16,17 +14,17 @@ from geotlm_lm.answering.answer import (
 from geotlm_lm.answering.hearing import (
     AMOUNT_QUESTION,
     EVIDENCE_QUESTION,
+    MOVING_QUESTION,
     OPEN_QUESTION,
     RATE_QUESTION,
     Heard,
     Overhear,
     hear,
     hear_likeliest,
-    is_doubtful,
     score,
 )
-from geotlm_lm.answering.measuring import measured
-from geotlm_lm.answering.withholding import plain, too_little_contact, unless_withheld
+from geotlm_lm.answering.measuring import answer_measured
+from geotlm_lm.answering.withholding import plain, unless_withheld
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.claims import (
     claimed_class,
@@ -35,7 +33,12 @@ from geotlm_lm.conversation.claims import (
     motions_named,
     nearly_named,
 )
-from geotlm_lm.conversation.kinds import LATER_KINDS, asked_kind, is_ruled_out
+from geotlm_lm.conversation.kinds import (
+    LATER_KINDS,
+    asked_kind,
+    asks_whether_moving,
+    is_ruled_out,
+)
 from geotlm_lm.conversation.reasons import halves
 from geotlm_lm.conversation.retell import (
     ALWAYS_RETOLD,
@@ -55,6 +58,7 @@ NOT_UNDERSTOOD = "I found no words for that; ask how the touched object moves."
 KNOWN_WORDS = {
     "magnitude": AMOUNT_QUESTION,
     "rate": RATE_QUESTION,
+    "moving": MOVING_QUESTION,
     "evidence": EVIDENCE_QUESTION,
 }
 """Kinds that no rule derives from a direction -> a question of theirs known from training."""
@@ -69,20 +73,6 @@ NEEDS_MORE = {
     "order": "I see one motion per clip; give me the parts as clips of their own, in order.",
 }
 """Kinds that one clip never answers, whatever the model."""
-
-PIXELS_NOTE = (
-    "Pixels of the recording's {}x{} frames: nothing tells how large one is on the gel; say for "
-    "example '0.06 mm per pixel'."
-)
-NO_LENGTH = " In millimetres only if you tell me the size of a pixel."
-
-_LENGTH = re.compile(
-    r"\b(?:mm|cm|um|millimet(?:er|re)s?|centimet(?:er|re)s?|micromet(?:er|re)s?|microns?|inch(?:es)?)\b",
-    re.IGNORECASE,
-)
-"""Asks for a length on the gel."""
-
-NO_TIME = "I cannot tell the speed: it takes 3 frames and a frame rate; give it by fps."
 
 FROM_DIRECTION = "Told by rule from the direction: this model was not trained for {}."
 FROM_GEOMETRY = "Told by rule from the geometry: this model was not trained for evidence."
@@ -120,6 +110,9 @@ def in_words(
         return replace(answer, options=heard.options)
     if passes_over_a_claim(slots, question):
         return _from_open_question(bundle, encoded, question, "verify", frame)
+    if passes_over_moving(slots, question):
+        heard = _heard_again(bundle, encoded, question, heard, "moving")
+        slots = heard.slots
     if slots.kind in NEEDS_MORE:
         return plain(encoded, NEEDS_MORE[slots.kind], slots.kind, frame, heard.timing_ms)
     if slots.kind == "confidence":
@@ -132,7 +125,7 @@ def in_words(
     if slots.kind in ALWAYS_RETOLD or (slots.kind in RETOLD and not is_as_seen(frame)):
         return _retold(bundle, encoded, question, heard, frame)
     if slots.unit is not None:
-        return _measured(bundle, encoded, question, heard, frame)
+        return answer_measured(bundle, encoded, question, heard, frame)
     told = Told(
         text=heard.text,
         direction=slots.direction,
@@ -191,6 +184,11 @@ def passes_over_a_claim(slots: Slots, question: str) -> bool:
     return slots.kind in ("refusal", "moving") or (slots.kind == "contact" and not of_contact)
 
 
+def passes_over_moving(slots: Slots, question: str) -> bool:
+    """Tell whether the model declines to say whether it moves, or speaks of contact instead."""
+    return slots.kind in ("refusal", "contact") and asks_whether_moving(question)
+
+
 def contradicts_itself(slots: Slots, question: str) -> bool:
     """Tell whether a verdict on the motion that `question` claims denies the motion told with it.
 
@@ -235,43 +233,6 @@ def _from_open_question(
     # The verdict, if the model gave one, was on another question.
     slots = replace(heard.slots, kind=kind, verdict=None)
     return _retold(bundle, encoded, question, replace(heard, slots=slots), frame)
-
-
-def _measured(
-    bundle: Bundle, encoded: Encoded, question: str, heard: Heard, frame: FrameSpec
-) -> Answer:
-    """Answer how far it went, or how fast, with what the odometer measures."""
-    kind = heard.slots.kind
-    if encoded.contact_share < bundle.calibration.contact_threshold:
-        what = "say how fast" if kind == "rate" else "say how far"
-        text = too_little_contact(what, encoded.contact_share)
-        return plain(encoded, text, kind, frame, heard.timing_ms)
-    if kind == "rate" and not encoded.seconds:
-        return plain(encoded, NO_TIME, kind, frame, heard.timing_ms)
-    started = time.perf_counter()
-    whole = amount = measured(bundle, encoded, heard, frame)
-    timing = heard.timing_ms | {"measure": 1e3 * (time.perf_counter() - started)}
-    if kind == "rate":
-        amount = whole.per_second(encoded.seconds)
-    text, notes = amount.sentence(), ()
-    if whole.unit == "px":
-        rows, columns = encoded.clip.frames.shape[1:3]
-        notes = (PIXELS_NOTE.format(columns, rows),)
-        text += NO_LENGTH if _LENGTH.search(question) else ""
-    word = deciding_word(heard.slots)
-    if is_doubtful(kind, word, heard.options):
-        text = f"I cannot tell for sure, {heard.options[word]:.0%}: {text}"
-        return replace(plain(encoded, text, kind, frame, timing), options=heard.options)
-    answer = plain(encoded, text, kind, frame, timing)
-    return replace(
-        answer,
-        notes=(*answer.notes, *notes),
-        confidence=amount.probability,
-        abstained=False,
-        options=heard.options,
-        decided=whole.word,
-        amount=amount,
-    )
 
 
 def _retold(

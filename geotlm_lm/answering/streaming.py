@@ -21,6 +21,7 @@ from geotlm_lm.answering.replying import (
     denies_nothing,
     is_as_seen,
     passes_over_a_claim,
+    passes_over_moving,
 )
 from geotlm_lm.answering.withholding import is_contradicted
 from geotlm_lm.checkpoint import Bundle
@@ -79,7 +80,7 @@ def stands(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, sl
         return False
     if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RETOLD or denies_nothing(slots, question):
         return False
-    if passes_over_a_claim(slots, question):
+    if passes_over_a_claim(slots, question) or passes_over_moving(slots, question):
         return False
     if is_contradicted(encoded, slots) or contradicts_itself(slots, question):
         return False

@@ -151,6 +151,9 @@ _NO_SUPPOSITION = re.compile(
 )
 """Words before an "if" that ask whether it is so."""
 
+_WOULD_BE = re.compile(r"\bwould ((?:[^\W\d]+ ){0,2}[^\W\d]+) be(?= \w+ing\b)", re.IGNORECASE)
+_WOULD = re.compile(r"\bwould(?= (?:the |this |that |it\b|my ))", re.IGNORECASE)
+
 _NOTHING_ASKED = re.compile(r"(?:what|and|so|but|how|about|then|\W)*", re.IGNORECASE)
 _OPEN_QUESTION = "Which way does it move?"
 
@@ -211,11 +214,11 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
 
 
 def _without(text: str, supposed: re.Match[str]) -> str:
-    """Return what a text asks apart from its supposition."""
+    """Return what a text asks apart from its supposition, as of what is and not what would be."""
     before, after = text[: supposed.start()].rstrip(), text[supposed.end() :].strip()
-    if after.strip("?!. ") and before:
-        return f"{before}, {after}"
-    rest = before + after
+    rest = f"{before}, {after}" if after.strip("?!. ") and before else before + after
+    rest = _WOULD_BE.sub(r"is \1", rest)
+    rest = _WOULD.sub("does", rest)
     return _OPEN_QUESTION if _NOTHING_ASKED.fullmatch(rest) else rest
 
 

@@ -189,6 +189,12 @@ _DIRECTION = re.compile(
     r"|^(?:the )?(?:direction|motion|movement)\W*$"
     r"|\b(?:where|how) (?:is|was|does|did) (?:\S+ ){1,4}(?:go|going|move|moving|moved)\W*$"
 )
+_WHETHER_MOVING = re.compile(
+    r"(?:^|[,;:.!] |\b(?:and|so|but|ok|now) )(?:does|do|did|is|was|has|have)(?:n't)? "
+    r"(?:(?!you\b|price|market|temperature)\S+ ){1,4}?"
+    r"(?:mov|budg|stirr?|wiggl|jiggl|wobbl|shift)(?:e|s|es|ed|ing)?"
+    r"(?: (?:at all|any|a bit|a little|yet|somehow|one bit))?\W*$"
+)
 _MORE_THAN_DIRECTION = re.compile(
     r"\b(?:will|would|should|who|whose|why|when|and|or|if|not|price|tomorrow|next|later"
     r"|kind|type|class|category|sort|some|any|gel|sensor)\b"
@@ -206,6 +212,14 @@ def asks_direction(question: str) -> bool:
     return bool(_DIRECTION.search(text)) and not (
         _MORE_THAN_DIRECTION.search(text) or motions_named(text) or offered_options(question)
     )
+
+
+def asks_whether_moving(question: str) -> bool:
+    """Tell whether `question` surely asks whether anything moves, in whatever word for it.
+
+    A model that has never read "budge" takes it for something touch cannot tell.
+    """
+    return bool(_WHETHER_MOVING.search(" ".join(question.lower().split())))
 
 
 def is_ruled_out(question: str, kind: str | None) -> bool:

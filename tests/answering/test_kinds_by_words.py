@@ -3,7 +3,7 @@
 import pytest
 
 from geotlm_lm.answering import OPEN_QUESTION
-from geotlm_lm.answering.hearing import AMOUNT_QUESTION, EVIDENCE_QUESTION
+from geotlm_lm.answering.hearing import AMOUNT_QUESTION, EVIDENCE_QUESTION, MOVING_QUESTION
 from geotlm_lm.conversation.kinds import is_ruled_out
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
@@ -24,6 +24,8 @@ CLOCKWISE_EVIDENCE = load_templates().grammar().sentence(Slots("evidence", Motio
         # Asked again in words the model knows.
         ("How many degrees, about?", "I cannot tell that from touch.", "About 13 degrees of tur"),
         ("What makes you think so?", "I cannot tell that from touch.", "The upper half goes right"),
+        ("Did it budge?", "I cannot tell that from touch.", "Yes, it is moving."),
+        ("Did it budge?", "Yes, something is touching the gel.", "Yes, it is moving."),
         # The likeliest answer of a kind that the words do not rule out.
         (
             "What does the camera see?",
@@ -39,6 +41,7 @@ def test_where_words_and_model_disagree_on_what_is_asked_the_words_count(
         OPEN_QUESTION: "Left, in the camera image.",
         AMOUNT_QUESTION: "An amount of turning, as measured.",
         EVIDENCE_QUESTION: CLOCKWISE_EVIDENCE,
+        MOVING_QUESTION: "Yes, it is moving.",
     }
     answerer = answerer_saying(bundle, known | {question: said}, temperature=0.1)
     answerer.bundle.speaker.likes = "Left, in the camera image."

@@ -157,16 +157,20 @@ def test_a_fact_of_the_world_lasts_even_before_a_comma():
 @pytest.mark.parametrize(
     ("text", "rest"),
     [
-        ("Where would it go if the image were upside down?", "Where would it go?"),
+        ("Where would it go if the image were upside down?", "Where does it go?"),
         ("If the camera were mounted upside down, which way?", "which way?"),
         ("if the image had been flipped upside down which way?", "which way?"),
         ("Had the image been upside down, which way?", "which way?"),
         ("Suppose the image is upside down. Which way?", "Which way?"),
-        ("If I turned the picture upside down, where would it go?", "where would it go?"),
+        ("If I turned the picture upside down, where would it go?", "where does it go?"),
         ("which way, if you rotate the video by 180 degrees", "which way"),
         ("If I rotated the image 180 degrees clockwise, which way?", "which way?"),
         ("Suppose I flip the picture upside down: which way?", "which way?"),
         ("What if we turned the image on its head?", "Which way does it move?"),
+        (
+            "If the image were upside down, would the cap be turning left?",
+            "is the cap turning left?",
+        ),
     ],
 )
 @pytest.mark.parametrize("before", [CAMERA, MIRRORED])

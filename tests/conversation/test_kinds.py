@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered_options
-from geotlm_lm.conversation.kinds import asked_kind, asks_direction
+from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 from geotlm_lm.data.templates import load_templates
@@ -83,6 +83,10 @@ def test_words_of_motion_in_another_sense_name_no_motion(text, named):
         ("Is the lid accelerating?", "rate"),
         ("More than 5 degrees?", "magnitude"),
         ("how many degrees was that", "magnitude"),
+        ("How many pixels did it slide?", "magnitude"),
+        ("more than 10 px?", "magnitude"),
+        ("pixels or degrees?", "magnitude"),
+        ("how many millimeters was that", "magnitude"),
         ("deg per second?", "rate"),
         ("which way would undo that", "undo"),
         ("does righty tighten it", "thread"),
@@ -118,3 +122,31 @@ def test_only_open_questions_about_direction_are_surely_those():
     }
     assert recognised.pop("T1") > 0.35
     assert set(recognised.values()) == {0.0}
+
+
+@pytest.mark.parametrize(
+    ("question", "is_asked"),
+    [
+        ("Did it budge?", True),
+        ("has anything shifted yet?", True),
+        ("and does the lid stir at all", True),
+        ("Is the cap moving left?", False),
+        ("Which way did it move?", False),
+        ("Did the price move?", False),
+        ("Will it move?", False),
+        ("Is the belt moved by a motor?", False),
+    ],
+)
+def test_whether_anything_moves_is_asked_in_many_words(question, is_asked):
+    assert asks_whether_moving(question) is is_asked
+
+
+def test_no_question_of_another_kind_asks_whether_anything_moves():
+    kinds = {
+        one.slots.kind
+        for type_id in TEMPLATES.types
+        for wordings in ("seen", "held_out")
+        for one in questions(type_id, wordings)
+        if asks_whether_moving(one.question)
+    }
+    assert kinds == {"moving"}
