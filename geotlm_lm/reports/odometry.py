@@ -34,11 +34,12 @@ def odometry_page(record: RunRecord) -> str:
         "224-pixel image, or a fifth of the true one, at most; *off by* is relative to the true "
         "one. The odometer also tells a span meant to hold nine tenths of the true amounts, and "
         "how probable its amount is right within tolerance. Optical flow is that of the tables "
-        "elsewhere, with a rigid fit. Simulated amounts are exact. Semi-real imprints are real "
-        "and carried by a known path. Amounts of real windows were measured from the images, "
-        "some twice: those that differ by more than the tolerance are left out, and what is left "
-        "is not exact. Windows are also played backwards; intervals resample families of "
-        "objects.\n\n"
+        "elsewhere, whose rigid fit was tuned to tell directions. Simulated amounts are exact. "
+        "Semi-real imprints are real and carried by a known path. Amounts of real windows were "
+        "measured from the images, some twice: those that differ by more than the tolerance are "
+        "left out, and what is left is not exact. On gels with markers they are how far the "
+        "markers went, which lag behind the object; the odometer tells of the object. Windows are "
+        "also played backwards; intervals resample families of objects.\n\n"
         f"{odometry_table(record)}\n\n{provenance(record)}\n"
     )
 
