@@ -26,6 +26,7 @@ from geotlm_lm.answering.hearing import (
 from geotlm_lm.answering.measuring import answer_measured
 from geotlm_lm.answering.withholding import plain, unless_withheld
 from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.claims import (
     claimed_class,
     claimed_motion,
@@ -108,6 +109,9 @@ def in_words(
     if slots is None:
         answer = plain(encoded, NOT_UNDERSTOOD, None, frame, heard.timing_ms)
         return replace(answer, options=heard.options)
+    if answers_what_it_cannot(slots, question) and "refusal" in bundle.grammar.kinds:
+        text = bundle.grammar.sentence(Slots("refusal"))
+        return plain(encoded, text, "refusal", frame, heard.timing_ms)
     if passes_over_a_claim(slots, question):
         return _from_open_question(bundle, encoded, question, "verify", frame)
     if passes_over_moving(slots, question):
@@ -182,6 +186,11 @@ def passes_over_a_claim(slots: Slots, question: str) -> bool:
         return False
     of_contact = claimed_motion(question) in (Motion.PRESS, Motion.STILL)
     return slots.kind in ("refusal", "moving") or (slots.kind == "contact" and not of_contact)
+
+
+def answers_what_it_cannot(slots: Slots, question: str) -> bool:
+    """Tell whether the model tells of the motion where the words ask for what touch cannot tell."""
+    return slots.kind != "refusal" and asks_beyond_touch(question)
 
 
 def passes_over_moving(slots: Slots, question: str) -> bool:

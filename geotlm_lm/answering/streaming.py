@@ -17,6 +17,7 @@ from geotlm_lm.answering.answer import Encoded, deciding_word
 from geotlm_lm.answering.hearing import NEVER_DOUBTED, Scores, is_doubtful
 from geotlm_lm.answering.replying import (
     NEEDS_MORE,
+    answers_what_it_cannot,
     contradicts_itself,
     denies_nothing,
     is_as_seen,
@@ -76,7 +77,7 @@ def _is_withheld(slots: Slots, scores: Scores) -> bool:
 
 def stands(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, slots: Slots) -> bool:
     """Tell whether a sentence of the model with these slots becomes the answer as it is."""
-    if is_ruled_out(question, slots.kind):
+    if is_ruled_out(question, slots.kind) or answers_what_it_cannot(slots, question):
         return False
     if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RETOLD or denies_nothing(slots, question):
         return False

@@ -26,6 +26,9 @@ CLOCKWISE_EVIDENCE = load_templates().grammar().sentence(Slots("evidence", Motio
         ("What makes you think so?", "I cannot tell that from touch.", "The upper half goes right"),
         ("Did it budge?", "I cannot tell that from touch.", "Yes, it is moving."),
         ("Did it budge?", "Yes, something is touching the gel.", "Yes, it is moving."),
+        # What touch cannot tell, whatever the model makes of it.
+        ("Steel or brass?", "A rotation.", "I cannot tell that from touch."),
+        ("Any scratches on it?", "Yes, something is touching the gel.", "I cannot tell that from"),
         # The likeliest answer of a kind that the words do not rule out.
         (
             "What does the camera see?",

@@ -1,0 +1,74 @@
+"""What touch cannot tell, by the words for it; questions about motion never pass for that."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
+from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.data.questions import questions_for
+from geotlm_lm.data.templates import load_templates
+
+TYPES = load_templates().types
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "What colour is the lid?",
+        "Is it hot, please?",
+        "is the jar made of glass?",
+        "Steel or brass?",
+        "What size wrench do I need?",
+        "Are there any scratches on the nut?",
+        "and who made it?",
+        "How does the cap look?",
+        "What will it do tomorrow?",
+        "whose bottle is that",
+        "Is my key rusty or shiny?",
+    ],
+)
+def test_words_for_what_no_touch_feels_are_known(question):
+    assert asks_beyond_touch(question)
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Is the glass turning?",
+        "Is the steel bolt turning clockwise?",
+        "Which way does the white cap go?",
+        "Is it moving slowly or quickly?",
+        "What is the contact mass of the left half?",
+        "What makes you think so?",
+        "Which half moves which way?",
+        "Did the gel move, or the object?",
+        "How hard is it pressing?",
+        "left or right?",
+        "Is the cold bottle slipping?",
+    ],
+)
+def test_motion_of_things_of_any_colour_or_material_is_not_beyond_touch(question):
+    assert not asks_beyond_touch(question)
+
+
+@pytest.mark.parametrize("type_id", sorted({*TYPES} - {"T17"}))
+def test_no_question_that_touch_answers_passes_for_one_it_cannot(type_id):
+    rng = np.random.default_rng(0)
+    for motion in Motion:
+        for wordings in ("seen", "held_out"):
+            label = MotionLabel(motion)
+            for asked in questions_for(label, rng, per_type=30, types=[type_id], wordings=wordings):
+                assert not asks_beyond_touch(asked.question), asked.question
+
+
+def test_most_questions_beyond_touch_are_known():
+    rng = np.random.default_rng(0)
+    asked = [
+        asks_beyond_touch(one.question)
+        for wordings in ("seen", "held_out")
+        for one in questions_for(
+            MotionLabel(Motion.LEFT), rng, per_type=300, types=["T17"], wordings=wordings
+        )
+    ]
+    assert np.mean(asked[:300]) > 0.5
+    assert np.mean(asked[300:]) > 0.95
