@@ -24,6 +24,7 @@ _FELT_OTHERWISE = (
 )
 _ADJECTIVE = rf"(?:{_LOOKS}|{_FELT_OTHERWISE}|(?:made (?:of|from) )?{_MATERIAL})"
 
+_NO_ARTICLE = r"(?<!\bthe )(?<!\ba )(?<!\bthis )(?<!\bthat )(?<!\bmy )(?<!\bheld )"
 _END = r"(?=\W*$|[?.!,]| (?:please|thanks|thank you)\b)"
 
 _TOPICS = re.compile(
@@ -40,7 +41,8 @@ _TOPICS = re.compile(
             r"\b(?:made|sold|built|bought|painted|printed) (?:of|from|by|in|on|with)\b",
             r"\bwhat (?:size|model|make|kind of (?:wrench|tool|key|screwdriver|bit))\b",
             r"\bwhich (?:size|model|make) (?:of |is |was |do |does )?",
-            rf"\b{_IS} (?:\S+ ){{1,3}}?{_ADJECTIVE}(?: or {_ADJECTIVE})?{_END}",
+            rf"\b{_IS} (?:\S+ ){{1,3}}?{_NO_ARTICLE}{_ADJECTIVE}(?: or {_ADJECTIVE})?{_END}",
+            rf"\b{_IS} (?:this|that) {_ADJECTIVE}(?: or {_ADJECTIVE})?{_END}",
             rf"^\W*{_MATERIAL} or {_MATERIAL}\W*$",
             rf"^\W*{_LOOKS} or {_LOOKS}\W*$",
             r"\bwhat will (?:\S+ ){1,4}?(?:next|tomorrow|later)\b",

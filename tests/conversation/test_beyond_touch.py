@@ -18,6 +18,7 @@ TYPES = load_templates().types
         "Is it hot, please?",
         "is the jar made of glass?",
         "Steel or brass?",
+        "Is that glass?",
         "What size wrench do I need?",
         "Are there any scratches on the nut?",
         "and who made it?",
@@ -35,6 +36,8 @@ def test_words_for_what_no_touch_feels_are_known(question):
     "question",
     [
         "Is the glass turning?",
+        "Was that loosening the paper?",
+        "Is it still touching my glass?",
         "Is the steel bolt turning clockwise?",
         "Which way does the white cap go?",
         "Is it moving slowly or quickly?",
