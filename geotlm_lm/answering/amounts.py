@@ -42,8 +42,8 @@ class Amount:
         unit: "deg", "px" of the recording's frames, or "mm"; "deg/s" and so on of a mean speed.
         low: Lower end of the span that holds nine tenths of the probability.
         high: Its upper end.
-        probability: That the value is off by no more than an answer may be: 2 degrees, 0.2 mm, 2
-            pixels of a 224-pixel image, or a fifth.
+        probability: That the value is off by no more than an answer may be: 2 degrees, 2 pixels of
+            a 224-pixel image, or a fifth.
     """
 
     value: float
