@@ -138,7 +138,8 @@ class Api:
             seed: Of the noise.
 
         Returns:
-            The answer, the true motion, and the true amounts, the ones read, and their error.
+            Which way it goes and how far, in words; the true motion, and the true amounts, the ones
+            in the learned shear, and their error.
         """
         from geotlm_lm import Touch
 

@@ -42,6 +42,7 @@ SUGGESTED_QUESTIONS = {
 EXAMPLE_QUESTIONS = tuple(SUGGESTED_QUESTIONS.values())
 
 DIRECTION_QUESTION = "Which way is it moving?"
+AMOUNT_QUESTION = "How far did it go?"
 """Asked of both clips of a comparison, and of what was just simulated."""
 
 NAMES_MOTION = ("direction", "viewpoint", "actor")

@@ -77,9 +77,10 @@ class Compared(TypedDict):
 
 
 class Told(TypedDict):
-    """A simulated touch: the answer, the truth, and the error of the amounts that were read."""
+    """A simulated touch: the answers, the truth, and the error of the amounts that were read."""
 
     answer: str
+    how_far: str
     direction: Motion | None
     confidence: float
     true_motion: Motion

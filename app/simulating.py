@@ -9,7 +9,7 @@ import numpy as np
 
 from geotlm_lm import Seen, learned_motion, picture
 
-from .handlers import DIRECTION_QUESTION, Image, Shown, perceive
+from .handlers import AMOUNT_QUESTION, DIRECTION_QUESTION, Image, Shown, perceive
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer, Touch
@@ -56,6 +56,7 @@ def simulate(answerer: Answerer, touch: Touch) -> Simulated:
     made = simulate_touch(touch)
     shown = perceive(answerer, made.clip, depth_mm=made.depth_mm)
     answer = answerer.ask(shown.encoded, DIRECTION_QUESTION)
+    how_far = answerer.ask(shown.encoded, AMOUNT_QUESTION)
     turn_deg, x_px, y_px = (WINDOW_SHARE * value for value in learned_motion(shown.encoded))
     label = made.label
     px_per_mm = [1 / size for size in made.mm_per_px]
@@ -67,6 +68,7 @@ def simulate(answerer: Answerer, touch: Touch) -> Simulated:
     read = {"rotation_deg": turn_deg, "slide_x_px": x_px, "slide_y_px": y_px}
     facts = {
         "answer": answer.text,
+        "how_far": how_far.text,
         "direction": None if answer.direction is None else answer.direction.value,
         "confidence": round(answer.confidence, 4),
         "true_motion": label.motion.value,

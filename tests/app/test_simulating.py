@@ -1,5 +1,7 @@
 """The Simulate tab's function: truth beside reading, and the error between them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -20,6 +22,15 @@ def test_the_truth_is_what_was_asked_for(made):
     assert true["rotation_deg"] == 0
     assert true["slide_x_px"] == pytest.approx(IMAGE_SIDE / 20.3, abs=0.01)
     assert made.facts["true_motion"] == "right"
+
+
+def test_both_which_way_and_how_far_are_answered():
+    answerer = FakeAnswerer()
+    ask = answerer.ask
+    answerer.ask = lambda encoded, question: replace(ask(encoded, question), text=question)
+    facts = simulate(answerer, Touch("key", slide_x_mm=1.0, seed=1)).facts
+    assert facts["answer"] == "Which way is it moving?"
+    assert facts["how_far"] == "How far did it go?"
 
 
 def test_the_error_is_the_reading_less_the_truth(made):
