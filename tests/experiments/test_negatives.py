@@ -2,6 +2,8 @@ import numpy as np
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.touch_table import TouchRow, UntouchedRow
+from geotlm_lm.experiments.compare import Reply
+from geotlm_lm.experiments.evaluate import judge_negatives
 from geotlm_lm.experiments.negatives import NoContactWindows, PressedIn, backwards
 
 
@@ -51,3 +53,27 @@ def test_a_press_played_backwards_is_a_release(tmp_path):
     (case,) = backwards(PressedIn([row]))
     assert levels(case.clip) == [26, 23, 20, 17]
     assert (case.motion, case.family) == (Motion.RELEASE, "caps")
+
+
+def test_every_claim_on_a_negative_is_held_against_the_clip_played_backwards(tmp_path):
+    row = TouchRow(numbered(tmp_path, "a.npy", 40), 25.0, 20, 35, "cap", "caps", still_until=26)
+
+    def by_time(clip, among):
+        rises = levels(clip)[-1] > levels(clip)[0]
+        return Reply(Motion.UP if rises else Motion.DOWN, 1.0)
+
+    def by_habit(clip, among):
+        return Reply(Motion.LEFT, 1.0)
+
+    def sees_none(clip, among):
+        return Reply(Motion.NONE, 1.0)
+
+    methods = {"by time": by_time, "by habit": by_habit, "sees none": sees_none}
+    tables = judge_negatives(
+        methods, "here", [row], [], 0, lambda *_: None, contrasts=(("by time", "by habit"),)
+    )
+    assert tables["real here, pressed in"]["claims"] == {
+        "by time": {"directions": 1, "turned_round": 1},
+        "by habit": {"directions": 1, "turned_round": 0},
+        "sees none": {"directions": 0, "turned_round": 0},
+    }
