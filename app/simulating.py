@@ -14,10 +14,6 @@ from .handlers import AMOUNT_QUESTION, DIRECTION_QUESTION, Image, Shown, perceiv
 if TYPE_CHECKING:
     from geotlm_lm import Answerer, Touch
 
-WINDOW_SHARE = 1.5
-"""Four evenly spaced frames move this much farther than the mean of the first two to that of the
-last two, which is what the learned shear change spans."""
-
 OBJECTS = (
     "key",
     "bottle_cap",
@@ -57,7 +53,7 @@ def simulate(answerer: Answerer, touch: Touch) -> Simulated:
     shown = perceive(answerer, made.clip, depth_mm=made.depth_mm)
     answer = answerer.ask(shown.encoded, DIRECTION_QUESTION)
     how_far = answerer.ask(shown.encoded, AMOUNT_QUESTION)
-    turn_deg, x_px, y_px = (WINDOW_SHARE * value for value in learned_motion(shown.encoded))
+    turn_deg, x_px, y_px = learned_motion(shown.encoded)
     label = made.label
     px_per_mm = [1 / size for size in made.mm_per_px]
     true = {

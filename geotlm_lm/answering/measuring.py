@@ -7,7 +7,9 @@ import re
 import time
 from dataclasses import replace
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from geotlm_lm.answering.amounts import Amount, most_probably_right
 from geotlm_lm.answering.answer import GOES_BY, Answer, Encoded, deciding_word
@@ -17,6 +19,7 @@ from geotlm_lm.backbone.stem import look
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size, pixel_aspect
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
 from geotlm_lm.evaluation.answers import TOLERANCES
 from geotlm_lm.odometry.movement import movement, way_of_slide
 from geotlm_lm.odometry.odometer import amounts
@@ -93,16 +96,51 @@ def measured(bundle: Bundle, encoded: Encoded, heard: Heard, frame: FrameSpec) -
     if heard.slots is None or heard.slots.unit is None:
         return None
     read, told, scale = heard.slots.unit, heard.slots.unit, 1.0
-    inputs, geometry = encoded.perception.inputs, encoded.perception.geometry
-    if inputs is None:  # a backbone without the stem
-        inputs = torch.from_numpy(look(encoded.clip)[0][None])
+    inputs = _inputs(encoded)
     if read == "px":
         told, scale = _slide_scale(encoded, inputs, frame)
-    moved = movement(inputs, geometry, pixel_aspect(*encoded.clip.frames.shape[1:3]))
-    shares = bundle.odometer.read(moved, read)[0].double().numpy() ** (1 / encoded.doubt)
+    shares = _weighed(bundle, encoded, inputs, read) ** (1 / encoded.doubt)
     weighed = tuple((amounts(read) * scale).tolist())
     amount = most_probably_right(weighed, shares / shares.sum(), told, TOLERANCES[read] * scale)
     return replace(amount, probability=amount.probability * heard.options[GOES_BY[read]])
+
+
+def travelled(
+    bundle: Bundle, encoded: Encoded, motion: Motion
+) -> tuple[float, float, float] | None:
+    """Return how far a clip goes that turns or slides the way `motion` names; None for others.
+
+    By the odometer's geometric mean.
+
+    Returns:
+        Degrees clockwise, and pixels of the clip's own frames to the right and down, from the first
+        frame to the last.
+    """
+    if motion not in DIRECTED:
+        return None
+    unit, inputs = "deg" if motion in ROTATIONS else "px", _inputs(encoded)
+    shares = _weighed(bundle, encoded, inputs, unit)
+    far = math.exp(float(shares @ amounts(unit).log().numpy()))
+    if unit == "deg":
+        return (far if motion is Motion.CLOCKWISE else -far), 0.0, 0.0
+    (right, down), (rows, columns) = way_of_slide(inputs), encoded.clip.frames.shape[1:3]
+    return 0.0, far * right * columns / IMAGE_SIDE, far * down * rows / IMAGE_SIDE
+
+
+def _inputs(encoded: Encoded) -> torch.Tensor:
+    """Return what the stem makes of a clip, whichever backbone perceived it."""
+    inputs = encoded.perception.inputs
+    return torch.from_numpy(look(encoded.clip)[0][None]) if inputs is None else inputs
+
+
+def _weighed(
+    bundle: Bundle, encoded: Encoded, inputs: torch.Tensor, unit: str
+) -> NDArray[np.float64]:
+    """Return the probability of each of `amounts(unit)`."""
+    aspect = pixel_aspect(*encoded.clip.frames.shape[1:3])
+    moved = movement(inputs, encoded.perception.geometry, aspect)
+    shares = bundle.odometer.read(moved, unit)[0].double().numpy()
+    return shares / shares.sum()
 
 
 def _slide_scale(encoded: Encoded, inputs: torch.Tensor, frame: FrameSpec) -> tuple[str, float]:

@@ -35,6 +35,10 @@ twists by 90 degrees a second turns 32 degrees in it, within what the model was 
 KEPT_SAMPLES = 64
 """Samples kept for a question about the motion that has just ended: 7.7 s, 15 MB at 320x240."""
 
+WHOLE_WINDOW = 1.5
+"""The shear changes from the mean of the first two samples to that of the last two: two steps of
+the three between the first and the last."""
+
 WITHOUT_DIRECTION = (Motion.PRESS, Motion.RELEASE, Motion.STILL, Motion.NONE)
 """What a window may be that is untouched in part: no direction can be read from no contact."""
 
@@ -46,7 +50,7 @@ class Window:
     Args:
         motion: The most probable of the motions asked about.
         probability: Of it.
-        turn_deg: Turn from the mean of the first two samples to that of the last two, clockwise.
+        turn_deg: Turn from the first sample to the last, clockwise.
         slide_x_px: Travel between the same, to the right, pixels of the frames.
         slide_y_px: Travel down the image.
         encoded: Everything that was perceived, for whoever draws it.
@@ -174,15 +178,15 @@ class Watcher:
             self.account.windows += 1
             self.account.perceive_ms.append(1e3 * (time.perf_counter() - started))
         self.perceived = seen.encoded
-        # From the mean of the first two samples to that of the last two, two samples pass.
+        steps = FRAME_COUNT - 1
         return Reading(
             centre_s=(window[0].time_s + window[-1].time_s) / 2,
-            sample_s=(window[-1].time_s - window[0].time_s) / (FRAME_COUNT - 1),
+            sample_s=(window[-1].time_s - window[0].time_s) / steps,
             motion=seen.motion,
             probability=seen.probability,
-            turn_deg=seen.turn_deg / 2,
-            slide_x_px=seen.slide_x_px / 2,
-            slide_y_px=seen.slide_y_px / 2,
+            turn_deg=seen.turn_deg / steps,
+            slide_x_px=seen.slide_x_px / steps,
+            slide_y_px=seen.slide_y_px / steps,
             growth_grey=(third + last - first - second) / 4,
         )
 
@@ -194,9 +198,13 @@ _JITTER_S = 0.002
 def model_reader(answerer: Answerer) -> ReadWindow:
     """Return what reads a window with the model's linear probe; no word is generated.
 
-    Degrees and pixels are the rigid motion that fits the learned shear change, which is physical
-    where DGR was trained with the simulator's true displacement, as in the bundle that ships.
+    How far a turn or a slide goes is the odometer's. Of other motions degrees and pixels are the
+    rigid motion in the learned shear change, which is physical where DGR was trained with the
+    simulator's true displacement, as in the bundle that ships. On 55 simulated streams of eleven
+    objects 0.85 of the turns and 0.91 of the slides are told to within a fifth; by the shear alone
+    0.70 and 0.86.
     """
+    from geotlm_lm.answering.measuring import travelled
 
     def read(clip: Clip, among: Sequence[Motion]) -> Window:
         try:
@@ -209,7 +217,8 @@ def model_reader(answerer: Answerer) -> ReadWindow:
         motion = among[best]
         if answerer.bundle.calibration.withholds(motion, encoded.contact_share):
             motion = Motion.STILL
-        return Window(motion, odds[best], *learned_motion(encoded), encoded)
+        went = travelled(answerer.bundle, encoded, motion) or learned_motion(encoded)
+        return Window(motion, odds[best], *went, encoded)
 
     return read
 
@@ -217,9 +226,11 @@ def model_reader(answerer: Answerer) -> ReadWindow:
 def learned_motion(encoded: Encoded) -> tuple[float, float, float]:
     """Return the rigid motion in the learned shear change: degrees, px to the right, px down.
 
-    Pixels are those of the clip's own frames.
+    From the first of four frames evenly apart to the last; pixels are those of the clip's own
+    frames.
     """
     from geotlm_lm.model import rigid_motion  # by now it is loaded; a stream alone needs none
 
     size = encoded.clip.frames.shape[1:3]
-    return rigid_motion(encoded.perception.geometry, encoded.view, size)
+    turn_deg, x, y = rigid_motion(encoded.perception.geometry, encoded.view, size)
+    return WHOLE_WINDOW * turn_deg, WHOLE_WINDOW * x, WHOLE_WINDOW * y

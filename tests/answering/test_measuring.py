@@ -8,10 +8,11 @@ import torch
 
 from geotlm_lm.answering.answer import Encoded
 from geotlm_lm.answering.hearing import Heard
-from geotlm_lm.answering.measuring import measured
+from geotlm_lm.answering.measuring import measured, travelled
 from geotlm_lm.backbone.stem import ALIGNED_AT, PATCH_INPUT_DIM, View
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.model import Perception
@@ -146,3 +147,23 @@ def test_pixels_are_named_and_what_millimetres_take(bundle):
     told = answerer.ask(seen, "0.06 mm per pixel. How many mm did it go?")
     assert told.amount.unit == "mm"
     assert not any("pixel" in note for note in told.notes)
+
+
+@pytest.mark.parametrize(
+    ("motion", "way", "went"),
+    [
+        (Motion.CLOCKWISE, (1.0, 0.0), (12.0, 0.0, 0.0)),
+        (Motion.COUNTERCLOCKWISE, (1.0, 0.0), (-12.0, 0.0, 0.0)),
+        (Motion.RIGHT, (1.0, 0.0), (0.0, 14.0 * 320 / 224, 0.0)),
+        (Motion.UP, (0.0, -1.0), (0.0, 0.0, -14.0 * 240 / 224)),
+    ],
+)
+def test_how_far_a_named_motion_went_has_its_sign_and_way(bundle, motion, way, went):
+    model = answerer_saying(bundle, {}).bundle
+    found = travelled(model, encoded(240, 320, *way), motion)
+    assert found == pytest.approx(went, rel=0.07, abs=1e-6)
+
+
+@pytest.mark.parametrize("motion", [Motion.PRESS, Motion.RELEASE, Motion.STILL, Motion.NONE])
+def test_what_goes_no_way_has_not_travelled(bundle, motion):
+    assert travelled(answerer_saying(bundle, {}).bundle, encoded(64, 64), motion) is None

@@ -11,11 +11,12 @@ from geotlm_lm import FrameSpec, Motion
 from geotlm_lm.answering import Encoded, Lean, evidence, four_frames_with_background
 from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.several import compare_directions
-from geotlm_lm.backbone.stem import View
+from geotlm_lm.backbone.stem import ALIGNED_AT, PATCH_INPUT_DIM, View
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
+from tests.answering.scripted import Measuring
 
 
 class FakeProbe:
@@ -57,7 +58,7 @@ class FakeAnswer:
 
 
 class FakeAnswerer:
-    """Perceives a unit shear to the right in the left half; answers with the clip's grey level.
+    """Perceives a slide to the right, a shear in the left half; answers with the clip's grey level.
 
     A clip brighter than 100 moves to the right, a darker one to the left; one of a level below 20
     cannot be told.
@@ -65,6 +66,7 @@ class FakeAnswerer:
 
     bundle = SimpleNamespace(
         model=SimpleNamespace(probe=FakeProbe()),
+        odometer=Measuring(),
         calibration=Calibration(contact_threshold=0.005),
     )
 
@@ -75,7 +77,10 @@ class FakeAnswerer:
         with torch.no_grad():
             geometry = DGR(4).pool(torch.zeros(1, 2, 14, 14, 2), field, mask)
         token = torch.zeros(1, 4)
-        perception = Perception(token, geometry, token, (View(),))
+        inputs = torch.zeros(1, 2, 14, 14, PATCH_INPUT_DIM)
+        inputs[..., :48] = 1
+        inputs[:, 1, :, :, ALIGNED_AT] = 1
+        perception = Perception(token, geometry, token, (View(),), inputs)
         return Encoded(four_frames_with_background(clip, span), perception, {"encode": 1.0})
 
     def session(self, encoded):

@@ -130,6 +130,14 @@ def test_how_far_a_simulated_slide_goes_is_told_in_pixels(answerer):
     assert answer.direction is Motion.RIGHT
 
 
+@needs_bundle
+def test_how_far_a_simulated_turn_goes_is_told_in_degrees(answerer):
+    clip = stream("hex_nut", turn_deg=30.0)
+    events = watch(Watcher(model_reader(answerer)), clip.frames)
+    event = next(e for e in events if (e.phase, e.motion) == ("end", Motion.CLOCKWISE))
+    assert event.rotation_deg == pytest.approx(30.0, rel=0.2)
+
+
 def test_a_flash_ends_no_stream():
     """What no camera shows is refused by the model; the stream reads it as nothing and goes on."""
 
