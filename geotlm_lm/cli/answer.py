@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import asdict
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -13,6 +12,7 @@ import typer
 from geotlm_lm.cli.options import (
     AsJson,
     Background,
+    BundleFolder,
     ClipPath,
     FrameSpan,
     FramesPerSecond,
@@ -33,9 +33,7 @@ def answer(
     background: Background = None,
     fps: FramesPerSecond = None,
     mm_per_px: MmPerPixel = None,
-    model: Annotated[
-        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
-    ] = None,
+    model: BundleFolder = None,
     why: Annotated[
         bool, typer.Option("--why", help="Print the reasons before the answer, one a line.")
     ] = False,

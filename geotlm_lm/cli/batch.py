@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from geotlm_lm.cli.options import (
+    BundleFolder,
     FramesPerSecond,
     MmPerPixel,
     Precision,
@@ -31,9 +32,7 @@ def batch(
     out: Annotated[Path, typer.Option(help="Where the rows go, one JSON object a line.")],
     fps: FramesPerSecond = None,
     mm_per_px: MmPerPixel = None,
-    model: Annotated[
-        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
-    ] = None,
+    model: BundleFolder = None,
     precision: Precision = "float32",
 ) -> None:
     """Ask every question about every clip; one row each, answer or error.

@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from geotlm_lm.cli.options import (
     Background,
+    BundleFolder,
     ClipPath,
     FrameSpan,
     FramesPerSecond,
@@ -45,9 +44,7 @@ def chat(
     background: Background = None,
     fps: FramesPerSecond = None,
     mm_per_px: MmPerPixel = None,
-    model: Annotated[
-        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
-    ] = None,
+    model: BundleFolder = None,
     precision: Precision = "float32",
 ) -> None:
     """Talk about a clip; questions come from the terminal or from a pipe, one a line.

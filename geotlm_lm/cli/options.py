@@ -50,6 +50,14 @@ MmPerPixel = Annotated[
         "[default: told in pixels]",
     ),
 ]
+BundleFolder = Annotated[
+    Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
+]
+RealFolder = Annotated[
+    Path | None, typer.Option(help="Folder of labelled recordings to add; see `evaluate`.")
+]
+RecordPath = Annotated[Path, typer.Option(help="Where the record goes, as JSON.")]
+TablePath = Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")]
 Precision = Annotated[
     str,
     typer.Option(

@@ -7,7 +7,13 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Seed, require_writable, require_writable_file
+from geotlm_lm.cli.options import (
+    BundleFolder,
+    RecordPath,
+    Seed,
+    require_writable,
+    require_writable_file,
+)
 from geotlm_lm.cli.protocols import protocols
 from geotlm_lm.cli.report_language import language, transcript
 from geotlm_lm.cli.report_model import model_stability, odometry, runtime
@@ -94,9 +100,7 @@ def confusions(
 def answer(
     clip: Annotated[Path, typer.Option(help="The recording to ask about.")] = EXAMPLE_CLIP,
     question: Annotated[str, typer.Option("--q", help="The question.")] = EXAMPLE_QUESTION,
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/answer.json"
-    ),
+    out: RecordPath = Path("reports/recorded/answer.json"),
 ) -> None:
     """Ask the command line in fresh processes; record the answer and the cold start.
 
@@ -126,9 +130,7 @@ def stability(
         int, typer.Option(min=1, help="Simulated clips of every level of damage.")
     ] = 60,
     seed: Seed = 0,
-    model: Annotated[
-        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
-    ] = None,
+    model: BundleFolder = None,
     out: Annotated[
         Path | None,
         typer.Option(help="The record, as JSON. [default: reports/recorded/stability.json]"),

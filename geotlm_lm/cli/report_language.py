@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import AsJson, Seed
+from geotlm_lm.cli.options import AsJson, BundleFolder, RecordPath, Seed
 from geotlm_lm.cli.recorded import require_all_writable
 
 
@@ -24,12 +24,8 @@ def language(
         int, typer.Option(min=1, help="With --real: windows of each folder, played both ways.")
     ] = 50,
     seed: Seed = 0,
-    model: Annotated[
-        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/language.json"
-    ),
+    model: BundleFolder = None,
+    out: RecordPath = Path("reports/recorded/language.json"),
     table: Annotated[Path, typer.Option(help="Where the tables go, as Markdown.")] = Path(
         "reports/language.md"
     ),
@@ -71,12 +67,8 @@ def language(
 
 
 def transcript(
-    model: Annotated[
-        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/transcript.json"
-    ),
+    model: BundleFolder = None,
+    out: RecordPath = Path("reports/recorded/transcript.json"),
     table: Annotated[Path, typer.Option(help="Where the transcript goes, as Markdown.")] = Path(
         "reports/transcript.md"
     ),

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Seed
+from geotlm_lm.cli.options import BundleFolder, RealFolder, RecordPath, Seed, TablePath
 from geotlm_lm.cli.recorded import require_all_writable, save_page, show
 
 
@@ -39,19 +39,13 @@ def model_stability(
 
 
 def runtime(
-    real: Annotated[
-        Path | None, typer.Option(help="Folder of labelled recordings to add; see `evaluate`.")
-    ] = None,
+    real: RealFolder = None,
     size: Annotated[
         str, typer.Option(help="default, or tiny to see that it runs; tiny proves nothing.")
     ] = "default",
     seed: Seed = 0,
-    model: Annotated[
-        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/runtime.json"
-    ),
+    model: BundleFolder = None,
+    out: RecordPath = Path("reports/recorded/runtime.json"),
     table: Annotated[Path, typer.Option(help="Where the tables go, as Markdown.")] = Path(
         "reports/runtime.md"
     ),
@@ -94,19 +88,11 @@ def runtime(
 
 def odometry(
     clips: Annotated[int, typer.Option(min=2, help="Simulated clips per task.")] = 300,
-    real: Annotated[
-        Path | None, typer.Option(help="Folder of labelled recordings to add; see `evaluate`.")
-    ] = None,
+    real: RealFolder = None,
     seed: Seed = 0,
-    model: Annotated[
-        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
-    ] = None,
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/odometry.json"
-    ),
-    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
-        "reports/odometry.md"
-    ),
+    model: BundleFolder = None,
+    out: RecordPath = Path("reports/recorded/odometry.json"),
+    table: TablePath = Path("reports/odometry.md"),
 ) -> None:
     """Hold how far clips are told to go against how far they went, beside optical flow.
 

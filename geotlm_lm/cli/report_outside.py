@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Seed, require_writable_file
+from geotlm_lm.cli.options import RecordPath, Seed, TablePath, require_writable_file
 from geotlm_lm.cli.recorded import require_all_writable, save_page, show
 
 if TYPE_CHECKING:
@@ -26,12 +26,8 @@ def fuzz(
     found: Annotated[Path, typer.Option(help="Folder for inputs that did what none must.")] = Path(
         "runs/fuzz"
     ),
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/fuzz.json"
-    ),
-    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
-        "reports/fuzz.md"
-    ),
+    out: RecordPath = Path("reports/recorded/fuzz.json"),
+    table: TablePath = Path("reports/fuzz.md"),
 ) -> None:
     """Damage files and questions, guided by what they reach, and count what comes of it.
 
@@ -66,9 +62,7 @@ def page(
     pictures: Annotated[
         Path | None, typer.Option(help="Folder to draw the page's pictures into. [default: none]")
     ] = None,
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/page.json"
-    ),
+    out: RecordPath = Path("reports/recorded/page.json"),
 ) -> None:
     """Time what a person waits for at the page, in a real browser, and twenty programs at once.
 

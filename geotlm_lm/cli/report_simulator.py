@@ -8,17 +8,13 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Seed
+from geotlm_lm.cli.options import RecordPath, Seed, TablePath
 from geotlm_lm.cli.recorded import require_all_writable, save_page, show
 
 
 def simulator(
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/simulator.json"
-    ),
-    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
-        "reports/simulator.md"
-    ),
+    out: RecordPath = Path("reports/recorded/simulator.json"),
+    table: TablePath = Path("reports/simulator.md"),
     figure: Annotated[
         Path | None, typer.Option(help="Also draw the figure here; needs matplotlib.")
     ] = None,
@@ -75,12 +71,8 @@ def optics(
     ],
     clips: Annotated[int, typer.Option(min=1, help="Simulated clips.")] = 600,
     seed: Seed = 0,
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/optics.json"
-    ),
-    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
-        "reports/optics.md"
-    ),
+    out: RecordPath = Path("reports/recorded/optics.json"),
+    table: TablePath = Path("reports/optics.md"),
 ) -> None:
     """Hold the simulator's images against real ones, statistic by statistic.
 
@@ -107,12 +99,8 @@ def optics(
 
 
 def closed_forms(
-    out: Annotated[Path, typer.Option(help="Where the record goes, as JSON.")] = Path(
-        "reports/recorded/closed_forms.json"
-    ),
-    table: Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")] = Path(
-        "reports/closed_forms.md"
-    ),
+    out: RecordPath = Path("reports/recorded/closed_forms.json"),
+    table: TablePath = Path("reports/closed_forms.md"),
 ) -> None:
     """Hold the contact solver against every closed form, with its order of convergence.
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Seed, require_writable
+from geotlm_lm.cli.options import RecordPath, Seed, TablePath, require_writable
 from geotlm_lm.cli.recorded import require_all_writable, save_page
 
 Clips = Annotated[int, typer.Option(min=100, help="Simulated clips to learn from.")]
@@ -16,8 +16,6 @@ Workers = Annotated[int, typer.Option(min=1, help="Processes that simulate.")]
 RunFolder = Annotated[
     Path, typer.Option(help="Keeps clips and checkpoints; a stopped run continues there.")
 ]
-Out = Annotated[Path, typer.Option(help="Where the record goes, as JSON.")]
-Table = Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")]
 
 
 def sizes(
@@ -31,8 +29,8 @@ def sizes(
         typer.Option(help="Bundle that perceives. [default: the one shipped]"),
     ] = None,
     run_folder: RunFolder = Path("runs/sizes"),
-    out: Out = Path("reports/recorded/sizes.json"),
-    table: Table = Path("reports/sizes.md"),
+    out: RecordPath = Path("reports/recorded/sizes.json"),
+    table: TablePath = Path("reports/sizes.md"),
 ) -> None:
     """Train language models of several sizes on one perception: error against run time.
 
@@ -67,8 +65,8 @@ def backbones(
     workers: Workers = 2,
     seed: Seed = 0,
     run_folder: RunFolder = Path("runs/sizes"),
-    out: Out = Path("reports/recorded/backbones.json"),
-    table: Table = Path("reports/backbones.md"),
+    out: RecordPath = Path("reports/recorded/backbones.json"),
+    table: TablePath = Path("reports/backbones.md"),
 ) -> None:
     """Pretrain backbones of several sizes on the same clips: error against run time.
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from geotlm_lm.cli.options import Precision, require_writable_file
+from geotlm_lm.cli.options import BundleFolder, Precision, require_writable_file
 from geotlm_lm.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -35,9 +35,7 @@ def watch(
         bool,
         typer.Option("--at-its-rate", help="Play a recording as a camera would, dropping frames."),
     ] = False,
-    model: Annotated[
-        Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
-    ] = None,
+    model: BundleFolder = None,
     precision: Precision = "float32",
 ) -> None:
     """Print what moves how, as it begins and ends, until the recording ends or Ctrl-C.
