@@ -36,7 +36,8 @@ _TOPICS = re.compile(
             r"(?:^|[:,.!] )(?:and |so |now )?who\b",
             r"\bhow (?:old|heavy|light|warm|hot|cold|cool|loud|expensive|pretty|nice|clean|dirty"
             r"|new|dark|bright|tall|tasty) (?:is|was|are|were|does|did|do)\b",
-            r"\bhow (?:is|was|does|did|do) (?:\S+ ){1,4}?(?:look|sound|feel about)\b",
+            r"\bhow (?:(?:big|large|small) )?(?:is|was|does|did|do) (?:\S+ ){1,4}?"
+            r"(?:look|sound|feel about)\b",
             r"\bwhat (?:does|did|do) (?:\S+ ){1,4}?(?:look|sound|cost|weigh)\b",
             r"\b(?:made|sold|built|bought|painted|printed) (?:of|from|by|in|on|with)\b",
             r"\bwhat (?:size|model|make|kind of (?:wrench|tool|key|screwdriver|bit))\b",

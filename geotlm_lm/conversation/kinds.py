@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered_options
 
 _GO = r"(?:go|goes|move|moves|moved|turn|turns|turned|slide|slides|slid|went)"
@@ -171,9 +172,6 @@ _SEVERAL = ("comparison", "order")
 
 _RULES = {kind: re.compile("|".join(words)) for kind, words in RULES.items()}
 
-_UNTOUCHABLE = re.compile(
-    r"\bhow much (?:does|did) .* (?:weigh|cost)\b|\bhow (?:big|large|small) (?:does|did) .* look\b"
-)
 _NEGATION = re.compile(r"\b(?:not|never|isn'?t|wasn'?t|doesn'?t|didn'?t)\b")
 _NO_NEGATION = re.compile(r"\bor not\b|\bnot (?:the direction|touching|in contact)\b")
 _PREMISE = re.compile(
@@ -242,7 +240,7 @@ def is_ruled_out(question: str, kind: str | None) -> bool:
 def asked_kind(question: str) -> str | None:
     """Return the kind of `question` if its words tell one of the later kinds; else None."""
     text = " ".join(question.lower().replace("\u2019", "'").split())
-    if _UNTOUCHABLE.search(text):
+    if asks_beyond_touch(text):
         return None
     if claimed_motion(text) is not None:
         if _PREMISE.search(text):
