@@ -20,8 +20,8 @@ def backbones_page(record: RunRecord) -> str:
         f"{config['test_clips']:,} clips of everyday objects. The shipped backbone is pretrained "
         "longer and on more clips: rows compare with each other, not with its tables. *Kind* is "
         "the share of clips whose kind of motion is told, *amount* that of turns and slides whose "
-        "degrees or millimetres are told within the tolerance of an answer, *motion missed* the "
-        "median error of the displacement in contact over the displacement. Times are of the "
+        "degrees or millimetres are told to within 2 degrees, 0.2 mm or a fifth, *motion missed* "
+        "the median error of the displacement in contact over the displacement. Times are of the "
         "transformer alone, a clip at a time on one thread. `*` marks the size that ships.\n\n"
         f"{backbones_table(record)}\n\n{provenance(record)}\n"
     )
