@@ -21,6 +21,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
+from geotlm_lm.backbone.linear import linear
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.geometry import GRID_SIDE, SENSOR_TOKEN_COUNT, TIME_BIN_COUNT
 
@@ -87,12 +88,12 @@ class Block(nn.Module):
     def forward(self, tokens: Tensor) -> Tensor:
         """Return updated tokens, shape (b, n, d)."""
         b, n, d = tokens.shape
-        qkv = self.qkv(self.norm1(tokens)).view(b, n, 3, self.heads, d // self.heads)
+        qkv = linear(self.qkv, self.norm1(tokens)).view(b, n, 3, self.heads, d // self.heads)
         query, key, value = qkv.permute(2, 0, 3, 1, 4)
         mixed = F.scaled_dot_product_attention(query, key, value)
-        mixed = self.proj(mixed.transpose(1, 2).reshape(b, n, d))
+        mixed = linear(self.proj, mixed.transpose(1, 2).reshape(b, n, d))
         tokens = tokens + (mixed if self.gain1 is None else self.gain1 * mixed)
-        hidden = self.fc2(F.gelu(self.fc1(self.norm2(tokens))))
+        hidden = linear(self.fc2, F.gelu(linear(self.fc1, self.norm2(tokens))))
         return tokens + (hidden if self.gain2 is None else self.gain2 * hidden)
 
 
@@ -153,11 +154,11 @@ class ViT(nn.Module):
         b = len(patch_inputs)
         side, width = self.config.grid_side, self.config.width
         both = patch_inputs.permute(0, 2, 3, 1, 4).reshape(b, side * side, -1)
-        patches = self.embed(both) + self.positions[1:]
+        patches = linear(self.embed, both) + self.positions[1:]
         lead = torch.cat([(self.global_token + self.positions[0])[None], self.sensor_tokens])
         tokens = torch.cat([lead.expand(b, -1, -1), patches], dim=1)
         for block in self.blocks:
             tokens = block(tokens)
-        bins = self.split(tokens[:, 1 + SENSOR_TOKEN_COUNT :])
+        bins = linear(self.split, tokens[:, 1 + SENSOR_TOKEN_COUNT :])
         grid = bins.view(b, side, side, TIME_BIN_COUNT, width).permute(0, 3, 1, 2, 4)
         return Tokens(global_token=tokens[:, 0], patches=grid.contiguous())

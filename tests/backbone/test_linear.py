@@ -1,0 +1,56 @@
+"""Expected values: torch's own linear layer."""
+
+import pytest
+import torch
+from torch import nn
+
+from geotlm_lm.backbone.linear import linear
+
+
+def layer(bias=True):
+    torch.manual_seed(0)
+    return nn.Linear(160, 96, bias=bias)
+
+
+@pytest.mark.parametrize("bias", [True, False])
+@pytest.mark.parametrize("shape", [(160,), (7, 160), (3, 202, 160), (0, 160)])
+def test_it_equals_the_layer_but_for_rounding(shape, bias):
+    one, values = layer(bias), torch.randn(shape)
+    with torch.inference_mode():
+        torch.testing.assert_close(linear(one, values), one(values), rtol=1e-5, atol=1e-5)
+
+
+def test_values_that_do_not_follow_each_other_in_memory():
+    one, values = layer(), torch.randn(160, 202).T
+    with torch.inference_mode():
+        torch.testing.assert_close(linear(one, values), one(values), rtol=1e-5, atol=1e-5)
+
+
+def test_gradients_are_kept():
+    one, values = layer(), torch.randn(5, 160, requires_grad=True)
+    linear(one, values).sum().backward()
+    expected = one.weight.sum(dim=0).expand(5, -1)
+    torch.testing.assert_close(values.grad, expected)
+
+
+@pytest.mark.parametrize("dtype", [torch.float64, torch.bfloat16])
+def test_other_formats_go_through_the_layer(dtype):
+    one, values = layer().to(dtype), torch.randn(5, 160, dtype=dtype)
+    with torch.inference_mode():
+        assert torch.equal(linear(one, values), one(values))
+
+
+def test_a_layer_without_values_in_memory_is_called():
+    with torch.device("meta"), torch.inference_mode():
+        assert linear(layer(), torch.empty(5, 160)).shape == (5, 96)
+
+
+def test_a_changed_layer_is_called():
+    class Doubled(nn.Linear):
+        def forward(self, values):
+            return 2 * super().forward(values)
+
+    torch.manual_seed(0)
+    one, values = Doubled(160, 96), torch.randn(5, 160)
+    with torch.inference_mode():
+        assert torch.equal(linear(one, values), one(values))
