@@ -11,8 +11,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX, View
+from geotlm_lm.backbone.stem import FLOW_SCALE_PX
 from geotlm_lm.backbone.tokens import Backbone, Tokens
+from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
 from geotlm_lm.dgr.encoder import DGR, Geometry

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
 from geotlm_lm.answering.amounts import Amount
-from geotlm_lm.backbone.stem import View
+from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec

@@ -69,8 +69,8 @@ def reliefs(residuals: Sequence[Floats], aspect: float = 1.0) -> Floats:
     )
     if lights_are_mirrored(slope_x, slope_y):
         slope_x = -slope_x
-    slope = (slope_x + 1j * slope_y).astype(np.complex64)
-    return torch.fft.ifft2(torch.fft.fft2(torch.from_numpy(slope)) * _integrator()).real.numpy()
+    slope = torch.complex(torch.from_numpy(slope_x), torch.from_numpy(slope_y))
+    return torch.fft.ifft2(torch.fft.fft2(slope) * _integrator()).real.numpy()
 
 
 def lights_are_mirrored(slope_x: Floats, slope_y: Floats) -> bool:
@@ -80,17 +80,17 @@ def lights_are_mirrored(slope_x: Floats, slope_y: Floats) -> bool:
         slope_x: Slope towards the right under the lights as measured, (frames, side, side).
         slope_y: Slope towards the bottom, likewise.
     """
-    kept = swapped = spread = 0.0
-    for to_right, down in zip(slope_x, slope_y, strict=True):
-        to_right, down = (cv2.GaussianBlur(one, (0, 0), CURL_BLUR_PX) for one in (to_right, down))
-        across = cv2.Sobel(to_right, cv2.CV_32F, 0, 1)
-        along = cv2.Sobel(down, cv2.CV_32F, 1, 0)
-        outward = cv2.Sobel(down, cv2.CV_32F, 0, 1) - cv2.Sobel(to_right, cv2.CV_32F, 1, 0)
-        # The squares of sum and difference, without an image for either.
-        both, product = np.vdot(across, across) + np.vdot(along, along), np.vdot(across, along)
-        kept += float(both - 2 * product)
-        swapped += float(both + 2 * product)
-        spread += float(np.vdot(outward, outward))
+    # All frames at once, as channels of one image: in half of the time.
+    to_right, down = (
+        cv2.GaussianBlur(cv2.merge(list(one)), (0, 0), CURL_BLUR_PX) for one in (slope_x, slope_y)
+    )
+    across = cv2.Sobel(to_right, cv2.CV_32F, 0, 1)
+    along = cv2.Sobel(down, cv2.CV_32F, 1, 0)
+    outward = cv2.Sobel(down, cv2.CV_32F, 0, 1) - cv2.Sobel(to_right, cv2.CV_32F, 1, 0)
+    # The squares of sum and difference, without an image for either.
+    both, product = np.vdot(across, across) + np.vdot(along, along), np.vdot(across, along)
+    kept, swapped = float(both - 2 * product), float(both + 2 * product)
+    spread = float(np.vdot(outward, outward))
     return swapped < MIRRORED_CURL * kept and swapped < CURL_OF_RELIEF * spread
 
 

@@ -7,7 +7,7 @@ from typing import Protocol
 
 from torch import Tensor
 
-from geotlm_lm.backbone.stem import View
+from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
 
 

@@ -13,7 +13,7 @@ from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.training.wear import worn
 
 if TYPE_CHECKING:
-    from geotlm_lm.backbone.stem import View
+    from geotlm_lm.backbone.view import View
     from geotlm_lm.core.clip import Clip
     from geotlm_lm.simulation.simulate import SimulatedClip
 

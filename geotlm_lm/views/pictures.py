@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from geotlm_lm.core.geometry import IMAGE_SIDE
 
 if TYPE_CHECKING:
-    from geotlm_lm.backbone.stem import View
+    from geotlm_lm.backbone.view import View
 
 Image = NDArray[np.uint8]
 Floats = NDArray[np.float32]

@@ -9,7 +9,8 @@ import torch
 from geotlm_lm.answering.answer import Encoded
 from geotlm_lm.answering.hearing import Heard
 from geotlm_lm.answering.measuring import measured, travelled
-from geotlm_lm.backbone.stem import ALIGNED_AT, PATCH_INPUT_DIM, View
+from geotlm_lm.backbone.stem import ALIGNED_AT, PATCH_INPUT_DIM
+from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion

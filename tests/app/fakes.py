@@ -11,7 +11,8 @@ from geotlm_lm import FrameSpec, Motion
 from geotlm_lm.answering import Encoded, Lean, evidence, four_frames_with_background
 from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.several import compare_directions
-from geotlm_lm.backbone.stem import ALIGNED_AT, PATCH_INPUT_DIM, View
+from geotlm_lm.backbone.stem import ALIGNED_AT, PATCH_INPUT_DIM
+from geotlm_lm.backbone.view import View
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.dgr.encoder import DGR

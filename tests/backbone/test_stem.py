@@ -4,15 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.backbone.stem import (
-    CELLS,
-    FLOW_SCALE_PX,
-    MAGNIFICATION_AT,
-    MIN_VIEW_PX,
-    PATCH_INPUT_DIM,
-    View,
-    look,
-)
+from geotlm_lm.backbone.stem import CELLS, FLOW_SCALE_PX, MAGNIFICATION_AT, PATCH_INPUT_DIM, look
+from geotlm_lm.backbone.view import MIN_VIEW_PX, View
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import IMAGE_SIDE
 
@@ -117,19 +110,3 @@ def test_every_patch_knows_how_far_the_view_is_magnified():
     inputs, view = look(imprint_at(112, 112, sigma_px=12))
     assert inputs[..., MAGNIFICATION_AT] == pytest.approx(np.log(224 / view.side_px), rel=1e-5)
     assert inputs[0, 0, 0, MAGNIFICATION_AT] > 0.3
-
-
-def test_the_whole_view_cuts_nothing_and_a_half_view_magnifies_twice():
-    image = np.arange(224 * 224, dtype=np.float32).reshape(224, 224)
-    assert np.array_equal(View().cut(image), image)
-    quarter = View(56, 56, 112).cut(image, cv2.INTER_NEAREST)
-    assert np.array_equal(quarter[1::2, 1::2], image[:112, :112])
-
-
-def test_a_grid_and_an_image_are_cut_alike():
-    rows, columns = np.mgrid[:224, :224].astype(np.float32)
-    view = View(90, 130, 128)
-    image = view.cut(columns)
-    grid = view.cut(cv2.resize(columns, (14, 14), interpolation=cv2.INTER_AREA))
-    means = cv2.resize(image, (14, 14), interpolation=cv2.INTER_AREA)
-    assert grid == pytest.approx(means, abs=0.5)

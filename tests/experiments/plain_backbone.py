@@ -3,8 +3,8 @@
 import numpy as np
 import torch
 
-from geotlm_lm.backbone.stem import View
 from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.backbone.view import View
 from geotlm_lm.core.geometry import GRID_SIDE, PATCH_SIDE
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.backbone.stem import View
+from geotlm_lm.backbone.view import View
 from geotlm_lm.views.pictures import (
     ARROW_COLOUR,
     PICTURE_SIDE,

@@ -13,8 +13,8 @@ from typing import ClassVar
 import torch
 from torch import Tensor, nn
 
-from geotlm_lm.backbone.stem import View
 from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.backbone.view import View
 from geotlm_lm.backbone.weights import listed
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import IncompatibleWeights, UsageError

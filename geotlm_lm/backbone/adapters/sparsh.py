@@ -27,8 +27,8 @@ from geotlm_lm.backbone.pixels import (
     to_unit,
     unsquashed,
 )
-from geotlm_lm.backbone.stem import View
 from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.backbone.view import View
 from geotlm_lm.backbone.weights import without_prefix
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import IncompatibleWeights

@@ -29,8 +29,8 @@ from geotlm_lm.backbone.pixels import (
     to_unit,
     unsquashed,
 )
-from geotlm_lm.backbone.stem import View
 from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.backbone.view import View
 from geotlm_lm.backbone.weights import read_tensors
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import IncompatibleWeights
