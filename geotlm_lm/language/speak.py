@@ -14,12 +14,18 @@ import torch
 from torch import Tensor
 
 from geotlm_lm.core.errors import IncompatibleBundle
+from geotlm_lm.language.answer_tree import AnswerTree
 from geotlm_lm.language.decoder import Cache, TactileDecoder
 from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS, PromptEncoder
 from geotlm_lm.language.weights import load_decoder, save_decoder
 
 BATCH = 64
 """Questions generated side by side; more gains nothing on a processor."""
+
+
+MOST_TREES = 256
+"""Sets of answers whose tokens are remembered: a grammar has some twenty, and what a choice offers
+cuts smaller ones from one of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +61,7 @@ class Speaker:
             )
         self.model = model.eval()
         self.processor = processor
+        self._trees: dict[tuple[str, ...], tuple[list[list[int]], AnswerTree]] = {}
 
     @classmethod
     def load(cls, folder: str | Path) -> Speaker:
@@ -134,34 +141,40 @@ class Speaker:
             raise ValueError("score needs at least one option")
         fused_token = self._checked(fused_token, (self.model.fused_width,))
         prompt = torch.tensor([self.processor.prompt(question)])
-        answers = [self.processor.answer(option) for option in options]
+        answers, tree = self._tree(tuple(options))
         hidden, cache = self._read(fused_token[None], prompt)
-        first = self.model.logits(hidden[:, -1:]).log_softmax(-1).expand(len(answers), -1, -1)
-        ids, is_answer = _right_padded(answers, self.processor.pad_id)
-        logits = torch.cat([first, self._continue(ids, cache)], dim=1)[:, :-1]
-        chosen = logits.gather(2, ids[..., None])[..., 0].where(is_answer, 0.0)
-        followed = ((logits.argmax(-1) == ids) | ~is_answer).all(dim=1).nonzero().flatten().tolist()
-        written = self.processor.decode(answers[followed[0]]) if followed else None
-        return Weighed(chosen.sum(dim=1).double().numpy(), written)
+        logits = self.model.logits(hidden[0, -1:])
+        if tree.ids.numel():
+            logits = torch.cat([logits, self._continue(tree, cache)])
+        logits = logits.log_softmax(-1)
+        followed = tree.followed(logits)
+        written = None if followed is None else self.processor.decode(answers[followed])
+        return Weighed(tree.log_likelihoods(logits).double().numpy(), written)
+
+    def _tree(self, options: tuple[str, ...]) -> tuple[list[list[int]], AnswerTree]:
+        """Return the tokens of some options and their tree; kept, few sets are ever asked for."""
+        found = self._trees.get(options)
+        if found is None:
+            answers = [self.processor.answer(option) for option in options]
+            found = answers, AnswerTree.of(answers)
+            if len(self._trees) >= MOST_TREES:
+                self._trees.clear()
+            self._trees[options] = found
+        return found
 
     def _read(self, fused_token: Tensor, prompt: Tensor) -> tuple[Tensor, Cache]:
         """Return hidden states and cache of one unpadded prompt."""
         embedded = self.model.embed(prompt, self.model.projector(fused_token))
         return self.model.decoder(embedded, torch.arange(prompt.shape[1])[None])
 
-    def _continue(self, ids: Tensor, cache: Cache) -> Tensor:
-        """Return log-probabilities after each of `ids` (n, s), all rows continuing one prompt."""
-        rows, length = ids.shape
+    def _continue(self, tree: AnswerTree, cache: Cache) -> Tensor:
+        """Return the logits after each node of a tree that continues a prompt, (nodes, ids)."""
         past = cache[0][0].shape[2]
-        shared = [
-            (key.expand(rows, -1, -1, -1), value.expand(rows, -1, -1, -1)) for key, value in cache
-        ]
-        causal = torch.ones(length, past + length, dtype=torch.bool).tril(past)
-        positions = torch.arange(past, past + length).expand(rows, -1)
-        hidden, _ = self.model.decoder(
-            self.model.embed(ids, None), positions, causal[None, None], shared
-        )
-        return self.model.logits(hidden).log_softmax(-1)
+        prompt = torch.ones(len(tree.sees), past, dtype=torch.bool)
+        visible = torch.cat([prompt, tree.sees], dim=1)[None, None]
+        embedded = self.model.embed(tree.ids, None)
+        hidden, _ = self.model.decoder(embedded, past + tree.depths, visible, cache)
+        return self.model.logits(hidden[0])
 
     def _generate(
         self,
@@ -212,11 +225,3 @@ def _left_padded(rows: list[list[int]], pad_id: int) -> tuple[Tensor, Tensor]:
     ids = torch.tensor([[pad_id] * (length - len(row)) + row for row in rows])
     counts = torch.tensor([len(row) for row in rows])
     return ids, torch.arange(length) >= length - counts[:, None]
-
-
-def _right_padded(rows: list[list[int]], pad_id: int) -> tuple[Tensor, Tensor]:
-    """Return ids (b, s) and True where they are text."""
-    length = max(map(len, rows))
-    ids = torch.tensor([row + [pad_id] * (length - len(row)) for row in rows])
-    counts = torch.tensor([len(row) for row in rows])
-    return ids, torch.arange(length) < counts[:, None]

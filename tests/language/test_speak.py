@@ -55,12 +55,26 @@ def test_a_score_is_the_log_likelihood_of_the_whole_answer(speaker, fused_tokens
     np.testing.assert_allclose(scores, expected, rtol=1e-4)
 
 
+def test_an_answer_without_a_word_is_weighed_too(speaker, fused_tokens):
+    both = speaker.score(fused_tokens[0], QUESTIONS[0], ["", OPTIONS[0]])
+    alone = speaker.score(fused_tokens[0], QUESTIONS[0], [""])
+    np.testing.assert_allclose(alone, both[:1], rtol=1e-5)
+
+
 def test_no_option_counts_as_written_where_other_words_would_be(speaker, fused_tokens):
     weighed = speaker.weigh(fused_tokens[0], QUESTIONS[1], OPTIONS)
     assert speaker.generate(fused_tokens[:1], QUESTIONS[1:2])[0] not in OPTIONS
     assert weighed.written is None
     scores = speaker.score(fused_tokens[0], QUESTIONS[1], OPTIONS)
     np.testing.assert_array_equal(weighed.log_probabilities, scores)
+
+
+def test_remembered_sets_of_options_are_kept_apart(speaker, fused_tokens):
+    one = speaker.score(fused_tokens[0], QUESTIONS[0], OPTIONS)
+    other = speaker.score(fused_tokens[0], QUESTIONS[0], OPTIONS[::-1])
+    again = speaker.score(fused_tokens[0], QUESTIONS[0], OPTIONS)
+    np.testing.assert_array_equal(one, again)
+    np.testing.assert_allclose(other, one[::-1], rtol=1e-5)
 
 
 def test_saved_and_loaded_it_says_and_scores_the_same(speaker, fused_tokens, tmp_path):
