@@ -78,6 +78,9 @@ def _clip_side(gr: Any) -> dict[str, Any]:
         side["frame"] = gr.CheckboxGroup(
             [MIRRORED, UPSIDE_DOWN, OTHER_SIDE, SENSOR_MOVES], label="Tell it for another frame"
         )
+        side["mm_per_px"] = gr.Number(
+            label="Millimetres per pixel (0: slides are told in pixels)", value=0, step=0.01
+        )
     side["told"] = gr.Markdown(handlers.told_in(FrameSpec(), None))
     with gr.Accordion("Frames and notes", open=False):
         with gr.Row():
@@ -156,10 +159,11 @@ def _connect_talk(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: d
     answer = told(partial(_answer, answerer))
     again = told(partial(_retry, answerer))
     framed = [clip["viewpoint"], clip["told"]]
-    beside = [*(talk[name] for name in ANSWER_PARTS), last, clip["frame"], *framed]
+    stated = [clip["frame"], clip["mm_per_px"]]
+    beside = [*(talk[name] for name in ANSWER_PARTS), last, *stated, *framed]
     outputs = [talk["chat"], talk["question"], *beside]
     private = {"api_visibility": "private"}
-    asked = [shown, talk["question"], talk["chat"], clip["frame"]]
+    asked = [shown, talk["question"], talk["chat"], *stated]
     running = [
         trigger(answer, asked, outputs, **private, **MODEL)
         for trigger in (talk["ask"].click, talk["question"].submit)
@@ -171,20 +175,28 @@ def _connect_talk(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: d
 
 
 def _answer(
-    answerer: Answerer, shown: Any, question: str, chat: Messages, facts: list[str]
+    answerer: Answerer,
+    shown: Any,
+    question: str,
+    chat: Messages,
+    facts: list[str],
+    mm_per_px: float | None,
 ) -> Iterator[tuple]:
     """Yield the conversation as words are generated, and with the last all that stands beside."""
     before = [*(chat or []), {"role": "user", "content": question}]
     skip, said = gradio().skip(), ""
     field = ""  # emptied once: what is typed meanwhile is the next question
-    for told_so_far in handlers.converse(answerer, shown, question, _fields(facts)):
+    # An emptied number arrives as 0.
+    fields = _fields(facts) | {"mm_per_px": mm_per_px or None}
+    for told_so_far in handlers.converse(answerer, shown, question, fields):
         if isinstance(told_so_far, str):
             said += told_so_far
-            yield [*before, {"role": "assistant", "content": said}], field, *[skip] * 10
+            yield [*before, {"role": "assistant", "content": said}], field, *[skip] * 11
             field = skip
         else:
             reply = told_so_far
-    stated = _facts(shown.session.frame)
+    frame = shown.session.frame
+    stated = _facts(frame)
     direction = None if reply.motion is None else reply.motion.value
     yield (
         [*before, {"role": "assistant", "content": reply.sentence}],
@@ -197,12 +209,18 @@ def _answer(
         reply.details,
         direction,
         stated,
+        frame.mm_per_px or 0,
         *_frame(stated, direction),
     )
 
 
 def _retry(
-    answerer: Answerer, shown: Any, question: str, chat: Messages, facts: list[str]
+    answerer: Answerer,
+    shown: Any,
+    question: str,
+    chat: Messages,
+    facts: list[str],
+    mm_per_px: float | None,
 ) -> Iterator[tuple]:
     """Ask the last question of the conversation again, in its old place."""
     asked = [place for place, one in enumerate(chat or []) if one["role"] == "user"]
@@ -210,7 +228,7 @@ def _retry(
         question, chat = _text(chat[asked[-1]]), chat[: asked[-1]]
         if shown is not None:
             shown.session.take_back(question)
-    yield from _answer(answerer, shown, question, chat, facts)
+    yield from _answer(answerer, shown, question, chat, facts, mm_per_px)
 
 
 def _text(message: dict[str, Any]) -> str:

@@ -134,6 +134,14 @@ class Dictating(FakeAnswerer):
         return super().ask(encoded, question, frame=frame)
 
 
+class Measuring(FakeAnswerer):
+    """Tells the size of a pixel that it was given."""
+
+    def ask(self, encoded, question, *, frame=CAMERA, listen=None):
+        answer = super().ask(encoded, question, frame=frame)
+        return replace(answer, text=f"A pixel of {frame.mm_per_px} mm.")
+
+
 @pytest.fixture
 def asking(tmp_path):
     """Open a page that answers with a given stand-in, an example shown and a question asked."""
@@ -161,6 +169,28 @@ def test_the_last_question_is_asked_again_in_its_old_place(asking):
     browser.wait_for(f"{TEXT}.includes('Asked 2 times.')")
     browser.wait_for(f"!{TEXT}.includes('Asked 1 times.')")
     assert browser.run(f"{TEXT}.split('Which way?').length") == 2
+
+
+PIXEL = (
+    "[...document.querySelectorAll('label')].find(e => e.innerText.startsWith('Millimetres'))"
+    ".querySelector('input').value"
+)
+
+
+def test_the_size_of_a_pixel_is_given_said_and_shown(asking):
+    browser = asking(Measuring())
+    browser.wait_for(f"{TEXT}.includes('A pixel of None mm.')")
+    browser.fill("Millimetres per pixel", "0.06")
+    browser.fill("Question", "Which way?")
+    browser.click("Ask", "button.primary")
+    browser.wait_for(f"{TEXT}.includes('A pixel of 0.06 mm.')")
+    browser.fill("Question", "0.05 mm per pixel. Which way?")
+    browser.click("Ask", "button.primary")
+    browser.wait_for(f"{PIXEL} == '0.05'")
+    browser.fill("Millimetres per pixel", "60")
+    browser.fill("Question", "Which way?")
+    browser.click("Ask", "button.primary")
+    browser.wait_for(f"{TEXT}.includes('A pixel of 60 mm was given, expected')")
 
 
 def test_an_answer_is_stopped_half_way(asking):
