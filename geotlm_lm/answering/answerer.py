@@ -112,9 +112,9 @@ class Answerer:
         clip = require_legible(with_background(clip))
         chosen = time.perf_counter()
         change = change_from_idle(clip)
-        changed = is_idle_known and change.is_beyond_noise
-        untouched = change.grey < UNTOUCHED_GREY and not changed
-        cut_off = changed and change.is_cut_off
+        seen = is_idle_known and change.is_beyond_noise
+        untouched = change.grey < UNTOUCHED_GREY and not seen
+        faint, cut_off = seen and change.is_faint, seen and change.is_cut_off
         judged = time.perf_counter()
         if untouched:
             clip = clip.with_note(_nothing_seen(change.grey))
@@ -128,7 +128,7 @@ class Answerer:
             "touch": 1e3 * (judged - chosen),
             "encode": 1e3 * (done - judged),
         }
-        return Encoded(clip, perception, timing, untouched, changed, cut_off)
+        return Encoded(clip, perception, timing, untouched, seen and not faint, faint, cut_off)
 
     def session(self, encoded: Encoded, frame: FrameSpec = CAMERA) -> Session:
         """Return a conversation about a clip, which remembers its turns and the frame."""

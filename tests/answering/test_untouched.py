@@ -1,11 +1,13 @@
 """Where nothing touches, noise names no motion and an open question needs no language model."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from geotlm_lm.answering import Answerer
+from geotlm_lm.answering.answer import FAINT_DOUBT
 from geotlm_lm.answering.withholding import UNRECOGNISED
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
@@ -14,10 +16,10 @@ from tests.answering.scripted import answerer_saying, feeling, recording
 IDLE = np.add.outer(np.linspace(90, 140, 120), np.zeros((160, 3))).astype(np.uint8)
 
 
-def faintly_touched(background=IDLE):
+def faintly_touched(background=IDLE, grey=2.4):
     """An imprint of two grey levels that comes and goes, and no noise."""
     rows, columns = np.mgrid[:120, :160]
-    imprint = 2.4 * np.exp(-((rows - 60) ** 2 + (columns - 80) ** 2) / (2 * 10**2))
+    imprint = grey * np.exp(-((rows - 60) ** 2 + (columns - 80) ** 2) / (2 * 10**2))
     touched = np.rint(IDLE + imprint[..., None]).astype(np.uint8)
     return Clip(np.stack([touched, IDLE, touched, touched]), background=background)
 
@@ -110,6 +112,19 @@ def test_nothing_touches_is_not_claimed_of_a_gel_that_changed(bundle, question, 
     assert (answer.direction, answer.confidence) == (None, 0.0)
     *words, last = answerer.stream(encoded, question)
     assert "".join(words) == last.text == UNRECOGNISED
+
+
+def test_what_an_idle_gel_may_do_now_and_then_is_told_with_less_certainty(bundle):
+    answerer = answerer_saying(bundle, {"*": "Nothing is touching the gel."})
+    encoded = answerer.encode(faintly_touched(grey=1.5))
+    assert (encoded.is_faint, encoded.is_changed, encoded.is_untouched) == (True, False, False)
+    assert encoded.doubt == FAINT_DOUBT
+    answer = answerer.ask(encoded, "Which way is it moving?")
+    sure = answerer.ask(replace(encoded, is_faint=False), "Which way is it moving?")
+    # The scripted model is hardly more than half sure of what it says.
+    assert answer.text.endswith("Nothing is touching the gel.")
+    assert sure.direction is Motion.NONE
+    assert answer.options["none"] < sure.options["none"]
 
 
 def test_any_other_claim_about_a_faint_touch_is_told(bundle):
