@@ -9,6 +9,7 @@ it turns; and the one rigid motion of the whole imprint, for both. It has no lea
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import cv2
@@ -66,6 +67,12 @@ on the gel a pixel of the view is."""
 ALIGNED_AT = PATCH_INPUT_DIM - 2 * ALIGNMENT_CHANNELS
 """Place of the aligned relief's displacement x among a patch's inputs; displacement y follows."""
 
+LAST_STEP = [ALIGNED_AT + start + place for start in (0, ALIGNMENT_CHANNELS) for place in (4, 5)]
+"""Places of what is told of the step from the frame before, for the relief and the residual."""
+
+AT_REST = (0.0, 1.0, 0.0, 1.0)
+"""What is told there of a frame that repeats the one before: no gain, full correlation."""
+
 
 def look(clip: Clip) -> tuple[Floats, View]:
     """Compute the inputs of one clip's patch tokens and the view they cover.
@@ -83,22 +90,36 @@ def look(clip: Clip) -> tuple[Floats, View]:
     """
     if len(clip) != FRAME_COUNT or clip.background is None:
         raise ValueError(f"the stem reads {FRAME_COUNT} frames and a background, found {len(clip)}")
-    whole = [_square(frame, clip.background) for frame in clip.frames]
+    frames, places = _distinct(clip.frames)
+    whole = [_square(frame, clip.background) for frame in frames]
     view = contact_view([_energy(_green(image)) for image in whole])
     residual = [view.cut(image) for image in whole]
     aspect = pixel_aspect(*clip.frames.shape[1:3])
     half = [_area_means(image, RELIEF_SIDE) for image in residual]
     relief = reliefs(half, aspect)
-    magnification = np.log(IMAGE_SIDE / view.side_px)
     parts = [
-        np.clip(_bin_means([_cells(image) for image in half]) / RESIDUAL_SCALE_GREY, -4, 4),
+        np.stack([_cells(image) for image in half]) / RESIDUAL_SCALE_GREY,
         _motion([_green(image) for image in residual], RESIDUAL_PATCH_PX),
         _motion([as_image(frame) for frame in relief], RELIEF_PATCH_PX),
-        _bin_means([_area_means(frame, GRID_SIDE) for frame in relief])[..., None] / RELIEF_SCALE,
-        np.full((TIME_BIN_COUNT, GRID_SIDE, GRID_SIDE, 1), magnification),
+        np.stack([_area_means(frame, GRID_SIDE) for frame in relief])[..., None] / RELIEF_SCALE,
+        np.full((len(frames), GRID_SIDE, GRID_SIDE, 1), np.log(IMAGE_SIDE / view.side_px)),
         _alignment(half, relief, aspect),
     ]
-    return np.concatenate(parts, axis=-1, dtype=np.float32), view
+    return _time_bins(np.concatenate(parts, axis=-1, dtype=np.float32), places), view
+
+
+def _distinct(frames: NDArray[np.uint8]) -> tuple[list[NDArray[np.uint8]], list[int]]:
+    """Return the frames that differ from the one before, and which of them stands at each place.
+
+    A pair is fed as a, a, b, b, and an untouched gel as its idle frame alone: none is looked at
+    twice.
+    """
+    distinct, places = [frames[0]], [0]
+    for before, after in pairwise(frames):
+        if not np.array_equal(before, after):
+            distinct.append(after)
+        places.append(len(distinct) - 1)
+    return distinct, places
 
 
 def _square(frame: NDArray[np.uint8], idle: NDArray[np.uint8]) -> Floats:
@@ -136,10 +157,21 @@ def _area_means(values: NDArray[Any], side: int) -> NDArray[Any]:
     return cv2.resize(values, (side, side), interpolation=cv2.INTER_AREA)
 
 
-def _bin_means(values: Sequence[Floats]) -> Floats:
-    """Average the two frames of each time-bin: four arrays to shape (2, ...)."""
-    stacked = np.stack(values)
-    return stacked.reshape(-1, TUBE_FRAMES, *stacked.shape[1:]).mean(axis=1)
+def _time_bins(inputs: Floats, places: list[int]) -> Floats:
+    """Average the two frames of each time-bin: inputs of distinct frames to (2, 14, 14, dim).
+
+    Args:
+        inputs: Of each distinct frame, (distinct, 14, 14, dim).
+        places: Which of them stands at each of the four places.
+    """
+    frames = inputs[places]
+    for place in range(1, len(places)):
+        if places[place] == places[place - 1]:
+            frames[place][..., LAST_STEP] = AT_REST
+    bins = frames.reshape(TIME_BIN_COUNT, TUBE_FRAMES, *frames.shape[1:]).mean(axis=1)
+    residual = bins[..., : 3 * CELLS**2]
+    np.clip(residual, -4, 4, out=residual)
+    return bins
 
 
 def _structure(green: NDArray[np.uint8]) -> Floats:
@@ -188,15 +220,15 @@ def _solver(patch_px: int) -> cv2.DISOpticalFlow:
 
 
 def _motion(images: list[NDArray[np.uint8]], patch_px: int) -> Floats:
-    """Return flow, log contrast and orientation of each patch, (2, 14, 14, 6), early bin first."""
+    """Return flow, log contrast and orientation of each patch, (frames, 14, 14, 6)."""
     structure = [_structure(image) for image in images]
-    flow = _bin_means(_accumulated_flow(images, structure, patch_px)) / FLOW_SCALE_PX
-    orientation = _bin_means([_orientation(products) for products in structure])
+    flow = np.stack(_accumulated_flow(images, structure, patch_px)) / FLOW_SCALE_PX
+    orientation = np.stack([_orientation(products) for products in structure])
     return np.concatenate([flow, orientation], axis=-1)
 
 
 def _alignment(residual: Sequence[Floats], relief: Sequence[Floats], aspect: float) -> Floats:
-    """Return the alignment channels of each patch, (2, 14, 14, 12), early bin first."""
+    """Return the alignment channels of each patch, (frames, 14, 14, 12)."""
     frames = alignment(
         [frame / RELIEF_SCALE for frame in relief],
         [image[..., 1] / RESIDUAL_SCALE_GREY for image in residual],
@@ -206,7 +238,7 @@ def _alignment(residual: Sequence[Floats], relief: Sequence[Floats], aspect: flo
         moved = frames[..., start : start + 4]
         # Far from the middle a wrong turn moves a patch right out of the view.
         moved[:] = moved.clip(-IMAGE_SIDE, IMAGE_SIDE) / FLOW_SCALE_PX
-    return _bin_means(frames)
+    return frames
 
 
 def _accumulated_flow(
@@ -226,10 +258,8 @@ def _accumulated_flow(
     small = [cv2.copyMakeBorder(one, *[margin] * 4, cv2.BORDER_REPLICATE) for one in small]
     total = [np.zeros((GRID_SIDE, GRID_SIDE, 2), np.float32)]
     for before, after, products in zip(small[:-1], small[1:], structure[1:], strict=True):
-        step = np.zeros_like(total[0])
-        if not np.array_equal(before, after):
-            weight = products[..., 0] + products[..., 2] + np.float32(1e-3)
-            flow = solver.calc(before, after, None)[inside, inside] * weight[..., None]
-            step = _area_means(flow, GRID_SIDE) / _area_means(weight, GRID_SIDE)[..., None]
+        weight = products[..., 0] + products[..., 2] + np.float32(1e-3)
+        flow = solver.calc(before, after, None)[inside, inside] * weight[..., None]
+        step = _area_means(flow, GRID_SIDE) / _area_means(weight, GRID_SIDE)[..., None]
         total.append(total[-1] + step * np.float32(IMAGE_SIDE / FLOW_SIDE))
     return total
