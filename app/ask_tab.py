@@ -130,22 +130,31 @@ def _connect_clip(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: d
     pictured = [shown, clip["view"], clip["number"]]
     # What was said of the clip before must not stand beside the new one.
     stale = [*(talk[name] for name in ANSWER_PARTS), last]
-    outputs = [shown, clip["picture"], clip["notes"], clip["told"], talk["chat"], *stale]
+    pixel = clip["mm_per_px"]
+    outputs = [shown, clip["picture"], clip["notes"], clip["told"], pixel, talk["chat"], *stale]
 
     def open_clip(
-        path: Any, first: Any, until: Any, view: str, number: float, facts: list[str]
+        path: Any, first: Any, until: Any, view: str, number: float, *known: Any
     ) -> tuple:
-        opened = handlers.show_clip(answerer, path, first, until)
+        facts, mm_per_px, before = known
+        # Of a number left empty the page makes 0 once it was shown, and from 0 to 0 is no span.
+        span = (first, until) if first or until else (None, None)
+        opened = handlers.show_clip(answerer, path, *span)
         drawn = handlers.draw(opened, view, number)
         _, told_anew = _frame(facts, None)
-        return opened, drawn, opened.notes, told_anew, [], *[None] * len(stale)
+        if before is not None and _size(before) != _size(opened):
+            mm_per_px = 0  # what was said of other pixels
+        return opened, drawn, opened.notes, told_anew, mm_per_px, [], *[None] * len(stale)
 
-    def open_example(view: str, number: float, facts: list[str], event: gr.SelectData) -> tuple:
-        return open_clip(handlers.EXAMPLE_CLIPS[event.index], None, None, view, number, facts)
+    def open_example(
+        view: str, number: float, facts: list[str], size: float, before: Any, event: gr.SelectData
+    ) -> tuple:
+        path = handlers.EXAMPLE_CLIPS[event.index]
+        return open_clip(path, None, None, view, number, facts, size, before)
 
     # Postponed annotations are text, and the toolkit looks for the event's type itself.
     open_example.__annotations__["event"] = gr.SelectData
-    looked_at = [clip[name] for name in ("view", "number", "frame")]
+    looked_at = [*(clip[name] for name in ("view", "number", "frame")), pixel, shown]
     given = [*(clip[name] for name in ("path", "first", "last")), *looked_at]
     private = {"api_visibility": "private"}
     for trigger in (clip["path"].upload, clip["read"].click):
@@ -153,6 +162,10 @@ def _connect_clip(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: d
     clip["gallery"].select(told(open_example), looked_at, outputs, **private, **MODEL)
     for control in (clip["view"], clip["number"]):
         control.change(handlers.draw, pictured, clip["picture"], **private)
+
+
+def _size(shown: Any) -> tuple[int, int]:
+    return shown.encoded.clip.frames.shape[1:3]
 
 
 def _connect_talk(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: dict) -> None:
@@ -186,7 +199,6 @@ def _answer(
     before = [*(chat or []), {"role": "user", "content": question}]
     skip, said = gradio().skip(), ""
     field = ""  # emptied once: what is typed meanwhile is the next question
-    # An emptied number arrives as 0.
     fields = _fields(facts) | {"mm_per_px": mm_per_px or None}
     for told_so_far in handlers.converse(answerer, shown, question, fields):
         if isinstance(told_so_far, str):

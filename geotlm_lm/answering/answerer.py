@@ -114,7 +114,8 @@ class Answerer:
         change = change_from_idle(clip)
         seen = is_idle_known and change.is_beyond_noise
         untouched = change.grey < UNTOUCHED_GREY and not seen
-        faint, cut_off = seen and change.is_faint, seen and change.is_cut_off
+        faint = is_idle_known and change.is_faint
+        cut_off = seen and not faint and change.is_cut_off
         judged = time.perf_counter()
         if untouched:
             clip = clip.with_note(_nothing_seen(change.grey))

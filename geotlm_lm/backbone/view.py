@@ -96,7 +96,9 @@ def contact_view(energy: Sequence[Floats]) -> View:
 def _cropped(image: NDArray, left: int, top: int, side: int, how: int) -> NDArray:
     """Return a square part of a square image at the image's size; zero outside of the image."""
     size = image.shape[0]
-    inner = image[max(top, 0) : top + side, max(left, 0) : left + side]
+    inner = image[max(top, 0) : max(top + side, 0), max(left, 0) : max(left + side, 0)]
+    if not inner.size:
+        return np.zeros_like(image)
     before = max(-top, 0), max(-left, 0)
     after = max(top + side - size, 0), max(left + side - size, 0)
     if any((*before, *after)):

@@ -168,7 +168,7 @@ class Speaker:
         return self.model.decoder(embedded, torch.arange(prompt.shape[1])[None])
 
     def _continue(self, tree: AnswerTree, cache: Cache) -> Tensor:
-        """Return the logits after each node of a tree that continues a prompt, (nodes, ids)."""
+        """Return the logits after each node of a tree behind a prompt, (nodes, vocabulary)."""
         past = cache[0][0].shape[2]
         prompt = torch.ones(len(tree.sees), past, dtype=torch.bool)
         visible = torch.cat([prompt, tree.sees], dim=1)[None, None]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.ranked import ranked
 
@@ -41,6 +41,9 @@ MOST_CHANGE_GREY = 12.0
 
 MOST_OFFSET_GREY = 25.0
 """The same against the idle gel, where a large contact counts too: at most 6, and 19."""
+
+Colours = NDArray[np.uint8]
+"""Pixels, colour first: (3, frames, rows, columns), or (3, rows, columns) of one image."""
 
 FEWEST_PX = 24
 """Side of the smallest frame: of 60 simulated clips brought to 28 pixels 58 were told right, to 8
@@ -100,7 +103,7 @@ def _require_pixels(clip: Clip) -> None:
         )
 
 
-def _require_exposed(clip: Clip, sample: Frames) -> None:
+def _require_exposed(clip: Clip, sample: Colours) -> None:
     brightest = sample.max(axis=0)
     black = (brightest <= DARK_GREY).mean(axis=(1, 2))
     white = (brightest == WHITE_GREY).mean(axis=(1, 2))
@@ -131,7 +134,7 @@ def _require_quiet(clip: Clip, lines: NDArray[np.uint8]) -> None:
         )
 
 
-def _require_steady(clip: Clip, sample: Frames, idle: Frames) -> None:
+def _require_steady(clip: Clip, sample: Colours, idle: Colours) -> None:
     residual = sample.astype(np.int16) - idle[:, None]
     offsets = np.array([[ranked(frame) for frame in colour] for colour in residual], np.float64)
     within = np.ptp(offsets, axis=1)

@@ -77,7 +77,7 @@ class Change:
         """
         return max(float(ranked(np.abs(one), 1 - TOUCHED_SHARE)) for one in self.changes)
 
-    @property
+    @cached_property
     def is_beyond_noise(self) -> bool:
         """Whether the change, however faint, is none of the camera's noise.
 
@@ -90,8 +90,8 @@ class Change:
 
     @property
     def is_faint(self) -> bool:
-        """Whether an idle gel may change as much, now and then."""
-        return self.grey <= CHANGED_GREY
+        """Whether the change is beyond noise, but an idle gel may change as much now and then."""
+        return self.is_beyond_noise and self.grey <= CHANGED_GREY
 
     @property
     def is_cut_off(self) -> bool:

@@ -17,7 +17,7 @@ IDLE = np.add.outer(np.linspace(90, 140, 120), np.zeros((160, 3))).astype(np.uin
 
 
 def faintly_touched(background=IDLE, grey=2.4):
-    """An imprint of two grey levels that comes and goes, and no noise."""
+    """An imprint of a grey level or two that comes and goes, and no noise."""
     rows, columns = np.mgrid[:120, :160]
     imprint = grey * np.exp(-((rows - 60) ** 2 + (columns - 80) ** 2) / (2 * 10**2))
     touched = np.rint(IDLE + imprint[..., None]).astype(np.uint8)
@@ -119,6 +119,7 @@ def test_what_an_idle_gel_may_do_now_and_then_is_told_with_less_certainty(bundle
     encoded = answerer.encode(faintly_touched(grey=1.5))
     assert (encoded.is_faint, encoded.is_changed, encoded.is_untouched) == (True, False, False)
     assert encoded.doubt == FAINT_DOUBT
+    assert not encoded.is_cut_off
     answer = answerer.ask(encoded, "Which way is it moving?")
     sure = answerer.ask(replace(encoded, is_faint=False), "Which way is it moving?")
     # The scripted model is hardly more than half sure of what it says.

@@ -177,7 +177,7 @@ PIXEL = (
 )
 
 
-def test_the_size_of_a_pixel_is_given_said_and_shown(asking):
+def test_the_size_of_a_pixel_is_given_said_and_shown(asking, recordings):
     browser = asking(Measuring())
     browser.wait_for(f"{TEXT}.includes('A pixel of None mm.')")
     browser.fill("Millimetres per pixel", "0.06")
@@ -191,6 +191,8 @@ def test_the_size_of_a_pixel_is_given_said_and_shown(asking):
     browser.fill("Question", "Which way?")
     browser.click("Ask", "button.primary")
     browser.wait_for(f"{TEXT}.includes('A pixel of 60 mm was given, expected')")
+    browser.upload("Recording", recordings["bright"])  # its frames are of another size
+    browser.wait_for(f"{PIXEL} == '0'")
 
 
 def test_an_answer_is_stopped_half_way(asking):

@@ -4,6 +4,7 @@ import pytest
 import torch
 from torch import nn
 
+from geotlm_lm.backbone import linear as engines
 from geotlm_lm.backbone.linear import linear
 
 
@@ -18,6 +19,13 @@ def test_it_equals_the_layer_but_for_rounding(shape, bias):
     one, values = layer(bias), torch.randn(shape)
     with torch.inference_mode():
         torch.testing.assert_close(linear(one, values), one(values), rtol=1e-5, atol=1e-5)
+
+
+@pytest.mark.skipif(engines._ONEDNN is None, reason="this torch lacks oneDNN's linear product")
+def test_plain_layers_go_through_the_faster_engine(monkeypatch):
+    monkeypatch.setattr(nn.Linear, "forward", None)
+    with torch.inference_mode():
+        assert linear(layer(), torch.randn(5, 160)).shape == (5, 96)
 
 
 def test_values_that_do_not_follow_each_other_in_memory():

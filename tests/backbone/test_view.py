@@ -38,6 +38,13 @@ def test_whole_pixels_are_cut_as_an_affine_warp_cuts_them(corner, side):
     assert np.abs(cut - warped)[3:-3, 3:-3].max() < 0.03 * image.std()
 
 
+@pytest.mark.parametrize("corner", [(-130, 40), (40, -130), (240, 40), (40, 240)])
+def test_nothing_is_seen_beside_the_image(corner):
+    cut = View(corner[0] + 50, corner[1] + 50, 100).cut(np.ones((224, 224, 3), np.float32))
+    assert cut.shape == (224, 224, 3)
+    assert not cut.any()
+
+
 def test_a_view_lies_on_whole_pixels():
     energy = np.zeros((28, 28), np.float32)
     energy[5:12, 9:17] = np.random.default_rng(0).uniform(50, 900, (7, 8))

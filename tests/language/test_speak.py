@@ -7,6 +7,7 @@ import pytest
 import torch
 
 from geotlm_lm.core.errors import IncompatibleBundle
+from geotlm_lm.language import speak
 from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS
 from geotlm_lm.language.speak import Speaker
 
@@ -75,6 +76,15 @@ def test_remembered_sets_of_options_are_kept_apart(speaker, fused_tokens):
     again = speaker.score(fused_tokens[0], QUESTIONS[0], OPTIONS)
     np.testing.assert_array_equal(one, again)
     np.testing.assert_allclose(other, one[::-1], rtol=1e-5)
+
+
+def test_of_many_sets_of_options_only_some_are_remembered(speaker, fused_tokens, monkeypatch):
+    monkeypatch.setattr(speak, "MOST_TREES", 2)
+    one = speaker.score(fused_tokens[0], QUESTIONS[0], OPTIONS)
+    for option in OPTIONS:
+        speaker.score(fused_tokens[0], QUESTIONS[0], [option])
+    assert len(speaker._trees) <= 2
+    np.testing.assert_array_equal(one, speaker.score(fused_tokens[0], QUESTIONS[0], OPTIONS))
 
 
 def test_saved_and_loaded_it_says_and_scores_the_same(speaker, fused_tokens, tmp_path):

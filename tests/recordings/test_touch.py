@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle
+from geotlm_lm.recordings.touch import FAINT_GREY, UNTOUCHED_GREY, change_from_idle
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.series import simulate_series
 
@@ -78,6 +78,14 @@ def test_a_faint_imprint_is_beyond_noise_where_there_is_little():
     assert not change_from_idle(recorded(imprint(0.6), noise_grey=0.3)).is_beyond_noise
 
 
+def test_faint_is_beyond_noise_and_no_more_than_an_idle_gel_may_change():
+    faint = [
+        change_from_idle(recorded(imprint(depth), noise_grey=noise)).is_faint
+        for depth, noise in ((0.6, 0.3), (1.3, 0.3), (2.5, 0.3), (1.3, 3.0))
+    ]
+    assert faint == [False, True, False, False]
+
+
 def test_motion_between_the_frames_is_not_taken_for_noise():
     clip = recorded(imprint(0), noise_grey=0)
     frames = clip.frames.copy()
@@ -89,7 +97,7 @@ def test_frames_that_are_fed_twice_do_not_make_noise_vanish():
     noisy = recorded(np.zeros((240, 320)), noise_grey=9.0)
     for order in ([0, 0, 1, 1], [0, 0, 0, 0]):
         pair = change_from_idle(Clip(noisy.frames[order], background=IDLE))
-        assert pair.grey > 1.2
+        assert pair.grey > FAINT_GREY
         assert not pair.is_beyond_noise
 
 
