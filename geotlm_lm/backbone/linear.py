@@ -5,7 +5,11 @@ from __future__ import annotations
 import torch
 from torch import Tensor, nn
 
-_ONEDNN = getattr(torch.ops.mkldnn, "_linear_pointwise", None)
+_ONEDNN = (
+    getattr(torch.ops.mkldnn, "_linear_pointwise", None)
+    if torch.backends.mkldnn.is_available()
+    else None
+)
 """oneDNN's product in float32, the one `torch.compile` emits, without a compiler's start-up. An
 operator of torch's own that other releases may lack; `nn.Linear` alone is offered to users and goes
 through MKL, which leaves half of an AMD processor's vector units idle: 202 tokens of width 160 to
