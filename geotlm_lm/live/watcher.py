@@ -2,9 +2,9 @@
 
 A window is four samples a fixed time apart, as many frames as an answer looks at. Every new sample
 completes a window; the model perceives it only where something touches, and the language model not
-at all. Measured on one thread of an AMD EPYC (medians, simulated 224 px frames): 27 ms a window,
-2.8 ms for each frame's comparison with the idle gel. At 25 frames a second and a window every third
-frame that is three tenths of one core; `geotlm-lm watch` prints both figures at its end.
+at all. Measured on one thread of an AMD EPYC (medians, simulated 224 px frames): 17 ms a window,
+1.9 ms for each frame's comparison with the idle gel. At 25 frames a second and a window every third
+frame that is two tenths of one core; `geotlm-lm watch` prints both figures at its end.
 """
 
 from __future__ import annotations
