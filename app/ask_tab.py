@@ -227,12 +227,7 @@ def _answer(
 
 
 def _retry(
-    answerer: Answerer,
-    shown: Any,
-    question: str,
-    chat: Messages,
-    facts: list[str],
-    mm_per_px: float | None,
+    answerer: Answerer, shown: Any, question: str, chat: Messages, *stated: Any
 ) -> Iterator[tuple]:
     """Ask the last question of the conversation again, in its old place."""
     asked = [place for place, one in enumerate(chat or []) if one["role"] == "user"]
@@ -240,7 +235,7 @@ def _retry(
         question, chat = _text(chat[asked[-1]]), chat[: asked[-1]]
         if shown is not None:
             shown.session.take_back(question)
-    yield from _answer(answerer, shown, question, chat, facts, mm_per_px)
+    yield from _answer(answerer, shown, question, chat, *stated)
 
 
 def _text(message: dict[str, Any]) -> str:

@@ -68,7 +68,8 @@ ALIGNED_AT = PATCH_INPUT_DIM - 2 * ALIGNMENT_CHANNELS
 """Place of the aligned relief's displacement x among a patch's inputs; displacement y follows."""
 
 LAST_STEP = [ALIGNED_AT + start + place for start in (0, ALIGNMENT_CHANNELS) for place in (4, 5)]
-"""Places of what is told of the step from the frame before, for the relief and the residual."""
+"""Places of the gain over rest and the correlation of the step from the frame before, for the
+relief and then for the residual."""
 
 AT_REST = np.array([0.0, 1.0, 0.0, 1.0], np.float32)
 """What is told there of a frame that repeats the one before: no gain, full correlation; none at all
@@ -132,7 +133,8 @@ def _square(frame: NDArray[np.uint8], idle: NDArray[np.uint8]) -> Floats:
         # OpenCV averages whole squares of bytes in a tenth of the time.
         frame, idle = (cv2.resize(one, size, interpolation=how) for one in (frame, idle))
         return cv2.subtract(frame, idle, dtype=cv2.CV_32F)
-    # Elsewhere floats take no longer than bytes, and this way the idle gel is not resized.
+    # Elsewhere subtracted first, so that the idle gel is not resized: at 640 x 480 it takes three
+    # quarters of the time; only at 3840 x 2160 half again as much.
     return cv2.resize(cv2.subtract(frame, idle, dtype=cv2.CV_32F), size, interpolation=how)
 
 

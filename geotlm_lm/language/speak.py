@@ -61,7 +61,7 @@ class Speaker:
             )
         self.model = model.eval()
         self.processor = processor
-        self._trees: dict[tuple[str, ...], tuple[list[list[int]], AnswerTree]] = {}
+        self._trees: dict[tuple[str, ...], AnswerTree] = {}
 
     @classmethod
     def load(cls, folder: str | Path) -> Speaker:
@@ -141,22 +141,23 @@ class Speaker:
             raise ValueError("score needs at least one option")
         fused_token = self._checked(fused_token, (self.model.fused_width,))
         prompt = torch.tensor([self.processor.prompt(question)])
-        answers, tree = self._tree(tuple(options))
+        tree = self._tree(tuple(options))
         hidden, cache = self._read(fused_token[None], prompt)
         logits = self.model.logits(hidden[0, -1:])
         if tree.ids.numel():
             logits = torch.cat([logits, self._continue(tree, cache)])
         logits = logits.log_softmax(-1)
         followed = tree.followed(logits)
-        written = None if followed is None else self.processor.decode(answers[followed])
+        written = (
+            None if followed is None else self.processor.decode(tree.answers[followed].tolist())
+        )
         return Weighed(tree.log_likelihoods(logits).double().numpy(), written)
 
-    def _tree(self, options: tuple[str, ...]) -> tuple[list[list[int]], AnswerTree]:
-        """Return the tokens of some options and their tree; kept, few sets are ever asked for."""
+    def _tree(self, options: tuple[str, ...]) -> AnswerTree:
+        """Return the tree of some options; kept, as few sets are ever asked for."""
         found = self._trees.get(options)
         if found is None:
-            answers = [self.processor.answer(option) for option in options]
-            found = answers, AnswerTree.of(answers)
+            found = AnswerTree.of([self.processor.answer(option) for option in options])
             if len(self._trees) >= MOST_TREES:
                 self._trees.clear()
             self._trees[options] = found

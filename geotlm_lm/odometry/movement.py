@@ -13,6 +13,7 @@ from geotlm_lm.backbone.stem import (
     CELLS,
     FLOW_CHANNELS,
     FLOW_SCALE_PX,
+    LAST_STEP,
     MAGNIFICATION_AT,
 )
 from geotlm_lm.core.geometry import IMAGE_SIDE, REGIONS, pixel_aspect
@@ -24,9 +25,6 @@ ALIGNMENTS = (0, 2, 6, 8)
 """Places of the displacements behind `ALIGNED_AT`: laid on the first frame and summed over the
 steps, of the relief and of the residual."""
 
-QUALITIES = (4, 5, 10, 11)
-"""Places of the alignments' gain over rest and correlation."""
-
 FLOWS = (RESIDUAL_CHANNELS, RESIDUAL_CHANNELS + FLOW_CHANNELS)
 """Places of the optical flow of the residual and of the relief."""
 
@@ -36,7 +34,7 @@ FLOOR = 0.3
 SQUARE_ASPECT = pixel_aspect(IMAGE_SIDE, IMAGE_SIDE)
 """Of the simulator's pictures."""
 
-MOVEMENT_DIM = 2 * (1 + 2 * len(ALIGNMENTS) + len(FLOWS)) + 2 * len(QUALITIES) + 2
+MOVEMENT_DIM = 2 * (1 + 2 * len(ALIGNMENTS) + len(FLOWS)) + 2 * len(LAST_STEP) + 2
 """Numbers that describe how far a clip's imprint moved."""
 
 
@@ -72,7 +70,7 @@ def movement(inputs: Tensor, geometry: Geometry, aspect: float = SQUARE_ASPECT) 
     turn_deg = torch.stack(turns, dim=1).rad2deg().abs()
     travel_px = torch.stack(travels, dim=1).norm(dim=2) * side[:, None]
     sizes = torch.stack([turn_deg, travel_px], dim=2).flatten(1)
-    fits = [inputs[..., ALIGNED_AT + place].mean(dim=(2, 3)) for place in QUALITIES]
+    fits = [inputs[..., place].mean(dim=(2, 3)) for place in LAST_STEP]
     mass = geometry.region_mass[:, REGIONS.index("global")].float()
     whole = torch.stack([side.log(), mass], dim=1)
     return torch.cat([(FLOOR + sizes).log(), *fits, whole], dim=1)

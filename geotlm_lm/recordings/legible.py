@@ -13,6 +13,9 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.ranked import ranked
 
+Colours = NDArray[np.uint8]
+"""Pixels, colour first: (3, frames, rows, columns), or (3, rows, columns) of one image."""
+
 DARK_GREY = 8
 """A pixel counts as black up to this level in every colour."""
 
@@ -41,9 +44,6 @@ MOST_CHANGE_GREY = 12.0
 
 MOST_OFFSET_GREY = 25.0
 """The same against the idle gel, where a large contact counts too: at most 6, and 19."""
-
-Colours = NDArray[np.uint8]
-"""Pixels, colour first: (3, frames, rows, columns), or (3, rows, columns) of one image."""
 
 FEWEST_PX = 24
 """Side of the smallest frame: of 60 simulated clips brought to 28 pixels 58 were told right, to 8
