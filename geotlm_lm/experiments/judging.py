@@ -87,13 +87,20 @@ def tally(verdicts: Sequence[Verdict]) -> dict[str, Any]:
         "accuracy_of_answers": len(sure[RIGHT]) / len(answered) if answered else None,
         "confidence": sum(answered) / len(answered) if answered else None,
         "confidence_wrong": max(sure[WRONG], default=None),
-        "confidently_wrong": sum(value >= CONFIDENT for value in sure[WRONG]),
-        "false_directions": sum(
-            one.outcome == WRONG and one.motion in DIRECTED for one in verdicts
-        ),
+        "false_directions": _wrong(verdicts, 0.0, claims=True),
+        "confident_false_directions": _wrong(verdicts, CONFIDENT, claims=True),
+        "confident_oversights": _wrong(verdicts, CONFIDENT, claims=False),
         "says": worst.says,
         "slowest_s": max(one.seconds for one in verdicts),
     }
+
+
+def _wrong(verdicts: Sequence[Verdict], least: float, *, claims: bool) -> int:
+    """Count wrong answers of a probability of `least` or more that claim a direction, or do not."""
+    return sum(
+        one.outcome == WRONG and one.confidence >= least and (one.motion in DIRECTED) == claims
+        for one in verdicts
+    )
 
 
 _GRAVITY = (RIGHT, ABSTAINED, REFUSED, WRONG, CRASHED)

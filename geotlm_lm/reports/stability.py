@@ -73,21 +73,23 @@ def summary(record: RunRecord) -> str:
     """Return what fails, by name: crashes, and answers that are wrong at 0.9 or more."""
     rows = record.numbers["rows"]
     crashed = [_name(row) for row in rows if row["crashed"]]
-    sure = sorted(
-        (row for row in rows if row["confidently_wrong"]),
-        key=lambda row: -row["confidently_wrong"] / row["clips"],
-    )
-    named = ", ".join(
-        f"{_name(row)} {row['confidently_wrong']}/{row['clips']}" for row in sure[:NAMED_ROWS]
-    )
-    more = f", and {len(sure) - NAMED_ROWS} rows more" if len(sure) > NAMED_ROWS else ""
     lines = [
         f"- crashed: {', '.join(crashed) or 'none'} of {len(rows)} rows",
-        f"- wrong at a probability of 0.9 or more: {named or 'none'}{more}",
+        f"- a wrong direction at 0.9 or more: {_named(rows, 'confident_false_directions')}",
+        f"- a touch or motion overlooked at 0.9 or more: {_named(rows, 'confident_oversights')}",
         f"- slowest answer: {max(row['slowest_s'] for row in rows):.1f} s",
         f"- {_falls_together(rows)}",
     ]
     return "\n".join(lines)
+
+
+def _named(rows: list[dict[str, Any]], count: str) -> str:
+    """Return the rows with most of what `count` counts, and how many of their clips that is."""
+    found = [row for row in rows if row[count]]
+    found.sort(key=lambda row: -row[count] / row["clips"])
+    named = ", ".join(f"{_name(row)} {row[count]}/{row['clips']}" for row in found[:NAMED_ROWS])
+    more = f", and {len(found) - NAMED_ROWS} rows more" if len(found) > NAMED_ROWS else ""
+    return (named or "none") + more
 
 
 def outcome_table(record: RunRecord) -> str:

@@ -110,8 +110,9 @@ def test_the_models_stability_is_recorded_tabled_and_drawn(tmp_path, monkeypatch
     from geotlm_lm.experiments import model_stability
 
     row = {"group": "extreme", "case": "black", "level": "-", "unit": "", "clips": 1}
-    row |= dict.fromkeys(("right", "wrong", "abstained", "crashed", "confidently_wrong"), 0)
-    row |= {"refused": 1, "false_directions": 0, "says": "x: is black", "slowest_s": 0.25}
+    row |= dict.fromkeys(("right", "wrong", "abstained", "crashed", "false_directions"), 0)
+    row |= dict.fromkeys(("confident_false_directions", "confident_oversights"), 0)
+    row |= {"refused": 1, "says": "x: is black", "slowest_s": 0.25}
     row |= dict.fromkeys(("accuracy_of_answers", "confidence", "confidence_wrong"))
 
     def stressed(answerer, *, seed, clips, command, progress):
@@ -128,7 +129,7 @@ def test_the_models_stability_is_recorded_tabled_and_drawn(tmp_path, monkeypatch
     assert done.exit_code == 0, done.exception
     assert done.stdout.splitlines()[:2] == [
         "- crashed: none of 1 rows",
-        "- wrong at a probability of 0.9 or more: none",
+        "- a wrong direction at 0.9 or more: none",
     ]
     record = RunRecord.load(tmp_path / "s.json")
     assert (record.seed, record.config["clips"]) == (5, 3)

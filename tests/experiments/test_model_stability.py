@@ -120,14 +120,17 @@ def test_a_row_counts_outcomes_and_quotes_the_gravest():
             Verdict("right", 0.8, "yes", 0.1),
             Verdict("wrong", 0.95, "no", 0.3, Motion.LEFT),
             Verdict("wrong", 0.5, "hm", 0.1, Motion.STILL),
+            Verdict("wrong", 0.75, "hm", 0.1, Motion.UP),
+            Verdict("wrong", 0.9, "hm", 0.1, Motion.NONE),
             Verdict("refused", 0.0, "black", 0.1),
         ]
     )
-    assert (row["right"], row["wrong"], row["refused"], row["crashed"]) == (1, 2, 1, 0)
-    assert row["accuracy_of_answers"] == pytest.approx(1 / 3)
-    assert row["confidence"] == pytest.approx(0.75)
-    assert (row["confidence_wrong"], row["confidently_wrong"]) == (0.95, 1)
-    assert row["false_directions"] == 1
+    assert (row["right"], row["wrong"], row["refused"], row["crashed"]) == (1, 4, 1, 0)
+    assert row["accuracy_of_answers"] == pytest.approx(1 / 5)
+    assert row["confidence"] == pytest.approx(0.78)
+    assert row["confidence_wrong"] == 0.95
+    assert (row["false_directions"], row["confident_false_directions"]) == (2, 1)
+    assert row["confident_oversights"] == 1
     assert (row["says"], row["slowest_s"]) == ("no", 0.3)
 
 

@@ -18,8 +18,9 @@ def row(case, level="-", group="damage", **values):
         "accuracy_of_answers": None,
         "confidence": None,
         "confidence_wrong": None,
-        "confidently_wrong": 0,
         "false_directions": 0,
+        "confident_false_directions": 0,
+        "confident_oversights": 0,
         "says": "Clockwise.",
         "slowest_s": 0.2,
     } | values
@@ -35,8 +36,8 @@ ROWS = [
         accuracy_of_answers=0.5,
         confidence=0.7,
         confidence_wrong=0.96,
-        confidently_wrong=1,
         false_directions=1,
+        confident_false_directions=1,
     ),
     row("black", group="extreme", refused=4, says="x: 100% of | frame 0 is black"),
     row("friction 1e6", group="stiff scene", crashed=1, slowest_s=3.0, solver="good, converged"),
@@ -67,7 +68,8 @@ def record():
 def test_the_summary_names_crashes_and_confident_mistakes(record):
     assert summary(record).splitlines() == [
         "- crashed: stiff scene: friction 1e6 of 4 rows",
-        "- wrong at a probability of 0.9 or more: small, 8 px 1/4",
+        "- a wrong direction at 0.9 or more: small, 8 px 1/4",
+        "- a touch or motion overlooked at 0.9 or more: none",
         "- slowest answer: 3.0 s",
         "- mean probability less share right, over the levels of damage: +0.05 on average, "
         "+0.20 at worst (small, 8 px)",
