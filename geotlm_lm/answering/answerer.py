@@ -37,6 +37,7 @@ from geotlm_lm.answering.several import (
 from geotlm_lm.answering.streaming import Listener, StandingWords, pieces
 from geotlm_lm.answering.withholding import is_contradicted, plain
 from geotlm_lm.checkpoint import Bundle, load_bundle
+from geotlm_lm.conversation.claims import without_adverbs
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind
@@ -163,15 +164,14 @@ class Answerer:
         if not stated.rest:
             noted = plain(encoded, f"Noted: {known(stated.frame)}.", "frame", stated.frame)
             return replace(noted, abstained=False, confidence=1.0)
-        kind = asked_kind(stated.rest)
+        asked, frame = without_adverbs(stated.rest), stated.frame
+        kind = asked_kind(asked)
         if kind is not None and kind not in self.bundle.grammar.kinds:
-            answer = by_rule(self.bundle, encoded, stated.rest, kind, stated.frame)
+            answer = by_rule(self.bundle, encoded, asked, kind, frame)
         else:
-            words = listen and StandingWords(
-                self.bundle, encoded, stated.rest, stated.frame, listen
-            )
-            answer = in_words(self.bundle, encoded, stated.rest, stated.frame, words)
-        return with_lean(self.bundle, encoded, stated.rest, answer)
+            words = listen and StandingWords(self.bundle, encoded, asked, frame, listen)
+            answer = in_words(self.bundle, encoded, asked, frame, words)
+        return with_lean(self.bundle, encoded, asked, answer)
 
     def stream(
         self, encoded: Encoded, question: str, *, frame: FrameSpec = CAMERA

@@ -28,11 +28,13 @@ from geotlm_lm.answering.withholding import plain, unless_withheld
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.claims import (
-    claimed_class,
+    claimed,
     claimed_motion,
+    claims_end,
     claims_motion,
     motions_named,
     nearly_named,
+    offered_options,
 )
 from geotlm_lm.conversation.kinds import (
     LATER_KINDS,
@@ -50,7 +52,7 @@ from geotlm_lm.conversation.retell import (
     retell,
 )
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import Motion, motion_class
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
 
 NOT_UNDERSTOOD = "I found no words for that; ask how the touched object moves."
@@ -77,6 +79,9 @@ NEEDS_MORE = {
 
 FROM_DIRECTION = "Told by rule from the direction: this model was not trained for {}."
 FROM_GEOMETRY = "Told by rule from the geometry: this model was not trained for evidence."
+
+VERDICTS = ("verify", "negation", "premise")
+"""Kinds whose answers say yes or no to a claim, and tell the motion with it."""
 
 _ASKED_ABOUT = {
     "negation": "denied claims",
@@ -106,22 +111,26 @@ def in_words(
             return _from_open_question(bundle, encoded, question, kind, frame)
         heard = _heard_again(bundle, encoded, question, heard, kind)
     slots = heard.slots
+    if passes_over_moving(slots, question):
+        heard = _heard_again(bundle, encoded, question, heard, "moving")
+        slots = heard.slots
+    if passes_over_a_claim(slots, question):
+        return _from_open_question(bundle, encoded, question, "verify", frame)
+    if passes_over_a_choice(slots, question):
+        return _from_open_question(bundle, encoded, question, "choice", frame)
     if slots is None:
         answer = plain(encoded, NOT_UNDERSTOOD, None, frame, heard.timing_ms)
         return replace(answer, options=heard.options)
     if answers_what_it_cannot(slots, question) and "refusal" in bundle.grammar.kinds:
         text = bundle.grammar.sentence(Slots("refusal"))
         return plain(encoded, text, "refusal", frame, heard.timing_ms)
-    if passes_over_a_claim(slots, question):
-        return _from_open_question(bundle, encoded, question, "verify", frame)
-    if passes_over_moving(slots, question):
-        heard = _heard_again(bundle, encoded, question, heard, "moving")
-        slots = heard.slots
     if slots.kind in NEEDS_MORE:
         return plain(encoded, NEEDS_MORE[slots.kind], slots.kind, frame, heard.timing_ms)
     if slots.kind == "confidence":
         return _from_open_question(bundle, encoded, question, slots.kind, frame)
     if denies_nothing(slots, question):
+        return _from_open_question(bundle, encoded, question, slots.kind, frame)
+    if slots.kind in VERDICTS and denies_the_open_answer(slots, open_motion(bundle, encoded)):
         return _from_open_question(bundle, encoded, question, slots.kind, frame)
     if contradicts_itself(slots, question):
         heard = replace(heard, slots=replace(slots, verdict=None))
@@ -165,6 +174,25 @@ def _heard_again(
     return replace(again, timing_ms=spent)
 
 
+def open_motion(bundle: Bundle, encoded: Encoded) -> Motion | None:
+    """Return the motion that the model tells when it is asked openly, in the camera image."""
+    slots = hear(bundle, encoded, OPEN_QUESTION).slots
+    return slots and slots.direction
+
+
+def denies_the_open_answer(slots: Slots, motion: Motion | None) -> bool:
+    """Tell whether a verdict is told with another motion than the open question is answered with.
+
+    Of 68 real turns 14 were told to slide when asked whether they do, and 66 told rightly when
+    asked openly: one clip must not move in two ways, and the open answer is the surer one.
+
+    Args:
+        slots: Of the verdict.
+        motion: What the model tells when it is asked openly; None where that does not parse.
+    """
+    return motion is not None and slots.direction != motion
+
+
 def denies_nothing(slots: Slots, question: str) -> bool:
     """Tell whether a "no" answers a question in which no rule finds a motion to say no to.
 
@@ -175,7 +203,7 @@ def denies_nothing(slots: Slots, question: str) -> bool:
     return is_no and not motions_named(question) and not nearly_named(question)
 
 
-def passes_over_a_claim(slots: Slots, question: str) -> bool:
+def passes_over_a_claim(slots: Slots | None, question: str) -> bool:
     """Tell whether the model declines to judge a claim of motion, or speaks of another thing.
 
     It may tell of contact, or that it moves and not how: the claim's words are then new to it. What
@@ -184,8 +212,12 @@ def passes_over_a_claim(slots: Slots, question: str) -> bool:
     """
     if asked_kind(question) is not None or not claims_motion(question):
         return False
-    of_contact = claimed_motion(question) in (Motion.PRESS, Motion.STILL)
-    return slots.kind in ("refusal", "moving") or (slots.kind == "contact" and not of_contact)
+    if slots is None:
+        return True
+    is_over = claims_end(question)
+    of_contact = not is_over and claimed_motion(question) in (Motion.PRESS, Motion.STILL)
+    of_motion = slots.kind in ("refusal", "moving", "class", "direction")
+    return of_motion or (slots.kind == "contact" and not of_contact)
 
 
 def answers_what_it_cannot(slots: Slots, question: str) -> bool:
@@ -193,9 +225,30 @@ def answers_what_it_cannot(slots: Slots, question: str) -> bool:
     return slots.kind != "refusal" and asks_beyond_touch(question)
 
 
-def passes_over_moving(slots: Slots, question: str) -> bool:
-    """Tell whether the model declines to say whether it moves, or speaks of contact instead."""
-    return slots.kind in ("refusal", "contact") and asks_whether_moving(question)
+def passes_over_moving(slots: Slots | None, question: str) -> bool:
+    """Tell whether the model speaks of another thing where the words ask whether it moves."""
+    passes = slots is None or slots.kind in ("refusal", "contact", "verify")
+    return passes and asks_whether_moving(question)
+
+
+def passes_over_a_choice(slots: Slots | None, question: str) -> bool:
+    """Tell whether the model gives another answer than one of the motions it may choose among.
+
+    It has read letters before their options alone; "cw/ccw?" offers two without any.
+    """
+    if asked_kind(question) is not None:
+        return False
+    offered = offered_options(question)
+    if len(offered) > 1:
+        if (
+            slots is None
+            or slots.kind != "choice"
+            or not offered.keys() <= offered_letters(question)
+        ):
+            return True
+        return offered.get(slots.letter, slots.direction) != slots.direction
+    is_verdict = slots is not None and slots.kind in VERDICTS
+    return is_verdict and claimed(question) is None and len(motions_named(question)) > 1
 
 
 def contradicts_itself(slots: Slots, question: str) -> bool:
@@ -205,13 +258,12 @@ def contradicts_itself(slots: Slots, question: str) -> bool:
     not know for another claim. The rules read the claim of all of 3,600 questions from the
     templates rightly, a quarter of their wordings held out of training.
     """
-    if slots.verdict is None or slots.kind not in ("verify", "negation", "premise"):
+    claims = claimed(question)
+    if slots.verdict is None or slots.kind not in VERDICTS or claims is None:
         return False
-    claim, kind = claimed_motion(question), claimed_class(question)
-    if claim is not None:
-        return slots.verdict != ((slots.direction == claim) != (slots.kind == "negation"))
-    is_of_a_kind = kind is not None and slots.kind == "verify" and not nearly_named(question)
-    return is_of_a_kind and slots.verdict != (motion_class(slots.direction) == kind)
+    if claimed_motion(question) is None and (slots.kind != "verify" or nearly_named(question)):
+        return False
+    return slots.verdict != ((slots.direction in claims) != (slots.kind == "negation"))
 
 
 def by_rule(bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: FrameSpec) -> Answer:

@@ -9,6 +9,7 @@ answer is one of a closed set of sentences.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from queue import SimpleQueue
 from threading import Thread
 from typing import Any
@@ -17,10 +18,14 @@ from geotlm_lm.answering.answer import Encoded, deciding_word
 from geotlm_lm.answering.hearing import NEVER_DOUBTED, Scores, is_doubtful
 from geotlm_lm.answering.replying import (
     NEEDS_MORE,
+    VERDICTS,
     answers_what_it_cannot,
     contradicts_itself,
     denies_nothing,
+    denies_the_open_answer,
     is_as_seen,
+    open_motion,
+    passes_over_a_choice,
     passes_over_a_claim,
     passes_over_moving,
 )
@@ -50,6 +55,7 @@ class StandingWords:
         self, bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, tell: Listener
     ) -> None:
         self._tell, self._told = tell, ""
+        self._open_motion = cache(lambda: open_motion(bundle, encoded))
         self._stands = {
             sentence: slots if stands(bundle, encoded, question, frame, slots) else None
             for kind in bundle.grammar.kinds
@@ -64,6 +70,10 @@ class StandingWords:
             return
         if len({slots.kind for slots in possible}) > 1:
             return  # to weigh the answers of several kinds takes longer than the next word
+        if possible[0].kind in VERDICTS and any(
+            denies_the_open_answer(slots, self._open_motion()) for slots in possible
+        ):
+            return
         if not any(_is_withheld(slots, scores) for slots in possible):
             self._tell(text[len(self._told) :])
             self._told = text
@@ -81,7 +91,9 @@ def stands(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, sl
         return False
     if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RETOLD or denies_nothing(slots, question):
         return False
-    if passes_over_a_claim(slots, question) or passes_over_moving(slots, question):
+    if passes_over_a_claim(slots, question) or passes_over_a_choice(slots, question):
+        return False
+    if passes_over_moving(slots, question):
         return False
     if is_contradicted(encoded, slots) or contradicts_itself(slots, question):
         return False

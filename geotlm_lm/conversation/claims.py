@@ -11,6 +11,11 @@ _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 
 _TOWARDS, _EDGE = r"\b(?:to|towards?)(?: the)?", r"(?:edge|border|side|end)\b"
 
+_LOST_CONTACT = (
+    r"\b(?:lost|los(?:e|es|ing)|broken?|breaks?|ended) (?:the |its |all )?contact\b"
+    r"|\bcontact (?:(?:is|was|has|been|being|just|already) ){0,3}(?:lost|gone|broken|ended|over)\b"
+)
+
 _NO_MOTION = re.compile(
     r"am i right|(?:what|which|option|answer|letter|one) is right|(?:is|was|sounds?) that right"
     r"|(?:are|be) right|right (?:or wrong|that|to say|now)"
@@ -26,7 +31,8 @@ NAMES: tuple[tuple[Motion, str], ...] = (
     (
         Motion.NONE,
         r"\bno contact\b|\bnot (?:touching|in contact)\b|\buntouched\b|\bout of contact\b"
-        rf"|\baway from the {_GEL}\b|\boff the {_GEL} entirely\b|\bempty {_GEL}\b|\bnothing\b",
+        rf"|\baway from the {_GEL}\b|\boff the {_GEL} entirely\b|\bempty {_GEL}\b|\bnothing\b"
+        rf"|{_LOST_CONTACT}",
     ),
     (
         Motion.STILL,
@@ -47,7 +53,7 @@ clockwise turn and "pressing down" no slide."""
 
 CLASS_NAMES: tuple[tuple[MotionClass, str], ...] = (
     (MotionClass.ROTATION, r"\b(?:turn|rotat|twist|spin|spun|swivel|revolv)\w*"),
-    (MotionClass.SLIDE, r"\b(?:slid|slip|drag|glid|skid)\w*"),
+    (MotionClass.SLIDE, r"\b(?:slid|slip|drag|glid|skid|translat)\w*"),
 )
 """Words of a kind of motion that leave its direction open."""
 
@@ -69,6 +75,16 @@ _VERBS: tuple[tuple[MotionClass, str], ...] = (
 )
 """What the touched object does by itself: no "turntable", "my turn", "turns out", "I turned it"."""
 
+_ENDED = re.compile(
+    r"\b(?:stop(?:s|ped|ping)?|ceas(?:e|es|ed|ing)|halt(?:s|ed|ing)?|no longer|stationary"
+    r"|c[oa]m(?:e|es|ing) to (?:rest|a (?:rest|stop|halt|standstill))|at a standstill)\b"
+)
+"""Says that a motion is over: who asks whether it stopped turning claims that it does not turn."""
+
+_AT_REST = frozenset({Motion.STILL, Motion.NONE})
+
+_ANOTHER_TIME = re.compile(r"\b(?:will|would|should|who|why|before|again|later|next)\b")
+
 _DENIED = re.compile(r"n't\b|\b(?:not|never|no longer|stop\w*|instead|if|would|unless)\b")
 
 _YES_OR_NO = re.compile(
@@ -85,6 +101,9 @@ _PREDICATES = re.compile(
     rf"|\b(?:does|do|did|doesn't|didn't) (?:\w+ ){{1,4}}?{_NO_ARTICLE}"
     r"(?:turn|rotate|twist|spin|swivel|slide|slip|drag|glide|skid|move|go|head|travel|shift|creep"
     r"|drift|press|push|lift|release|rest)\b"
+    r"|\b(?:is|was|isn't|wasn't) (?:it|this|that|there) (?:an? |any |some )?"
+    r"(?:(?:pure|simple|real|clean) )?"
+    r"(?:turn|twist|rotation|spin|slide|slip|slippage|translation|press|release)\b"
 )
 """What is done, where a yes-or-no question asks whether it is: "is the cable slipping", and neither
 "is the slippery cable" nor "does the slide rule"."""
@@ -118,7 +137,12 @@ ALIKE = 0.85
 """Similarity from which a word may be a mistyped other one: of "pressing" without an s it is 0.93,
 of "shifting" and "lifting" 0.80."""
 
-_OPTION = re.compile(r"(?<![A-Z])\(?([A-D])[).:]\s*(.*?)(?=[,;]?\s*\(?(?<![A-Z])[A-D][).:]|$)")
+_LETTER = r"(?:(?<![A-Z])[A-D](?=[).:])|(?<![\d.])[1-4](?=\)))"
+_OPTION = re.compile(rf"\(?({_LETTER})[).:]\s*(.*?)(?=[,;]?\s*\(?{_LETTER}|$)")
+_OPTION_BEFORE = re.compile(r"([^()]*)\(([A-D1-4])\)")
+
+
+_STILL_GOING = re.compile(r"\bstill (?=\w+ing\b|in contact\b)", re.IGNORECASE)
 
 
 def motions_named(text: str) -> set[Motion]:
@@ -153,6 +177,28 @@ def claimed_class(text: str) -> MotionClass | None:
     return named[0] if len(named) == 1 else None
 
 
+def claims_end(text: str) -> bool:
+    """Tell whether a yes-or-no question claims that a motion, or the contact, is over."""
+    text = " ".join(text.lower().split())
+    if not _YES_OR_NO.search(text) or _ANOTHER_TIME.search(text):
+        return False
+    return bool(_ENDED.search(text) or re.search(_LOST_CONTACT, text))
+
+
+def claimed(question: str) -> frozenset[Motion] | None:
+    """Return the motions of which a yes to `question` would be true; None if it claims none.
+
+    A claim of a motion, of a kind of motion, or of the end of either: what has stopped turning may
+    do anything but turn, and what has stopped neither turns nor slides nor presses.
+    """
+    motion, kind = claimed_motion(question), claimed_class(question)
+    named = {motion} - {None} or {one for one in Motion if motion_class(one) == kind}
+    text = " ".join(question.lower().split())
+    if claims_end(text) and _ENDED.search(text):
+        return frozenset(set(Motion) - named) if named else _AT_REST
+    return frozenset(named) or None
+
+
 def presumed_class(text: str) -> MotionClass | None:
     """Return the kind of motion that an open question takes for granted: "Which way does it turn?".
 
@@ -177,14 +223,27 @@ def claims_motion(text: str) -> bool:
     about contact, about any motion at all or beyond touch, none passes for one.
     """
     text = " ".join(text.lower().split())
+    if claims_end(text):
+        return True
     if _OF_SOMETHING_ELSE.search(text) or not _PREDICATES.search(text):
         return False
     return claimed_motion(text) is not None or claimed_class(text) is not None
 
 
 def offered_options(question: str) -> dict[str, Motion]:
-    """Return the motions a multiple choice offers, by letter; those not understood are left out."""
-    found = {
-        letter: claimed_motion(text) for letter, text in _OPTION.findall(question.strip().upper())
-    }
-    return {letter: motion for letter, motion in found.items() if motion is not None}
+    """Return the motions a multiple choice offers, by letter or number.
+
+    Each stands before its option, "A) left", or in brackets behind it, "left (A)". Options that are
+    not understood are left out.
+    """
+    text = question.strip().upper()
+    found = _OPTION.findall(text)
+    if found and not motions_named(found[-1][1]):
+        found = [(letter, option) for option, letter in _OPTION_BEFORE.findall(text)]
+    named = {letter: claimed_motion(option) for letter, option in found}
+    return {letter: motion for letter, motion in named.items() if motion is not None}
+
+
+def without_adverbs(question: str) -> str:
+    """Return a question without the "still" of "is it still turning?", which claims no rest."""
+    return _STILL_GOING.sub("", question)

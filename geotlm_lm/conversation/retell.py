@@ -19,7 +19,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from geotlm_lm.conversation.claims import claimed_class, claimed_motion, offered_options
+from geotlm_lm.conversation.claims import claimed, offered_options
 from geotlm_lm.conversation.wording import clause, level, name, place, sentence
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import (
@@ -28,7 +28,6 @@ from geotlm_lm.core.labels import (
     SLIDES,
     Motion,
     mirror,
-    motion_class,
     reverse,
 )
 
@@ -208,16 +207,12 @@ _VERDICTS = {
 def _judged(felt: Felt) -> Told:
     """Compare the claim in the question with the motion, both in the frame."""
     frame = felt.frame
-    claim = claimed_motion(felt.question)
-    kind = claimed_class(felt.question)
-    if kind is not None:
-        claims = [motion for motion in Motion if motion_class(motion) == kind]
-        return _verdict(felt, felt.motion in claims, claims)
-    if claim is None and felt.verdict is not None and felt.verdict != (felt.kind == "negation"):
-        claim = felt.motion  # the model found the claim true of the camera image
-    if claim is None:
+    claims = claimed(felt.question)
+    if claims is None and felt.verdict is not None and felt.verdict != (felt.kind == "negation"):
+        claims = {felt.motion}  # the model found the claim true of the camera image
+    if claims is None:
         return _open(felt)
-    true = [motion for motion in Motion if frame.tell(motion) == claim]
+    true = [motion for motion in Motion if frame.tell(motion) in claims]
     return _verdict(felt, felt.motion in true, true)
 
 

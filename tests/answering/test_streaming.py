@@ -43,7 +43,7 @@ def test_the_pieces_of_every_answer_are_its_text(bundle, encoded, kind, frame, t
 @pytest.mark.parametrize(("kind", "parts"), [("direction", True), ("mirrored", False)])
 def test_own_words_come_in_pieces_and_those_of_a_rule_in_one(bundle, encoded, kind, parts):
     sentence = bundle.grammar.options_for(kind)[0]
-    words, _ = streamed(answerer_saying(bundle, {"*": sentence}), encoded, QUESTION)
+    words, _ = streamed(answerer_saying(bundle, {"*": sentence}), encoded, "Which way?")
     assert (len(words) > 3) == parts
 
 
@@ -66,7 +66,7 @@ def test_a_direction_that_is_doubtful_is_never_begun(bundle, encoded):
 def test_words_that_are_no_answer_are_told_apart_by_the_answer(bundle, encoded):
     answerer = answerer_saying(bundle, {"*": "Left, in the camera, I suppose."})
     answerer.bundle.speaker.likes = "Left, in the camera image."
-    words, answer = streamed(answerer, encoded, QUESTION)
+    words, answer = streamed(answerer, encoded, "Which way?")
     assert "".join(words) == "Left, in the camera"[: len("".join(words))]
     assert len(words) > 3
     assert answer.text.startswith("I found no words for that")

@@ -3,6 +3,7 @@
 import pytest
 
 from geotlm_lm.answering import OPEN_QUESTION
+from geotlm_lm.answering.hearing import MOVING_QUESTION
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
 from tests.answering.scripted import answerer_saying, recording
@@ -118,3 +119,74 @@ def test_a_claim_of_motion_in_new_words_is_not_passed_over(bundle, passed_over):
     *told, streamed = answerer.stream(encoded, question)
     assert "".join(told) == streamed.text == answer.text
     assert answerer.ask(encoded, "Is the cable mine?").text == passed_over
+
+
+@pytest.mark.parametrize(
+    ("question", "felt", "decided"),
+    [
+        ("has it stopped?", Motion.STILL, "yes"),
+        ("has it stopped?", Motion.NONE, "yes"),
+        ("has it stopped?", Motion.CLOCKWISE, "no"),
+        ("did it stop turning?", Motion.LEFT, "yes"),
+        ("did it stop turning?", Motion.CLOCKWISE, "no"),
+        ("is it no longer sliding left?", Motion.LEFT, "no"),
+        ("is it no longer sliding left?", Motion.UP, "yes"),
+        ("is it stationary?", Motion.UP, "no"),
+        ("has it come to a stop?", Motion.STILL, "yes"),
+        ("is the contact lost?", Motion.NONE, "yes"),
+        ("did it lose contact?", Motion.RIGHT, "no"),
+        ("is it still sliding?", Motion.STILL, "no"),
+        ("is it still sliding?", Motion.UP, "yes"),
+        ("is there any slip?", Motion.CLOCKWISE, "no"),
+        ("is it a pure rotation?", Motion.CLOCKWISE, "yes"),
+    ],
+)
+@pytest.mark.parametrize("said", ["It is still: touching but not moving.", "Of the gel."])
+def test_a_claim_is_judged_by_the_motion_told_openly(bundle, question, felt, decided, said):
+    opened = bundle.grammar.sentence(Slots("direction", felt))
+    answerer = answerer_saying(bundle, {"*": said, OPEN_QUESTION: opened})
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert (answer.direction, answer.decided, answer.kind) == (felt, decided, "verify")
+
+
+@pytest.mark.parametrize("verdict", [True, False])
+def test_a_verdict_tells_no_other_motion_than_the_open_answer(bundle, verdict):
+    said = bundle.grammar.sentence(Slots("verify", Motion.DOWN, verdict=verdict))
+    opened = bundle.grammar.sentence(Slots("direction", Motion.CLOCKWISE))
+    answerer = answerer_saying(bundle, {"*": said, OPEN_QUESTION: opened})
+    encoded = answerer.encode(recording())
+    answer = answerer.ask(encoded, "Is it sliding?")
+    assert answer.text == "No, it goes clockwise in the camera image."
+    *words, streamed = answerer.stream(encoded, "Is it sliding?")
+    assert ("".join(words), streamed.decided) == (answer.text, "no")
+
+
+def test_whether_it_still_moves_is_asked_as_whether_it_moves(bundle):
+    said = {"*": "Yes, it is touching but not moving.", MOVING_QUESTION: "Yes, it is moving."}
+    answerer = answerer_saying(bundle, said)
+    answer = answerer.ask(answerer.encode(recording()), "Is it still moving?")
+    assert (answer.text, answer.decided) == ("Yes, it is moving.", "yes")
+
+
+@pytest.mark.parametrize(
+    ("question", "text"),
+    [
+        ("Clockwise (A) or left (B)?", "Left, in the camera image, option B."),
+        ("up (a), left (b), clockwise (c)", "Left, in the camera image, option B."),
+        ("1) right 2) left", "Left, in the camera image, option 2."),
+        ("A) right B) left", "Left, in the camera image, option B."),
+    ],
+)
+@pytest.mark.parametrize("said", ["Left, option A.", "Yes, left in the camera image."])
+def test_a_choice_names_the_option_that_holds_the_motion(bundle, question, text, said):
+    opened = bundle.grammar.sentence(Slots("direction", Motion.LEFT))
+    answerer = answerer_saying(bundle, {"*": said, OPEN_QUESTION: opened})
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert answer.text == text
+
+
+def test_two_ways_without_letters_are_no_claim(bundle):
+    said = {"*": "Yes, left in the camera image.", OPEN_QUESTION: "Left, in the camera image."}
+    answerer = answerer_saying(bundle, said)
+    answer = answerer.ask(answerer.encode(recording()), "cw/ccw?")
+    assert (answer.text, answer.decided) == ("Left, in the camera image.", "left")
