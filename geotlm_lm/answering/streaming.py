@@ -15,20 +15,22 @@ from threading import Thread
 from typing import Any
 
 from geotlm_lm.answering.answer import Encoded, deciding_word
-from geotlm_lm.answering.hearing import NEVER_DOUBTED, Scores, is_doubtful
-from geotlm_lm.answering.replying import (
-    NEEDS_MORE,
+from geotlm_lm.answering.hearing import (
+    NEVER_DOUBTED,
+    OPEN_QUESTION,
+    Scores,
+    hear,
+    is_doubtful,
+)
+from geotlm_lm.answering.overruling import (
     VERDICTS,
     answers_what_it_cannot,
+    asked_openly,
     contradicts_itself,
-    denies_nothing,
     denies_the_open_answer,
-    is_as_seen,
-    open_motion,
-    passes_over_a_choice,
-    passes_over_a_claim,
     passes_over_moving,
 )
+from geotlm_lm.answering.replying import NEEDS_MORE, is_as_seen
 from geotlm_lm.answering.withholding import is_contradicted
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.kinds import is_ruled_out
@@ -55,7 +57,7 @@ class StandingWords:
         self, bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, tell: Listener
     ) -> None:
         self._tell, self._told = tell, ""
-        self._open_motion = cache(lambda: open_motion(bundle, encoded))
+        self._opened = cache(lambda: hear(bundle, encoded, OPEN_QUESTION).slots)
         self._stands = {
             sentence: slots if stands(bundle, encoded, question, frame, slots) else None
             for kind in bundle.grammar.kinds
@@ -71,7 +73,7 @@ class StandingWords:
         if len({slots.kind for slots in possible}) > 1:
             return  # to weigh the answers of several kinds takes longer than the next word
         if possible[0].kind in VERDICTS and any(
-            denies_the_open_answer(slots, self._open_motion()) for slots in possible
+            denies_the_open_answer(slots, self._opened()) for slots in possible
         ):
             return
         if not any(_is_withheld(slots, scores) for slots in possible):
@@ -89,11 +91,9 @@ def stands(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, sl
     """Tell whether a sentence of the model with these slots becomes the answer as it is."""
     if is_ruled_out(question, slots.kind) or answers_what_it_cannot(slots, question):
         return False
-    if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RETOLD or denies_nothing(slots, question):
+    if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RETOLD:
         return False
-    if passes_over_a_claim(slots, question) or passes_over_a_choice(slots, question):
-        return False
-    if passes_over_moving(slots, question):
+    if passes_over_moving(slots, question) or asked_openly(slots, question) is not None:
         return False
     if is_contradicted(encoded, slots) or contradicts_itself(slots, question):
         return False

@@ -11,17 +11,23 @@ import re
 from dataclasses import dataclass, replace
 from typing import Any
 
-from geotlm_lm.core.frame_spec import MM_PER_PX, FrameSpec
+from geotlm_lm.conversation.scale import read_scale
+from geotlm_lm.core.frame_spec import FrameSpec
 
 _IMAGE = (
     r"(?:the |my )?(?:(?:camera|recorded|tactile) )?(?:image|picture|video|clip|recording|camera)"
 )
-_SENSOR = r"(?:the |my )?(?:sensor|gel|pad|camera|gripper|robot)"
+_SENSOR = r"(?:the |my )?(?:sensor|gel|pad|camera|gripper|robot(?: arm)?|finger)"
+_STAYED = (
+    r"(?:stayed|stays|stood|was held|is held|is|was) (?:still|fixed|in place|put|clamped|at rest)"
+    r"|(?:did not|didn't|does not|doesn't)(?: move)?|stood still"
+)
 _OTHER_SIDE = (
     r"(?:the )?(?:objects?'?s?|object's|other|opposite) (?:side|viewpoint|point of view|view)"
 )
 _LOOK = r"(?:(?:i|we)(?:'m| am|'re| are)? |as )?(?:look|looking|see|seen|view|viewing|viewed|told)"
 _MOVED = r"(?:moved|moves|turned|turns|slid|slides|is moving|was moving)"
+_I_MOVED = rf"(?:{_SENSOR} {_MOVED}|(?:i|we) (?:moved?|turned?|rotated?) {_SENSOR})"
 _TOUCHES = r"(?:touch|touches|touched|is on|is at|presses on|sees|see|looks at|look at|holds|grips)"
 _THREADED = r"(?:thread|threads|screw|bolt|nut|threaded)"
 
@@ -33,19 +39,27 @@ _ON_ITS_HEAD = (
 _MOUNTED = r"(?:the |my )?sensor (?:{}) (?:mounted|installed)"
 """A sensor held upside down for once shows the same image; one that is mounted so does not."""
 
+_NOUN = r"(?!image\b|picture\b|video\b|clip\b|camera\b|sensor\b)\w+"
 _IT_IS = r"(?:(?:it is|it's|it has|this is|i have|we have) )?"
-_HAND = rf"(?:(?:it is|it's|it has|this is|the thread is) )?(?:a )?{{}}(?: {_THREADED})?"
+_HAND = (
+    rf"(?:(?:it is|it's|it has|this is|the thread is|(?:the|my) {_NOUN} (?:is|has)) )?"
+    rf"(?:a )?{{}}(?: {_THREADED})?"
+)
 
 _SIDE = (
-    rf"(?:{_SENSOR}|i|we) {_TOUCHES} (?:the|its) {{0}}"
+    rf"(?:{_SENSOR}|i|we) {_TOUCHES} (?:the|its) {{0}}(?: of (?:the|my) \w+)?"
     r"|(?:it is |it's )?(?:touched|gripped|held) (?:at|by|from|on) (?:the|its) {0}(?: side)?"
     rf"|(?:{_LOOK} )?(?:from|at) (?:the|its) {{0}}(?: side)?|(?:the )?{{0}} side"
 )
 
 FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
     (
-        rf"{_IMAGE} (?:is|was) (?:mirrored|flipped)(?: left[ -]to[ -]right)?",
+        rf"{_IMAGE} (?:is|was) (?:mirrored|flipped)(?: left[ -]to[ -]right| horizontally)?",
         {"image_mirrored": True},
+    ),
+    (
+        rf"{_IMAGE} (?:is|was) (?:mirrored|flipped) (?:vertically|top[ -]to[ -]bottom)",
+        {"image_mirrored": True, "image_upside_down": True},
     ),
     (r"(?:a )?mirrored (?:image|camera|video|clip|recording)", {"image_mirrored": True}),
     (r"there(?:'s| is) a mirror in the (?:optics|camera|sensor)", {"image_mirrored": True}),
@@ -74,7 +88,8 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
     (rf"(?:{_LOOK}(?: it)? )?from (?:{_OTHER_SIDE}|behind|the object)", {"viewpoint": "object"}),
     (rf"(?:i am|i'm|i stand|i sit) (?:on|at) {_OTHER_SIDE}", {"viewpoint": "object"}),
     (
-        rf"(?:{_LOOK}(?: it)? )?from (?:the )?(?:sensor|camera)(?:'s side|'s view)?",
+        rf"(?:{_LOOK}(?: it| at it)? )?(?:from (?:behind )?{_SENSOR}(?:'s (?:side|view|viewpoint))?"
+        rf"|through {_SENSOR})",
         {"viewpoint": "sensor"},
     ),
     (
@@ -82,8 +97,13 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
         r"(?:stayed|stays|is fixed|was fixed|stood still|is clamped))?",
         {"actor": "sensor"},
     ),
-    (rf"(?:i|we) moved {_SENSOR}(?:,? (?:and )?not (?:the|my) \w+)?", {"actor": "sensor"}),
-    (r"(?:the|my) object (?:is|was) (?:fixed|clamped)", {"actor": "sensor"}),
+    (
+        rf"{_SENSOR} {_MOVED},? (?:and |but |while )?(?:the|my) \w+ (?:{_STAYED})",
+        {"actor": "sensor"},
+    ),
+    (rf"(?:the|my) \w+ (?:{_STAYED}),? (?:and |but |while )?{_I_MOVED}", {"actor": "sensor"}),
+    (rf"(?:i|we) moved? {_SENSOR}(?:,? (?:and )?not (?:the|my) \w+)?", {"actor": "sensor"}),
+    (r"(?:the|my) object (?:is|was)(?: held)? (?:fixed|clamped)", {"actor": "sensor"}),
     (
         rf"(?:the|my) \w+ {_MOVED},? (?:and )?not {_SENSOR}",
         {"actor": "object"},
@@ -111,24 +131,6 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
 )
 """What may be said, to the letter, and the fields of `FrameSpec` it sets."""
 
-_NUMBER = r"(?P<number>\d+(?:\.\d+)?|\.\d+)"
-_LENGTH = r"(?P<unit>mm|millimet(?:er|re)s?|um|\u00b5m|\u03bcm|microns?|micromet(?:er|re)s?)"
-_PIXEL = r"(?:px|pixels?)"
-_PER = r" ?(?:per|a|/) ?"
-_SCALE_IS = r"(?:(?:(?:the )?(?:scale|resolution) is|it is|it's|at) )?"
-_PIXEL_IS = (
-    rf"(?:(?:a|one|1|each|every) {_PIXEL}|(?:the )?(?:pixel size|size of (?:a|one) {_PIXEL})|"
-    rf"(?:the |my )?pixels)"
-)
-
-_SIZES = (
-    rf"{_SCALE_IS}{_NUMBER} ?{_LENGTH}{_PER}{_PIXEL}",
-    rf"{_PIXEL_IS} (?:is|are|measures?|=) {_NUMBER} ?{_LENGTH}(?: wide| long|{_PER}{_PIXEL})?",
-    rf"mm[_ ]per[_ ]{_PIXEL} ?(?:is|=|:)? ?{_NUMBER}",
-)
-_DENSITY = rf"{_SCALE_IS}{_NUMBER} ?{_PIXEL}{_PER}{_LENGTH}"
-"""How large a pixel is, or how many there are to a length."""
-
 OF_THE_TELLING = ("viewpoint", "actor")
 """Fields that only say how to tell: put before a question by a comma they hold for it alone. The
 others are facts of the world and last."""
@@ -151,6 +153,16 @@ _NO_SUPPOSITION = re.compile(
 )
 """Words before an "if" that ask whether it is so."""
 
+_AS_SEEN = re.compile(
+    rf"(?P<side>\b(?:as |when )?(?:{_LOOK}(?: it)? )?"
+    r"(?<!away )(?<!off )from (?:behind )?(?:the |my )?(?:sensor|camera)"
+    r"(?:'s (?:side|view|viewpoint|point of view)|(?= *(?:[,:?.!]|$)))|\bas the camera sees it\b)"
+    r"|\b(?:in|on) the (?:(?:camera|recorded|tactile) )?(?:image|picture)\b",
+    re.IGNORECASE,
+)
+"""Names the camera's own view within a question. "In the image" is how directions are told anyway;
+it says something only to who looked from the other side before."""
+
 _WOULD_BE = re.compile(r"\bwould ((?:[^\W\d]+ ){0,2}[^\W\d]+) be(?= \w+ing\b)", re.IGNORECASE)
 _WOULD = re.compile(r"\bwould(?= (?:the |this |that |it\b|my ))", re.IGNORECASE)
 
@@ -158,10 +170,12 @@ _NOTHING_ASKED = re.compile(r"(?:what|and|so|but|how|about|then|\W)*", re.IGNORE
 _OPEN_QUESTION = "Which way does it move?"
 
 _LEAD = re.compile(
-    r"^(?:please|note(?: that)?|fyi|by the way|ok|okay|actually|remember(?: that)?|so|and|now|but)"
-    r"[:,]? +"
+    r"^(?:no|nope|wrong|sorry|well|please|note(?: that)?|fyi|by the way|ok|okay|actually"
+    r"|remember(?: that)?|so|and|now|but)[:,]? +"
 )
-_BREAK = re.compile(r"\s*(?:[,;]|\band\b|\bbut\b)\s*")
+_BREAK = re.compile(
+    r"\s*(?:[,;]|\band\b|\bbut\b)\s*|\s+(?=(?:touched|gripped|held) (?:at|by|from|on)\b)"
+)
 _ENDS = re.compile(r"[!;:,\n]|\.(?!\d)")
 
 MOST_CLAUSES = 4
@@ -194,9 +208,18 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
         frame: What was known before.
     """
     text = text.replace("\u2019", "'").strip()
+    stated = _read(text, frame)
+    seen = _AS_SEEN.search(stated.rest)
+    if seen is None or (stated.frame.viewpoint == "sensor" and not seen["side"]):
+        return stated
+    rest = _tidied(stated.rest[: seen.start()], stated.rest[seen.end() :])
+    return replace(stated, frame=replace(stated.frame, viewpoint="sensor"), rest=rest)
+
+
+def _read(text: str, frame: FrameSpec) -> Stated:
     supposed = _SUPPOSED.search(text)
     if supposed and not _NO_SUPPOSITION.search(text[: supposed.start()]):
-        stated = read_facts(_without(text, supposed), frame)
+        stated = _read(_without(text, supposed), frame)
         is_turned = not (supposed["turns"] and stated.frame.image_upside_down)
         return replace(stated, frame=replace(stated.frame, image_upside_down=is_turned))
     fields = _fields(text)
@@ -215,10 +238,14 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
 
 def _without(text: str, supposed: re.Match[str]) -> str:
     """Return what a text asks apart from its supposition, as of what is and not what would be."""
-    before, after = text[: supposed.start()].rstrip(), text[supposed.end() :].strip()
+    rest = _tidied(text[: supposed.start()], text[supposed.end() :])
+    return _WOULD.sub("does", _WOULD_BE.sub(r"is \1", rest))
+
+
+def _tidied(before: str, after: str) -> str:
+    """Return what is left around words that were taken out of a question."""
+    before, after = before.rstrip(" ,"), after.strip(" ,")
     rest = f"{before}, {after}" if after.strip("?!. ") and before else before + after
-    rest = _WOULD_BE.sub(r"is \1", rest)
-    rest = _WOULD.sub("does", rest)
     return _OPEN_QUESTION if _NOTHING_ASKED.fullmatch(rest) else rest
 
 
@@ -247,20 +274,4 @@ def _fields(text: str) -> dict[str, Any]:
 
 def _fact(clause: str) -> dict[str, Any] | None:
     found = next((sets for words, sets in FACTS if re.fullmatch(words, clause)), None)
-    return found or _scale(clause)
-
-
-def _scale(clause: str) -> dict[str, Any] | None:
-    """Return the size of a pixel that a clause states, if it is one a camera can have."""
-    for words in (*_SIZES, _DENSITY):
-        if (said := re.fullmatch(words, clause)) is None:
-            continue
-        unit = said.groupdict().get("unit", "mm")
-        size_mm = 1.0 if unit.startswith(("mm", "milli")) else 1e-3
-        number = float(said["number"])
-        if words is _DENSITY:
-            size_mm = size_mm / number if number else 0.0
-        else:
-            size_mm *= number
-        return {"mm_per_px": size_mm} if MM_PER_PX[0] <= size_mm <= MM_PER_PX[1] else None
-    return None
+    return found or read_scale(clause)

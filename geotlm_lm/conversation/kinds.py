@@ -16,7 +16,7 @@ from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered
 _GO = r"(?:go|goes|move|moves|moved|turn|turns|turned|slide|slides|slid|went)"
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 _MEASURES = r"(?:degrees?|deg|mm|millimet(?:re|er)s?|pixels?|px)"
-_HOLDER = rf"(?:{_GEL}|finger|gripper)"
+_HOLDER = rf"(?:{_GEL}|finger|gripper|robot(?:'?s)?(?: arm| hand)?|arm|hand)"
 """What moves the sensor, and the sensor with it."""
 
 _MOVES_OR_END = (
@@ -36,6 +36,8 @@ RULES: dict[str, tuple[str, ...]] = {
     "undo": (
         r"\b(?:undo|undoes|undone|revert|reverts|restore|restores|cancel)\b",
         r"\b(?:puts?|brings?|gets?|go|going) (?:\S+ ){0,3}back\b(?! into)",
+        r"\b(?:turn|rotate|twist|move|slide|push|pull|drag) (?:it|this|that|(?:the|my) \S+) back\b",
+        r"\b(?:compensat|counteract)\w*",
         r"\bto return\b",
         r"\breverses? (?:this|it|that|the motion)\b",
     ),
@@ -128,7 +130,7 @@ RULES: dict[str, tuple[str, ...]] = {
     ),
     "viewpoint": (
         r"\b(?:object|other|opposite|its own)(?:'?s)? (?:own )?(?:side|view|perspective|point)",
-        r"\b(?:from|seen from) (?:behind|the back)\b",
+        rf"\b(?:from|seen from) (?:behind|the back)\b(?! (?:of )?(?:the|my) (?:camera|{_HOLDER}))",
         r"\bthe (?:view|viewpoint) (?:around|to the other)",
         rf"\blook(?:ing|s)? (?:back )?(?:at|towards|into) the {_GEL}\b",
         rf"\b(?:who|person|somebody|someone|when|while) (?:faces|facing) the {_GEL}\b",
@@ -137,7 +139,8 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\bdoes the object see\b",
     ),
     "actor": (
-        rf"\b(?:did|does|was|is|if|only|moved|but|of) the {_HOLDER}(?: itself)?{_MOVES_OR_END}",
+        rf"\b(?:did|does|was|is|if|only|moved|but|about|(?<!out )(?<!off )of) the {_HOLDER}"
+        rf"(?: itself)?{_MOVES_OR_END}",
         rf"(?:^|[:,!] )(?:and|so|now) the {_GEL}(?: itself)?{_MOVES_OR_END}",
         rf"^(?:\W*\w+\W+){{0,4}}the {_GEL} itself\b",
         rf"\b(?:how|where|which way) the {_HOLDER} {_GO}\b",

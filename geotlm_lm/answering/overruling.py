@@ -1,0 +1,125 @@
+"""Where the words of a question speak against what a model made of it."""
+
+from __future__ import annotations
+
+from geotlm_lm.answering.answer import offered_letters
+from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
+from geotlm_lm.conversation.claims import (
+    claimed,
+    claimed_motion,
+    claims_end,
+    claims_motion,
+    motions_named,
+    nearly_named,
+    offered_options,
+)
+from geotlm_lm.conversation.kinds import asked_kind, asks_whether_moving
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.language.parse_answer import Slots
+
+VERDICTS = ("verify", "negation", "premise")
+"""Kinds whose answers say yes or no to a claim, and tell the motion with it."""
+
+
+def asked_openly(slots: Slots | None, question: str) -> str | None:
+    """Return as which kind a question is to be answered from the answer to the open one.
+
+    None where the model's own answer counts.
+
+    Args:
+        slots: Of the model's own answer; None where that does not parse.
+        question: What was asked.
+    """
+    if passes_over_a_claim(slots, question):
+        return "verify"
+    if passes_over_a_choice(slots, question):
+        return "choice"
+    if slots is not None and (slots.kind == "confidence" or denies_nothing(slots, question)):
+        return slots.kind
+    return None
+
+
+def denies_the_open_answer(slots: Slots, opened: Slots | None) -> bool:
+    """Tell whether a verdict is told with another motion than the open question is answered with.
+
+    Of 68 real turns 14 were told to slide when asked whether they do, and 66 told rightly when
+    asked openly: one clip must not move in two ways, and the open answer is the surer one.
+
+    Args:
+        slots: Of the verdict.
+        opened: Of the answer to the open question; None where that does not parse.
+    """
+    return opened is not None and slots.direction != opened.direction
+
+
+def denies_nothing(slots: Slots, question: str) -> bool:
+    """Tell whether a "no" answers a question in which no rule finds a motion to say no to.
+
+    The model then took words it does not know for a claim: the motion is read once more from a
+    question it knows, and a verdict given only where the question claims a kind of motion.
+    """
+    is_no = slots.kind in ("verify", "premise") and slots.verdict is False
+    return is_no and not motions_named(question) and not nearly_named(question)
+
+
+def passes_over_a_claim(slots: Slots | None, question: str) -> bool:
+    """Tell whether the model declines to judge a claim of motion, or speaks of another thing.
+
+    It may tell of contact, or that it moves and not how: the claim's words are then new to it. What
+    presses on the gel or rests on it touches it, so that such a question may well be about contact.
+    No question of the templates about contact or about motion as such passes for a claim.
+    """
+    if asked_kind(question) is not None or not claims_motion(question):
+        return False
+    if slots is None:
+        return True
+    is_over = claims_end(question)
+    of_contact = not is_over and claimed_motion(question) in (Motion.PRESS, Motion.STILL)
+    of_motion = slots.kind in ("refusal", "moving", "class", "direction")
+    return of_motion or (slots.kind == "contact" and not of_contact)
+
+
+def answers_what_it_cannot(slots: Slots | None, question: str) -> bool:
+    """Tell whether the model does not decline where the words ask for what touch cannot tell."""
+    return (slots is None or slots.kind != "refusal") and asks_beyond_touch(question)
+
+
+def passes_over_moving(slots: Slots | None, question: str) -> bool:
+    """Tell whether the model speaks of another thing where the words ask whether it moves."""
+    passes = slots is None or slots.kind in ("refusal", "contact", "verify")
+    return passes and asks_whether_moving(question)
+
+
+def passes_over_a_choice(slots: Slots | None, question: str) -> bool:
+    """Tell whether the model gives another answer than one of the motions it may choose among.
+
+    It has read letters before their options alone; "cw/ccw?" offers two without any.
+    """
+    if asked_kind(question) is not None:
+        return False
+    offered = offered_options(question)
+    if len(offered) > 1:
+        if (
+            slots is None
+            or slots.kind != "choice"
+            or not offered.keys() <= offered_letters(question)
+        ):
+            return True
+        return offered.get(slots.letter, slots.direction) != slots.direction
+    is_verdict = slots is not None and slots.kind in VERDICTS
+    return is_verdict and claimed(question) is None and len(motions_named(question)) > 1
+
+
+def contradicts_itself(slots: Slots, question: str) -> bool:
+    """Tell whether a verdict on the motion that `question` claims denies the motion told with it.
+
+    "Yes, it is pressing in." then answers "Is it just resting there?": the model took words it does
+    not know for another claim. The rules read the claim of all of 3,600 questions from the
+    templates rightly, a quarter of their wordings held out of training.
+    """
+    claims = claimed(question)
+    if slots.verdict is None or slots.kind not in VERDICTS or claims is None:
+        return False
+    if claimed_motion(question) is None and (slots.kind != "verify" or nearly_named(question)):
+        return False
+    return slots.verdict != ((slots.direction in claims) != (slots.kind == "negation"))

@@ -1,0 +1,40 @@
+"""Tells a statement about the recording from a question, where no fact could be read in it."""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.conversation.claims import motions_named
+
+UNREAD = (
+    "I read no fact about the recording in that; say for example 'left-hand thread', 'the image is "
+    "mirrored' or 'I look from the object's side'."
+)
+
+_STATEMENT = re.compile(
+    r"(?:(?:no|well|actually|note(?: that)?|fyi|but|and|so|please note(?: that)?)[,:]? )*"
+    r"(?:the|my|our|it'?s|it is|this is|i|we|there(?:'s| is))\b"
+)
+_OF_A_FRAME = re.compile(
+    r"\b(?:mirror\w*|flipped|upside|image|picture|camera|sensor|gripper|robot|gel|thread\w*|head"
+    r"|shank|viewpoint|mounted|clamped|fixed)\b"
+)
+_STATES = re.compile(
+    r"\b(?:is|was|are|were|has|have|had|moved?|moves|stay\w*|stood|look\w*|press\w*|touch\w*|hold\w*"
+    r"|turned|rotated|it's)\b"
+)
+_ASKS = re.compile(
+    r"[?]|\b(?:which|what|how|why|when|where|who|whose|whether|if|do|does|did|tell|say|describe|know"
+    r"|want|wonder|motion|movement|direction)\b"
+)
+
+
+def states_more(text: str) -> bool:
+    """Tell whether `text`, in which no fact was read, seems to state one about the recording.
+
+    Such a statement is no question: an answer to it would pass over what was meant.
+    """
+    text = " ".join(text.lower().replace("\u2019", "'").split())
+    is_said = bool(_STATEMENT.match(text) and _STATES.search(text))
+    is_of_a_frame = bool(_OF_A_FRAME.search(text)) and not motions_named(text)
+    return is_said and is_of_a_frame and not _ASKS.search(text)
