@@ -227,6 +227,10 @@ def claims_motion(text: str) -> bool:
         return True
     if _OF_SOMETHING_ELSE.search(text) or not _PREDICATES.search(text):
         return False
+    kinds = {motion_class(one) for one in motions_named(text)}
+    kinds |= {kind for kind, words in CLASS_NAMES if re.search(words, text)}
+    if len(kinds) > 1:
+        return False  # asks which of them it is
     return claimed_motion(text) is not None or claimed_class(text) is not None
 
 
