@@ -48,7 +48,7 @@ def batch(
         raise UsageError(f"A frame rate of {fps:g} was given, expected 0 to 100000 per second.")
     frame = FrameSpec(mm_per_px=mm_per_px)
     found, asked = clips_in(clips), read_questions(questions)
-    require_writable_file(out, "--out")
+    require_writable_file(out, "--out", inputs=[questions, *found])
 
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer

@@ -48,7 +48,7 @@ def watch(
     if draw is not None:
         if draw.suffix != ".mp4":
             raise UsageError(f"--draw {draw} was given, expected a name that ends in .mp4.")
-        require_writable_file(draw, "--draw")
+        require_writable_file(draw, "--draw", inputs=[Path(source)])
     from geotlm_lm.live.sources import open_source
 
     stream = open_source(source, at_its_rate=at_its_rate)

@@ -81,6 +81,20 @@ def test_a_file_without_questions_is_refused(tmp_path, content, sentence):
     assert str(error.value) == sentence.format(path)
 
 
+@pytest.mark.parametrize("name", ["questions.txt", "clips/cap.npy", "clips/frames/0.png"])
+def test_rows_never_replace_what_is_read(invoke, tmp_path, name):
+    (tmp_path / "clips" / "frames").mkdir()
+    (tmp_path / "clips" / "frames" / "0.png").write_bytes(b"a picture")
+    own = (tmp_path / name).read_bytes()
+    error = invoke("--out", str(tmp_path / name)).exception
+    assert isinstance(error, UsageError)
+    assert str(error) == (
+        f"--out: {tmp_path / name} is read by this command and would be replaced, expected the "
+        f"name of another file; give one."
+    )
+    assert (tmp_path / name).read_bytes() == own
+
+
 def test_the_number_format_reaches_the_loader(invoke):
     assert invoke("--precision", "bfloat16").exit_code == 0
     assert invoke.formats == ["bfloat16"]

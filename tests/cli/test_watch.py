@@ -79,6 +79,19 @@ def test_a_drawing_is_named_mp4(capsys, recording):
     )
 
 
+def test_a_drawing_never_replaces_the_recording(capsys, recording, tmp_path):
+    own = tmp_path / "own.mp4"
+    own.write_bytes(b"a recording")
+    (tmp_path / "link.mp4").symlink_to(own)
+    assert run(capsys, "--source", own, "--draw", tmp_path / "link.mp4") == (
+        2,
+        "",
+        f"--draw: {tmp_path / 'link.mp4'} is read by this command and would be replaced, expected "
+        f"the name of another file; give one.\n",
+    )
+    assert own.read_bytes() == b"a recording"
+
+
 def test_a_camera_that_does_not_open_ends_with_advice_and_code_7(capsys):
     code, out, err = run(capsys, "--source", "97")
     assert (code, out) == (7, "")
