@@ -18,10 +18,11 @@ class Clip:
 
     Args:
         frames: uint8, shape (t, rows, columns, 3), t >= 1; not copied, read-only through the clip.
-        fps: Frames per second; None when unknown.
+        fps: Frames per second of that recording, the rate `frame_numbers` count in, however many of
+            its frames are here; None when unknown.
         background: The idle gel, uint8, shape (rows, columns, 3); None when unknown.
         name: What errors and answers call the clip: a path or an identifier.
-        frame_numbers: Where the frames stood in the recording they were taken from.
+        frame_numbers: Where the frames stood in the recording they were taken from, from 0.
         notes: What a reader guessed or warns about, one sentence each.
 
     Raises:

@@ -12,11 +12,12 @@ from collections import deque
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 
 import cv2
 
-from geotlm_lm.core.clip import Frames
+from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.recordings.video import VIDEO_SUFFIXES, quiet_capture
@@ -82,6 +83,9 @@ class LatestFrames:
 class Recording:
     """A file played frame by frame; nothing is dropped.
 
+    `fps` is the rate of the frames it gives: less than the recording's own where a long array is
+    read at a stride.
+
     Args:
         path: A video, an array, or a folder of images.
 
@@ -90,7 +94,7 @@ class Recording:
     """
 
     def __init__(self, path: Path) -> None:
-        self.name, self.dropped, self.fps = str(path), 0, DEFAULT_FPS
+        self.name, self.dropped = str(path), 0
         self._path, self._is_video = path, path.suffix.lower() in VIDEO_SUFFIXES
         if not path.exists():
             raise UnreadableClip(f"{path}: no such file or folder; check the path.")
@@ -104,24 +108,25 @@ class Recording:
         else:
             self._clip = read_clip(path)
             fps = self._clip.fps or 0.0
-        if 0 < fps < 1e4:
-            self.fps = fps
+        self._recorded_fps = fps if 0 < fps < 1e4 else DEFAULT_FPS
+        self.fps = self._recorded_fps / (1 if self._is_video else _stride(self._clip))
 
     def __iter__(self) -> Iterator[StreamFrame]:
         """Yield every frame; a video is decoded as it is read, however long it is."""
-        for number, image in enumerate(self._images()):
-            yield StreamFrame(image, number / self.fps)
+        for number, image in self._images():
+            yield StreamFrame(image, number / self._recorded_fps)
 
-    def _images(self) -> Iterator[Frames]:
+    def _images(self) -> Iterator[tuple[int, Frames]]:
+        """Yield each frame beside where it stood in the recording."""
         if not self._is_video:
-            yield from self._clip.frames
+            yield from zip(self._clip.frame_numbers, self._clip.frames, strict=True)
             return
         with quiet_capture(self.name, cv2.CAP_FFMPEG) as capture:
-            while True:
+            for number in count():
                 is_decoded, image = capture.read()
                 if not is_decoded:
                     return
-                yield cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+                yield number, cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
 
 
 class Played:
@@ -221,6 +226,10 @@ def open_source(name: str, *, at_its_rate: bool = False) -> Recording | Played |
         return Camera(name)
     recording = Recording(Path(name))
     return Played(recording) if at_its_rate else recording
+
+
+def _stride(clip: Clip) -> int:
+    return clip.frame_numbers[1] - clip.frame_numbers[0]
 
 
 def _advice(device: int | str) -> str:

@@ -42,8 +42,7 @@ def read_clip(
     clip = _read(path, checked)
     require_motion(clip)
     if fps is not None:
-        stride = clip.frame_numbers[1] - clip.frame_numbers[0]
-        clip = replace(clip, fps=fps / stride)
+        clip = replace(clip, fps=fps)
     if background is not None:
         clip = replace(clip, background=read_background(background))
     return clip

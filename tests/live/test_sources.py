@@ -6,6 +6,7 @@ import pytest
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
 from geotlm_lm.live.sources import LatestFrames, StreamFrame, open_source
+from geotlm_lm.recordings import limits
 
 
 @pytest.fixture
@@ -34,6 +35,15 @@ def test_an_array_is_a_stream_too(tmp_path):
     given = list(open_source(str(tmp_path / "clip.npz")))
     assert np.array_equal(np.stack([one.image for one in given]), frames)
     assert given[-1].time_s == pytest.approx(0.5)
+
+
+def test_the_times_of_an_array_read_at_a_stride_are_those_of_the_recording(tmp_path, monkeypatch):
+    frames = np.random.default_rng(0).integers(0, 255, (20, 24, 32, 3)).astype(np.uint8)
+    np.savez(tmp_path / "clip.npz", frames=frames, fps=40.0)
+    monkeypatch.setattr(limits, "KEPT_BYTES", 6 * frames[0].nbytes)
+    source = open_source(str(tmp_path / "clip.npz"))
+    assert [one.time_s for one in source] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
+    assert source.fps == 10
 
 
 def test_a_recording_at_its_rate_gives_the_same_frames_to_a_reader_in_time(film):
