@@ -152,10 +152,14 @@ class Played:
 
     def _play(self) -> None:
         began = time.monotonic()
-        for frame in self._recording:
-            time.sleep(max(began + frame.time_s - time.monotonic(), 0.0))
-            self._buffer.put(frame)
-        self._buffer.close()
+        try:
+            for frame in self._recording:
+                time.sleep(max(began + frame.time_s - time.monotonic(), 0.0))
+                self._buffer.put(frame)
+        except Exception as error:  # whatever it is, the reader must not wait for ever
+            self._buffer.close(error)
+        else:
+            self._buffer.close()
 
 
 class Camera:
@@ -194,13 +198,17 @@ class Camera:
 
     def _grab(self) -> None:
         began = time.monotonic()
-        with self._opened:
-            while self._is_open:
-                is_there, image = self._capture.read()
-                if not is_there:
-                    break
-                image = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
-                self._buffer.put(StreamFrame(image, time.monotonic() - began))
+        try:
+            with self._opened:
+                while self._is_open:
+                    is_there, image = self._capture.read()
+                    if not is_there:
+                        break
+                    image = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+                    self._buffer.put(StreamFrame(image, time.monotonic() - began))
+        except Exception as error:  # whatever it is, the reader must not wait for ever
+            self._buffer.close(error)
+            return
         self._buffer.close(
             MissingDependency(
                 f"Camera {self.name} stopped giving frames after {time.monotonic() - began:.1f} s; "

@@ -1,11 +1,13 @@
 """Where frames come from; what is late is dropped and counted, what does not open is told."""
 
+import threading
+
 import cv2
 import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
-from geotlm_lm.live.sources import LatestFrames, StreamFrame, open_source
+from geotlm_lm.live.sources import LatestFrames, Recording, StreamFrame, open_source
 from geotlm_lm.recordings import limits
 
 
@@ -113,6 +115,47 @@ class FakeCapture:
 
     def release(self):
         pass
+
+
+class BreakingCapture(FakeCapture):
+    """A camera whose driver fails after two frames."""
+
+    def read(self):
+        if self.left == 2:
+            raise cv2.error("the driver is gone")
+        return super().read()
+
+
+def test_a_camera_whose_driver_fails_does_not_leave_the_reader_waiting(monkeypatch):
+    monkeypatch.setattr(cv2, "VideoCapture", lambda *source: BreakingCapture())
+    monkeypatch.setattr(LatestFrames, "__iter__", until_closed(LatestFrames.__iter__))
+    frames = iter(open_source("0"))
+    assert [next(frames).image.shape for _ in range(2)] == [(24, 32, 3)] * 2
+    with pytest.raises(cv2.error, match="the driver is gone"):
+        next(frames)
+
+
+def test_a_recording_that_fails_while_it_plays_does_not_leave_the_reader_waiting(film, monkeypatch):
+    def fail(self):
+        raise UnreadableClip("film.avi: is gone.")
+        yield
+
+    monkeypatch.setattr(Recording, "__iter__", fail)
+    monkeypatch.setattr(LatestFrames, "__iter__", until_closed(LatestFrames.__iter__))
+    with pytest.raises(UnreadableClip, match="film.avi: is gone"):
+        list(open_source(str(film), at_its_rate=True))
+
+
+def until_closed(read):
+    """Return `read`, which then fails where nothing closes the buffer within two seconds."""
+
+    def reading(self):
+        timer = threading.Timer(2, self.close, [TimeoutError("the buffer stayed open")])
+        timer.daemon = True
+        timer.start()
+        return read(self)
+
+    return reading
 
 
 def test_a_camera_gives_rgb_frames_until_it_stops(monkeypatch):
