@@ -140,16 +140,19 @@ class Watcher:
         Args:
             frame: uint8, shape (rows, columns, 3), RGB; all of one size.
             time_s: When it was taken; later than the frame before.
+
+        Raises:
+            UnreadableClip: If it is of another size than the frames before.
         """
         started = time.perf_counter()
         strength = self._idle.strength(frame)
         self.account.frames += 1
         self.account.follow_ms.append(1e3 * (time.perf_counter() - started))
-        if strength is None or time_s < self._due_s:
+        if strength is None or time_s < self._due_s - _JITTER_S:
             return []
         # A late frame does not delay the ones after it; after a gap, counting starts anew.
         on_time = time_s - self._due_s < self._sample_s
-        self._due_s = (self._due_s if on_time else time_s) + self._sample_s - _JITTER_S
+        self._due_s = (self._due_s if on_time else time_s) + self._sample_s
         self._samples.append(Sample(frame, time_s, strength))
         return self._segmenter.push(self._reading()) if len(self._samples) >= FRAME_COUNT else []
 
@@ -163,7 +166,13 @@ class Watcher:
         if len(kept) < 2:
             return None
         frames = np.stack([sample.frame for sample in kept])
-        return Clip(frames, background=self.background, name=f"{event.motion.value} of the stream")
+        lasted_s = kept[-1].time_s - kept[0].time_s
+        return Clip(
+            frames,
+            fps=(len(kept) - 1) / lasted_s if lasted_s > 0 else None,
+            background=self.background,
+            name=f"{event.motion.value} of the stream",
+        )
 
     def _reading(self) -> Reading:
         window = list(self._samples)[-FRAME_COUNT:]
