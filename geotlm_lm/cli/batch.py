@@ -43,9 +43,9 @@ def batch(
     Example: geotlm-lm batch --clips recordings --questions questions.txt --out answers.jsonl
     """
     from geotlm_lm.recordings.listing import clips_in
+    from geotlm_lm.recordings.read import require_rate
 
-    if fps is not None and not 0 < fps < 1e5:
-        raise UsageError(f"A frame rate of {fps:g} was given, expected 0 to 100000 per second.")
+    require_rate(fps)
     frame = FrameSpec(mm_per_px=mm_per_px)
     found, asked = clips_in(clips), read_questions(questions)
     require_writable_file(out, "--out", inputs=[questions, *found])

@@ -63,7 +63,7 @@ class Clip:
                 f"{self.name}: the background is {self.background.dtype}, expected uint8 as the "
                 f"frames are; convert the array first."
             )
-        if self.fps is not None and not 0 < self.fps < 1e5:
+        if self.fps is not None and not 0 < self.fps < MOST_FPS:
             object.__setattr__(self, "fps", None)
         if not self.frame_numbers:
             object.__setattr__(self, "frame_numbers", tuple(range(len(frames))))
@@ -93,6 +93,9 @@ class Clip:
         """Return the clip with one more note."""
         return replace(self, notes=(*self.notes, note))
 
+
+MOST_FPS = 1e5
+"""Frames per second a clip may have; more is taken for a mistake."""
 
 MIN_SIDE = 8
 """Smallest side in pixels a clip may have; below it no imprint can be resolved."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.clip import MOST_FPS, Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.recordings.arrays import read_archive, read_array, read_still_array
 from geotlm_lm.recordings.choose import require_motion
@@ -37,8 +37,7 @@ def read_clip(
     """
     path = Path(path)
     checked = check_layout(layout)
-    if fps is not None and not 0 < fps < 1e5:
-        raise UsageError(f"A frame rate of {fps:g} was given, expected 0 to 100000 per second.")
+    require_rate(fps)
     clip = _read(path, checked)
     require_motion(clip)
     if fps is not None:
@@ -46,6 +45,19 @@ def read_clip(
     if background is not None:
         clip = replace(clip, background=read_background(background))
     return clip
+
+
+def require_rate(fps: float | None) -> None:
+    """Refuse a frame rate that no camera has; None is none.
+
+    Raises:
+        UsageError: If it makes no sense.
+    """
+    if fps is not None and not 0 < fps < MOST_FPS:
+        raise UsageError(
+            f"A frame rate of {fps:g} was given, expected more than 0 and less than "
+            f"{MOST_FPS:g} per second; give the camera's, or leave it out."
+        )
 
 
 def read_background(path: str | Path) -> Frames:

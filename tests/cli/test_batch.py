@@ -52,7 +52,10 @@ def test_rows_are_written_and_counted(invoke, tmp_path):
 def test_a_senseless_frame_rate_is_refused(invoke):
     error = invoke("--fps", "-3").exception
     assert isinstance(error, UsageError)
-    assert str(error) == "A frame rate of -3 was given, expected 0 to 100000 per second."
+    assert str(error) == (
+        "A frame rate of -3 was given, expected more than 0 and less than 100000 per second; give "
+        "the camera's, or leave it out."
+    )
 
 
 def test_questions_are_lines_without_blanks_comments_and_repetitions(tmp_path):

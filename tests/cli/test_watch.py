@@ -115,6 +115,7 @@ def test_an_unknown_number_format_is_told_before_anything_is_loaded(
     assert run(capsys, "--source", recording, "--precision", "float8") == (
         2,
         "",
-        "found precision 'float8', expected one of float32, bfloat16, int8.\n",
+        "found precision 'float8', expected one of float32, bfloat16, int8; give one of them, "
+        "or leave it out.\n",
     )
     assert formats_loaded == []

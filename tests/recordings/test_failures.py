@@ -123,7 +123,10 @@ def test_an_unknown_layout_is_a_wrong_call(tmp_path):
 def test_a_frame_rate_of_zero_is_a_wrong_call(tmp_path):
     with pytest.raises(UsageError) as caught:
         read_clip(tmp_path / "clip.npy", fps=0)
-    assert str(caught.value) == "A frame rate of 0 was given, expected 0 to 100000 per second."
+    assert str(caught.value) == (
+        "A frame rate of 0 was given, expected more than 0 and less than 100000 per second; give "
+        "the camera's, or leave it out."
+    )
 
 
 def test_a_background_of_another_size_is_refused(tmp_path):
