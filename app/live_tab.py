@@ -100,7 +100,7 @@ def watch_recording(answerer: Answerer, path: str | None) -> Iterator[tuple[Any,
             shown_s, image = frame.time_s, _drawn(watcher, frame.image)
             yield image, list(rows), _told(watcher)
     rows += [row_of(event) for event in watcher.finish()]
-    yield image, rows, _told(watcher)
+    yield image, rows, watcher.warning or _told(watcher)
 
 
 def follow(

@@ -19,11 +19,11 @@ import cv2
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
-from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.recordings.read import read_clip, require_rate
 from geotlm_lm.recordings.video import VIDEO_SUFFIXES, quiet_capture
 
 DEFAULT_FPS = 25.0
-"""Taken where a recording does not say: a GelSight Mini's rate."""
+"""Taken where a source does not say: a GelSight Mini's rate."""
 
 BUFFERED_FRAMES = 25
 """Frames that may wait: a second of a GelSight Mini; after that an answer is no longer live."""
@@ -88,12 +88,13 @@ class Recording:
 
     Args:
         path: A video, an array, or a folder of images.
+        fps: Frames per second of the whole recording; None to take what the file says.
 
     Raises:
         UnreadableClip: If it is missing or holds no frames, in one sentence.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, fps: float | None = None) -> None:
         self.name, self.dropped = str(path), 0
         self._path, self._is_video = path, path.suffix.lower() in VIDEO_SUFFIXES
         if not path.exists():
@@ -104,11 +105,11 @@ class Recording:
                     raise UnreadableClip(
                         f"{path}: no frame of it can be decoded; copy or export it again."
                     )
-                fps = float(capture.get(cv2.CAP_PROP_FPS))
+                told = float(capture.get(cv2.CAP_PROP_FPS))
         else:
             self._clip = read_clip(path)
-            fps = self._clip.fps or 0.0
-        self._recorded_fps = fps if 0 < fps < 1e4 else DEFAULT_FPS
+            told = self._clip.fps or 0.0
+        self._recorded_fps, self.is_rate_assumed = _rate(fps, told)
         self.fps = self._recorded_fps / (1 if self._is_video else _stride(self._clip))
 
     def __iter__(self) -> Iterator[StreamFrame]:
@@ -138,6 +139,7 @@ class Played:
 
     def __init__(self, recording: Recording) -> None:
         self.name, self.fps = recording.name, recording.fps
+        self.is_rate_assumed = recording.is_rate_assumed
         self._recording, self._buffer = recording, LatestFrames()
 
     @property
@@ -167,21 +169,21 @@ class Camera:
 
     Args:
         device: Its number, or the path of its device file.
+        fps: Frames per second; None to take what it says. Each frame has its own time all the same.
 
     Raises:
         MissingDependency: If it does not open, with what to do.
     """
 
-    def __init__(self, device: int | str) -> None:
-        self.name, self.fps = str(device), DEFAULT_FPS
+    def __init__(self, device: int | str, fps: float | None = None) -> None:
+        self.name = str(device)
         self._buffer, self._is_open, self._opened = LatestFrames(), True, ExitStack()
         self._capture = self._opened.enter_context(quiet_capture(device, cv2.CAP_ANY))
         if not (self._capture.isOpened() and self._capture.grab()):
             self._opened.close()
             raise MissingDependency(_advice(device))
-        fps = float(self._capture.get(cv2.CAP_PROP_FPS))
-        if 0 < fps < 1e4:
-            self.fps = fps
+        told = float(self._capture.get(cv2.CAP_PROP_FPS))
+        self.fps, self.is_rate_assumed = _rate(fps, told)
 
     @property
     def dropped(self) -> int:
@@ -217,23 +219,35 @@ class Camera:
         )
 
 
-def open_source(name: str, *, at_its_rate: bool = False) -> Recording | Played | Camera:
+def open_source(
+    name: str, *, at_its_rate: bool = False, fps: float | None = None
+) -> Recording | Played | Camera:
     """Return the stream called `name`: a camera's number, a device file, or a recording.
 
     Args:
         name: For example "0", "/dev/video0" or "clip.avi".
         at_its_rate: Play a recording as fast as it was taken, and drop what is too late.
+        fps: Frames per second; None to take what the recording or the camera says.
 
     Raises:
         MissingDependency: If a camera does not open.
         UnreadableClip: If a file is missing or holds no frames.
+        UsageError: If the frame rate makes no sense.
     """
+    require_rate(fps)
     if name.isdecimal() and len(name) < 4:
-        return Camera(int(name))
+        return Camera(int(name), fps)
     if name.startswith("/dev/"):
-        return Camera(name)
-    recording = Recording(Path(name))
+        return Camera(name, fps)
+    recording = Recording(Path(name), fps)
     return Played(recording) if at_its_rate else recording
+
+
+def _rate(given: float | None, told: float) -> tuple[float, bool]:
+    """Return frames per second, and whether neither the user nor the source says so."""
+    if given is not None:
+        return given, False
+    return (told, False) if 0 < told < 1e4 else (DEFAULT_FPS, True)
 
 
 def _stride(clip: Clip) -> int:

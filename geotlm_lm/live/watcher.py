@@ -43,6 +43,9 @@ WITHOUT_DIRECTION = (Motion.PRESS, Motion.RELEASE, Motion.STILL, Motion.NONE)
 """What a window may be that is untouched in part: no direction can be read from no contact."""
 
 
+NO_IDLE = "No untouched gel was seen, so nothing could be judged; start while nothing touches."
+
+
 @dataclass(frozen=True, eq=False)
 class Window:
     """What the model says of four samples.
@@ -134,6 +137,11 @@ class Watcher:
         """The idle gel as learnt so far; None while it is being learnt."""
         return self._idle.background
 
+    @property
+    def warning(self) -> str | None:
+        """Why no motion could be told so far, in one sentence; None where it could."""
+        return NO_IDLE if self.background is None else None
+
     def push(self, frame: Frames, time_s: float) -> list[MotionEvent]:
         """Take in the next frame and return the events it completes.
 
@@ -161,7 +169,10 @@ class Watcher:
         return self._segmenter.finish()
 
     def clip_of(self, event: MotionEvent) -> Clip | None:
-        """Return the samples of a motion that ended, with the idle gel; None if they are gone."""
+        """Return the samples of a motion that ended, with the idle gel; None if they are gone.
+
+        Its frame rate is their mean one.
+        """
         kept = [s for s in self._samples if event.start_s <= s.time_s <= (event.end_s or np.inf)]
         if len(kept) < 2:
             return None

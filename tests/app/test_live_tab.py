@@ -29,6 +29,13 @@ def test_a_recording_is_watched_to_its_end(frames, tmp_path):
     assert image.ndim == 3
 
 
+def test_a_recording_without_an_untouched_gel_says_so_at_its_end(frames, tmp_path):
+    np.savez(tmp_path / "clip.npz", frames=np.stack(frames[:4]), fps=25.0)
+    *_, (_, rows, account) = live_tab.watch_recording(FakeAnswerer(), str(tmp_path / "clip.npz"))
+    assert rows == []
+    assert account.startswith("No untouched gel was seen")
+
+
 def test_a_camera_is_followed_frame_by_frame_and_each_session_by_itself(frames):
     one = other = None
     for frame in frames[:6]:

@@ -84,6 +84,14 @@ def test_a_camera_that_does_not_open_is_told_with_what_to_do(name):
     )
 
 
+def test_a_given_rate_stands_for_the_times_of_a_recording(film):
+    source = open_source(str(film), fps=10)
+    assert (source.fps, source.is_rate_assumed) == (10, False)
+    assert [frame.time_s for frame in source][-1] == pytest.approx(0.8)
+    played = open_source(str(film), at_its_rate=True)
+    assert (played.fps, played.is_rate_assumed) == (20, False)
+
+
 def test_a_missing_recording_is_told():
     with pytest.raises(UnreadableClip, match="^gone.avi: no such file or folder"):
         open_source("gone.avi")
