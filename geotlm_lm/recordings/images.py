@@ -56,7 +56,7 @@ def image_paths(folder: Path) -> list[Path]:
     Raises:
         UnreadableClip: If the folder cannot be opened.
     """
-    frames = [path for path in _listed(folder) if _is_frame(path)]
+    frames = [path for path in listed(folder) if _is_frame(path)]
     return sorted(frames, key=lambda path: natural_key(path.name))
 
 
@@ -90,7 +90,12 @@ def read_still_image(path: Path) -> Frames:
     return cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
 
 
-def _listed(folder: Path) -> list[Path]:
+def listed(folder: Path) -> list[Path]:
+    """Return what lies in a folder, in no order.
+
+    Raises:
+        UnreadableClip: If the folder cannot be opened.
+    """
     try:
         return list(folder.iterdir())
     except OSError as error:

@@ -49,6 +49,22 @@ def test_rows_are_written_and_counted(invoke, tmp_path):
     assert rows[1]["answer"]["abstained"]
 
 
+def test_what_is_no_recording_is_named(invoke, tmp_path):
+    folder = tmp_path / "clips"
+    assert "skipped" not in invoke().stderr
+    (folder / "foil.gif").write_bytes(b"GIF89a")
+    (folder / ".hidden").write_bytes(b"")
+    own = str(folder / "rows.jsonl")
+    for _ in range(2):  # the second time the first one's rows lie there
+        assert (
+            "note: skipped as no recording (.npy, .npz, .mp4, .avi, .mov, .mkv or folders of "
+            "images): foil.gif\n" in invoke("--out", own).stderr
+        )
+    for name in "abcdef":
+        (folder / f"{name}.txt").write_bytes(b"")
+    assert ": a.txt, b.txt, c.txt, d.txt, e.txt and 2 more\n" in invoke("--out", own).stderr
+
+
 def test_a_senseless_frame_rate_is_refused(invoke):
     error = invoke("--fps", "-3").exception
     assert isinstance(error, UsageError)
