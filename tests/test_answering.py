@@ -69,6 +69,24 @@ def test_the_time_of_a_recording_read_at_a_stride_is_its_own(bundle, tmp_path, m
     assert encoded.seconds == pytest.approx(21 / 25)
 
 
+@pytest.mark.parametrize(("given", "found"), [("clip.npz", "str"), (np.zeros(3), "ndarray")])
+def test_what_is_no_clip_is_refused_with_what_to_do(bundle, given, found):
+    with pytest.raises(TypeError) as caught:
+        Answerer(bundle).encode(given)
+    assert str(caught.value) == (
+        f"encode takes a Clip, found {found}; read a file by read_clip(path), or make one of an "
+        f"array by Clip(frames)"
+    )
+
+
+def test_what_is_no_question_is_refused_with_what_to_do():
+    with pytest.raises(TypeError) as caught:
+        check_question(None)
+    assert str(caught.value) == (
+        "a question is a str, found NoneType; ask for example 'Which way does it turn?'"
+    )
+
+
 CLOCKWISE = Slots("direction", direction=Motion.CLOCKWISE)
 
 

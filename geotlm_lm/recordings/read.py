@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
 
 from geotlm_lm.core.clip import MOST_FPS, Clip, Frames
@@ -34,7 +35,13 @@ def read_clip(
     Raises:
         UnreadableClip: If a file is missing, damaged, or holds no clip, in one sentence.
         UsageError: If the layout or the frame rate makes no sense.
+        TypeError: If `path` is none, such as an array.
     """
+    if not isinstance(path, str | PathLike):
+        raise TypeError(
+            f"read_clip takes a path, found {type(path).__name__}; make a clip of an array by "
+            f"Clip(frames)"
+        )
     path = Path(path)
     checked = check_layout(layout)
     require_rate(fps)
