@@ -87,6 +87,19 @@ def test_a_folder_is_read_in_natural_order(tmp_path):
     assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
 
 
+def test_an_image_named_background_is_the_idle_gel_of_its_folder(tmp_path):
+    for index, frame in enumerate(FRAMES):
+        cv2.imwrite(str(tmp_path / f"{index}.png"), frame[..., ::-1])
+    cv2.imwrite(str(tmp_path / "Background.png"), FRAMES[2][..., ::-1])
+    clip = read_clip(tmp_path)
+    assert np.array_equal(clip.frames, FRAMES)
+    assert np.array_equal(clip.background, FRAMES[2])
+    assert clip.notes == (
+        "5 images were read in natural order of their names.",
+        "Background: Background.png of the folder was taken for the idle gel.",
+    )
+
+
 def test_hidden_copies_and_folders_among_the_images_are_passed_over(tmp_path):
     for index, frame in enumerate(FRAMES):
         cv2.imwrite(str(tmp_path / f"{index}.png"), frame[..., ::-1])
