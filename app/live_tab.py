@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,23 @@ if TYPE_CHECKING:
 HEADERS = ["s", "event", "degrees", "px right", "px down"]
 SHOWN_EVERY_S = 0.5
 """Time between two pictures of a recording; the events come as they are found."""
+
+
+@dataclass(frozen=True)
+class Following:
+    """What a session keeps of its camera.
+
+    Args:
+        watcher: Of the frames so far.
+        shape: Of each of them.
+        began_s: When the first came, by the machine's clock.
+        rows: The events so far.
+    """
+
+    watcher: Watcher
+    shape: tuple[int, ...]
+    began_s: float
+    rows: list[list[Any]] = field(default_factory=list)
 
 
 def build(answerer: Answerer) -> None:
@@ -82,16 +100,25 @@ def watch_recording(answerer: Answerer, path: str | None) -> Iterator[tuple[Any,
             shown_s, image = frame.time_s, _drawn(watcher, frame.image)
             yield image, list(rows), _told(watcher)
     rows += [row_of(event) for event in watcher.finish()]
-    yield image, rows, _told(watcher)
+    yield image, rows, watcher.warning or _told(watcher)
 
 
-def follow(answerer: Answerer, frame: Any, following: Any) -> tuple[Any, Any, list, str]:
-    """Take in one camera frame of a session and return its watcher and what there is to show."""
-    watcher, rows = following or (Watcher(model_reader(answerer)), [])
+def follow(
+    answerer: Answerer, frame: Any, following: Following | None
+) -> tuple[Following | None, Any, list, str]:
+    """Take in one camera frame of a session and return what it follows and what there is to show.
+
+    Another size of frames is another camera: it is followed from its own beginning.
+    """
     if frame is None:
-        return None, None, rows, ""
-    rows = rows + [row_of(event) for event in watcher.push(frame, time.monotonic())]
-    return (watcher, rows), _drawn(watcher, frame), rows, _told(watcher)
+        return None, None, [] if following is None else following.rows, ""
+    now_s = time.monotonic()
+    if following is None or following.shape != frame.shape:
+        following = Following(Watcher(model_reader(answerer)), frame.shape, now_s)
+    watcher = following.watcher
+    new = watcher.push(frame, now_s - following.began_s)
+    following = replace(following, rows=following.rows + [row_of(event) for event in new])
+    return following, _drawn(watcher, frame), following.rows, _told(watcher)
 
 
 def row_of(event: Any) -> list[Any]:

@@ -24,7 +24,7 @@ from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.vit import ViT, ViTConfig
 from geotlm_lm.core.atomic import write_text_atomically
-from geotlm_lm.core.errors import IncompatibleBundle
+from geotlm_lm.core.errors import IncompatibleBundle, first_line
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.dgr.encoder import DGR
@@ -163,7 +163,7 @@ def load_bundle(folder: Path | None = None) -> Bundle:
         calibration, provenance = Calibration(**config["calibration"]), config["provenance"]
     except (OSError, SafetensorError, KeyError, TypeError, RuntimeError, ValueError) as error:
         raise IncompatibleBundle(
-            f"{folder}: {PERCEPTION_FILE} does not fit {CONFIG_FILE} ({_first_line(error)}); train "
+            f"{folder}: {PERCEPTION_FILE} does not fit {CONFIG_FILE} ({first_line(error)}); train "
             f"or copy the bundle again."
         ) from error
     from geotlm_lm.language.parse_answer import AnswerGrammar
@@ -259,7 +259,3 @@ def _state_of(tensors: dict[str, Tensor], part: str) -> dict[str, Tensor]:
     return {
         name[len(prefix) :]: value for name, value in tensors.items() if name.startswith(prefix)
     }
-
-
-def _first_line(error: Exception) -> str:
-    return str(error).strip().splitlines()[0] if str(error).strip() else type(error).__name__

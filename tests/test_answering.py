@@ -12,6 +12,8 @@ from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.language.speak import Weighed
+from geotlm_lm.recordings import limits
+from geotlm_lm.recordings.read import read_clip
 from tests.tiny_bundle import tiny_bundle
 
 
@@ -57,6 +59,32 @@ def answerer_saying(bundle, slots=None, text=None, **calibration):
 def recording(frames=4):
     rng = np.random.default_rng(1)
     return Clip(rng.integers(95, 120, (frames, 48, 64, 3)).astype(np.uint8), name="x.npy")
+
+
+def test_the_time_of_a_recording_read_at_a_stride_is_its_own(bundle, tmp_path, monkeypatch):
+    frames = recording(24).frames
+    np.savez(tmp_path / "clip.npz", frames=frames, fps=25.0)
+    monkeypatch.setattr(limits, "KEPT_BYTES", 8 * frames[0].nbytes)
+    encoded = Answerer(bundle).encode(read_clip(tmp_path / "clip.npz"), span=(0, 21))
+    assert encoded.seconds == pytest.approx(21 / 25)
+
+
+@pytest.mark.parametrize(("given", "found"), [("clip.npz", "str"), (np.zeros(3), "ndarray")])
+def test_what_is_no_clip_is_refused_with_what_to_do(bundle, given, found):
+    with pytest.raises(TypeError) as caught:
+        Answerer(bundle).encode(given)
+    assert str(caught.value) == (
+        f"encode takes a Clip, found {found}; read a file by read_clip(path), or make one of an "
+        f"array by Clip(frames)"
+    )
+
+
+def test_what_is_no_question_is_refused_with_what_to_do():
+    with pytest.raises(TypeError) as caught:
+        check_question(None)
+    assert str(caught.value) == (
+        "a question is a str, found NoneType; ask for example 'Which way does it turn?'"
+    )
 
 
 CLOCKWISE = Slots("direction", direction=Motion.CLOCKWISE)

@@ -216,7 +216,13 @@ def check_question(question: str) -> str:
 
     Raises:
         UsageError: If nothing is left, it is too long, or it is no valid Unicode.
+        TypeError: If it is no string.
     """
+    if not isinstance(question, str):
+        raise TypeError(
+            f"a question is a str, found {type(question).__name__}; ask for example 'Which way "
+            f"does it turn?'"
+        )
     if any("\ud800" <= character <= "\udfff" for character in question):
         raise UsageError("the question holds bytes that are no text; type it as UTF-8.")
     question = " ".join(question.split())

@@ -106,7 +106,13 @@ class Answerer:
         Raises:
             UnreadableClip: If there is only one frame, or the frames hold no picture of a gel.
             UsageError: If the span is not inside the clip.
+            TypeError: If it is no clip, such as a path.
         """
+        if not isinstance(clip, Clip):
+            raise TypeError(
+                f"encode takes a Clip, found {type(clip).__name__}; read a file by "
+                f"read_clip(path), or make one of an array by Clip(frames)"
+            )
         started = time.perf_counter()
         clip = choose_frames(clip, FRAME_COUNT, span=span)
         is_idle_known = clip.background is not None

@@ -71,8 +71,11 @@ def answer_all(
 
     Raises:
         UsageError: If an unfinished run of other clips, questions, frame or rate, or of another
-            model or version, lies beside `out`.
+            model or version, lies beside `out`, or a file that is none.
+        ValueError: If there is no question.
     """
+    if not questions:
+        raise ValueError("a run takes 1 question or more, found none")
     part = out.with_name(f"{out.name}.part")
     settings = _settings(answerer, clips, questions, fps, frame)
     kept, errors = _continued(part, settings, len(questions))
@@ -155,7 +158,7 @@ def _continued(part: Path, settings: dict[str, Any], per_clip: int) -> tuple[int
     kept = errors = pending = 0
     with part.open("r+b") as stream:
         first = stream.readline()
-        if not first.endswith(b"\n") or json.loads(first) != settings:
+        if not first.endswith(b"\n") or _parsed(first) != settings:
             raise UsageError(
                 f"{part}: belongs to a run of other clips, questions or facts, or of another model "
                 f"or version, expected this one's; delete it to begin anew, or give another --out."
@@ -164,8 +167,22 @@ def _continued(part: Path, settings: dict[str, Any], per_clip: int) -> tuple[int
         for number, line in enumerate(iter(stream.readline, b""), start=1):
             if not line.endswith(b"\n"):
                 break
-            pending += json.loads(line)["error"] is not None
+            row = _parsed(line)
+            if not isinstance(row, dict) or "error" not in row:
+                raise UsageError(
+                    f"{part}: its row {number} is damaged, expected one JSON object a line; delete "
+                    f"the file to begin anew, or give another --out."
+                )
+            pending += row["error"] is not None
             if number % per_clip == 0:
                 kept, errors, end = number, pending, stream.tell()
         stream.truncate(end)
     return kept, errors
+
+
+def _parsed(line: bytes) -> Any:
+    """Return what a line holds; None where it is no JSON."""
+    try:
+        return json.loads(line)
+    except (ValueError, RecursionError):
+        return None

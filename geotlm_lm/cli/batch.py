@@ -18,6 +18,9 @@ from geotlm_lm.cli.options import (
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 
+NAMES_TOLD = 5
+"""Skipped files that are named; of more than these, how many."""
+
 COMMENT = "#"
 """Begins a line of a question file that is no question."""
 
@@ -43,12 +46,13 @@ def batch(
     Example: geotlm-lm batch --clips recordings --questions questions.txt --out answers.jsonl
     """
     from geotlm_lm.recordings.listing import clips_in
+    from geotlm_lm.recordings.read import require_rate
 
-    if fps is not None and not 0 < fps < 1e5:
-        raise UsageError(f"A frame rate of {fps:g} was given, expected 0 to 100000 per second.")
+    require_rate(fps)
     frame = FrameSpec(mm_per_px=mm_per_px)
     found, asked = clips_in(clips), read_questions(questions)
-    require_writable_file(out, "--out")
+    require_writable_file(out, "--out", inputs=[questions, *found])
+    _tell_skipped(clips, own=[questions, out, out.with_name(f"{out.name}.part")])
 
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer
@@ -68,6 +72,18 @@ def batch(
     if result.continued:
         print(f"note: {result.continued} rows were there from a stopped run", file=sys.stderr)
     print(f"{out}: {result.rows} rows, {result.errors} of them errors")
+
+
+def _tell_skipped(folder: Path, own: list[Path]) -> None:
+    """Name on stderr what gets no row, apart from the run's own files."""
+    from geotlm_lm.recordings.listing import EXPECTED, skipped_in
+
+    mine = {path.resolve() for path in own}
+    names = [one.name for one in skipped_in(folder) if one.resolve() not in mine]
+    if names:
+        more = len(names) - NAMES_TOLD
+        told = ", ".join(names[:NAMES_TOLD]) + (f" and {more} more" if more > 0 else "")
+        print(f"note: skipped as no recording ({EXPECTED}): {told}", file=sys.stderr)
 
 
 def read_questions(path: Path) -> list[str]:

@@ -79,7 +79,8 @@ def evaluate(
     if clips == 0 and real is None and not data:
         raise UsageError("nothing to judge: give --clips above 0, --real with a folder, or --data.")
     if out is not None:
-        require_writable_file(out, "--out")
+        read = [path for path in (*(data or ()), weights) if path is not None]
+        require_writable_file(out, "--out", inputs=read)
     require_one_model(model, weights, encoder, heads)
     if weights is not None and precision != "float32":
         raise UsageError("--precision and --weights exclude each other: give one of them.")

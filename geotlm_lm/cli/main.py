@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import sys
 from typing import Annotated
 
@@ -36,6 +38,12 @@ INTERRUPTED = 130
 
 STOPPED = "Stopped; files already complete are kept."
 
+WITHOUT_FILES = ("answer", "app", "chat", "info")
+"""Commands that write none, of which there is no more to say than that they stopped."""
+
+UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+"""What a disk or a terminal that takes no more says; any other error of the system is a defect."""
+
 ParseError = typer.BadParameter.__base__
 """What the option parser raises on unknown or missing options; typer names no public alias."""
 
@@ -63,22 +71,27 @@ def root(
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run a command and exit: 0 done, 2 wrong call, 130 stopped, else the error's own code.
+    """Run a command and exit: 0 done, 2 wrong call or full disk, 130 stopped, else the error's own.
 
     An error the user can repair becomes one sentence on stderr; any other exception is a defect
     and keeps its trace (exit code 1).
     """
     command = typer.main.get_command(app)
+    words = sys.argv[1:] if arguments is None else arguments
+    stopped = "Stopped." if words[:1] and words[0] in WITHOUT_FILES else STOPPED
     try:
         code = command.main(args=arguments, prog_name="geotlm-lm", standalone_mode=False)
+        sys.stdout.flush()  # here what does not fit can still be told
     except GeoTLMError as error:
         _stop(str(error), error.exit_code)
     except ParseError as error:
         _stop(_sentence(error.format_message()), UsageError.exit_code)
     except (KeyboardInterrupt, typer.Abort):
-        _stop(STOPPED, INTERRUPTED)
+        _stop(stopped, INTERRUPTED)
+    except OSError as error:
+        _stop_unwritten(error)
     if code == INTERRUPTED:
-        _stop(STOPPED, INTERRUPTED)
+        _stop(stopped, INTERRUPTED)
     sys.exit(code if isinstance(code, int) else 0)
 
 
@@ -91,3 +104,19 @@ def _sentence(message: str) -> str:
 def _stop(sentence: str, code: int) -> None:
     print(sentence, file=sys.stderr)
     sys.exit(code)
+
+
+def _stop_unwritten(error: OSError) -> None:
+    """Stop where nothing more can be written; raise any other error again."""
+    is_unread = error.errno == errno.EPIPE  # as by `| head`: nobody is there to be told
+    if not is_unread and error.errno not in UNWRITTEN:
+        raise error
+    # What waits in the buffer would fail once more when Python ends.
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    if is_unread:
+        sys.exit(1)
+    where = error.filename or "The output"
+    _stop(
+        f"{where} cannot be written ({error.strerror}); make room, or give another place.",
+        UsageError.exit_code,
+    )

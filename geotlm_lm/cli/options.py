@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
@@ -149,12 +150,37 @@ def require_writable(folder: Path, option: str) -> None:
         ) from error
 
 
-def require_writable_file(path: Path, option: str) -> None:
+def require_writable_file(path: Path, option: str, *, inputs: Iterable[Path] = ()) -> None:
     """Create the folder of `path`, for the same reason.
 
+    Args:
+        path: Of the file to write.
+        option: That names it.
+        inputs: Files, and folders of images, that the command reads.
+
     Raises:
-        UsageError: If the file cannot be written there.
+        UsageError: If the file cannot be written there, or is one of the inputs.
     """
     if path.is_dir():
         raise UsageError(f"{option}: {path} is a folder, expected the name of a file.")
+    for one in inputs:
+        if _is_of(path, one):
+            raise UsageError(
+                f"{option}: {path} is read by this command and would be replaced, expected the "
+                f"name of another file; give one."
+            )
     require_writable(path.parent, option)
+
+
+def _is_of(path: Path, read: Path) -> bool:
+    """Tell whether `path` is the file `read`, or an image of the folder `read`."""
+    try:
+        if path.samefile(read):
+            return True
+        if not path.parent.samefile(read):
+            return False
+    except OSError:  # one of them is not there
+        return False
+    from geotlm_lm.recordings.images import IMAGE_SUFFIXES
+
+    return path.suffix.lower() in IMAGE_SUFFIXES

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from geotlm_lm.simulation.indenter import Indenter
     from geotlm_lm.simulation.presets import PresetName
     from geotlm_lm.simulation.simulate import SimulatedClip
+
+WRITTEN = {"frames", "label", "background", "drift_px", "fps"}
+"""What a single clip's file may hold."""
 
 MotionName = Literal[tuple(motion.value for motion in Motion)]
 
@@ -140,6 +144,21 @@ def _require_clip_name(path: Path) -> None:
     if path.suffix != ".npz":
         raise UsageError(f"--clip {path} was given, expected a name that ends in .npz.")
     require_writable_file(path, "--clip")
+    if path.exists() and not _is_simulated(path):
+        raise UsageError(
+            f"--clip: {path} is there already and is no clip that this command wrote; give another "
+            f"name, or delete it first."
+        )
+
+
+def _is_simulated(path: Path) -> bool:
+    """Tell whether a file holds what `write_clip` writes: no recording has such a label."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            members = {name.removesuffix(".npy") for name in archive.namelist()}
+    except (OSError, zipfile.BadZipFile):
+        return False
+    return {"frames", "label"} <= members <= WRITTEN
 
 
 def _own_body(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from geotlm_lm.cli.options import BundleFolder, Precision, require_writable_file
+from geotlm_lm.cli.options import BundleFolder, FramesPerSecond, Precision, require_writable_file
 from geotlm_lm.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ def watch(
         bool,
         typer.Option("--at-its-rate", help="Play a recording as a camera would, dropping frames."),
     ] = False,
+    fps: FramesPerSecond = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
 ) -> None:
@@ -48,10 +49,10 @@ def watch(
     if draw is not None:
         if draw.suffix != ".mp4":
             raise UsageError(f"--draw {draw} was given, expected a name that ends in .mp4.")
-        require_writable_file(draw, "--draw")
+        require_writable_file(draw, "--draw", inputs=[Path(source)])
     from geotlm_lm.live.sources import open_source
 
-    stream = open_source(source, at_its_rate=at_its_rate)
+    stream = open_source(source, at_its_rate=at_its_rate, fps=fps)
 
     # Imported only now: a camera that does not open must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer
@@ -64,13 +65,16 @@ def watch(
         from geotlm_lm.live.film import Film
 
         film = Film(draw, stream.fps)
-    print(f"note: {source} at {stream.fps:g} frames per second.", file=sys.stderr)
+    assumed = ", as is assumed; give the rate by --fps" if stream.is_rate_assumed else ""
+    print(f"note: {source} at {stream.fps:g} frames per second{assumed}.", file=sys.stderr)
     try:
         for event in _events(stream, watcher, film):
             _tell(event, as_json, _words(answerer, watcher, event, question))
     finally:
         if film is not None:
             film.close()
+        if watcher.warning is not None:
+            print(f"note: {watcher.warning}", file=sys.stderr)
         _account(watcher.account.to_dict() | {"dropped": stream.dropped}, as_json)
 
 

@@ -18,10 +18,11 @@ class Clip:
 
     Args:
         frames: uint8, shape (t, rows, columns, 3), t >= 1; not copied, read-only through the clip.
-        fps: Frames per second; None when unknown.
+        fps: Frames per second of that recording, the rate `frame_numbers` count in, however many of
+            its frames are here; None when unknown.
         background: The idle gel, uint8, shape (rows, columns, 3); None when unknown.
         name: What errors and answers call the clip: a path or an identifier.
-        frame_numbers: Where the frames stood in the recording they were taken from.
+        frame_numbers: Where the frames stood in the recording they were taken from, from 0.
         notes: What a reader guessed or warns about, one sentence each.
 
     Raises:
@@ -62,7 +63,7 @@ class Clip:
                 f"{self.name}: the background is {self.background.dtype}, expected uint8 as the "
                 f"frames are; convert the array first."
             )
-        if self.fps is not None and not 0 < self.fps < 1e5:
+        if self.fps is not None and not 0 < self.fps < MOST_FPS:
             object.__setattr__(self, "fps", None)
         if not self.frame_numbers:
             object.__setattr__(self, "frame_numbers", tuple(range(len(frames))))
@@ -92,6 +93,9 @@ class Clip:
         """Return the clip with one more note."""
         return replace(self, notes=(*self.notes, note))
 
+
+MOST_FPS = 1e5
+"""Frames per second a clip may have; more is taken for a mistake."""
 
 MIN_SIDE = 8
 """Smallest side in pixels a clip may have; below it no imprint can be resolved."""

@@ -70,3 +70,8 @@ class MissingDependency(GeoTLMError):
 
 class IncompatibleWeights(IncompatibleBundle):
     """A released encoder's file is missing, damaged, or not what its name says."""
+
+
+def first_line(error: Exception) -> str:
+    """Return the first line of what an error of another library says, or else what it is."""
+    return next(iter(str(error).strip().splitlines()), type(error).__name__)

@@ -47,8 +47,9 @@ class FrameSpec:
         low, high = MM_PER_PX
         if self.mm_per_px is not None and not low <= self.mm_per_px <= high:
             raise UsageError(
-                f"A pixel of {self.mm_per_px:g} mm was given, expected {low:g} to {high:g} mm; one "
-                f"of a GelSight Mini's 320x240 is 0.06."
+                f"A pixel of {self.mm_per_px:g} mm was given, expected {low:g} to {high:g} mm, "
+                f"such as 0.06 of a GelSight Mini's 320x240; divide the mm of gel that are seen by "
+                f"the image's columns."
             )
 
     def tell(self, motion: Motion) -> Motion:

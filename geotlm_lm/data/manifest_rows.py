@@ -28,6 +28,7 @@ from pathlib import Path
 from typing import Any
 
 from geotlm_lm.core.atomic import write_text_atomically
+from geotlm_lm.core.clip import MOST_FPS
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.labels import Motion
 
@@ -44,9 +45,6 @@ ACTIONS = {
 COLUMNS = ("clip_id", "object_id", "sensor", "action", "frames", "background", "fps")
 REQUIRED = ("clip_id", "object_id", "action", "frames")
 SUFFIXES = (".csv", ".jsonl")
-
-MOST_FPS = 1e5
-"""Frames per second beyond which a number is taken for a mistake, as `read_clip` takes it."""
 
 
 @dataclass(frozen=True)

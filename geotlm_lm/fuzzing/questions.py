@@ -39,6 +39,8 @@ WORDS = (
         "...",
         "\u2019",
         "<tactile>",
+        "<<tactile>>",
+        "<<<user>>>",
         "<|im_start|>",
         "{{",
         "%s",

@@ -10,7 +10,7 @@ from pathlib import Path
 from jinja2.sandbox import ImmutableSandboxedEnvironment
 from tokenizers import Tokenizer
 
-from geotlm_lm.core.errors import IncompatibleBundle, UsageError
+from geotlm_lm.core.errors import IncompatibleBundle, UsageError, first_line
 from geotlm_lm.core.record import write_text_atomically
 from geotlm_lm.language.tokenizer import (
     ASSISTANT,
@@ -68,10 +68,7 @@ class PromptEncoder:
             raise UsageError(
                 "The question is empty; ask something like 'Which way is it turning?'."
             )
-        text = self._template.render(
-            messages=[{"role": "user", "content": cleaned}], add_generation_prompt=True
-        )
-        ids = self._encode(text)
+        ids = self._encode(self._laid_out(cleaned))
         limit = self.max_tokens - MAX_ANSWER_TOKENS
         if len(ids) > limit:
             raise UsageError(
@@ -89,6 +86,10 @@ class PromptEncoder:
         if self.eos_id in ids:
             ids = ids[: ids.index(self.eos_id)]
         return self.tokenizer.decode(ids, skip_special_tokens=False)
+
+    def _laid_out(self, question: str) -> str:
+        messages = [{"role": "user", "content": question}]
+        return self._template.render(messages=messages, add_generation_prompt=True)
 
     def _encode(self, text: str) -> list[int]:
         return self.tokenizer.encode(text.replace(TACTILE, TACTILE * self.tactile_tokens)).ids
@@ -128,11 +129,13 @@ class PromptEncoder:
             tokenizer = Tokenizer.from_str((folder / "tokenizer.json").read_text(encoding="utf-8"))
             template = (folder / "chat_template.jinja").read_text(encoding="utf-8")
             settings = json.loads((folder / "processor_config.json").read_text(encoding="utf-8"))
-            tactile_tokens = int(settings["num_tactile_tokens"])
-        except (OSError, ValueError, KeyError) as error:
+            encoder = cls(tokenizer, template, int(settings["num_tactile_tokens"]), max_tokens)
+            if encoder._laid_out("which way?").count(TACTILE) != 1:
+                raise ValueError(f"the chat template does not lay out one {TACTILE}")
+        except Exception as error:  # tokenizers raises nothing narrower, a template whatever it has
             raise IncompatibleBundle(
                 f"{folder}: its tokenizer, chat template or processor file is missing or broken "
-                f"({error}); save or download the model again."
+                f"({first_line(error)}); save or download the model again."
             ) from error
         missing = [token for token in SPECIAL_TOKENS if tokenizer.token_to_id(token) is None]
         if missing:
@@ -141,7 +144,7 @@ class PromptEncoder:
             )
         tokenizer.no_padding()
         tokenizer.no_truncation()
-        return cls(tokenizer, template, tactile_tokens, max_tokens)
+        return encoder
 
     @cached_property
     def assistant_id(self) -> int:

@@ -50,6 +50,9 @@ def clean_question(question: str) -> str:
     """Return the question as the model reads it: one line, lower case, no control tokens.
 
     Case carries no meaning in a question, and what somebody typed must never be read as a marker
-    of the chat: "<tactile>" becomes "tactile".
+    of the chat: "<tactile>" becomes "tactile", and so does "<<tactile>>".
     """
-    return " ".join(_CONTROL.sub(r"\1", question).lower().split())
+    text = " ".join(question.lower().split())
+    while (plain := _CONTROL.sub(r"\1", text)) != text:
+        text = plain
+    return text

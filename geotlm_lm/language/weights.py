@@ -10,11 +10,24 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file, save
 
 from geotlm_lm.core.atomic import replacing, write_text_atomically
-from geotlm_lm.core.errors import IncompatibleBundle
+from geotlm_lm.core.errors import IncompatibleBundle, first_line
 from geotlm_lm.language.decoder import RMS_EPSILON, ROPE_THETA, LanguageSize, TactileDecoder
 
 FORMAT = 1
 """Raised when a folder written before can no longer be read."""
+
+
+WHAT_DAMAGE_RAISES = (
+    OSError,
+    ArithmeticError,
+    AttributeError,
+    LookupError,
+    RuntimeError,
+    SafetensorError,
+    TypeError,
+    ValueError,
+)
+"""What sizes and weights that were changed by hand or cut off make of the code that builds them."""
 
 
 def save_decoder(decoder: TactileDecoder, folder: Path, *, eos_id: int, pad_id: int) -> None:
@@ -67,20 +80,23 @@ def load_decoder(folder: Path) -> TactileDecoder:
     """
     try:
         config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
-        if config.get("format") != FORMAT:
+        found = config.get("format") if isinstance(config, dict) else None
+        if found != FORMAT:
             raise IncompatibleBundle(
-                f"{folder}: was written in language-model format {config.get('format')}, this "
-                f"version reads {FORMAT}; install the matching version or download the model again."
+                f"{folder}: was written in language-model format {found}, this version reads "
+                f"{FORMAT}; install the matching version or download the model again."
             )
         decoder = _empty_decoder(config)
         tensors = load_file(folder / "model.safetensors")
         # transformers also stores the output weights it ties to the embeddings.
         tensors.pop("lm_head.weight", None)
         decoder.load_state_dict(tensors)
-    except (OSError, KeyError, ValueError, TypeError, RuntimeError, SafetensorError) as error:
+    except IncompatibleBundle:
+        raise
+    except WHAT_DAMAGE_RAISES as error:
         raise IncompatibleBundle(
             f"{folder}: config.json and model.safetensors are missing, broken or do not belong "
-            f"together ({str(error).splitlines()[0]}); save or download the model again."
+            f"together ({first_line(error)}); save or download the model again."
         ) from error
     return decoder.eval()
 
@@ -95,6 +111,8 @@ def _empty_decoder(config: dict[str, Any]) -> TactileDecoder:
         tactile_tokens=config["num_tactile_tokens"],
         max_tokens=text["max_position_embeddings"],
     )
+    if size.heads < 1 or size.width % (2 * size.heads):
+        raise ValueError(f"a width of {size.width} makes no {size.heads} heads of even width")
     return TactileDecoder(
         size,
         fused_width=config["fused_width"],

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Frames
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings.choose import FAINT_IMPRINT, band_pass
 from geotlm_lm.recordings.idle import activity_grey, lost_share
 
@@ -47,7 +48,11 @@ class IdleTracker:
 
         Returns:
             Grey levels (rms) between the frame and the idle gel; None while it is being learnt.
+
+        Raises:
+            UnreadableClip: If it is of another size than the frames before.
         """
+        self._require_same_size(frame)
         small = activity_grey(frame[None])[0]
         self._recent.append((frame, small))
         if self._idle is None:
@@ -64,6 +69,15 @@ class IdleTracker:
             cv2.accumulateWeighted(frame, self._idle, FOLLOWING)
             cv2.accumulateWeighted(small, self._small, FOLLOWING)
         return strength
+
+    def _require_same_size(self, frame: Frames) -> None:
+        before = self._recent[-1][0] if self._recent else frame
+        if frame.shape != before.shape:
+            raise UnreadableClip(
+                f"A frame of the stream is {frame.shape[1]} x {frame.shape[0]} pixels after "
+                f"{before.shape[1]} x {before.shape[0]}, expected one size; keep the camera's "
+                f"resolution and start again."
+            )
 
     def _agree(self, count: int) -> bool:
         """Tell whether the last `count` frames show the same."""

@@ -12,17 +12,18 @@ from collections import deque
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 
 import cv2
 
-from geotlm_lm.core.clip import Frames
+from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
-from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.recordings.read import read_clip, require_rate
 from geotlm_lm.recordings.video import VIDEO_SUFFIXES, quiet_capture
 
 DEFAULT_FPS = 25.0
-"""Taken where a recording does not say: a GelSight Mini's rate."""
+"""Taken where a source does not say: a GelSight Mini's rate."""
 
 BUFFERED_FRAMES = 25
 """Frames that may wait: a second of a GelSight Mini; after that an answer is no longer live."""
@@ -82,15 +83,19 @@ class LatestFrames:
 class Recording:
     """A file played frame by frame; nothing is dropped.
 
+    `fps` is the rate of the frames it gives: less than the recording's own where a long array is
+    read at a stride.
+
     Args:
         path: A video, an array, or a folder of images.
+        fps: Frames per second of the whole recording; None to take what the file says.
 
     Raises:
         UnreadableClip: If it is missing or holds no frames, in one sentence.
     """
 
-    def __init__(self, path: Path) -> None:
-        self.name, self.dropped, self.fps = str(path), 0, DEFAULT_FPS
+    def __init__(self, path: Path, fps: float | None = None) -> None:
+        self.name, self.dropped = str(path), 0
         self._path, self._is_video = path, path.suffix.lower() in VIDEO_SUFFIXES
         if not path.exists():
             raise UnreadableClip(f"{path}: no such file or folder; check the path.")
@@ -100,28 +105,29 @@ class Recording:
                     raise UnreadableClip(
                         f"{path}: no frame of it can be decoded; copy or export it again."
                     )
-                fps = float(capture.get(cv2.CAP_PROP_FPS))
+                told = float(capture.get(cv2.CAP_PROP_FPS))
         else:
             self._clip = read_clip(path)
-            fps = self._clip.fps or 0.0
-        if 0 < fps < 1e4:
-            self.fps = fps
+            told = self._clip.fps or 0.0
+        self._recorded_fps, self.is_rate_assumed = _rate(fps, told)
+        self.fps = self._recorded_fps / (1 if self._is_video else _stride(self._clip))
 
     def __iter__(self) -> Iterator[StreamFrame]:
         """Yield every frame; a video is decoded as it is read, however long it is."""
-        for number, image in enumerate(self._images()):
-            yield StreamFrame(image, number / self.fps)
+        for number, image in self._images():
+            yield StreamFrame(image, number / self._recorded_fps)
 
-    def _images(self) -> Iterator[Frames]:
+    def _images(self) -> Iterator[tuple[int, Frames]]:
+        """Yield each frame beside where it stood in the recording."""
         if not self._is_video:
-            yield from self._clip.frames
+            yield from zip(self._clip.frame_numbers, self._clip.frames, strict=True)
             return
         with quiet_capture(self.name, cv2.CAP_FFMPEG) as capture:
-            while True:
+            for number in count():
                 is_decoded, image = capture.read()
                 if not is_decoded:
                     return
-                yield cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+                yield number, cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
 
 
 class Played:
@@ -133,6 +139,7 @@ class Played:
 
     def __init__(self, recording: Recording) -> None:
         self.name, self.fps = recording.name, recording.fps
+        self.is_rate_assumed = recording.is_rate_assumed
         self._recording, self._buffer = recording, LatestFrames()
 
     @property
@@ -147,10 +154,14 @@ class Played:
 
     def _play(self) -> None:
         began = time.monotonic()
-        for frame in self._recording:
-            time.sleep(max(began + frame.time_s - time.monotonic(), 0.0))
-            self._buffer.put(frame)
-        self._buffer.close()
+        try:
+            for frame in self._recording:
+                time.sleep(max(began + frame.time_s - time.monotonic(), 0.0))
+                self._buffer.put(frame)
+        except Exception as error:  # whatever it is, the reader must not wait for ever
+            self._buffer.close(error)
+        else:
+            self._buffer.close()
 
 
 class Camera:
@@ -158,21 +169,21 @@ class Camera:
 
     Args:
         device: Its number, or the path of its device file.
+        fps: Frames per second; None to take what it says. Each frame has its own time all the same.
 
     Raises:
         MissingDependency: If it does not open, with what to do.
     """
 
-    def __init__(self, device: int | str) -> None:
-        self.name, self.fps = str(device), DEFAULT_FPS
+    def __init__(self, device: int | str, fps: float | None = None) -> None:
+        self.name = str(device)
         self._buffer, self._is_open, self._opened = LatestFrames(), True, ExitStack()
         self._capture = self._opened.enter_context(quiet_capture(device, cv2.CAP_ANY))
         if not (self._capture.isOpened() and self._capture.grab()):
             self._opened.close()
             raise MissingDependency(_advice(device))
-        fps = float(self._capture.get(cv2.CAP_PROP_FPS))
-        if 0 < fps < 1e4:
-            self.fps = fps
+        told = float(self._capture.get(cv2.CAP_PROP_FPS))
+        self.fps, self.is_rate_assumed = _rate(fps, told)
 
     @property
     def dropped(self) -> int:
@@ -189,13 +200,17 @@ class Camera:
 
     def _grab(self) -> None:
         began = time.monotonic()
-        with self._opened:
-            while self._is_open:
-                is_there, image = self._capture.read()
-                if not is_there:
-                    break
-                image = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
-                self._buffer.put(StreamFrame(image, time.monotonic() - began))
+        try:
+            with self._opened:
+                while self._is_open:
+                    is_there, image = self._capture.read()
+                    if not is_there:
+                        break
+                    image = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+                    self._buffer.put(StreamFrame(image, time.monotonic() - began))
+        except Exception as error:  # whatever it is, the reader must not wait for ever
+            self._buffer.close(error)
+            return
         self._buffer.close(
             MissingDependency(
                 f"Camera {self.name} stopped giving frames after {time.monotonic() - began:.1f} s; "
@@ -204,23 +219,39 @@ class Camera:
         )
 
 
-def open_source(name: str, *, at_its_rate: bool = False) -> Recording | Played | Camera:
+def open_source(
+    name: str, *, at_its_rate: bool = False, fps: float | None = None
+) -> Recording | Played | Camera:
     """Return the stream called `name`: a camera's number, a device file, or a recording.
 
     Args:
         name: For example "0", "/dev/video0" or "clip.avi".
         at_its_rate: Play a recording as fast as it was taken, and drop what is too late.
+        fps: Frames per second; None to take what the recording or the camera says.
 
     Raises:
         MissingDependency: If a camera does not open.
         UnreadableClip: If a file is missing or holds no frames.
+        UsageError: If the frame rate makes no sense.
     """
+    require_rate(fps)
     if name.isdecimal() and len(name) < 4:
-        return Camera(int(name))
+        return Camera(int(name), fps)
     if name.startswith("/dev/"):
-        return Camera(name)
-    recording = Recording(Path(name))
+        return Camera(name, fps)
+    recording = Recording(Path(name), fps)
     return Played(recording) if at_its_rate else recording
+
+
+def _rate(given: float | None, told: float) -> tuple[float, bool]:
+    """Return frames per second, and whether neither the user nor the source says so."""
+    if given is not None:
+        return given, False
+    return (told, False) if 0 < told < 1e4 else (DEFAULT_FPS, True)
+
+
+def _stride(clip: Clip) -> int:
+    return clip.frame_numbers[1] - clip.frame_numbers[0]
 
 
 def _advice(device: int | str) -> str:

@@ -43,6 +43,9 @@ WITHOUT_DIRECTION = (Motion.PRESS, Motion.RELEASE, Motion.STILL, Motion.NONE)
 """What a window may be that is untouched in part: no direction can be read from no contact."""
 
 
+NO_IDLE = "No untouched gel was seen, so nothing could be judged; start while nothing touches."
+
+
 @dataclass(frozen=True, eq=False)
 class Window:
     """What the model says of four samples.
@@ -134,22 +137,30 @@ class Watcher:
         """The idle gel as learnt so far; None while it is being learnt."""
         return self._idle.background
 
+    @property
+    def warning(self) -> str | None:
+        """Why no motion could be told so far, in one sentence; None where it could."""
+        return NO_IDLE if self.background is None else None
+
     def push(self, frame: Frames, time_s: float) -> list[MotionEvent]:
         """Take in the next frame and return the events it completes.
 
         Args:
             frame: uint8, shape (rows, columns, 3), RGB; all of one size.
             time_s: When it was taken; later than the frame before.
+
+        Raises:
+            UnreadableClip: If it is of another size than the frames before.
         """
         started = time.perf_counter()
         strength = self._idle.strength(frame)
         self.account.frames += 1
         self.account.follow_ms.append(1e3 * (time.perf_counter() - started))
-        if strength is None or time_s < self._due_s:
+        if strength is None or time_s < self._due_s - _JITTER_S:
             return []
         # A late frame does not delay the ones after it; after a gap, counting starts anew.
         on_time = time_s - self._due_s < self._sample_s
-        self._due_s = (self._due_s if on_time else time_s) + self._sample_s - _JITTER_S
+        self._due_s = (self._due_s if on_time else time_s) + self._sample_s
         self._samples.append(Sample(frame, time_s, strength))
         return self._segmenter.push(self._reading()) if len(self._samples) >= FRAME_COUNT else []
 
@@ -158,12 +169,21 @@ class Watcher:
         return self._segmenter.finish()
 
     def clip_of(self, event: MotionEvent) -> Clip | None:
-        """Return the samples of a motion that ended, with the idle gel; None if they are gone."""
+        """Return the samples of a motion that ended, with the idle gel; None if they are gone.
+
+        Its frame rate is their mean one.
+        """
         kept = [s for s in self._samples if event.start_s <= s.time_s <= (event.end_s or np.inf)]
         if len(kept) < 2:
             return None
         frames = np.stack([sample.frame for sample in kept])
-        return Clip(frames, background=self.background, name=f"{event.motion.value} of the stream")
+        lasted_s = kept[-1].time_s - kept[0].time_s
+        return Clip(
+            frames,
+            fps=(len(kept) - 1) / lasted_s if lasted_s > 0 else None,
+            background=self.background,
+            name=f"{event.motion.value} of the stream",
+        )
 
     def _reading(self) -> Reading:
         window = list(self._samples)[-FRAME_COUNT:]

@@ -57,7 +57,7 @@ def read_archive(path: Path, layout: Layout | None = None) -> Clip:
     background = others.get("background")
     return Clip(
         clip.frames,
-        fps=_scale_fps(_one_number(fps, name), clip) if fps is not None else None,
+        fps=_one_number(fps, name) if fps is not None else None,
         background=still_to_rgb(background, name) if background is not None else None,
         name=name,
         frame_numbers=clip.frame_numbers,
@@ -155,11 +155,6 @@ def _one_number(value: NDArray, name: str) -> float | None:
             f"save frames per second or leave it out."
         )
     return float(value.reshape(()))
-
-
-def _scale_fps(fps: float | None, clip: Clip) -> float | None:
-    stride = clip.frame_numbers[1] - clip.frame_numbers[0] if len(clip) > 1 else 1
-    return None if fps is None else fps / stride
 
 
 @contextmanager

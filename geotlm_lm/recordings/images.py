@@ -15,14 +15,21 @@ from geotlm_lm.recordings.limits import kept_frames, stride_for, stride_note
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp")
 
+BACKGROUND_STEM = "background"
+"""Name, without its ending, of the idle gel's image among a folder's frames."""
+
 
 def read_folder(folder: Path) -> Clip:
     """Return the clip of the images in `folder`; hidden files are passed over.
 
+    An image named `background` is the idle gel, no frame.
+
     Raises:
         UnreadableClip: If there are none, one is damaged, or their sizes differ.
     """
-    paths = image_paths(folder)
+    found = image_paths(folder)
+    idle = next((path for path in found if path.stem.lower() == BACKGROUND_STEM), None)
+    paths = [path for path in found if path != idle]
     if not paths:
         raise UnreadableClip(
             f"{folder}: the folder holds no images, expected {', '.join(IMAGE_SUFFIXES)}; "
@@ -42,8 +49,11 @@ def read_folder(folder: Path) -> Clip:
     notes = (f"{len(paths)} images were read in natural order of their names.",)
     if stride > 1:
         notes = (*notes, stride_note(stride, len(paths)))
+    if idle is not None:
+        notes = (*notes, f"Background: {idle.name} of the folder was taken for the idle gel.")
     return Clip(
         np.stack(frames),
+        background=None if idle is None else read_still_image(idle),
         name=str(folder),
         frame_numbers=tuple(range(0, len(paths), stride)),
         notes=notes,
@@ -56,7 +66,7 @@ def image_paths(folder: Path) -> list[Path]:
     Raises:
         UnreadableClip: If the folder cannot be opened.
     """
-    frames = [path for path in _listed(folder) if _is_frame(path)]
+    frames = [path for path in listed(folder) if _is_frame(path)]
     return sorted(frames, key=lambda path: natural_key(path.name))
 
 
@@ -90,7 +100,12 @@ def read_still_image(path: Path) -> Frames:
     return cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
 
 
-def _listed(folder: Path) -> list[Path]:
+def listed(folder: Path) -> list[Path]:
+    """Return what lies in a folder, in no order.
+
+    Raises:
+        UnreadableClip: If the folder cannot be opened.
+    """
     try:
         return list(folder.iterdir())
     except OSError as error:

@@ -6,33 +6,47 @@ import os
 from pathlib import Path
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.images import IMAGE_SUFFIXES
+from geotlm_lm.recordings.images import IMAGE_SUFFIXES, listed
 from geotlm_lm.recordings.read import ARRAY_SUFFIXES
 from geotlm_lm.recordings.video import VIDEO_SUFFIXES
 
 CLIP_SUFFIXES = (*ARRAY_SUFFIXES, *VIDEO_SUFFIXES)
+
+EXPECTED = f"{', '.join(CLIP_SUFFIXES)} or folders of images"
+"""What a recording is, for sentences."""
 
 
 def clips_in(folder: Path) -> list[Path]:
     """Return every recording of a folder, by name: files of known endings and folders of images.
 
     Raises:
-        UnreadableClip: If there is no such folder, or nothing in it looks like a recording.
+        UnreadableClip: If there is no such folder, it cannot be opened, or nothing in it looks like
+            a recording.
     """
-    if not folder.is_dir():
-        raise UnreadableClip(f"{folder}: no such folder; give the one your recordings lie in.")
-    found = [one for one in sorted(folder.iterdir()) if _is_recording(one)]
+    found = [one for one in _seen_in(folder) if _is_recording(one)]
     if not found:
         raise UnreadableClip(
-            f"{folder}: holds no recording, expected {', '.join(CLIP_SUFFIXES)} or folders of "
-            f"images; give the folder they lie in."
+            f"{folder}: holds no recording, expected {EXPECTED}; give the folder they lie in."
         )
     return found
 
 
+def skipped_in(folder: Path) -> list[Path]:
+    """Return what `clips_in` leaves out, by name; hidden files are not told.
+
+    Raises:
+        UnreadableClip: If there is no such folder, or it cannot be opened.
+    """
+    return [one for one in _seen_in(folder) if not _is_recording(one)]
+
+
+def _seen_in(folder: Path) -> list[Path]:
+    if not os.path.isdir(folder):  # unlike the path's own, it raises nothing
+        raise UnreadableClip(f"{folder}: no such folder; give the one your recordings lie in.")
+    return sorted(one for one in listed(folder) if not one.name.startswith("."))
+
+
 def _is_recording(path: Path) -> bool:
-    if path.name.startswith("."):
-        return False
     if not path.is_dir():
         return path.suffix.lower() in CLIP_SUFFIXES
     try:

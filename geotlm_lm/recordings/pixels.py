@@ -45,8 +45,8 @@ def layout_of(shape: tuple[int, ...], layout: Layout | None, name: str) -> tuple
         UnreadableClip: If the shape fits no layout, or not the one given.
     """
     if layout is not None:
-        colours = {"THWC": shape[-1], "TCHW": shape[1] if len(shape) > 1 else 0, "THW": 1}[layout]
-        if len(shape) != len(layout) or colours not in COLOURS:
+        is_grey = "C" not in layout
+        if len(shape) != len(layout) or not (is_grey or shape[layout.index("C")] in COLOURS):
             raise UnreadableClip(
                 f"{name}: shape {shape} is not of the layout {layout} with 1 or 3 colours; "
                 f"give the layout the file has, or leave it out."

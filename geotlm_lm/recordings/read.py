@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
 
-from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.clip import MOST_FPS, Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.recordings.arrays import read_archive, read_array, read_still_array
 from geotlm_lm.recordings.choose import require_motion
@@ -34,19 +35,36 @@ def read_clip(
     Raises:
         UnreadableClip: If a file is missing, damaged, or holds no clip, in one sentence.
         UsageError: If the layout or the frame rate makes no sense.
+        TypeError: If `path` is none, such as an array.
     """
+    if not isinstance(path, str | PathLike):
+        raise TypeError(
+            f"read_clip takes a path, found {type(path).__name__}; make a clip of an array by "
+            f"Clip(frames)"
+        )
     path = Path(path)
     checked = check_layout(layout)
-    if fps is not None and not 0 < fps < 1e5:
-        raise UsageError(f"A frame rate of {fps:g} was given, expected 0 to 100000 per second.")
+    require_rate(fps)
     clip = _read(path, checked)
     require_motion(clip)
     if fps is not None:
-        stride = clip.frame_numbers[1] - clip.frame_numbers[0]
-        clip = replace(clip, fps=fps / stride)
+        clip = replace(clip, fps=fps)
     if background is not None:
         clip = replace(clip, background=read_background(background))
     return clip
+
+
+def require_rate(fps: float | None) -> None:
+    """Refuse a frame rate that no camera has; None is none.
+
+    Raises:
+        UsageError: If it makes no sense.
+    """
+    if fps is not None and not 0 < fps < MOST_FPS:
+        raise UsageError(
+            f"A frame rate of {fps:g} was given, expected more than 0 and less than "
+            f"{MOST_FPS:g} per second; give the camera's, or leave it out."
+        )
 
 
 def read_background(path: str | Path) -> Frames:

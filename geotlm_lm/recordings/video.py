@@ -36,7 +36,7 @@ def read_video(path: Path) -> Clip:
     """
     with quiet_capture(str(path), cv2.CAP_FFMPEG) as capture:
         frames, stride, seen, is_whole = _decode(capture, str(path))
-        fps = float(capture.get(cv2.CAP_PROP_FPS)) / stride
+        fps = float(capture.get(cv2.CAP_PROP_FPS))
     if not frames:
         raise UnreadableClip(
             f"{path}: no frame of it can be decoded, expected a {', '.join(VIDEO_SUFFIXES)} video; "

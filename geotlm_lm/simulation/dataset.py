@@ -37,6 +37,8 @@ from geotlm_lm.simulation.simulate import SimulatedClip
 SHARD_CLIPS = 64
 """Clips per shard: about 50 MB of frames, a few seconds of work to lose in a kill."""
 
+CARD_FILE = "README.md"
+
 DATASET_FORMAT = 2
 
 Progress = Callable[[int, int], None]
@@ -111,7 +113,7 @@ def write_dataset(
         done += written
         if progress is not None:
             progress(done, count)
-    write_text_atomically(out / "README.md", card_of(out, count, wanted))
+    write_text_atomically(out / CARD_FILE, card_of(out, count, wanted))
     return out
 
 
@@ -127,6 +129,11 @@ def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
     if count < 1 or not wanted["objects"]:
         raise UsageError(f"found {count} clips of {len(wanted['objects'])} objects; ask for some.")
     if not (out / "dataset.json").exists():
+        if (out / CARD_FILE).exists():
+            raise UsageError(
+                f"{out} has a {CARD_FILE} of something else, which the data set's card would "
+                f"replace; choose an empty folder."
+            )
         return
     try:
         found = json.loads((out / "dataset.json").read_text())

@@ -149,3 +149,44 @@ def test_an_unfinished_run_of_something_else_is_not_continued(
         f"{out}.part: belongs to a run of other clips, questions or facts, or of another model or "
         f"version, expected this one's; delete it to begin anew, or give another --out."
     )
+
+
+OTHERS = (
+    "{}: belongs to a run of other clips, questions or facts, or of another model or version, "
+    "expected this one's; delete it to begin anew, or give another --out."
+)
+DAMAGED = (
+    "{}: its row 2 is damaged, expected one JSON object a line; delete the file to begin anew, or "
+    "give another --out."
+)
+
+
+@pytest.mark.parametrize(
+    ("damage", "sentence"),
+    [
+        (lambda lines: [b"hello\n"], OTHERS),
+        (lambda lines: [b"\xff\xfe\n", *lines[1:]], OTHERS),
+        (lambda lines: [b"[" * 100_000 + b"\n"], OTHERS),
+        (lambda lines: [*lines[:2], b'{"clip": \n'], DAMAGED),
+        (lambda lines: [*lines[:2], b"[1]\n"], DAMAGED),
+    ],
+    ids=["foreign", "no text", "deep", "half a row", "no row"],
+)
+def test_a_file_that_is_no_unfinished_run_is_refused_and_left(
+    bundle, clips, tmp_path, damage, sentence
+):
+    out, part = tmp_path / "x.jsonl", tmp_path / "x.jsonl.part"
+    answerer = feeling(bundle, "left")
+    with pytest.raises(Stopped):
+        answer_all(answerer, clips_in(clips), QUESTIONS, out, progress=stop_after(1))
+    part.write_bytes(b"".join(damage(part.read_bytes().splitlines(keepends=True))))
+    before = part.read_bytes()
+    with pytest.raises(UsageError) as error:
+        answer_all(answerer, clips_in(clips), QUESTIONS, out)
+    assert str(error.value) == sentence.format(part)
+    assert part.read_bytes() == before
+
+
+def test_a_run_without_questions_is_refused(bundle, clips, tmp_path):
+    with pytest.raises(ValueError, match="^a run takes 1 question or more, found none$"):
+        answer_all(feeling(bundle, "left"), clips_in(clips), [], tmp_path / "x.jsonl")

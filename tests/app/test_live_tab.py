@@ -1,5 +1,7 @@
 """The Live tab watches with the same code as the command, and tells events as rows."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -27,14 +29,37 @@ def test_a_recording_is_watched_to_its_end(frames, tmp_path):
     assert image.ndim == 3
 
 
+def test_a_recording_without_an_untouched_gel_says_so_at_its_end(frames, tmp_path):
+    np.savez(tmp_path / "clip.npz", frames=np.stack(frames[:4]), fps=25.0)
+    *_, (_, rows, account) = live_tab.watch_recording(FakeAnswerer(), str(tmp_path / "clip.npz"))
+    assert rows == []
+    assert account.startswith("No untouched gel was seen")
+
+
 def test_a_camera_is_followed_frame_by_frame_and_each_session_by_itself(frames):
     one = other = None
     for frame in frames[:6]:
         one, *_ = live_tab.follow(FakeAnswerer(), frame, one)
     other, _, _, account = live_tab.follow(FakeAnswerer(), frames[0], other)
-    assert one[0].account.frames == 6
-    assert other[0].account.frames == 1
+    assert one.watcher.account.frames == 6
+    assert other.watcher.account.frames == 1
     assert account.startswith("learning the idle gel")
+
+
+def test_the_times_of_a_camera_count_from_its_first_frame(frames, monkeypatch):
+    clock = iter(1e6 + 0.04 * number for number in range(len(frames)))
+    monkeypatch.setattr(live_tab, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    following = None
+    for frame in frames:
+        following, _, rows, _ = live_tab.follow(FakeAnswerer(), frame, following)
+    assert rows
+    assert all(0 <= row[0] <= 0.04 * len(frames) for row in rows)
+
+
+def test_a_camera_of_another_size_is_followed_from_its_beginning(frames):
+    following, *_ = live_tab.follow(FakeAnswerer(), frames[0], None)
+    following, *_ = live_tab.follow(FakeAnswerer(), frames[1][:60, :80], following)
+    assert following.watcher.account.frames == 1
 
 
 def test_watching_nothing_is_told():

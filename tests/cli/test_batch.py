@@ -49,10 +49,29 @@ def test_rows_are_written_and_counted(invoke, tmp_path):
     assert rows[1]["answer"]["abstained"]
 
 
+def test_what_is_no_recording_is_named(invoke, tmp_path):
+    folder = tmp_path / "clips"
+    assert "skipped" not in invoke().stderr
+    (folder / "foil.gif").write_bytes(b"GIF89a")
+    (folder / ".hidden").write_bytes(b"")
+    own = str(folder / "rows.jsonl")
+    for _ in range(2):  # the second time the first one's rows lie there
+        assert (
+            "note: skipped as no recording (.npy, .npz, .mp4, .avi, .mov, .mkv or folders of "
+            "images): foil.gif\n" in invoke("--out", own).stderr
+        )
+    for name in "abcdef":
+        (folder / f"{name}.txt").write_bytes(b"")
+    assert ": a.txt, b.txt, c.txt, d.txt, e.txt and 2 more\n" in invoke("--out", own).stderr
+
+
 def test_a_senseless_frame_rate_is_refused(invoke):
     error = invoke("--fps", "-3").exception
     assert isinstance(error, UsageError)
-    assert str(error) == "A frame rate of -3 was given, expected 0 to 100000 per second."
+    assert str(error) == (
+        "A frame rate of -3 was given, expected more than 0 and less than 100000 per second; give "
+        "the camera's, or leave it out."
+    )
 
 
 def test_questions_are_lines_without_blanks_comments_and_repetitions(tmp_path):
@@ -79,6 +98,20 @@ def test_a_file_without_questions_is_refused(tmp_path, content, sentence):
     with pytest.raises(UsageError) as error:
         read_questions(path)
     assert str(error.value) == sentence.format(path)
+
+
+@pytest.mark.parametrize("name", ["questions.txt", "clips/cap.npy", "clips/frames/0.png"])
+def test_rows_never_replace_what_is_read(invoke, tmp_path, name):
+    (tmp_path / "clips" / "frames").mkdir()
+    (tmp_path / "clips" / "frames" / "0.png").write_bytes(b"a picture")
+    own = (tmp_path / name).read_bytes()
+    error = invoke("--out", str(tmp_path / name)).exception
+    assert isinstance(error, UsageError)
+    assert str(error) == (
+        f"--out: {tmp_path / name} is read by this command and would be replaced, expected the "
+        f"name of another file; give one."
+    )
+    assert (tmp_path / name).read_bytes() == own
 
 
 def test_the_number_format_reaches_the_loader(invoke):

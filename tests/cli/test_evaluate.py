@@ -60,6 +60,15 @@ def test_the_record_is_written_where_asked(judged, invoke, tmp_path):
     assert RunRecord.load(tmp_path / "deep" / "run.json").numbers["minimum"] == 0.8
 
 
+def test_the_record_never_replaces_the_data_it_judges(judged, invoke, tmp_path):
+    manifest = tmp_path / "clips.csv"
+    manifest.write_text("clip_id\n")
+    error = invoke("--data", str(manifest), "--out", str(manifest)).exception
+    assert isinstance(error, UsageError)
+    assert str(error).startswith(f"--out: {manifest} is read by this command and would be replaced")
+    assert manifest.read_text() == "clip_id\n"
+
+
 def test_falling_below_the_minimum_is_an_error_of_its_own(judged, invoke):
     error = invoke("--min-accuracy", "0.9").exception
     assert isinstance(error, BelowMinimum)

@@ -1,8 +1,10 @@
 """The command starts fast, says one sentence when called wrongly, and keeps a defect's trace."""
 
+import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from geotlm_lm.cli import main as main_module
@@ -139,9 +141,53 @@ def test_ctrl_c_ends_with_code_130(capsys, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("geotlm_lm.recordings.read.read_clip", interrupt)
-    code, out, err = run(capsys, "info", "--clip", "clip.npy")
-    assert (code, out) == (130, "")
-    assert err.strip() == "Stopped; files already complete are kept."
+    assert run(capsys, "info", "--clip", "clip.npy") == (130, "", "Stopped.\n")
+
+
+def test_ctrl_c_in_a_command_that_writes_files_says_what_became_of_them(capsys, monkeypatch):
+    def interrupt(folder):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("geotlm_lm.recordings.listing.clips_in", interrupt)
+    assert run(capsys, "batch", "--clips", "a", "--questions", "b", "--out", "c") == (
+        130,
+        "",
+        "Stopped; files already complete are kept.\n",
+    )
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")
+@pytest.mark.parametrize("words", [["--version"], ["info", "--clip", "{clip}"]])
+def test_an_output_that_takes_no_more_is_told_in_one_sentence(tmp_path, words):
+    np.save(tmp_path / "clip.npy", np.full((4, 48, 64, 3), 100, np.uint8))
+    words = [word.format(clip=tmp_path / "clip.npy") for word in words]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "geotlm_lm", *words], stdout=full, stderr=-1, text=True
+        )
+    assert (done.returncode, done.stderr) == (
+        2,
+        "The output cannot be written (No space left on device); make room, or give another "
+        "place.\n",
+    )
+
+
+def test_an_output_that_nobody_reads_ends_the_command_silently():
+    reads, writes = os.pipe()
+    os.close(reads)
+    command = [sys.executable, "-m", "geotlm_lm", "--version"]
+    done = subprocess.run(command, stdout=writes, stderr=-1, text=True)
+    os.close(writes)
+    assert (done.returncode, done.stderr) == (1, "")
+
+
+def test_an_error_of_the_system_that_is_a_defect_keeps_its_trace(monkeypatch):
+    def break_down(path, **options):
+        raise FileNotFoundError(2, "No such file or directory")
+
+    monkeypatch.setattr("geotlm_lm.recordings.read.read_clip", break_down)
+    with pytest.raises(FileNotFoundError):
+        main_module.main(["info", "--clip", "clip.npy"])
 
 
 def test_a_defect_keeps_its_trace(monkeypatch):

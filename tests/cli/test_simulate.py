@@ -54,6 +54,30 @@ def test_a_data_set_is_written_with_its_card_and_progress_on_the_side(tmp_path, 
     assert (folder / "README.md").exists()
 
 
+def test_only_a_clip_that_was_simulated_is_replaced(tmp_path, capsys):
+    path, frames = tmp_path / "clip.npz", np.zeros((4, 32, 32, 3), np.uint8)
+    draft = ("simulate", "--clip", path, "--preset", "draft")
+    for _ in range(2):
+        assert run(*draft) == 0
+    for content in ({"frames": frames}, {"frames": frames, "label": 1, "mine": 2}):
+        np.savez(path, **content)
+        own = path.read_bytes()
+        capsys.readouterr()
+        assert run(*draft) == 2
+        assert capsys.readouterr().err == (
+            f"--clip: {path} is there already and is no clip that this command wrote; give another "
+            f"name, or delete it first.\n"
+        )
+        assert path.read_bytes() == own
+
+
+def test_the_card_of_a_data_set_replaces_no_other_file(tmp_path, capsys):
+    (tmp_path / "README.md").write_text("about my project")
+    assert run("simulate", "--out", tmp_path, "--count", 1, "--preset", "draft") == 2
+    assert "has a README.md of something else" in capsys.readouterr().err
+    assert (tmp_path / "README.md").read_text() == "about my project"
+
+
 def test_a_height_map_of_ones_own_is_pressed(tmp_path, capsys):
     axis = (np.arange(60) - 29.5) * 0.1
     np.save(tmp_path / "star.npy", 0.5 * np.cos(3 * np.arctan2(*np.meshgrid(axis, axis))))

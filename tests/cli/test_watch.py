@@ -64,6 +64,34 @@ def test_words_go_to_stdout_and_the_account_to_stderr(capsys, recording):
     assert f"{FRAMES} frames, none dropped" in err
 
 
+def test_a_recording_without_an_untouched_gel_says_so(capsys, tmp_path):
+    frames = gel()
+    turning = [np.roll(touched(next(frames)), 2 * number, axis=1) for number in range(30)]
+    np.savez(tmp_path / "turning.npz", frames=np.stack(turning), fps=25.0)
+    code, out, err = run(capsys, "--source", tmp_path / "turning.npz")
+    assert (code, out) == (0, "")
+    assert err.splitlines()[1] == (
+        "note: No untouched gel was seen, so nothing could be judged; start while nothing touches."
+    )
+
+
+def test_a_rate_that_is_assumed_is_told_and_can_be_given(capsys, tmp_path):
+    frames = gel()
+    path = tmp_path / "foil.npy"
+    np.save(path, np.stack([next(frames) for _ in range(12)]))
+    note = f"note: {path} at {{}}"
+    assert run(capsys, "--source", path)[2].startswith(
+        note.format("25 frames per second, as is assumed; give the rate by --fps.\n")
+    )
+    given = run(capsys, "--source", path, "--fps", 50)[2]
+    assert given.startswith(note.format("50 frames per second.\n"))
+    assert run(capsys, "--source", path, "--fps", 0)[0] == 2
+
+
+def test_a_recording_with_an_untouched_gel_brings_no_warning(capsys, recording):
+    assert "No untouched gel" not in run(capsys, "--source", recording)[2]
+
+
 def test_a_drawing_has_every_frame(capsys, recording, tmp_path):
     code, _, _ = run(capsys, "--source", recording, "--draw", tmp_path / "out.mp4")
     capture = cv2.VideoCapture(str(tmp_path / "out.mp4"))
@@ -77,6 +105,19 @@ def test_a_drawing_is_named_mp4(capsys, recording):
         "",
         "--draw out.gif was given, expected a name that ends in .mp4.\n",
     )
+
+
+def test_a_drawing_never_replaces_the_recording(capsys, recording, tmp_path):
+    own = tmp_path / "own.mp4"
+    own.write_bytes(b"a recording")
+    (tmp_path / "link.mp4").symlink_to(own)
+    assert run(capsys, "--source", own, "--draw", tmp_path / "link.mp4") == (
+        2,
+        "",
+        f"--draw: {tmp_path / 'link.mp4'} is read by this command and would be replaced, expected "
+        f"the name of another file; give one.\n",
+    )
+    assert own.read_bytes() == b"a recording"
 
 
 def test_a_camera_that_does_not_open_ends_with_advice_and_code_7(capsys):
@@ -102,6 +143,7 @@ def test_an_unknown_number_format_is_told_before_anything_is_loaded(
     assert run(capsys, "--source", recording, "--precision", "float8") == (
         2,
         "",
-        "found precision 'float8', expected one of float32, bfloat16, int8.\n",
+        "found precision 'float8', expected one of float32, bfloat16, int8; give one of them, "
+        "or leave it out.\n",
     )
     assert formats_loaded == []

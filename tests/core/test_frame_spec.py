@@ -5,6 +5,7 @@ import json
 
 import pytest
 
+from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 
@@ -90,3 +91,12 @@ def test_every_frame_has_its_own_sentence_and_survives_json():
         json.loads(json.dumps(FrameSpec(*frame).to_dict()))["sentence"] for frame in FRAMES
     }
     assert len(sentences) == len(FRAMES)
+
+
+def test_a_pixel_of_a_size_no_camera_has_is_refused_with_how_to_find_its_own():
+    with pytest.raises(UsageError) as caught:
+        FrameSpec(mm_per_px=9.0)
+    assert str(caught.value) == (
+        "A pixel of 9 mm was given, expected 0.001 to 2 mm, such as 0.06 of a GelSight Mini's "
+        "320x240; divide the mm of gel that are seen by the image's columns."
+    )

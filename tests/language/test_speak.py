@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from geotlm_lm.core.errors import IncompatibleBundle
-from geotlm_lm.language import speak
+from geotlm_lm.language import speak, weights
 from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS
 from geotlm_lm.language.speak import Speaker
 
@@ -136,6 +136,54 @@ def test_another_format_names_both_numbers(speaker, tmp_path):
         f"{tmp_path}: was written in language-model format 99, this version reads 1; install the "
         f"matching version or download the model again."
     )
+
+
+def in_config(**changes):
+    """Return what changes the sizes of the language model in a config.json."""
+
+    def change(stored):
+        config = json.loads(stored)
+        config["text_config"] |= changes
+        return json.dumps(config)
+
+    return change
+
+
+DAMAGE = {
+    "a list for a config": ("config.json", lambda _: "[]", "written in language-model format None"),
+    "no heads": ("config.json", in_config(num_attention_heads=0), "makes no 0 heads"),
+    "heads that do not fit": ("config.json", in_config(num_attention_heads=3), "makes no 3 heads"),
+    "a text for a width": ("config.json", in_config(hidden_size="32"), "do not belong together"),
+    "no sizes": ("config.json", lambda _: '{"format": 1, "text_config": []}', "do not belong"),
+    "no JSON": ("tokenizer.json", lambda _: "not json", "is missing or broken"),
+    "no tokenizer": ("tokenizer.json", lambda _: "{}", "is missing or broken"),
+    "a list of settings": ("processor_config.json", lambda _: "[]", "is missing or broken"),
+    "a broken template": ("chat_template.jinja", lambda _: "{% if %}", "is missing or broken"),
+    "a failing template": ("chat_template.jinja", lambda _: "{{ 1 / 0 }}", "division by zero"),
+    "no clip": ("chat_template.jinja", lambda _: "which way?", "does not lay out one <tactile>"),
+}
+
+
+@pytest.mark.parametrize("case", DAMAGE)
+def test_a_damaged_folder_is_refused_in_one_sentence(speaker, tmp_path, case):
+    name, damage, said = DAMAGE[case]
+    speaker.save(tmp_path)
+    (tmp_path / name).write_text(damage((tmp_path / name).read_text()))
+    with pytest.raises(IncompatibleBundle) as caught:
+        Speaker.load(tmp_path)
+    assert str(caught.value).startswith(f"{tmp_path}: ")
+    assert said in str(caught.value)
+    assert "download the model again" in str(caught.value)
+
+
+def test_an_error_without_words_is_told_by_its_name(speaker, tmp_path, monkeypatch):
+    def fail(path):
+        raise RuntimeError
+
+    speaker.save(tmp_path)
+    monkeypatch.setattr(weights, "load_file", fail)
+    with pytest.raises(IncompatibleBundle, match=r"\(RuntimeError\); save or download"):
+        Speaker.load(tmp_path)
 
 
 def test_a_missing_folder_says_what_to_do(tmp_path):

@@ -34,7 +34,8 @@ def test_a_typed_marker_is_never_a_control_token(tokenizer, marker):
 
 
 def test_markers_nested_to_survive_removal_stay_text(tokenizer):
-    ids = tokenizer.encode(clean_question("<<tactile>tactile> <tac<eos>tile>")).ids
+    typed = "<<tactile>tactile> <tac<eos>tile> <<tactile>> << < USER > >> <<<</user>>>>"
+    ids = tokenizer.encode(clean_question(typed)).ids
     assert min(ids) >= len(SPECIAL_TOKENS)
 
 

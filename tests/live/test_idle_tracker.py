@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.live.idle_tracker import LEARNING_FRAMES, STEADY_FRAMES, IdleTracker
 from geotlm_lm.recordings.choose import FAINT_IMPRINT
 
@@ -56,6 +57,17 @@ def test_a_stream_that_starts_touched_learns_the_gel_once_it_is_free():
     assert freed[-1] < FAINT_IMPRINT
     idle = tracker.background.astype(float)
     assert np.abs(idle[40:80, 60:70] - next(frames)[40:80, 60:70]).mean() < 3
+
+
+def test_a_change_of_size_is_told_with_both_sizes():
+    tracker, frames = IdleTracker(), gel()
+    tracker.strength(next(frames))
+    with pytest.raises(UnreadableClip) as caught:
+        tracker.strength(next(frames)[:60, :80])
+    assert str(caught.value) == (
+        "A frame of the stream is 80 x 60 pixels after 160 x 120, expected one size; keep the "
+        "camera's resolution and start again."
+    )
 
 
 def test_slow_light_is_followed():

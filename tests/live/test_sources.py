@@ -1,11 +1,14 @@
 """Where frames come from; what is late is dropped and counted, what does not open is told."""
 
+import threading
+
 import cv2
 import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
-from geotlm_lm.live.sources import LatestFrames, StreamFrame, open_source
+from geotlm_lm.live.sources import LatestFrames, Recording, StreamFrame, open_source
+from geotlm_lm.recordings import limits
 
 
 @pytest.fixture
@@ -34,6 +37,15 @@ def test_an_array_is_a_stream_too(tmp_path):
     given = list(open_source(str(tmp_path / "clip.npz")))
     assert np.array_equal(np.stack([one.image for one in given]), frames)
     assert given[-1].time_s == pytest.approx(0.5)
+
+
+def test_the_times_of_an_array_read_at_a_stride_are_those_of_the_recording(tmp_path, monkeypatch):
+    frames = np.random.default_rng(0).integers(0, 255, (20, 24, 32, 3)).astype(np.uint8)
+    np.savez(tmp_path / "clip.npz", frames=frames, fps=40.0)
+    monkeypatch.setattr(limits, "KEPT_BYTES", 6 * frames[0].nbytes)
+    source = open_source(str(tmp_path / "clip.npz"))
+    assert [one.time_s for one in source] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
+    assert source.fps == 10
 
 
 def test_a_recording_at_its_rate_gives_the_same_frames_to_a_reader_in_time(film):
@@ -72,6 +84,14 @@ def test_a_camera_that_does_not_open_is_told_with_what_to_do(name):
     )
 
 
+def test_a_given_rate_stands_for_the_times_of_a_recording(film):
+    source = open_source(str(film), fps=10)
+    assert (source.fps, source.is_rate_assumed) == (10, False)
+    assert [frame.time_s for frame in source][-1] == pytest.approx(0.8)
+    played = open_source(str(film), at_its_rate=True)
+    assert (played.fps, played.is_rate_assumed) == (20, False)
+
+
 def test_a_missing_recording_is_told():
     with pytest.raises(UnreadableClip, match="^gone.avi: no such file or folder"):
         open_source("gone.avi")
@@ -103,6 +123,47 @@ class FakeCapture:
 
     def release(self):
         pass
+
+
+class BreakingCapture(FakeCapture):
+    """A camera whose driver fails after two frames."""
+
+    def read(self):
+        if self.left == 2:
+            raise cv2.error("the driver is gone")
+        return super().read()
+
+
+def test_a_camera_whose_driver_fails_does_not_leave_the_reader_waiting(monkeypatch):
+    monkeypatch.setattr(cv2, "VideoCapture", lambda *source: BreakingCapture())
+    monkeypatch.setattr(LatestFrames, "__iter__", until_closed(LatestFrames.__iter__))
+    frames = iter(open_source("0"))
+    assert [next(frames).image.shape for _ in range(2)] == [(24, 32, 3)] * 2
+    with pytest.raises(cv2.error, match="the driver is gone"):
+        next(frames)
+
+
+def test_a_recording_that_fails_while_it_plays_does_not_leave_the_reader_waiting(film, monkeypatch):
+    def fail(self):
+        raise UnreadableClip("film.avi: is gone.")
+        yield
+
+    monkeypatch.setattr(Recording, "__iter__", fail)
+    monkeypatch.setattr(LatestFrames, "__iter__", until_closed(LatestFrames.__iter__))
+    with pytest.raises(UnreadableClip, match="film.avi: is gone"):
+        list(open_source(str(film), at_its_rate=True))
+
+
+def until_closed(read):
+    """Return `read`, which then fails where nothing closes the buffer within two seconds."""
+
+    def reading(self):
+        timer = threading.Timer(2, self.close, [TimeoutError("the buffer stayed open")])
+        timer.daemon = True
+        timer.start()
+        return read(self)
+
+    return reading
 
 
 def test_a_camera_gives_rgb_frames_until_it_stops(monkeypatch):

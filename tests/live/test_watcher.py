@@ -9,6 +9,7 @@ import geotlm_lm
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.live.events import MotionEvent
 from geotlm_lm.live.watcher import SAMPLE_S, WITHOUT_DIRECTION, Watcher, Window, model_reader
 from tests.live.stream import FPS, LIFT_S, TOUCH_S, TURN_END_S, TURN_START_S, stream
 from tests.live.test_idle_tracker import gel, touched
@@ -65,6 +66,25 @@ def test_samples_are_equally_far_apart_at_any_rate(fps):
     apart = np.diff([sample.time_s for sample in watcher._samples])
     assert apart == pytest.approx(np.full(len(apart), apart[0]), abs=1.01 / fps)
     assert SAMPLE_S - 1 / fps <= apart.mean() <= SAMPLE_S + 1 / fps
+
+
+def test_samples_keep_their_rate_however_long_the_stream_is():
+    frames = gel()
+    watcher = Watcher(Scripted())
+    watch(watcher, [next(frames) for _ in range(200)])
+    apart = np.diff([sample.time_s for sample in watcher._samples])
+    assert len(apart) > 60
+    assert apart == pytest.approx(np.full(len(apart), SAMPLE_S))  # every third frame of 25 a second
+
+
+def test_the_clip_of_a_motion_knows_how_long_it_took():
+    frames = gel()
+    watcher = Watcher(Scripted())
+    watch(watcher, [next(frames) for _ in range(60)])
+    event = MotionEvent("end", Motion.LEFT, 1.0, 2.0, 0.0, -9.0, 0.0, 0.9)
+    clip = watcher.clip_of(event)
+    assert (len(clip) - 1) / clip.fps == pytest.approx(0.96)  # nine samples, 0.12 s apart
+    assert clip.frame_numbers == tuple(range(len(clip)))
 
 
 def test_a_window_carries_the_idle_gel():
@@ -126,8 +146,11 @@ def test_how_far_a_simulated_slide_goes_is_told_in_pixels(answerer):
     assert event.slide_x_px == pytest.approx(true_px, rel=0.15)
     assert abs(event.slide_y_px) < 0.1 * true_px
     asked = watcher.clip_of(event)
-    answer = answerer.ask(answerer.encode(asked), "Which way is it sliding?")
-    assert answer.direction is Motion.RIGHT
+    encoded = answerer.encode(asked)
+    assert answerer.ask(encoded, "Which way is it sliding?").direction is Motion.RIGHT
+    speed = answerer.ask(encoded, "How fast?").amount
+    assert speed.unit == "px/s"
+    assert speed.value == pytest.approx(true_px / (TURN_END_S - TURN_START_S), rel=0.25)
 
 
 @needs_bundle

@@ -111,6 +111,27 @@ def test_a_layout_that_does_not_fit_the_shape_is_refused(tmp_path):
     )
 
 
+@pytest.mark.parametrize("layout", ["THWC", "TCHW", "THW"])
+@pytest.mark.parametrize("shape", [(), (4,), (2, 3, 4, 5, 3)])
+def test_a_layout_of_another_number_of_axes_is_refused(tmp_path, layout, shape):
+    path = tmp_path / "clip.npy"
+    np.save(path, np.zeros(shape, np.uint8))
+    with pytest.raises(UnreadableClip) as caught:
+        read_clip(path, layout=layout)
+    assert str(caught.value) == (
+        f"{path}: shape {shape} is not of the layout {layout} with 1 or 3 colours; give the layout "
+        f"the file has, or leave it out."
+    )
+
+
+def test_an_array_in_place_of_a_path_is_told_what_to_do():
+    with pytest.raises(TypeError) as caught:
+        read_clip(FRAMES)
+    assert str(caught.value) == (
+        "read_clip takes a path, found ndarray; make a clip of an array by Clip(frames)"
+    )
+
+
 def test_an_unknown_layout_is_a_wrong_call(tmp_path):
     with pytest.raises(UsageError) as caught:
         read_clip(tmp_path / "clip.npy", layout="HWC")
@@ -123,7 +144,10 @@ def test_an_unknown_layout_is_a_wrong_call(tmp_path):
 def test_a_frame_rate_of_zero_is_a_wrong_call(tmp_path):
     with pytest.raises(UsageError) as caught:
         read_clip(tmp_path / "clip.npy", fps=0)
-    assert str(caught.value) == "A frame rate of 0 was given, expected 0 to 100000 per second."
+    assert str(caught.value) == (
+        "A frame rate of 0 was given, expected more than 0 and less than 100000 per second; give "
+        "the camera's, or leave it out."
+    )
 
 
 def test_a_background_of_another_size_is_refused(tmp_path):

@@ -1,7 +1,9 @@
+from pathlib import Path
+
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.listing import clips_in
+from geotlm_lm.recordings.listing import clips_in, skipped_in
 
 
 def test_recordings_are_known_files_and_folders_of_images(tmp_path):
@@ -11,6 +13,19 @@ def test_recordings_are_known_files_and_folders_of_images(tmp_path):
     (tmp_path / "frames" / "0.png").write_bytes(b"")
     (tmp_path / "notes").mkdir()
     assert [one.name for one in clips_in(tmp_path)] == ["a.MP4", "b.npy", "frames"]
+    assert [one.name for one in skipped_in(tmp_path)] == ["c.txt", "notes"]
+
+
+def test_a_folder_that_may_not_be_opened_is_refused(tmp_path, monkeypatch):
+    def refuse(path):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "iterdir", refuse)
+    with pytest.raises(UnreadableClip) as error:
+        clips_in(tmp_path)
+    assert str(error.value) == (
+        f"{tmp_path}: cannot be opened (Permission denied); check its permissions."
+    )
 
 
 def test_a_folder_without_recordings_is_refused(tmp_path):

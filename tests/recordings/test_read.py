@@ -87,6 +87,19 @@ def test_a_folder_is_read_in_natural_order(tmp_path):
     assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
 
 
+def test_an_image_named_background_is_the_idle_gel_of_its_folder(tmp_path):
+    for index, frame in enumerate(FRAMES):
+        cv2.imwrite(str(tmp_path / f"{index}.png"), frame[..., ::-1])
+    cv2.imwrite(str(tmp_path / "Background.png"), FRAMES[2][..., ::-1])
+    clip = read_clip(tmp_path)
+    assert np.array_equal(clip.frames, FRAMES)
+    assert np.array_equal(clip.background, FRAMES[2])
+    assert clip.notes == (
+        "5 images were read in natural order of their names.",
+        "Background: Background.png of the folder was taken for the idle gel.",
+    )
+
+
 def test_hidden_copies_and_folders_among_the_images_are_passed_over(tmp_path):
     for index, frame in enumerate(FRAMES):
         cv2.imwrite(str(tmp_path / f"{index}.png"), frame[..., ::-1])
@@ -119,8 +132,9 @@ def test_a_long_array_is_read_at_a_stride_and_says_so(tmp_path, room_for_six):
     clip = read_clip(tmp_path / "clip.npz")
     assert clip.frame_numbers == (0, 4, 8, 12, 16)
     assert np.array_equal(clip.frames, frames[::4])
-    assert clip.fps == 10
-    assert read_clip(tmp_path / "clip.npz", fps=20).fps == 5
+    # The rate is the recording's, which the frame numbers count in: four frames are 0.1 s apart.
+    assert clip.fps == 40
+    assert read_clip(tmp_path / "clip.npz", fps=20).fps == 20
     assert clip.notes[-1] == (
         "Of 20 frames one in 4 was read to bound memory; cut the recording to see all of them."
     )
@@ -134,7 +148,7 @@ def test_a_long_video_is_read_at_a_stride_and_says_so(tmp_path, room_for_six):
     writer.release()
     clip = read_clip(path)
     assert clip.frame_numbers == (0, 4, 8, 12, 16)
-    assert clip.fps == 2.5
+    assert clip.fps == 10
     assert np.abs(clip.frames.mean(axis=(1, 2, 3)) - [0, 40, 80, 120, 160]).max() < 2
 
 
