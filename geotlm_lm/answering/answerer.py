@@ -24,7 +24,7 @@ from geotlm_lm.answering.hearing import (
 )
 from geotlm_lm.answering.leaning import with_lean
 from geotlm_lm.answering.measuring import measured
-from geotlm_lm.answering.replying import UNTRAINED, by_rule, in_words
+from geotlm_lm.answering.replying import UNTRAINED, by_rule, in_words, is_as_seen
 from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.several import (
     Comparison,
@@ -235,10 +235,12 @@ class Answerer:
         the rules say beside it what was measured, and whether one speaks against the answer. Words
         that the answer itself had to withhold are not said here either.
         """
-        claim = answer.direction if answer.kind in _CLAIMS_AS_SEEN else None
+        claim = None if answer.kind in _CLAIM_ANOTHER_MOTION else answer.direction
         motion = None if claim is None else answer.frame.tell(claim)
-        place, *measured, conclusion = chain(answer.evidence, answer.text, motion)
-        frame = f"Told in this frame: {known(answer.frame)}."
+        place, *measured, conclusion = chain(
+            answer.evidence, answer.text, motion, is_as_seen=is_as_seen(answer.frame)
+        )
+        frame = f"The answer is told in this frame: {known(answer.frame)}."
         own = () if answer.abstained else self._own_reasons(encoded, motion)
         if not own:
             source = "by rule, from the geometry the model read; not in its own words"
@@ -279,5 +281,6 @@ def _at_rest(clip: Clip) -> Clip:
     return replace(clip, frames=np.stack([clip.background] * len(clip)))
 
 
-_CLAIMS_AS_SEEN = ("direction", "verify", "choice", "negation", "premise", "viewpoint", "actor")
-"""Kinds whose direction is the motion itself, as the frame tells it."""
+_CLAIM_ANOTHER_MOTION = ("mirrored", "reversed", "undo", "thread")
+"""Kinds whose direction need not be the motion that was felt; of all others it is that motion, as
+the frame tells it."""
