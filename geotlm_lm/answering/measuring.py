@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from geotlm_lm.answering.amounts import Amount, most_probably_right
 from geotlm_lm.answering.answer import GOES_BY, Answer, Encoded, deciding_word
 from geotlm_lm.answering.hearing import Heard, is_doubtful
-from geotlm_lm.answering.withholding import plain, too_little_contact
+from geotlm_lm.answering.withholding import plain, too_little_contact, unsure_text
 from geotlm_lm.backbone.stem import look
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -66,7 +66,7 @@ def answer_measured(
         text += NO_LENGTH if _LENGTH.search(question) else ""
     word = deciding_word(heard.slots)
     if is_doubtful(kind, word, heard.options):
-        text = f"I cannot tell for sure, {heard.options[word]:.0%}: {text}"
+        text = unsure_text(text, heard.options[word])
         return replace(plain(encoded, text, kind, frame, timing), options=heard.options)
     answer = plain(encoded, text, kind, frame, timing)
     return replace(

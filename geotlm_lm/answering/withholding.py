@@ -65,7 +65,7 @@ def unless_withheld(
     elif not abstained and slots.kind not in NEVER_DOUBTED:
         notes = _next_likeliest(told)
         if is_doubtful(slots.kind, told.decided, told.options):
-            text, direction, abstained = f"I cannot tell for sure, {sure:.0%}: {text}", None, True
+            text, direction, abstained = unsure_text(text, sure), None, True
     answer = plain(encoded, text, slots.kind, told.frame, timing_ms)
     return replace(
         answer,
@@ -83,6 +83,11 @@ def is_contradicted(encoded: Encoded, slots: Slots) -> bool:
     is_denied = slots.kind == "contact" and slots.verdict is False
     is_named = slots.direction is Motion.NONE or slots.motion_class is MotionClass.NONE
     return encoded.is_changed and (is_denied or is_named)
+
+
+def unsure_text(text: str, sure: float) -> str:
+    """Return a sentence as the guess it is where it is withheld for want of certainty."""
+    return f"I cannot tell for sure, {sure:.0%}: {text}"
 
 
 def too_little_contact(what: str, share: float) -> str:
