@@ -239,10 +239,12 @@ def _choice(felt: Felt) -> Told:
     for motion, probability in felt.probabilities.items():
         if frame.tell(motion) in shares:
             shares[frame.tell(motion)] += probability
-    letter = next((one for one, motion in offered.items() if motion == told), None)
-    if letter is None or not sum(shares.values()):
+    # Of letters that offer one motion the first stands for all: they are one answer.
+    letters = {motion: letter for letter, motion in reversed(offered.items())}
+    letter, total = letters.get(told), sum(shares.values())
+    if letter is None or not total:
         return _open(felt)
-    options = {f"{k}) {m.value}": shares[m] / sum(shares.values()) for k, m in offered.items()}
+    options = {f"{letters[m]}) {m.value}": share / total for m, share in shares.items()}
     text = f"{sentence(told, frame)[:-1]}, option {letter}."
     return Told(text, told, frame, options, f"{letter}) {told.value}")
 
