@@ -197,21 +197,22 @@ def _no_thread(felt: Felt, reason: str) -> Told:
     return Told(text, None, felt.frame, {}, "unknown", is_refusal=True)
 
 
-_VERDICTS = {
+VERDICTS = {
     "verify": ("Yes, {}.", "No, {}.", "yes", "no"),
     "negation": ("It is: {}.", "It is not: {}.", "it is", "it is not"),
     "premise": ("That holds: {}.", "But no, {}.", "it holds", "it does not"),
 }
-"""Sentence where the claim is true, where it is not, and their deciding words."""
+"""Sentence where it goes as the question says, denied or not, where it does not, and their deciding
+words."""
 
 
 def _judged(felt: Felt) -> Told:
     """Compare the claim in the question with the motion, both in the frame."""
     frame = felt.frame
     claim = claimed_motion(felt.question)
-    kind = claimed_class(felt.question)
-    if kind is not None:
-        claims = [motion for motion in Motion if motion_class(motion) == kind]
+    claimed = claimed_class(felt.question)
+    if claimed is not None:
+        claims = [motion for motion in Motion if motion_class(motion) == claimed]
         return _verdict(felt, felt.motion in claims, claims)
     if claim is None and felt.verdict is not None and felt.verdict != (felt.kind == "negation"):
         claim = felt.motion  # the model found the claim true of the camera image
@@ -223,7 +224,7 @@ def _judged(felt: Felt) -> Told:
 
 def _verdict(felt: Felt, is_true: bool, claims: Sequence[Motion]) -> Told:
     """Return yes or no and the motion; `claims` are those, in the image, of which yes is true."""
-    yes, no, *words = _VERDICTS[felt.kind]
+    yes, no, *words = VERDICTS[felt.kind]
     told = felt.frame.tell(felt.motion)
     share = sum(felt.probabilities.get(motion, 0.0) for motion in claims)
     text = (yes if is_true else no).format(clause(told, felt.frame))

@@ -13,6 +13,7 @@ from typing import ClassVar
 import torch
 from torch import Tensor, nn
 
+from geotlm_lm.backbone.pixels import Size
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.view import View
 from geotlm_lm.backbone.weights import listed
@@ -22,9 +23,6 @@ from geotlm_lm.core.geometry import FRAME_COUNT, TUBE_FRAMES
 
 Names = dict[str, tuple[str, ...]]
 """Our name of a weight -> the authors' names of its parts, joined along the first axis."""
-
-Size = tuple[int, int]
-"""Rows and columns."""
 
 CLIP_BLOCK: Names = {
     "norm1": ("layer_norm1",),

@@ -13,13 +13,13 @@ from geotlm_lm.backbone.adapters.adapter import (
     Adapter,
     Asked,
     Names,
-    Size,
     block_count,
     block_names,
     square_grid,
 )
 from geotlm_lm.backbone.image_vit import ImageViT, ImageViTConfig, sinusoid_frequencies
 from geotlm_lm.backbone.pixels import (
+    Size,
     background,
     four_frames,
     resized,

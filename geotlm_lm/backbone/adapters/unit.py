@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 from torch import Tensor, nn
 
-from geotlm_lm.backbone.adapters.adapter import Adapter, Asked, Names, Size, bin_means, block_count
+from geotlm_lm.backbone.adapters.adapter import Adapter, Asked, Names, bin_means, block_count
 from geotlm_lm.backbone.conv_encoder import ConvEncoder, ConvEncoderConfig
-from geotlm_lm.backbone.pixels import four_frames, to_unit
+from geotlm_lm.backbone.pixels import Size, four_frames, to_unit
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.clip import Clip
 
