@@ -151,7 +151,7 @@ def _speaker(speaker: Speaker, precision: str) -> Speaker:
         model = model.to(FLOATS[precision])
         model.model.projector = CastInput(model.projector, FLOATS[precision])
     model.logits = MethodType(_wide_logits, model)
-    return Speaker(model, speaker.processor)
+    return Speaker(model, speaker.prompts)
 
 
 def _wide_logits(model: nn.Module, hidden: Tensor) -> Tensor:

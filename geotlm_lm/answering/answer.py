@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from geotlm_lm.answering.amounts import Amount
 from geotlm_lm.backbone.view import View
+from geotlm_lm.conversation.retell import VERDICTS
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -23,15 +24,10 @@ MAX_QUESTION_CHARACTERS = 500
 MIN_TIMED_FRAMES = 3
 """Different frames a speed needs."""
 
-_VERDICT_WORDS = {
-    "verify": ("yes", "no"),
-    "contact": ("yes", "no"),
-    "moving": ("yes", "no"),
-    "negation": ("it is not", "it is"),
-    "premise": ("it holds", "it does not"),
+_VERDICT_WORDS = dict.fromkeys(("contact", "moving"), ("yes", "no")) | {
+    kind: words for kind, (_, _, *words) in VERDICTS.items()
 }
-"""Deciding words of a true and of a false verdict."""
-
+"""Deciding words where it is as the question says, denied or not, and where it is not."""
 
 GOES_BY = {"deg": MotionClass.ROTATION.value, "px": MotionClass.SLIDE.value}
 """Unit of what is measured -> the deciding word of an answer that says there is such an amount."""
@@ -239,7 +235,8 @@ def check_question(question: str) -> str:
 def deciding_word(slots: Slots) -> str:
     """Return the word that tells an answer from the others of its kind."""
     if slots.kind in _VERDICT_WORDS:
-        return _VERDICT_WORDS[slots.kind][not slots.verdict]
+        is_so = slots.verdict != (slots.kind == "negation")  # there the denial is judged
+        return _VERDICT_WORDS[slots.kind][not is_so]
     if slots.kind == "choice":
         return f"{slots.letter}) {slots.direction.value}"
     if slots.kind == "class":

@@ -15,6 +15,7 @@ from geotlm_lm.answering.answer import (
     check_question,
     with_background,
 )
+from geotlm_lm.answering.asking import answer_question
 from geotlm_lm.answering.hearing import (
     AMOUNT_QUESTION,
     EVIDENCE_QUESTION,
@@ -22,9 +23,8 @@ from geotlm_lm.answering.hearing import (
     hear,
     score,
 )
-from geotlm_lm.answering.leaning import with_lean
 from geotlm_lm.answering.measuring import measured
-from geotlm_lm.answering.replying import UNTRAINED, by_rule, in_words
+from geotlm_lm.answering.replying import UNTRAINED, is_as_seen
 from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.several import (
     Comparison,
@@ -34,13 +34,11 @@ from geotlm_lm.answering.several import (
     compare_directions,
     tell_order,
 )
-from geotlm_lm.answering.streaming import Listener, StandingWords, pieces
-from geotlm_lm.answering.withholding import is_contradicted, plain
+from geotlm_lm.answering.streaming import Listener, pieces
+from geotlm_lm.answering.withholding import is_contradicted
 from geotlm_lm.checkpoint import Bundle, load_bundle
-from geotlm_lm.conversation.claims import without_adverbs
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
-from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.reasons import chain
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.wording import known
@@ -164,20 +162,7 @@ class Answerer:
             UsageError: If the question is empty or longer than 500 characters.
         """
         question = check_question(question)
-        if not is_english(question):
-            return plain(encoded, ENGLISH_ONLY, None, frame)
-        stated = read_facts(question, frame)
-        if not stated.rest:
-            noted = plain(encoded, f"Noted: {known(stated.frame)}.", "frame", stated.frame)
-            return replace(noted, abstained=False, confidence=1.0)
-        asked, frame = without_adverbs(stated.rest), stated.frame
-        kind = asked_kind(asked)
-        if kind is not None and kind not in self.bundle.grammar.kinds:
-            answer = by_rule(self.bundle, encoded, asked, kind, frame)
-        else:
-            words = listen and StandingWords(self.bundle, encoded, asked, frame, listen)
-            answer = in_words(self.bundle, encoded, asked, frame, words)
-        return with_lean(self.bundle, encoded, asked, answer)
+        return answer_question(self.bundle, encoded, question, frame, listen)
 
     def stream(
         self, encoded: Encoded, question: str, *, frame: FrameSpec = CAMERA
@@ -241,10 +226,12 @@ class Answerer:
         the rules say beside it what was measured, and whether one speaks against the answer. Words
         that the answer itself had to withhold are not said here either.
         """
-        claim = answer.direction if answer.kind in _CLAIMS_AS_SEEN else None
+        claim = None if answer.kind in _CLAIM_ANOTHER_MOTION else answer.direction
         motion = None if claim is None else answer.frame.tell(claim)
-        place, *measured, conclusion = chain(answer.evidence, answer.text, motion)
-        frame = f"Told in this frame: {known(answer.frame)}."
+        place, *measured, conclusion = chain(
+            answer.evidence, answer.text, motion, is_as_seen=is_as_seen(answer.frame)
+        )
+        frame = f"The answer is told in this frame: {known(answer.frame)}."
         own = () if answer.abstained else self._own_reasons(encoded, motion)
         if not own:
             source = "by rule, from the geometry the model read; not in its own words"
@@ -285,5 +272,6 @@ def _at_rest(clip: Clip) -> Clip:
     return replace(clip, frames=np.stack([clip.background] * len(clip)))
 
 
-_CLAIMS_AS_SEEN = ("direction", "verify", "choice", "negation", "premise", "viewpoint", "actor")
-"""Kinds whose direction is the motion itself, as the frame tells it."""
+_CLAIM_ANOTHER_MOTION = ("mirrored", "reversed", "undo", "thread")
+"""Kinds whose direction need not be the motion that was felt; of all others it is that motion, as
+the frame tells it."""

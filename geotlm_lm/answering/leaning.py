@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from geotlm_lm.answering.answer import Answer, Encoded, Lean
-from geotlm_lm.answering.withholding import NEXT_LIKELIEST, UNRECOGNISED
+from geotlm_lm.answering.withholding import LIKELIER, NEXT_LIKELIEST, UNRECOGNISED
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.claims import presumed_class
 from geotlm_lm.conversation.wording import clause
@@ -52,6 +52,7 @@ def with_lean(bundle: Bundle, encoded: Encoded, question: str, answer: Answer) -
         return answer
     share = shares[way] / total
     text = f"If it {does} at all, {clause(way, answer.frame)}: {share:.0%} among the {of_how_many}."
-    said = f": {way.value}."  # in a note of the next likeliest, which would say it twice
-    notes = [n for n in answer.notes if not (n.startswith(NEXT_LIKELIEST) and n.endswith(said))]
+    said = f": {way.value}."  # in a note on another answer, which would say it twice
+    begins = (NEXT_LIKELIEST, LIKELIER)
+    notes = [n for n in answer.notes if not (n.startswith(begins) and n.endswith(said))]
     return replace(answer, lean=Lean(way, share, text), notes=(*notes, text))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import time
-from dataclasses import replace
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 import torch
@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from geotlm_lm.answering.amounts import Amount, most_probably_right
 from geotlm_lm.answering.answer import GOES_BY, Answer, Encoded, deciding_word
 from geotlm_lm.answering.hearing import Heard, is_doubtful
-from geotlm_lm.answering.withholding import plain, too_little_contact
+from geotlm_lm.answering.withholding import plain, too_little_contact, unsure_text
 from geotlm_lm.backbone.stem import look
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size, pixel_aspect
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
 from geotlm_lm.evaluation.answers import TOLERANCES
+from geotlm_lm.language.parse_answer import Unit
 from geotlm_lm.odometry.movement import movement, way_of_slide
 from geotlm_lm.odometry.odometer import amounts
 
@@ -66,7 +67,7 @@ def answer_measured(
         text += NO_LENGTH if _LENGTH.search(question) else ""
     word = deciding_word(heard.slots)
     if is_doubtful(kind, word, heard.options):
-        text = f"I cannot tell for sure, {heard.options[word]:.0%}: {text}"
+        text = unsure_text(text, heard.options[word])
         return replace(plain(encoded, text, kind, frame, timing), options=heard.options)
     answer = plain(encoded, text, kind, frame, timing)
     return replace(
@@ -95,14 +96,46 @@ def measured(bundle: Bundle, encoded: Encoded, heard: Heard, frame: FrameSpec) -
     """
     if heard.slots is None or heard.slots.unit is None:
         return None
-    read, told, scale = heard.slots.unit, heard.slots.unit, 1.0
-    inputs = _inputs(encoded)
+    read = heard.slots.unit
+    weighed = weighed_amounts(bundle, encoded, read, frame)
+    amount = most_probably_right(*astuple(weighed))
+    return replace(amount, probability=amount.probability * heard.options[GOES_BY[read]])
+
+
+@dataclass(frozen=True, eq=False)
+class WeighedAmounts:
+    """How probable each amount is, of a clip that goes so far at all.
+
+    Args:
+        amounts: Rising, in `unit`.
+        shares: Probability of each; they sum to 1.
+        unit: In which they are told: "deg", "px" of the recording's frames, or "mm".
+        tolerance: Least error of an answer that still counts as right, in `unit`.
+    """
+
+    amounts: tuple[float, ...]
+    shares: NDArray[np.float64]
+    unit: str
+    tolerance: float
+
+
+def weighed_amounts(
+    bundle: Bundle, encoded: Encoded, read: Unit, frame: FrameSpec
+) -> WeighedAmounts:
+    """Return how probable each amount is.
+
+    Args:
+        bundle: The model.
+        encoded: The clip.
+        read: "deg" of what turned, "px" of what slid.
+        frame: Tells the size of a pixel, if anybody does.
+    """
+    told, scale, inputs = read, 1.0, _inputs(encoded)
     if read == "px":
         told, scale = _slide_scale(encoded, inputs, frame)
     shares = _weighed(bundle, encoded, inputs, read) ** (1 / encoded.doubt)
     weighed = tuple((amounts(read) * scale).tolist())
-    amount = most_probably_right(weighed, shares / shares.sum(), told, TOLERANCES[read] * scale)
-    return replace(amount, probability=amount.probability * heard.options[GOES_BY[read]])
+    return WeighedAmounts(weighed, shares / shares.sum(), told, TOLERANCES[read] * scale)
 
 
 def travelled(

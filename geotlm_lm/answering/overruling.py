@@ -14,11 +14,13 @@ from geotlm_lm.conversation.claims import (
     offered_options,
 )
 from geotlm_lm.conversation.kinds import asked_kind, asks_whether_moving
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.conversation.retell import VERDICTS
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion, motion_class
 from geotlm_lm.language.parse_answer import Slots
 
-VERDICTS = ("verify", "negation", "premise")
-"""Kinds whose answers say yes or no to a claim, and tell the motion with it."""
+CHECKED = (*VERDICTS, "choice", "class")
+"""Kinds whose answers name a motion, or its kind, that the open answer may speak against."""
 
 
 def asked_openly(slots: Slots | None, question: str) -> str | None:
@@ -39,17 +41,30 @@ def asked_openly(slots: Slots | None, question: str) -> str | None:
     return None
 
 
-def denies_the_open_answer(slots: Slots, opened: Slots | None) -> bool:
-    """Tell whether a verdict is told with another motion than the open question is answered with.
+def denies_the_open_answer(
+    slots: Slots, opened: Slots | None, question: str, frame: FrameSpec
+) -> bool:
+    """Tell whether an answer names another motion than the one the open question is answered with.
 
     Of 68 real turns 14 were told to slide when asked whether they do, and 66 told rightly when
     asked openly: one clip must not move in two ways, and the open answer is the surer one.
 
     Args:
-        slots: Of the verdict.
+        slots: Of the answer, of a `CHECKED` kind.
         opened: Of the answer to the open question; None where that does not parse.
+        question: What was asked. Who offers a choice that the open answer is not among is told the
+            likeliest of what is offered.
+        frame: The frame it was asked in.
     """
-    return opened is not None and slots.direction != opened.direction
+    if opened is None or opened.direction is None:
+        return False
+    if slots.kind == "class":
+        return slots.motion_class != motion_class(opened.direction)
+    if slots.kind == "choice" and frame.tell(opened.direction) not in (
+        offered_options(question).values()
+    ):
+        return False
+    return slots.direction != opened.direction
 
 
 def denies_nothing(slots: Slots, question: str) -> bool:

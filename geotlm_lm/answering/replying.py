@@ -25,7 +25,7 @@ from geotlm_lm.answering.hearing import (
 )
 from geotlm_lm.answering.measuring import answer_measured
 from geotlm_lm.answering.overruling import (
-    VERDICTS,
+    CHECKED,
     answers_what_it_cannot,
     asked_openly,
     contradicts_itself,
@@ -113,16 +113,18 @@ def in_words(
         return replace(answer, options=heard.options)
     if slots.kind in NEEDS_MORE:
         return plain(encoded, NEEDS_MORE[slots.kind], slots.kind, frame, heard.timing_ms)
-    if slots.kind in VERDICTS:
+    if slots.kind in ALWAYS_RETOLD:
+        return _from_open_question(bundle, encoded, question, slots.kind, frame, heard)
+    if slots.kind in CHECKED:
         opened = hear(bundle, encoded, OPEN_QUESTION)
         heard = replace(heard, timing_ms=_spent(heard, opened))
-        if denies_the_open_answer(slots, opened.slots):
+        if denies_the_open_answer(slots, opened.slots, question, frame):
             opened = replace(opened, timing_ms=heard.timing_ms)
             return _from_open_answer(bundle, encoded, question, slots.kind, frame, opened)
     if contradicts_itself(slots, question):
         heard = replace(heard, slots=replace(slots, verdict=None))
         return _retold(bundle, encoded, question, heard, frame)
-    if slots.kind in ALWAYS_RETOLD or (slots.kind in RETOLD and not is_as_seen(frame)):
+    if slots.kind in RETOLD and not is_as_seen(frame):
         return _retold(bundle, encoded, question, heard, frame)
     if slots.unit is not None:
         return answer_measured(bundle, encoded, question, heard, frame)
@@ -180,6 +182,11 @@ def by_rule(bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: F
 def is_as_seen(frame: FrameSpec) -> bool:
     """Tell whether `frame` names every direction as the camera image shows it."""
     return replace(frame, contact_side=None, thread=None, mm_per_px=None) == CAMERA
+
+
+def judged_openly(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec) -> Answer:
+    """Answer whether a motion that `question` claims is the one told openly."""
+    return _from_open_question(bundle, encoded, question, "verify", frame)
 
 
 def _from_open_question(

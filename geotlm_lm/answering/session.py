@@ -16,7 +16,7 @@ from geotlm_lm.answering.answer import Answer, Encoded, check_question
 from geotlm_lm.answering.several import Comparison, Order
 from geotlm_lm.answering.streaming import Listener, pieces
 from geotlm_lm.conversation.frame_facts import read_facts
-from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.wording import level
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -85,9 +85,11 @@ class Session:
 
     @property
     def last(self) -> Reply | None:
-        """The last answer of its own, about a clip and not about the frame."""
+        """The last answer of its own, about a clip: neither about the frame nor a reason."""
         said = (turn.answer for turn in reversed(self.history) if not turn.is_repeated)
-        return next((one for one in said if getattr(one, "kind", "") != "frame"), None)
+        return next(
+            (one for one in said if getattr(one, "kind", "") not in ("frame", "evidence")), None
+        )
 
     def add_clip(self, encoded: Encoded) -> None:
         """Make another clip the one that questions are about; comparisons look back at the last.
@@ -108,10 +110,11 @@ class Session:
         Raises:
             UsageError: If the question is empty or longer than 500 characters.
         """
-        question = check_question(question)
+        typed = check_question(question)
+        question = corrected(typed, self.frame)
         repeated = self._said_again(question)
         answer = repeated or self._reply(question, listen)
-        self.history.append(Turn(question, answer, repeated is not None, self.frame))
+        self.history.append(Turn(typed, answer, repeated is not None, self.frame))
         self.frame = read_facts(question, self.frame).lasting
         return answer
 
@@ -153,6 +156,19 @@ class Session:
         if kind == "order" and len(self.clips) > 1:
             return self.answerer.order(self.clips, frame=stated.frame)
         return self.answerer.ask(self.encoded, question, frame=self.frame, listen=listen)
+
+
+_CONTRADICTS = re.compile(r"^(?:no|nope|wrong|incorrect|not quite)[,.!;:]+ *", re.IGNORECASE)
+
+
+def corrected(question: str, frame: FrameSpec) -> str:
+    """Return a text without the "no" before it, where a fact or another question follows.
+
+    "No, the image is mirrored." is more than a doubt.
+    """
+    rest = _CONTRADICTS.sub("", question)
+    asks = asked_kind(rest) not in (None, "confidence") or asks_direction(rest)
+    return rest if rest and (read_facts(rest, frame).is_stated or asks) else question
 
 
 def _is_doubt(words: str) -> bool:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 from geotlm_lm.answering.amounts import Amount
 from geotlm_lm.answering.answer import Answer
+from geotlm_lm.answering.hearing import LEAST_SURE
+from geotlm_lm.answering.withholding import unsure_text
 from geotlm_lm.conversation.wording import clause, name, place
 from geotlm_lm.core.labels import DIRECTED, Motion, reverse
 
@@ -21,6 +24,9 @@ _MORE = ("further", "farther", "more", "larger")
 _LESS = ("less", "smaller")
 _FASTER, _SLOWER = "faster", "slower"
 
+_ROUGHLY = re.compile(r"\bmore or less\b(?!.*\bthan\b)")
+"""Asks for no amount: "more or less the same way", but not "more or less than the other"."""
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -29,7 +35,8 @@ class Comparison:
     Args:
         text: The sentence.
         relation: Of their directions (same, opposite, different), or which one is asked for.
-        confidence: Probability of the relation, in [0, 1]; 0 when withheld.
+        confidence: Probability of the relation of directions; of amounts, that both are right
+            within their tolerance. In [0, 1]; 0 when withheld.
         abstained: Whether the model declines to say.
         first: Which way the first clip goes.
         second: Which way the second one goes.
@@ -61,7 +68,7 @@ class Order:
     Args:
         text: The sentence.
         motions: One per clip, as the frame tells it; empty when withheld.
-        confidence: Probability that all of them are right, in [0, 1].
+        confidence: Probability that all of them are right, in [0, 1]; 0 when withheld.
         abstained: Whether the model declines to say.
         answers: The answer about each clip.
     """
@@ -89,7 +96,16 @@ def asks_amount(question: str) -> bool:
 
 
 def compare_directions(first: Answer, second: Answer) -> Comparison:
-    """Compare two answers to an open question, told in the same frame."""
+    """Compare two answers to an open question, told in the same frame.
+
+    Two answers may each be sure enough to be told and their relation not.
+    """
+
+    def told(text: str, relation: Relation, confidence: float) -> Comparison:
+        if confidence < LEAST_SURE:
+            return Comparison(unsure_text(text, confidence), "unknown", 0.0, True, first, second)
+        return Comparison(text, relation, confidence, False, first, second)
+
     if (unsure := _withheld((first, second))) is not None:
         text = f"I cannot compare them; of the {('first', 'second')[unsure[0]]}: {unsure[1].text}"
         return Comparison(text, "unknown", 0.0, True, first, second)
@@ -102,15 +118,13 @@ def compare_directions(first: Answer, second: Answer) -> Comparison:
     same = sum(p for (a, b), p in pairs.items() if a == b)
     opposite = sum(p for (a, b), p in pairs.items() if a != b and a in DIRECTED and b == reverse(a))
     if one == other:
-        text = f"The same: of both clips, {clause(one, frame)}."
-        return Comparison(text, "same", same, False, first, second)
+        return told(f"The same: of both clips, {clause(one, frame)}.", "same", same)
     both = f"the first is {_going(one)}, the second {_going(other)}"
     if one in DIRECTED and other == reverse(one):
-        text = f"Opposite: {both}, {place(frame)}."
-        return Comparison(text, "opposite", opposite, False, first, second)
-    told = f", {place(frame)}" if {one, other} & set(DIRECTED) else ""
+        return told(f"Opposite: {both}, {place(frame)}.", "opposite", opposite)
+    where = f", {place(frame)}" if {one, other} & set(DIRECTED) else ""
     rest = max(0.0, 1.0 - same - opposite)
-    return Comparison(f"Different: {both}{told}.", "different", rest, False, first, second)
+    return told(f"Different: {both}{where}.", "different", rest)
 
 
 def compare_amounts(
@@ -122,6 +136,8 @@ def compare_amounts(
     is_same_size: bool = True,
 ) -> Comparison:
     """Tell which of two clips goes further, or faster, by the likeliest amount of each.
+
+    Told however unsure the amounts are, as they are themselves.
 
     Args:
         question: Holds the word that says which one is asked for.
@@ -171,7 +187,10 @@ def tell_order(answers: Sequence[Answer]) -> Order:
     confidence = 1.0
     for answer in answers:
         confidence *= answer.confidence
-    return Order(f"First {told}{where}.", motions, confidence, False, tuple(answers))
+    text = f"First {told}{where}."
+    if confidence < LEAST_SURE:
+        return Order(unsure_text(text, confidence), (), 0.0, True, tuple(answers))
+    return Order(text, motions, confidence, False, tuple(answers))
 
 
 def _withheld(answers: Sequence[Answer]) -> tuple[int, Answer] | None:
@@ -184,4 +203,6 @@ def _going(motion: Motion) -> str:
 
 
 def _words(question: str) -> set[str]:
-    return set(question.lower().replace("?", " ").replace(",", " ").replace(".", " ").split())
+    """Return the words of a question, without a "more or less" that only means "roughly"."""
+    text = _ROUGHLY.sub(" ", question.lower())
+    return set(text.replace("?", " ").replace(",", " ").replace(".", " ").split())

@@ -23,7 +23,7 @@ from geotlm_lm.answering.hearing import (
     is_doubtful,
 )
 from geotlm_lm.answering.overruling import (
-    VERDICTS,
+    CHECKED,
     answers_what_it_cannot,
     asked_openly,
     contradicts_itself,
@@ -57,6 +57,7 @@ class StandingWords:
         self, bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, tell: Listener
     ) -> None:
         self._tell, self._told = tell, ""
+        self._question, self._frame = question, frame
         self._opened = cache(lambda: hear(bundle, encoded, OPEN_QUESTION).slots)
         self._stands = {
             sentence: slots if stands(bundle, encoded, question, frame, slots) else None
@@ -72,8 +73,9 @@ class StandingWords:
             return
         if len({slots.kind for slots in possible}) > 1:
             return  # to weigh the answers of several kinds takes longer than the next word
-        if possible[0].kind in VERDICTS and any(
-            denies_the_open_answer(slots, self._opened()) for slots in possible
+        if possible[0].kind in CHECKED and any(
+            denies_the_open_answer(slots, self._opened(), self._question, self._frame)
+            for slots in possible
         ):
             return
         if not any(_is_withheld(slots, scores) for slots in possible):

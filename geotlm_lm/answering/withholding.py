@@ -20,10 +20,12 @@ UNRECOGNISED = (
 """Said in place of a claim that nothing touches."""
 
 NEXT_LIKELIEST = "Next likeliest"
+LIKELIER = "Likelier by the probabilities"
+"""How a note on another answer begins; words are written freely and need not be the likeliest."""
 
 NOTEWORTHY = 0.05
-"""An answer whose confidence is not called high is told with the next likeliest one, if that one is
-at least this probable."""
+"""An answer whose confidence is not called high is told with the likeliest other one, if that one
+is at least this probable."""
 
 
 def plain(
@@ -63,9 +65,9 @@ def unless_withheld(
     elif is_contradicted(encoded, slots):
         text, direction, abstained = UNRECOGNISED, None, True
     elif not abstained and slots.kind not in NEVER_DOUBTED:
-        notes = _next_likeliest(told)
+        notes = _likeliest_other(told)
         if is_doubtful(slots.kind, told.decided, told.options):
-            text, direction, abstained = f"I cannot tell for sure, {sure:.0%}: {text}", None, True
+            text, direction, abstained = unsure_text(text, sure), None, True
     answer = plain(encoded, text, slots.kind, told.frame, timing_ms)
     return replace(
         answer,
@@ -85,16 +87,22 @@ def is_contradicted(encoded: Encoded, slots: Slots) -> bool:
     return encoded.is_changed and (is_denied or is_named)
 
 
+def unsure_text(text: str, sure: float) -> str:
+    """Return a sentence as the guess it is where it is withheld for want of certainty."""
+    return f"I cannot tell for sure, {sure:.0%}: {text}"
+
+
 def too_little_contact(what: str, share: float) -> str:
     """Return why it cannot be told `what`, by how much is touched."""
     return f"I cannot {what}: I see next to no contact (mask {share:.3f})."
 
 
-def _next_likeliest(told: Told) -> tuple[str, ...]:
+def _likeliest_other(told: Told) -> tuple[str, ...]:
     """Return a note on what else it may be, where the answer is not nearly certain."""
     sure = told.options.get(told.decided, 0.0)
     rest = {word: share for word, share in told.options.items() if word != told.decided}
     word = max(rest, key=rest.get, default=None)
     if word is None or level(sure) == "high" or rest[word] < NOTEWORTHY:
         return ()
-    return (f"{NEXT_LIKELIEST}, at {rest[word]:.0%}: {word}.",)
+    begins = LIKELIER if rest[word] > sure else NEXT_LIKELIEST
+    return (f"{begins}, at {rest[word]:.0%}: {word}.",)

@@ -13,13 +13,14 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from geotlm_lm.backbone.adapters.adapter import Adapter, Asked, Size, load_strictly
+from geotlm_lm.backbone.adapters.adapter import Adapter, Asked, load_strictly
 from geotlm_lm.backbone.adapters.anytouch1 import AnyTouch1
 from geotlm_lm.backbone.adapters.anytouch2 import AnyTouch2
 from geotlm_lm.backbone.adapters.internvit import InternViT
 from geotlm_lm.backbone.adapters.sparsh import Sparsh
 from geotlm_lm.backbone.adapters.t3 import T3
 from geotlm_lm.backbone.adapters.unit import UniT
+from geotlm_lm.backbone.pixels import Size
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.weights import listed, read_tensors
 from geotlm_lm.core.clip import Clip

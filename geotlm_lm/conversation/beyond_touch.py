@@ -48,6 +48,7 @@ _TOPICS = re.compile(
             rf"^\W*{_LOOKS} or {_LOOKS}\W*$",
             r"\bwhat will (?:\S+ ){1,4}?(?:next|tomorrow|later)\b",
             r"\b(?:tomorrow|in an hour|in the future)\b",
+            r"\babout to (?!the\b)\w+|\bgoing to (?:fall|drop|break|slip)\b",
         )
     )
 )

@@ -96,28 +96,40 @@ def contact_place(regions: Regions, share: float) -> str:
     return f"contact fills {share:.0%} of the square looked at, most of it {where}"
 
 
-def chain(evidence: Mapping[str, Any], conclusion: str, motion: Motion | None) -> tuple[str, ...]:
+def chain(
+    evidence: Mapping[str, Any],
+    conclusion: str,
+    motion: Motion | None,
+    *,
+    is_as_seen: bool = True,
+) -> tuple[str, ...]:
     """Return the steps from the contact to the conclusion, one sentence each.
 
     Args:
         evidence: Contact share and regions, as an answer carries them.
         conclusion: The answer's sentence.
         motion: The motion the model claims, in the camera image; None if none.
+        is_as_seen: Whether the conclusion names directions as the camera image shows them; the
+            steps before it, which always do, say so where it does not.
 
     Returns:
         Where the contact is; how its halves go; what adds up and what cancels; the conclusion.
     """
     regions = evidence["regions"]
+    where = "" if is_as_seen else "in the camera image"
     steps = (
         f"{_capital(contact_place(regions, evidence['contact_share']))}.",
-        f"{_capital(halves(regions))}.",
-        _sums(pattern_of(regions), motion),
+        f"{_capital(f'{where} {halves(regions)}'.strip())}.",
+        _sums(pattern_of(regions), motion, where),
     )
     return (*(step for step in steps if step), f"Therefore: {conclusion}")
 
 
-def _sums(pattern: Pattern, motion: Motion | None) -> str:
-    """Return what adds up and what cancels for the claimed motion; "" where nothing does."""
+def _sums(pattern: Pattern, motion: Motion | None, where: str) -> str:
+    """Return what adds up and what cancels for the claimed motion; "" where nothing does.
+
+    `where` is told after the way; "" leaves that out.
+    """
     strength = None if motion is None else pattern.along(motion)
     if strength is None:
         return ""
@@ -130,6 +142,7 @@ def _sums(pattern: Pattern, motion: Motion | None) -> str:
     else:
         text = "What the halves do against each other cancels in the mean, which goes "
         text += _way((pattern.slide_x, pattern.slide_y), 0.0)
+    text += f" {where}" if where else ""
     if strength < 0:
         text += "; this speaks against the conclusion, which rests on the whole token"
     return f"{text}."

@@ -20,7 +20,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from geotlm_lm.conversation.claims import claimed, offered_options
-from geotlm_lm.conversation.wording import clause, level, name, place, sentence
+from geotlm_lm.conversation.wording import KIND_SENTENCES, clause, level, name, place, sentence
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import (
     DIRECTED,
@@ -28,6 +28,7 @@ from geotlm_lm.core.labels import (
     SLIDES,
     Motion,
     mirror,
+    motion_class,
     reverse,
 )
 
@@ -196,12 +197,13 @@ def _no_thread(felt: Felt, reason: str) -> Told:
     return Told(text, None, felt.frame, {}, "unknown", is_refusal=True)
 
 
-_VERDICTS = {
+VERDICTS = {
     "verify": ("Yes, {}.", "No, {}.", "yes", "no"),
     "negation": ("It is: {}.", "It is not: {}.", "it is", "it is not"),
     "premise": ("That holds: {}.", "But no, {}.", "it holds", "it does not"),
 }
-"""Sentence where the claim is true, where it is not, and their deciding words."""
+"""Kinds that say yes or no to a claim and tell the motion with it -> the sentence where it goes as
+the question says, denied or not, where it does not, and their deciding words."""
 
 
 def _judged(felt: Felt) -> Told:
@@ -218,7 +220,7 @@ def _judged(felt: Felt) -> Told:
 
 def _verdict(felt: Felt, is_true: bool, claims: Sequence[Motion]) -> Told:
     """Return yes or no and the motion; `claims` are those, in the image, of which yes is true."""
-    yes, no, *words = _VERDICTS[felt.kind]
+    yes, no, *words = VERDICTS[felt.kind]
     told = felt.frame.tell(felt.motion)
     share = sum(felt.probabilities.get(motion, 0.0) for motion in claims)
     text = (yes if is_true else no).format(clause(told, felt.frame))
@@ -234,12 +236,23 @@ def _choice(felt: Felt) -> Told:
     for motion, probability in felt.probabilities.items():
         if frame.tell(motion) in shares:
             shares[frame.tell(motion)] += probability
-    letter = next((one for one, motion in offered.items() if motion == told), None)
-    if letter is None or not sum(shares.values()):
+    # Of letters that offer one motion the first stands for all: they are one answer.
+    letters = {motion: letter for letter, motion in reversed(offered.items())}
+    letter, total = letters.get(told), sum(shares.values())
+    if letter is None or not total:
         return _open(felt)
-    options = {f"{k}) {m.value}": shares[m] / sum(shares.values()) for k, m in offered.items()}
+    options = {f"{letters[m]}) {m.value}": share / total for m, share in shares.items()}
     text = f"{sentence(told, frame)[:-1]}, option {letter}."
     return Told(text, told, frame, options, f"{letter}) {told.value}")
+
+
+def _class(felt: Felt) -> Told:
+    shares: dict[str, float] = {}
+    for motion, probability in felt.probabilities.items():
+        word = motion_class(motion).value
+        shares[word] = shares.get(word, 0.0) + probability
+    kind = motion_class(felt.motion)
+    return Told(KIND_SENTENCES[kind], None, felt.frame, shares, kind.value)
 
 
 def _confidence(felt: Felt) -> Told:
@@ -253,6 +266,7 @@ _RULES: dict[str, Callable[[Felt], Told]] = {
     "direction": _open,
     "verify": _judged,
     "choice": _choice,
+    "class": _class,
     "negation": _judged,
     "premise": _judged,
     "viewpoint": _viewpoint,
@@ -267,5 +281,5 @@ _RULES: dict[str, Callable[[Felt], Told]] = {
 RETOLD = frozenset(_RULES)
 """Kinds whose answer the rules can derive from a motion."""
 
-ALWAYS_RETOLD = RETOLD - {"direction", "verify", "choice", "negation", "premise"}
+ALWAYS_RETOLD = RETOLD - {"direction", "verify", "choice", "class", "negation", "premise"}
 """Kinds the rules derive even in the camera image; of the others the model's own words stand."""

@@ -40,7 +40,7 @@ _YES_OR_NO = re.compile(
     r"(?:is|are|was|were|does|do|did|has|have|had)(?:n't)? (?!you\b)|^(?:more|less|over|under)\b"
 )
 _MEASURED = re.compile(
-    r"(?<![\w.])(?P<number>\d+(?:\.\d+)?|\.\d+) ?"
+    r"(?<![\w.])(?P<number>\d+(?:\.\d+)?|\.\d+|half an?) ?"
     r"(?P<unit>degrees?\b|deg\b|°|mm\b|millimet(?:er|re)s?\b|px\b|pixels?\b)"
     r"(?! ?(?:per|/|a) )(?! or\b)"
 )
@@ -65,13 +65,25 @@ def stated_amount(question: str) -> StatedAmount | None:
     text = " ".join(question.lower().split())
     if not _YES_OR_NO.search(text):
         return None
-    found = [(float(said["number"]), _unit(said["unit"])) for said in _MEASURED.finditer(text)] or [
-        (turn, "deg") for words, turn in _TURNS if re.search(words, text)
-    ]
+    found = [
+        (_number(said["number"]), _unit(said["unit"])) for said in _MEASURED.finditer(text)
+    ] or [(turn, "deg") for words, turn in _TURNS if re.search(words, text)]
     if len(found) != 1:
         return None
     bound: Bound = "less" if _LESS.search(text) else "more" if _MORE.search(text) else "about"
     return StatedAmount(*found[0], bound)
+
+
+def without_amount(question: str) -> str:
+    """Return a question without the amounts it states, which name no motion."""
+    text = _MEASURED.sub(" ", question.lower())
+    for words, _ in _TURNS:
+        text = re.sub(words, " ", text)
+    return text
+
+
+def _number(word: str) -> float:
+    return 0.5 if word.startswith("half") else float(word)
 
 
 def _unit(word: str) -> str:

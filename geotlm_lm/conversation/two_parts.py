@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import claimed, offered_options
+from geotlm_lm.conversation.claims import claimed, motions_named, offered_options
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
 
 _AND_HOW = re.compile(
@@ -37,7 +37,7 @@ def _kind(question: str) -> str | None:
     kind = asked_kind(question)
     if kind is not None:
         return kind
-    if asks_direction(question):
+    if asks_direction(question) or len(motions_named(question)) > 1:
         return "direction"
     if asks_whether_moving(question):
         return "moving"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass
 
 AT_REST = {
     Motion.PRESS: "It is pressing in.",
@@ -12,6 +12,16 @@ AT_REST = {
     Motion.NONE: "Nothing is touching the gel.",
 }
 """What is said of motions without a direction; the same in every frame."""
+
+KIND_SENTENCES = {
+    MotionClass.ROTATION: "A rotation.",
+    MotionClass.SLIDE: "A slide.",
+    MotionClass.PRESS: "A press.",
+    MotionClass.RELEASE: "A release.",
+    MotionClass.STILL: "A still contact.",
+    MotionClass.NONE: "No contact.",
+}
+"""The answer to "which kind of motion?", as the templates have it."""
 
 _CLAUSES = {
     Motion.PRESS: "it is pressing in",

@@ -80,7 +80,7 @@ def long_recording(clip: Clip) -> Clip:
 
 def _prefill(answerer: Answerer, token: torch.Tensor) -> Callable[[], object]:
     model = answerer.bundle.speaker.model
-    ids = torch.tensor([answerer.bundle.speaker.processor.prompt(QUESTION)])
+    ids = torch.tensor([answerer.bundle.speaker.prompts.prompt(QUESTION)])
     positions = torch.arange(ids.shape[1])[None]
 
     @torch.inference_mode()

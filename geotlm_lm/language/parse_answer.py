@@ -8,9 +8,9 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import IncompatibleBundle
 from geotlm_lm.core.labels import Motion, MotionClass
-from geotlm_lm.core.record import write_text_atomically
 
 Kind = Literal[
     "direction",

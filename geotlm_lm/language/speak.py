@@ -47,20 +47,20 @@ class Speaker:
 
     Args:
         model: The weights.
-        processor: What turns questions into ids and ids into words.
+        prompts: What turns questions into ids and ids into words.
 
     Raises:
         ValueError: If the two disagree on the length of the tactile prefix.
     """
 
-    def __init__(self, model: TactileDecoder, processor: PromptEncoder) -> None:
-        if processor.tactile_tokens != model.size.tactile_tokens:
+    def __init__(self, model: TactileDecoder, prompts: PromptEncoder) -> None:
+        if prompts.tactile_tokens != model.size.tactile_tokens:
             raise ValueError(
-                f"the processor writes {processor.tactile_tokens} tactile placeholders, the model "
+                f"the processor writes {prompts.tactile_tokens} tactile placeholders, the model "
                 f"reads {model.size.tactile_tokens}"
             )
         self.model = model.eval()
-        self.processor = processor
+        self.prompts = prompts
         self._trees: dict[tuple[str, ...], AnswerTree] = {}
 
     @classmethod
@@ -72,9 +72,9 @@ class Speaker:
         """
         folder = Path(folder)
         model = load_decoder(folder)
-        processor = PromptEncoder.load(folder, max_tokens=model.size.max_tokens)
+        prompts = PromptEncoder.load(folder, max_tokens=model.size.max_tokens)
         try:
-            return cls(model, processor)
+            return cls(model, prompts)
         except ValueError as error:
             raise IncompatibleBundle(
                 f"{folder}: {error}; save or download the model again."
@@ -83,9 +83,9 @@ class Speaker:
     def save(self, folder: str | Path) -> None:
         """Write a model folder that `load` and transformers' Auto classes read."""
         folder = Path(folder)
-        eos_id, pad_id = self.processor.eos_id, self.processor.pad_id
+        eos_id, pad_id = self.prompts.eos_id, self.prompts.pad_id
         save_decoder(self.model, folder, eos_id=eos_id, pad_id=pad_id)
-        self.processor.save(folder)
+        self.prompts.save(folder)
 
     @torch.inference_mode()
     def generate(
@@ -109,7 +109,7 @@ class Speaker:
         fused_token = self._checked(fused_token, (len(questions), self.model.fused_width))
         if listen is not None and len(questions) != 1:
             raise ValueError(f"one question can be listened to, not {len(questions)}")
-        prompts = [self.processor.prompt(question) for question in questions]
+        prompts = [self.prompts.prompt(question) for question in questions]
         answers: list[str] = []
         for start in range(0, len(prompts), BATCH):
             part = slice(start, start + BATCH)
@@ -140,7 +140,7 @@ class Speaker:
         if not options:
             raise ValueError("score needs at least one option")
         fused_token = self._checked(fused_token, (self.model.fused_width,))
-        prompt = torch.tensor([self.processor.prompt(question)])
+        prompt = torch.tensor([self.prompts.prompt(question)])
         tree = self._tree(tuple(options))
         hidden, cache = self._read(fused_token[None], prompt)
         logits = self.model.logits(hidden[0, -1:])
@@ -148,16 +148,14 @@ class Speaker:
             logits = torch.cat([logits, self._continue(tree, cache)])
         logits = logits.log_softmax(-1)
         followed = tree.followed(logits)
-        written = (
-            None if followed is None else self.processor.decode(tree.answers[followed].tolist())
-        )
+        written = None if followed is None else self.prompts.decode(tree.answers[followed].tolist())
         return Weighed(tree.log_likelihoods(logits).double().numpy(), written)
 
     def _tree(self, options: tuple[str, ...]) -> AnswerTree:
         """Return the tree of some options; kept, as few sets are ever asked for."""
         found = self._trees.get(options)
         if found is None:
-            found = AnswerTree.of([self.processor.answer(option) for option in options])
+            found = AnswerTree.of([self.prompts.answer(option) for option in options])
             if len(self._trees) >= MOST_TREES:
                 self._trees.clear()
             self._trees[options] = found
@@ -183,7 +181,7 @@ class Speaker:
         prompts: list[list[int]],
         listen: Callable[[str], None] | None,
     ) -> list[str]:
-        ids, is_text = _left_padded(prompts, self.processor.pad_id)
+        ids, is_text = _left_padded(prompts, self.prompts.pad_id)
         rows, length = ids.shape
         visible = is_text[:, None, :] & torch.ones(length, length, dtype=torch.bool).tril()
         # A padding position that may look nowhere would give NaN; let it see itself.
@@ -198,8 +196,8 @@ class Speaker:
             token = self.model.logits(hidden[:, -1]).argmax(-1)
             written.append(token)
             if listen is not None:
-                listen(self.processor.decode([int(one) for one in written]))
-            is_done |= token == self.processor.eos_id
+                listen(self.prompts.decode([int(one) for one in written]))
+            is_done |= token == self.prompts.eos_id
             if bool(is_done.all()):
                 break
             place = place + 1
@@ -207,7 +205,7 @@ class Speaker:
             hidden, cache = self.model.decoder(
                 self.model.embed(token[:, None], None), place, seen[:, None, None], cache
             )
-        return [self.processor.decode(row) for row in torch.stack(written, dim=1).tolist()]
+        return [self.prompts.decode(row) for row in torch.stack(written, dim=1).tolist()]
 
     def _checked(self, fused_token: Tensor, shape: tuple[int, ...]) -> Tensor:
         fused_token = torch.as_tensor(fused_token, dtype=torch.float32)

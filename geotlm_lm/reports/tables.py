@@ -91,14 +91,18 @@ and p-values are clustered by object; simulated and real clips are never pooled.
     return f"{intro}\n\n{evaluation_tables(record)}\n{shown}{provenance(record)}\n"
 
 
+EXAMPLE_FIELDS: dict[str, Any] = {
+    **dict.fromkeys(("text", "direction", "confidence", "abstained")),
+    "frame": {"sentence": None},
+    "evidence": {"regions": {"upper_minus_lower": None}},
+}
+"""Fields of an answer that the example shows, each where a program finds it; None is all of it."""
+
+
 def answer_example(record: RunRecord) -> str:
     """Return a question, its answer as people and as programs get it, and the cold start."""
     numbers = record.numbers
     answer = numbers["answer"]
-    region = answer["evidence"]["regions"]["upper_minus_lower"]
-    kept = {name: answer[name] for name in ("text", "direction", "confidence", "abstained")}
-    kept["frame"] = answer["frame"]["sentence"]
-    kept["evidence"] = {"upper_minus_lower": region}
     seconds = numbers["cold_s"]
     median = seconds[len(seconds) // 2]
     lines = [
@@ -110,7 +114,7 @@ def answer_example(record: RunRecord) -> str:
         "With `--json` the last line holds, among others,",
         "",
         "```json",
-        json.dumps(kept, indent=1),
+        json.dumps(_kept(answer, EXAMPLE_FIELDS), indent=1),
         "```",
         "",
         f"A cold answer, interpreter start included, takes {median:.1f} s (median of "
@@ -119,6 +123,13 @@ def answer_example(record: RunRecord) -> str:
         provenance(record),
     ]
     return "\n".join(lines)
+
+
+def _kept(value: Any, fields: dict[str, Any] | None) -> Any:
+    """Return `value` with the other fields left out, and none moved."""
+    if fields is None:
+        return value
+    return {name: _kept(value[name], inner) for name, inner in fields.items()}
 
 
 def training_overview(record: RunRecord) -> str:

@@ -143,7 +143,7 @@ def train_language(
                 saved_at = time.monotonic()
     finally:
         store_language(folder, config, model, optimiser, step)
-    return Speaker(model, speaker.processor)
+    return Speaker(model, speaker.prompts)
 
 
 def new_speaker(fused_tokens: Tensor, config: LanguageTraining) -> Speaker:
@@ -155,18 +155,18 @@ def new_speaker(fused_tokens: Tensor, config: LanguageTraining) -> Speaker:
     tokenizer = train_tokenizer([*cleaned, *sorted(answers) * 20], VOCABULARY_SIZE)
     template = (resource_dir("prompts") / "chat_template.jinja").read_text(encoding="utf-8")
     size = config.size
-    processor = PromptEncoder(tokenizer, template, size.tactile_tokens, size.max_tokens)
+    prompts = PromptEncoder(tokenizer, template, size.tactile_tokens, size.max_tokens)
     # torch fills new layers from its global generator; what it draws is replaced below.
     with torch.random.fork_rng(devices=[]):
         model = TactileDecoder(
             size,
             fused_width=fused_tokens.shape[1],
             vocabulary=tokenizer.get_vocab_size(),
-            tactile_id=processor.tactile_id,
+            tactile_id=prompts.tactile_id,
         )
     model.initialise(_torch_generator(config.seed, "weights"))
     model.projector.standardise_by(fused_tokens)
-    return Speaker(model, processor)
+    return Speaker(model, prompts)
 
 
 def _step(
@@ -184,8 +184,8 @@ def _step(
         (asked,) = questions_for(label, rng, types=[draw_type(label, rng)])
         mistyped = rng.random() < TYPO_SHARE
         question = with_typo(asked.question, rng) if mistyped else asked.question
-        prompts.append(speaker.processor.prompt(question))
-        answers.append(speaker.processor.answer(asked.answer))
+        prompts.append(speaker.prompts.prompt(question))
+        answers.append(speaker.prompts.answer(asked.answer))
     model = speaker.model
     token = model.projector.standardise(fused_tokens)
     noise = torch.randn(token.shape, generator=_torch_generator(config.seed, "noise", step))

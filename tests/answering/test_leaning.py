@@ -89,9 +89,10 @@ def test_another_kind_of_question_is_left_alone(kind):
     assert leaning(TURN, answer) == answer
 
 
-def test_what_leans_is_not_told_twice():
+@pytest.mark.parametrize("begins", ["Next likeliest", "Likelier by the probabilities"])
+def test_what_leans_is_not_told_twice(begins):
     answer = answered(PRESS_THEN_CLOCKWISE)
-    next_one = "Next likeliest, at 15%: clockwise."
+    next_one = f"{begins}, at 15%: clockwise."
     answer = leaning(TURN, replace(answer, notes=("As before.", next_one)))
     assert answer.notes == ("As before.", answer.lean.text)
     other = leaning(TURN, replace(answer, notes=("Next likeliest, at 15%: left.",), lean=None))

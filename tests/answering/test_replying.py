@@ -239,8 +239,30 @@ def test_reasons_end_in_the_answer_and_say_whose_words_they_are(bundle):
     why = answerer.why(encoded, answer)
     assert why.steps[0].startswith("Contact fills ")
     assert why.steps[-1] == "Therefore: Clockwise, in the camera image."
-    assert any(step.startswith("Told in this frame: camera image") for step in why.steps)
+    assert why.steps[-2].startswith("The answer is told in this frame: camera image")
     assert why.source == "by rule, from the geometry the model read; not in its own words"
+
+
+def test_reasons_of_an_answer_in_another_frame_say_where_their_own_ways_are_seen(bundle):
+    answerer = feeling(bundle, "clockwise")
+    encoded = answerer.encode(recording())
+    answer = answerer.ask(encoded, "Which way?", frame=FrameSpec(image_mirrored=True))
+    _, measured, sums, frame, conclusion = answerer.why(encoded, answer).steps
+    assert measured.startswith("In the camera image the whole contact ")
+    assert "wise in the camera image" in sums
+    assert frame.startswith("The answer is told in this frame: mirrored camera image")
+    assert conclusion.startswith("Therefore: Counterclockwise, ")
+
+
+def test_reasons_of_a_confidence_are_those_of_the_direction_it_is_about(bundle):
+    answerer = answerer_saying(bundle, {"*": "Clockwise, in the camera image."})
+    encoded = answerer.encode(recording())
+    steps = [
+        answerer.why(encoded, answerer.ask(encoded, question)).steps
+        for question in ("Which way?", "How sure are you?")
+    ]
+    assert steps[0][:-1] == steps[1][:-1]
+    assert steps[1][-1].startswith("Therefore: My confidence is ")
 
 
 @pytest.mark.parametrize("felt", [Motion.CLOCKWISE, Motion.LEFT])
@@ -257,7 +279,7 @@ def test_reasons_of_a_model_trained_for_evidence_are_in_its_words_beside_what_wa
     assert " ".join(own) == said + (against if felt is Motion.LEFT else "")
     assert measured.startswith("Measured: the whole contact ")
     assert sums.startswith("The common shift cancels in the differences of the halves")
-    assert frame.startswith("Told in this frame: ")
+    assert frame.startswith("The answer is told in this frame: ")
     assert conclusion == "Therefore: Clockwise, in the camera image."
     assert why.source.startswith("sentences 2 to 4 in the model's words, the others by rule")
 

@@ -115,7 +115,9 @@ def test_doubt_after_a_fact_is_about_the_answer_before_it(session):
     assert session.ask("Are you sure?").text.endswith("Clockwise, in the camera image.")
 
 
-def test_two_clips_are_compared_and_told_in_order(session):
+def test_two_clips_are_compared_and_told_in_order(bundle):
+    answerer = feeling(bundle, "clockwise", temperature=0.1)
+    session = answerer.session(answerer.encode(recording()))
     assert session.ask("Do they turn the same way?").abstained
     session.add_clip(session.answerer.encode(recording(seed=2)))
     same = session.ask("Do they turn the same way?")

@@ -76,6 +76,31 @@ def test_a_withheld_direction_withholds_the_comparison():
     assert (compared.relation, compared.abstained, compared.confidence) == ("unknown", True, 0.0)
 
 
+@pytest.mark.parametrize(
+    ("one", "other", "sure", "text"),
+    [
+        # 0.56^2 + 0.34^2 + 0.1^2, and without the last.
+        ("left", "left", "44%", "The same: of both clips, it goes left in the camera image."),
+        (
+            "left",
+            "right",
+            "43%",
+            "Opposite: the first is going left, the second going right, in the camera image.",
+        ),
+    ],
+)
+def test_a_relation_more_likely_wrong_than_right_is_withheld(one, other, sure, text):
+    pair = [
+        replace(
+            answer(way, 0.56), options={way: 0.56, reverse(Motion(way)).value: 0.34, "press": 0.1}
+        )
+        for way in (one, other)
+    ]
+    compared = compare_directions(*pair)
+    assert compared.text == f"I cannot tell for sure, {sure}: {text}"
+    assert (compared.relation, compared.confidence, compared.abstained) == ("unknown", 0.0, True)
+
+
 def measured(value, unit="deg", share=0.5):
     return Amount(value, unit, 0.9 * value, 1.1 * value, share)
 
@@ -167,6 +192,14 @@ def test_an_order_is_told_motion_by_motion(motions, text):
     assert order.confidence == pytest.approx(0.64)
 
 
+def test_an_order_more_likely_wrong_than_right_is_withheld():
+    order = tell_order([answer("left", 0.7), answer("press", 0.7)])
+    assert order.text == (
+        "I cannot tell for sure, 49%: First going left, then pressing in, in the camera image."
+    )
+    assert (order.motions, order.confidence, order.abstained) == ((), 0.0, True)
+
+
 def test_an_order_with_a_gap_is_withheld():
     order = tell_order([answer("left"), WITHHELD])
     assert order.text == "I cannot tell the order; of clip 2: I cannot say."
@@ -182,14 +215,20 @@ def test_results_are_plain_json_values():
 
 @pytest.mark.parametrize(
     ("question", "asks"),
-    [("Which one turned further?", True), ("which is faster", True), ("the same way?", False)],
+    [
+        ("Which one turned further?", True),
+        ("which is faster", True),
+        ("the same way?", False),
+        ("Do they go more or less the same way?", False),
+        ("Did it slide more or less than before?", True),
+    ],
 )
 def test_a_comparison_of_amounts_is_told_from_one_of_directions(question, asks):
     assert asks_amount(question) is asks
 
 
 def test_the_seam_compares_two_clips(bundle):
-    answerer = feeling(bundle, "up")
+    answerer = feeling(bundle, "up", temperature=0.1)
     clips = [answerer.encode(recording(seed=seed)) for seed in (1, 2)]
     assert answerer.compare(*clips).relation == "same"
     refused = answerer.compare(*clips, "Which one went further?")

@@ -15,6 +15,7 @@ from geotlm_lm.backbone.stem import ALIGNED_AT, PATCH_INPUT_DIM
 from geotlm_lm.backbone.view import View
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.core.labels import reverse
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
 from tests.answering.scripted import Measuring
@@ -43,7 +44,11 @@ class FakeAnswer:
     confidence: float = 0.97
     kind: str = "direction"
     lean: Lean | None = None
-    options = {"right": 0.97, "left": 0.03}
+
+    @property
+    def options(self):
+        way = self.direction or Motion.RIGHT
+        return {way.value: 0.97, reverse(way).value: 0.03}
 
     def to_dict(self):
         return {

@@ -8,6 +8,7 @@ import torch
 from geotlm_lm.backbone.pixels import CLIP_STATISTICS, IMAGENET, normalised, resized, to_unit
 from geotlm_lm.backbone.released import ENCODERS
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import IMAGE_SIDE
 
 RNG = np.random.default_rng(0)
@@ -138,6 +139,17 @@ def test_sparshs_grid_is_turned_back_to_the_camera():
     assert brightest(late) == pytest.approx((0.75, 0.25), abs=0.02)
 
 
+@pytest.mark.parametrize("size", [(320, 240), (300, 300)])
+def test_sparsh_refuses_pictures_that_its_authors_do_not_turn(size):
+    with pytest.raises(UnreadableClip) as caught:
+        pixels("sparsh", flat_clip(COLOURS, size=size))
+    assert str(caught.value) == (
+        f"clip: frames are {size[1]}x{size[0]} pixels, Sparsh V-JEPA reads pictures wider than "
+        f"high; turn the recording by 90 degrees counterclockwise, or export all of the camera's "
+        f"picture."
+    )
+
+
 def test_t3_sees_the_middle_of_the_picture():
     # 256 rows high the picture is 341 wide; 224 of each are kept.
     image = pixels("t3", marked_clip(75, 170))[0, 1]
@@ -161,7 +173,7 @@ def test_the_view_is_told_where_it_is_a_square_of_the_image():
     camera, square = flat_clip(COLOURS), flat_clip(COLOURS, size=(300, 300))
     assert ENCODERS["anytouch2"].view(camera).side_px == IMAGE_SIDE
     assert ENCODERS["sparsh"].view(camera).side_px == IMAGE_SIDE
-    assert ENCODERS["sparsh"].view(square) is None
+    assert ENCODERS["sparsh"].view(flat_clip(COLOURS, size=(300, 500))) is None
     assert ENCODERS["t3"].view(camera) is None
     assert ENCODERS["t3"].view(square).side_px == pytest.approx(196)
 

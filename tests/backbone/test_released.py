@@ -152,6 +152,31 @@ def test_a_checkpoint_of_two_frames_is_refused_for_having_one_time_bin(tmp_path)
         load_encoder(path, "anytouch2", heads=2)
 
 
+def test_unit_of_a_width_its_norms_cannot_have_is_refused(tmp_path):
+    def narrow(tensors):
+        for own in [one for one in tensors if one.startswith("encoder.")]:
+            sizes = [{32: 8, 64: 16}.get(size, size) for size in tensors[own].shape]
+            tensors[own] = torch.ones(sizes)
+
+    path = write_small("unit", tmp_path, narrow)
+    with pytest.raises(IncompatibleWeights) as caught:
+        load_encoder(path)
+    assert str(caught.value) == (
+        f"{path}: is not UniT: no encoder has the sizes found (num_channels (8) must be divisible "
+        f"by num_groups (32)); get the file from {ENCODERS['unit'].source}."
+    )
+
+
+def test_unit_without_levels_is_refused_by_the_name_that_is_missing(tmp_path):
+    def flatten(tensors):
+        for own in [one for one in tensors if one.startswith("encoder.down.")]:
+            del tensors[own]
+
+    path = write_small("unit", tmp_path, flatten)
+    with pytest.raises(IncompatibleWeights, match="missing encoder.down.0.block.0.conv1.weight"):
+        load_encoder(path)
+
+
 def test_the_stale_stem_of_anytouch_1_is_not_read(tmp_path):
     changed = {}
 

@@ -33,7 +33,7 @@ def talk(monkeypatch, capsys, bundle, clip_path):
 
     def load(folder, precision):
         folders.append((folder, precision))
-        return feeling(bundle, "clockwise")
+        return feeling(bundle, "clockwise", **piped.calibration)
 
     monkeypatch.setattr(Answerer, "load", load)
 
@@ -45,7 +45,7 @@ def talk(monkeypatch, capsys, bundle, clip_path):
         printed = capsys.readouterr()
         return printed.out.splitlines(), printed.err.splitlines()
 
-    piped.folders = folders
+    piped.folders, piped.calibration = folders, {}
     return piped
 
 
@@ -102,6 +102,7 @@ def test_history_repeats_the_turns(talk):
 
 
 def test_a_second_clip_can_be_compared_with_the_first(talk, clip_path):
+    talk.calibration["temperature"] = 0.1
     out, _ = talk(f"/clip {clip_path}", "do they turn the same way?")
     assert out == [
         f"Looking at {clip_path}; 2 clips are open.",

@@ -126,3 +126,13 @@ def test_evidence_against_the_claim_is_told():
 @pytest.mark.parametrize("motion", [None, Motion.STILL])
 def test_without_a_moving_claim_nothing_adds_up(motion):
     assert len(steps((0.0, 0.0), motion)) == 3
+
+
+def test_steps_before_a_conclusion_told_elsewhere_name_the_camera_image():
+    evidence = {"regions": regions_of(*FIELDS[Motion.COUNTERCLOCKWISE]), "contact_share": 1.0}
+    _, way, sums, _ = chain(evidence, "So it is.", Motion.CLOCKWISE, is_as_seen=False)
+    assert way.startswith("In the camera image the whole contact stays, the upper half goes left")
+    assert sums == (
+        "The common shift cancels in the differences of the halves, which add up counterclockwise "
+        "in the camera image; this speaks against the conclusion, which rests on the whole token."
+    )

@@ -206,6 +206,13 @@ def test_a_choice_picks_the_letter_of_the_motion_as_the_frame_tells_it():
     assert told.options["C) counterclockwise"] == pytest.approx(0.9 / 0.95)
 
 
+def test_letters_of_one_motion_are_one_answer():
+    told = felt("choice", CW, OBJECT_SIDE, "A) left B) counterclockwise C) anticlockwise")
+    assert told.decided == "B) counterclockwise"
+    assert list(told.options) == ["A) left", "B) counterclockwise"]
+    assert sum(told.options.values()) == pytest.approx(1)
+
+
 def test_a_choice_without_the_motion_gets_the_direction_alone():
     told = felt("choice", CW, OBJECT_SIDE, "A) up B) left")
     assert told.text == "Counterclockwise, seen from the object's side."

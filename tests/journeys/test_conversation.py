@@ -76,5 +76,5 @@ def test_the_reasons_for_a_turn_add_up_to_it(capsys):
     assert sums == (
         "The common shift cancels in the differences of the halves, which add up clockwise."
     )
-    assert frame.startswith("Told in this frame: camera image")
+    assert frame.startswith("The answer is told in this frame: camera image")
     assert told["why"]["steps"][-1] == "Therefore: Clockwise, in the camera image."

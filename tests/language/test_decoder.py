@@ -5,7 +5,7 @@ from geotlm_lm.language.decoder import merge_prefix
 
 
 def ids_of(speaker, length=11):
-    head = [speaker.processor.tactile_id] * speaker.model.size.tactile_tokens
+    head = [speaker.prompts.tactile_id] * speaker.model.size.tactile_tokens
     tail = torch.randint(5, 400, (length,), generator=torch.Generator().manual_seed(1)).tolist()
     return torch.tensor([head + tail])
 

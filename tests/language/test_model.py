@@ -40,7 +40,7 @@ def test_the_processor_writes_the_same_ids(speaker, processor):
         ids[mask.bool()].tolist()
         for ids, mask in zip(inputs["input_ids"], inputs["attention_mask"], strict=True)
     ]
-    assert rows == [speaker.processor.prompt(question) for question in QUESTIONS]
+    assert rows == [speaker.prompts.prompt(question) for question in QUESTIONS]
 
 
 def test_both_decoders_give_the_same_logits(speaker, model, processor, fused_tokens):
@@ -60,7 +60,7 @@ def test_both_generate_the_same_words(speaker, model, processor, fused_tokens):
     written = model.generate(**inputs, max_new_tokens=MAX_ANSWER_TOKENS)[
         :, inputs["input_ids"].shape[1] :
     ]
-    words = [speaker.processor.decode(row.tolist()) for row in written]
+    words = [speaker.prompts.decode(row.tolist()) for row in written]
     assert words == speaker.generate(fused_tokens[:2], QUESTIONS)
 
 
@@ -97,9 +97,9 @@ def test_labels_are_the_tokens_after_the_last_assistant_marker():
 
 def test_the_loss_counts_answer_tokens_alone(model, processor, speaker, fused_tokens):
     inputs = processor(QUESTIONS[0], fused_tokens[:1])
-    answer = torch.tensor([speaker.processor.answer("A slide.")])
+    answer = torch.tensor([speaker.prompts.answer("A slide.")])
     ids = torch.cat([inputs["input_ids"], answer], 1)
-    labels = model_module.batch_labels(ids, speaker.processor.assistant_id, 0)
+    labels = model_module.batch_labels(ids, speaker.prompts.assistant_id, 0)
     loss = model(input_ids=ids, fused_token=fused_tokens[:1], labels=labels).loss
     total = speaker.score(fused_tokens[0], QUESTIONS[0], ["A slide."])[0]
     assert float(loss.detach()) == pytest.approx(-total / answer.shape[1], rel=1e-4)

@@ -5,23 +5,23 @@ from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS, PromptEncoder
 
 
 def test_a_prompt_is_the_prefix_the_question_and_the_turn_of_the_assistant(speaker):
-    ids = speaker.processor.prompt("Which way?")
-    words = [speaker.processor.tokenizer.id_to_token(i) for i in ids]
+    ids = speaker.prompts.prompt("Which way?")
+    words = [speaker.prompts.tokenizer.id_to_token(i) for i in ids]
     assert words[:4] == ["<tactile>"] * 3 + ["<user>"]
     assert words[-1] == "<assistant>"
-    assert speaker.processor.tokenizer.decode(ids[4:-1]) == "which way?"
+    assert speaker.prompts.tokenizer.decode(ids[4:-1]) == "which way?"
 
 
 def test_an_answer_ends_and_reads_back(speaker):
-    ids = speaker.processor.answer("Left, in the camera image.")
-    assert ids[-1] == speaker.processor.eos_id
-    assert speaker.processor.decode([*ids, 77, 78]) == "Left, in the camera image."
+    ids = speaker.prompts.answer("Left, in the camera image.")
+    assert ids[-1] == speaker.prompts.eos_id
+    assert speaker.prompts.decode([*ids, 77, 78]) == "Left, in the camera image."
 
 
 @pytest.mark.parametrize("question", ["", "  \n"])
 def test_an_empty_question_is_refused_with_an_example(speaker, question):
     with pytest.raises(UsageError) as caught:
-        speaker.processor.prompt(question)
+        speaker.prompts.prompt(question)
     assert str(caught.value) == (
         "The question is empty; ask something like 'Which way is it turning?'."
     )
@@ -29,8 +29,8 @@ def test_an_empty_question_is_refused_with_an_example(speaker, question):
 
 def test_a_question_that_leaves_no_room_for_an_answer_is_refused(speaker):
     with pytest.raises(UsageError) as caught:
-        speaker.processor.prompt("\u6f22" * 60)
-    limit = speaker.processor.max_tokens - MAX_ANSWER_TOKENS
+        speaker.prompts.prompt("\u6f22" * 60)
+    limit = speaker.prompts.max_tokens - MAX_ANSWER_TOKENS
     assert str(caught.value).endswith(f"expected at most {limit}; shorten it.")
 
 
@@ -38,7 +38,7 @@ def test_every_answer_of_the_templates_fits_its_room(speaker):
     from geotlm_lm.data.templates import load_templates
 
     longest = max(
-        len(speaker.processor.answer(text))
+        len(speaker.prompts.answer(text))
         for kind in load_templates().types.values()
         for text in kind.answers
     )

@@ -27,26 +27,26 @@ def test_a_left_padded_batch_answers_like_single_questions(speaker, fused_tokens
 
 
 def test_generation_takes_the_likeliest_token_each_time(speaker, fused_tokens):
-    model, processor = speaker.model, speaker.processor
-    prompt = processor.prompt(QUESTIONS[0])
+    model, prompts = speaker.model, speaker.prompts
+    prompt = prompts.prompt(QUESTIONS[0])
     ids = list(prompt)
     prefix = model.projector(fused_tokens[:1])
     for _ in range(MAX_ANSWER_TOKENS):
         embedded = model.embed(torch.tensor([ids]), prefix)
         hidden, _ = model.decoder(embedded, torch.arange(len(ids))[None])
         ids.append(int(model.logits(hidden[0, -1]).argmax()))
-        if ids[-1] == processor.eos_id:
+        if ids[-1] == prompts.eos_id:
             break
-    expected = processor.decode(ids[len(prompt) :])
+    expected = prompts.decode(ids[len(prompt) :])
     assert speaker.generate(fused_tokens[:1], QUESTIONS[:1]) == [expected]
 
 
 def test_a_score_is_the_log_likelihood_of_the_whole_answer(speaker, fused_tokens):
-    model, processor = speaker.model, speaker.processor
-    prompt = processor.prompt(QUESTIONS[1])
+    model, prompts = speaker.model, speaker.prompts
+    prompt = prompts.prompt(QUESTIONS[1])
     expected = []
     for option in OPTIONS:
-        answer = processor.answer(option)
+        answer = prompts.answer(option)
         ids = torch.tensor([prompt + answer])
         embedded = model.embed(ids, model.projector(fused_tokens[:1]))
         hidden, _ = model.decoder(embedded, torch.arange(ids.shape[1])[None])

@@ -1,7 +1,12 @@
+import json
+
 import numpy as np
 import pytest
 
+from geotlm_lm.answering import Answer
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.core.labels import ROTATIONS, Motion
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.experiments.compare import Case, Reply, compare
@@ -14,6 +19,7 @@ from geotlm_lm.reports.headline import (
     time_headline,
 )
 from geotlm_lm.reports.tables import (
+    answer_example,
     evaluation_page,
     evaluation_tables,
     markdown,
@@ -238,3 +244,24 @@ def test_the_page_shows_a_picture_per_whole_table(record):
     text = evaluation_page(record)
     assert text.count("![") == 1
     assert "![simulated rotation](confusions/simulated-rotation.png)" in text
+
+
+def is_part(shown, whole):
+    """Tell whether every field shown stands at the same place in the whole, with its value."""
+    if not isinstance(shown, dict):
+        return shown == whole
+    return all(name in whole and is_part(value, whole[name]) for name, value in shown.items())
+
+
+def test_the_example_for_programs_nests_its_fields_as_the_answer_does():
+    region = {"shear_change_x": 2.2, "shear_change_y": 0.6, "contact_mass": 0.1}
+    answer = Answer(
+        text="Left.", direction=Motion.LEFT, confidence=0.9, abstained=False, frame=FrameSpec(),
+        options={"left": 0.9}, evidence={"regions": dict.fromkeys(REGIONS, region)}, timing_ms={},
+        kind="direction", frames_used=(0, 1, 2, 3),
+    ).to_dict()  # fmt: skip
+    numbers = {"shown": "geotlm-lm answer", "answer": answer, "cold_s": [1.0, 2.0, 3.0]}
+    text = answer_example(RunRecord("answer", "geotlm-lm report answer", 0, 60.0, numbers))
+    shown = json.loads(text.split("```json")[1].split("```")[0])
+    assert is_part(shown, answer)
+    assert shown["evidence"]["regions"]["upper_minus_lower"] == region

@@ -110,9 +110,9 @@ def test_a_checkpoint_of_other_tokens_is_refused(tokens, tmp_path):
 
 def test_the_loss_is_that_of_the_answer_tokens_alone(tokens):
     speaker = new_speaker(tokens, CONFIG)
-    model, processor = speaker.model, speaker.processor
-    prompts = [processor.prompt("which way?"), processor.prompt("is the cap turning cw or not?")]
-    answers = [processor.answer("A slide."), processor.answer("Left, in the camera image.")]
+    model, encoder = speaker.model, speaker.prompts
+    prompts = [encoder.prompt("which way?"), encoder.prompt("is the cap turning cw or not?")]
+    answers = [encoder.answer("A slide."), encoder.answer("Left, in the camera image.")]
     token = model.projector.standardise(tokens[:2])
     expected = 0.0
     for row in range(2):

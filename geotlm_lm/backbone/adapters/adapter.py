@@ -13,6 +13,7 @@ from typing import ClassVar
 import torch
 from torch import Tensor, nn
 
+from geotlm_lm.backbone.pixels import Size
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.view import View
 from geotlm_lm.backbone.weights import listed
@@ -22,9 +23,6 @@ from geotlm_lm.core.geometry import FRAME_COUNT, TUBE_FRAMES
 
 Names = dict[str, tuple[str, ...]]
 """Our name of a weight -> the authors' names of its parts, joined along the first axis."""
-
-Size = tuple[int, int]
-"""Rows and columns."""
 
 CLIP_BLOCK: Names = {
     "norm1": ("layer_norm1",),
@@ -174,7 +172,8 @@ def fitted(
     Every name of the file must be accounted for, and every shape right; values are not looked at.
 
     Raises:
-        IncompatibleWeights: If a name is missing or unexpected, or a shape is wrong.
+        IncompatibleWeights: If a name is missing or unexpected, a shape is wrong, or no module can
+            have the sizes found.
     """
     found = adapter.checked(adapter.select(tensors), asked)
     absent = [name for name in adapter.anchors if name not in found]
@@ -184,8 +183,14 @@ def fitted(
     for name, axes in adapter.anchors.items():
         if found[name].ndim != axes:
             raise _wrong_shape(adapter, asked, name, found[name].shape, f"{axes} axes")
-    with torch.device("meta"):
-        module, image = adapter.build(found, asked)
+    try:
+        with torch.device("meta"):
+            module, image = adapter.build(found, asked)
+    except ValueError as error:  # torch refuses sizes that its layers cannot have
+        raise IncompatibleWeights(
+            f"{asked.path}: is not {adapter.title}: no encoder has the sizes found ({error}); get "
+            f"the file from {adapter.source}."
+        ) from error
     names = adapter.names(module)
     expected = [name for parts in names.values() for name in parts]
     missing = [name for name in expected if name not in found]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from geotlm_lm.backbone.adapters.adapter import Adapter, Asked, Names, Size, square_grid
+from geotlm_lm.backbone.adapters.adapter import Adapter, Asked, Names, square_grid
 from geotlm_lm.backbone.adapters.anytouch2 import (
     FIRST_MLP,
     POSITIONS,
@@ -17,7 +17,15 @@ from geotlm_lm.backbone.adapters.anytouch2 import (
     sensor_rows,
 )
 from geotlm_lm.backbone.image_vit import ImageViT
-from geotlm_lm.backbone.pixels import IMAGENET, four_frames, normalised, resized, rounded, to_unit
+from geotlm_lm.backbone.pixels import (
+    IMAGENET,
+    Size,
+    four_frames,
+    normalised,
+    resized,
+    rounded,
+    to_unit,
+)
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.weights import without_prefix
 from geotlm_lm.core.clip import Clip

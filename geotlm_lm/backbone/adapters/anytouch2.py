@@ -10,7 +10,6 @@ from geotlm_lm.backbone.adapters.adapter import (
     Adapter,
     Asked,
     Names,
-    Size,
     block_count,
     block_names,
     square_grid,
@@ -18,6 +17,7 @@ from geotlm_lm.backbone.adapters.adapter import (
 from geotlm_lm.backbone.image_vit import ImageViT, ImageViTConfig
 from geotlm_lm.backbone.pixels import (
     CLIP_STATISTICS,
+    Size,
     background,
     four_frames,
     normalised,

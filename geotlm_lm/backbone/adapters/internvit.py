@@ -9,14 +9,21 @@ from geotlm_lm.backbone.adapters.adapter import (
     Adapter,
     Asked,
     Names,
-    Size,
     bin_means,
     block_count,
     block_names,
     square_grid,
 )
 from geotlm_lm.backbone.image_vit import ImageViT, ImageViTConfig
-from geotlm_lm.backbone.pixels import IMAGENET, four_frames, normalised, resized, rounded, to_unit
+from geotlm_lm.backbone.pixels import (
+    IMAGENET,
+    Size,
+    four_frames,
+    normalised,
+    resized,
+    rounded,
+    to_unit,
+)
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.weights import without_prefix
 from geotlm_lm.core.clip import Clip

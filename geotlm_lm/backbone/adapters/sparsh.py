@@ -13,13 +13,13 @@ from geotlm_lm.backbone.adapters.adapter import (
     Adapter,
     Asked,
     Names,
-    Size,
     block_count,
     block_names,
     square_grid,
 )
 from geotlm_lm.backbone.image_vit import ImageViT, ImageViTConfig, sinusoid_frequencies
 from geotlm_lm.backbone.pixels import (
+    Size,
     background,
     four_frames,
     resized,
@@ -31,13 +31,13 @@ from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.view import View
 from geotlm_lm.backbone.weights import without_prefix
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.errors import IncompatibleWeights
+from geotlm_lm.core.errors import IncompatibleWeights, UnreadableClip
 from geotlm_lm.core.geometry import TIME_BIN_COUNT
 
 NORM_EPS = 1e-6
 IMAGE: Size = (320, 240)
 ASPECT = 4 / 3
-"""Rows over columns below and above which the authors cut a picture."""
+"""Columns over rows of a picture of which the authors cut nothing."""
 
 STEM = "patch_embed.proj.weight"
 FIRST_MLP = "blocks.0.mlp.fc1.weight"
@@ -126,8 +126,20 @@ class Sparsh(Adapter):
         """Return (3, 4, rows, columns) in [0, 1], newest frame first, landscape pictures upright.
 
         The authors turn landscape pictures by 90 degrees clockwise; `tokens` turns the grid back.
+        Others they leave as they are, which would give a grid of another shape: a portrait picture
+        that comes turned counterclockwise is seen as they show it.
+
+        Raises:
+            UnreadableClip: If the picture is not wider than high.
         """
         idle = unsquashed(background(clip))
+        rows, columns = idle.shape[:2]
+        if columns <= rows:
+            raise UnreadableClip(
+                f"{clip.name}: frames are {columns}x{rows} pixels, {self.title} reads pictures "
+                f"wider than high; turn the recording by 90 degrees counterclockwise, or export "
+                f"all of the camera's picture."
+            )
         frames = [_upright(_difference(unsquashed(f), idle)) for f in four_frames(clip)[::-1]]
         return rounded(resized(to_unit(np.stack(frames)), image)).transpose(0, 1)
 
@@ -143,7 +155,7 @@ class Sparsh(Adapter):
     def view(self, clip: Clip) -> View | None:
         """Return the whole image, or None where the authors' cut makes it no square."""
         rows, columns = unsquashed(clip.frames[0]).shape[:2]
-        return View() if max(rows, columns) / min(rows, columns) == ASPECT else None
+        return View() if columns / rows == ASPECT else None
 
 
 def _difference(frame: NDArray[np.uint8], idle: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -153,8 +165,7 @@ def _difference(frame: NDArray[np.uint8], idle: NDArray[np.uint8]) -> NDArray[np
 
 def _upright(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Turn a landscape picture upright, and cut rows where it is not 4 by 3, as the authors do."""
-    if image.shape[0] < image.shape[1]:
-        image = cv2.rotate(image, cv2.ROTATE_90_CLOCKWISE)
+    image = cv2.rotate(image, cv2.ROTATE_90_CLOCKWISE)
     rows, columns = image.shape[:2]
     if rows / columns == ASPECT:
         return image

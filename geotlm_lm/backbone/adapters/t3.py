@@ -14,7 +14,6 @@ from geotlm_lm.backbone.adapters.adapter import (
     Adapter,
     Asked,
     Names,
-    Size,
     bin_means,
     block_count,
     block_names,
@@ -23,6 +22,7 @@ from geotlm_lm.backbone.adapters.adapter import (
 from geotlm_lm.backbone.image_vit import ImageViT, ImageViTConfig
 from geotlm_lm.backbone.pixels import (
     IMAGENET,
+    Size,
     four_frames,
     normalised,
     rounded,

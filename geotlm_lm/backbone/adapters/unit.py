@@ -6,14 +6,15 @@ import cv2
 import numpy as np
 from torch import Tensor, nn
 
-from geotlm_lm.backbone.adapters.adapter import Adapter, Asked, Names, Size, bin_means, block_count
+from geotlm_lm.backbone.adapters.adapter import Adapter, Asked, Names, bin_means, block_count
 from geotlm_lm.backbone.conv_encoder import ConvEncoder, ConvEncoderConfig
-from geotlm_lm.backbone.pixels import four_frames, to_unit
+from geotlm_lm.backbone.pixels import Size, four_frames, to_unit
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.clip import Clip
 
 IMAGE: Size = (128, 160)
 FIRST_CONV = "encoder.conv_in.weight"
+FIRST_LEVEL = "encoder.down.0.block.0.conv1.weight"
 LAST_CONV = "encoder.conv_out.weight"
 QUANT_CONV = "quant_conv.weight"
 
@@ -25,7 +26,7 @@ class UniT(Adapter):
     title = "UniT"
     source = "https://github.com/ZhengtongXu/UniT (a folder of checkpoints, linked from the README)"
     mark = (QUANT_CONV, 4)
-    anchors = {FIRST_CONV: 4, LAST_CONV: 4, QUANT_CONV: 4}
+    anchors = {FIRST_CONV: 4, FIRST_LEVEL: 4, LAST_CONV: 4, QUANT_CONV: 4}
 
     def select(self, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
         """Keep the encoder and the convolution after it."""

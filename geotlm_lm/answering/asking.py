@@ -1,0 +1,113 @@
+"""One question about one clip, from the text as it was typed to the answer.
+
+What needs no model is answered here: facts about the recording, what is never told, where the
+contact is. A text that asks two things is answered in two parts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from geotlm_lm.answering.amount_verdicts import judged_amount
+from geotlm_lm.answering.answer import Answer, Encoded, evidence
+from geotlm_lm.answering.leaning import with_lean
+from geotlm_lm.answering.replying import by_rule, in_words
+from geotlm_lm.answering.streaming import Listener, StandingWords
+from geotlm_lm.answering.withholding import plain, too_little_contact
+from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.claims import without_adverbs
+from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
+from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.reasons import contact_place
+from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.conversation.stated_amounts import stated_amount
+from geotlm_lm.conversation.statements import UNREAD, states_more
+from geotlm_lm.conversation.two_parts import two_parts
+from geotlm_lm.conversation.untold import asks_place, untold
+from geotlm_lm.conversation.wording import known
+from geotlm_lm.core.frame_spec import FrameSpec
+
+
+def answer_question(
+    bundle: Bundle,
+    encoded: Encoded,
+    question: str,
+    frame: FrameSpec,
+    listen: Listener | None = None,
+) -> Answer:
+    """Answer a question that is neither empty nor too long.
+
+    Args:
+        bundle: The model.
+        encoded: The clip.
+        question: As it was typed.
+        frame: In which to tell directions.
+        listen: Told the model's words piece by piece, as far as they stand in the answer.
+    """
+    if not is_english(question):
+        return plain(encoded, ENGLISH_ONLY, None, frame)
+    stated = read_facts(question, frame)
+    if not stated.rest:
+        noted = plain(encoded, f"Noted: {known(stated.frame)}.", "frame", stated.frame)
+        return replace(noted, abstained=False, confidence=1.0)
+    if not stated.is_stated and states_more(stated.rest):
+        return plain(encoded, UNREAD, "frame", frame)
+    asked, frame = without_adverbs(stated.rest), stated.frame
+    parts = two_parts(asked)
+    if parts is not None:
+        return _both(*(answer_question(bundle, encoded, part, frame) for part in parts))
+    answer = _at_once(bundle, encoded, asked, frame)
+    if answer is not None:
+        return answer
+    kind = asked_kind(asked)
+    if kind is not None and kind not in bundle.grammar.kinds:
+        answer = by_rule(bundle, encoded, asked, kind, frame)
+    else:
+        words = listen and StandingWords(bundle, encoded, asked, frame, listen)
+        answer = in_words(bundle, encoded, asked, frame, words)
+    return with_lean(bundle, encoded, asked, answer)
+
+
+def _at_once(bundle: Bundle, encoded: Encoded, asked: str, frame: FrameSpec) -> Answer | None:
+    """Return the answer to what no model is asked, or not in these words; None to anything else."""
+    kind = asked_kind(asked)
+    if kind is None and (said := untold(asked)) is not None:
+        return plain(encoded, said, "refusal", frame)
+    if kind is None and asks_place(asked):
+        return _place(bundle, encoded)
+    claim = stated_amount(asked)
+    if claim is not None and "magnitude" in bundle.grammar.kinds:
+        return judged_amount(bundle, encoded, asked, claim, frame)
+    return None
+
+
+def _place(bundle: Bundle, encoded: Encoded) -> Answer:
+    """Say where the contact is, by the mask of the view."""
+    seen = evidence(encoded)
+    share = seen["contact_share"]
+    if encoded.is_untouched or share < bundle.calibration.contact_threshold:
+        return plain(encoded, too_little_contact("say where", share), "contact", CAMERA)
+    place = contact_place(seen["regions"], share)
+    text = f"{place[:1].upper()}{place[1:]}, in the camera image."
+    return replace(plain(encoded, text, "contact", CAMERA), abstained=False, confidence=1.0)
+
+
+def _both(first: Answer, second: Answer) -> Answer:
+    """Return two answers as one: of a direction and an amount both fields are filled."""
+    timing = {
+        stage: first.timing_ms.get(stage, 0.0) + second.timing_ms.get(stage, 0.0)
+        for stage in first.timing_ms | second.timing_ms
+    }
+    kept = second if first.abstained else first
+    told = [one.confidence for one in (first, second) if not one.abstained]
+    notes = (*first.notes, *(note for note in second.notes if note not in first.notes))
+    return replace(
+        kept,
+        text=f"{first.text} {second.text}",
+        confidence=min(told, default=0.0),
+        notes=notes,
+        timing_ms=timing,
+        amount=first.amount or second.amount,
+        told_by="rule",
+    )

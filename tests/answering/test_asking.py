@@ -1,0 +1,124 @@
+"""What is answered before, beside or after the model: places, amounts claimed, two questions."""
+
+import pytest
+
+from geotlm_lm.answering import OPEN_QUESTION
+from geotlm_lm.answering.hearing import AMOUNT_QUESTION
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.language.parse_answer import Slots
+from tests.answering.scripted import answerer_saying, recording
+
+
+def measuring(bundle, motion, unit, **measures):
+    said = {
+        "*": bundle.grammar.sentence(Slots("direction", motion)),
+        "how far?": (amount := bundle.grammar.sentence(Slots("magnitude", unit=unit))),
+        AMOUNT_QUESTION: amount,
+    }
+    return answerer_saying(bundle, said, measures=measures, temperature=0.1)
+
+
+@pytest.mark.parametrize(
+    ("question", "text", "decided"),
+    [
+        ("Did it turn 12 degrees?", "Yes, about 13 degrees of turning", "yes"),
+        ("Did it turn 45 degrees?", "No, about 13 degrees of turning", "no"),
+        ("Has it turned a quarter turn?", "No, about 13 degrees of turning", "no"),
+        ("more than 10 degrees?", "Yes, about 13 degrees of turning", "yes"),
+        ("did it turn less than 10 degrees?", "No, about 13 degrees of turning", "no"),
+        ("did it move 12 px?", "No, about 13 degrees of turning", "no"),
+        ("Did it turn 12 degrees clockwise?", "Yes, about 13 degrees of turning", "yes"),
+        ("Did it turn 12 degrees ccw?", "No, it goes clockwise in the camera image.", "no"),
+        ("Did it slide 3 mm?", "No, it goes clockwise in the camera image.", "no"),
+    ],
+)
+def test_an_amount_that_is_claimed_is_judged_by_what_is_measured(bundle, question, text, decided):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert answer.text.startswith(text)
+    assert (answer.decided, answer.told_by) == (decided, "rule")
+    assert answer.confidence > 0.5
+
+
+def test_millimetres_are_judged_only_where_the_size_of_a_pixel_is_known(bundle):
+    answerer = measuring(bundle, Motion.LEFT, "px", px=14.0)
+    encoded = answerer.encode(recording())
+    unknown = answerer.ask(encoded, "Did it slide 3 mm?")
+    assert unknown.abstained
+    assert unknown.text.startswith("I cannot judge millimetres: about ")
+    known = answerer.ask(encoded, "Did it slide 3 mm?", frame=FrameSpec(mm_per_px=0.01))
+    assert (known.decided, known.amount.unit) == ("no", "mm")
+
+
+def test_two_questions_are_answered_both(bundle):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    answer = answerer.ask(answerer.encode(recording()), "Which way is it turning and how far?")
+    assert answer.text.startswith("Clockwise, in the camera image. About 13 degrees of turning")
+    assert (answer.direction, answer.amount.value) == (Motion.CLOCKWISE, 13.0)
+
+
+def test_where_the_contact_is_is_read_off_the_mask(bundle):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."}, contact_threshold=0.0)
+    answer = answerer.ask(answerer.encode(recording()), "Where is the contact?")
+    assert answer.text.startswith("Contact fills ")
+    assert (answer.kind, answer.abstained, answer.direction) == ("contact", False, None)
+    blind = answerer_saying(bundle, {"*": "Left, in the camera image."}, contact_threshold=1.1)
+    assert blind.ask(blind.encode(recording()), "Where is the contact?").abstained
+
+
+def test_a_statement_that_holds_no_known_fact_is_not_answered_with_a_motion(bundle):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
+    answer = answerer.ask(answerer.encode(recording()), "The image is rotated by 90 degrees.")
+    assert answer.text.startswith("I read no fact about the recording in that")
+    assert answer.abstained
+
+
+@pytest.mark.parametrize(
+    ("question", "direction"),
+    [
+        ("Which way, in the camera image?", Motion.LEFT),
+        ("and from the sensor's side?", Motion.LEFT),
+        ("As the camera sees it?", Motion.LEFT),
+        ("Which way?", Motion.RIGHT),
+    ],
+)
+def test_a_view_named_in_a_question_holds_for_it(bundle, question, direction):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
+    session = answerer.session(answerer.encode(recording()), FrameSpec(viewpoint="object"))
+    assert session.ask(question).direction is direction
+    assert session.frame.viewpoint == "object"
+
+
+@pytest.mark.parametrize("said", ["A slide.", "A rotation."])
+def test_the_kind_of_motion_is_that_of_the_open_answer(bundle, said):
+    opened = bundle.grammar.sentence(Slots("direction", Motion.CLOCKWISE))
+    answerer = answerer_saying(bundle, {"*": said, OPEN_QUESTION: opened})
+    answer = answerer.ask(answerer.encode(recording()), "What kind of motion is it?")
+    assert (answer.text, answer.decided) == ("A rotation.", "rotation")
+
+
+@pytest.mark.parametrize(
+    ("question", "field", "value"),
+    [
+        ("No, the image is mirrored.", "image_mirrored", True),
+        ("Wrong, the sensor moved.", "actor", "sensor"),
+        ("Nope. It is a left-hand thread.", "thread", "left"),
+    ],
+)
+def test_a_correction_that_states_a_fact_is_noted(bundle, question, field, value):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
+    session = answerer.session(answerer.encode(recording()))
+    session.ask("Which way?")
+    assert session.ask(question).text.startswith("Noted: ")
+    assert getattr(session.frame, field) == value
+    assert session.history[-1].question == question
+
+
+def test_a_correction_that_asks_is_answered_and_one_that_doubts_is_not_given_in_to(bundle):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
+    session = answerer.session(answerer.encode(recording()))
+    session.ask("Which way?")
+    assert session.ask("No, which way does the sensor move?").text.startswith("The sensor goes")
+    assert session.ask("No, it goes right.").text.startswith("I ")
+    assert session.ask("No, it goes right.").direction is Motion.RIGHT
