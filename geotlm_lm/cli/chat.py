@@ -66,6 +66,10 @@ def chat(
     Conversation(answerer, encoded, frame).run()
 
 
+_SAID_PLAINLY = {"quit": "/quit", "exit": "/quit", "bye": "/quit", "help": "/help"}
+"""Commands that people type without their stroke; none of them asks about a clip."""
+
+
 class Conversation:
     """What the lines of the input do.
 
@@ -97,7 +101,7 @@ class Conversation:
 
     def take(self, line: str) -> bool:
         """Act on one line; return whether the conversation goes on."""
-        command, _, rest = line.partition(" ")
+        command, _, rest = _SAID_PLAINLY.get(line.lower().rstrip("!. "), line).partition(" ")
         if command == "/quit":
             return False
         actions = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import claimed, motions_named, offered_options
+from geotlm_lm.conversation.claims import claims_motion, motions_named, offered_options
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
 
 _AND_HOW = re.compile(
@@ -43,4 +43,5 @@ def _kind(question: str) -> str | None:
         return "moving"
     if re.search(r"\b(?:contact|touch\w*)\b", question, re.IGNORECASE):
         return "contact"
-    return None if claimed(question) is None else "verify"
+    is_presumed = re.match(r"\W*(?:why|how)\b", question, re.IGNORECASE)
+    return "verify" if claims_motion(question) and not is_presumed else None

@@ -125,8 +125,13 @@ def test_a_mistake_is_told_and_the_conversation_goes_on(talk, line, message):
     assert any(told.startswith(message) for told in err)
 
 
-def test_quit_ends_it_before_the_input_does(talk):
-    assert talk("/quit", "which way?")[0] == []
+@pytest.mark.parametrize("word", ["/quit", "quit", "Exit", "bye!"])
+def test_quit_ends_it_before_the_input_does(talk, word):
+    assert talk(word, "which way?")[0] == []
+
+
+def test_help_needs_no_stroke(talk):
+    assert talk("Help")[0] == talk("/help")[0] != []
 
 
 def test_help_lists_every_command(talk):
