@@ -188,14 +188,13 @@ class Answer:
         }
 
 
-def four_frames_with_background(clip: Clip, span: tuple[int, int] | None = None) -> Clip:
+def four_frames_with_background(clip: Clip) -> Clip:
     """Return the four frames that show the motion, beside the idle gel, known or estimated.
 
     Args:
         clip: A recording of two frames or more.
-        span: First and last frame to use; None chooses them.
     """
-    return with_background(choose_frames(clip, FRAME_COUNT, span=span))
+    return with_background(choose_frames(clip, FRAME_COUNT))
 
 
 def with_background(clip: Clip) -> Clip:

@@ -63,7 +63,7 @@ class StandingWords:
             sentence: slots if stands(bundle, encoded, question, frame, slots) else None
             for kind in bundle.grammar.kinds
             for sentence in bundle.grammar.options_for(kind)
-            if (slots := bundle.grammar.parse(sentence)) is not None
+            for slots in [bundle.grammar.parse(sentence)]
         }
 
     def __call__(self, text: str, scores: Scores) -> None:

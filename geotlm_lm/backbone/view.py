@@ -43,13 +43,12 @@ class View:
     centre_y_px: float = IMAGE_SIDE / 2
     side_px: float = float(IMAGE_SIDE)
 
-    def cut(self, image: NDArray, how: int = cv2.INTER_LINEAR) -> NDArray:
+    def cut(self, image: NDArray) -> NDArray:
         """Return the view's part of a square image or grid at the same size; zero outside.
 
         Args:
             image: float32 or uint8, shape (side, side) or (side, side, channels), covering the
                 whole 224-pixel image at any resolution.
-            how: OpenCV's interpolation.
         """
         pixels = image.shape[0] / IMAGE_SIDE
         middles = (self.centre_x_px, self.centre_y_px)
@@ -57,11 +56,12 @@ class View:
         side = pixels * self.side_px
         if all(float(length).is_integer() for length in (*corner, side)):
             left, top = map(int, corner)
-            return _cropped(image, left, top, int(side), how)
+            return _cropped(image, left, top, int(side))
         scale = self.side_px / IMAGE_SIDE
         x, y = (start + 0.5 * scale - 0.5 for start in corner)
         matrix = np.float32([[scale, 0, x], [0, scale, y]])
-        return cv2.warpAffine(image, matrix, image.shape[:2], flags=how | cv2.WARP_INVERSE_MAP)
+        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        return cv2.warpAffine(image, matrix, image.shape[:2], flags=flags)
 
 
 def contact_view(energy: Sequence[Floats]) -> View:
@@ -93,7 +93,7 @@ def contact_view(energy: Sequence[Floats]) -> View:
     return View(left + side / 2, top + side / 2, side)
 
 
-def _cropped(image: NDArray, left: int, top: int, side: int, how: int) -> NDArray:
+def _cropped(image: NDArray, left: int, top: int, side: int) -> NDArray:
     """Return a square part of a square image at the image's size; zero outside of the image."""
     size = image.shape[0]
     inner = image[max(top, 0) : max(top + side, 0), max(left, 0) : max(left + side, 0)]
@@ -104,4 +104,4 @@ def _cropped(image: NDArray, left: int, top: int, side: int, how: int) -> NDArra
     if any((*before, *after)):
         kind = cv2.BORDER_CONSTANT
         inner = cv2.copyMakeBorder(inner, before[0], after[0], before[1], after[1], kind, value=0)
-    return cv2.resize(inner, (size, size), interpolation=how)
+    return cv2.resize(inner, (size, size), interpolation=cv2.INTER_LINEAR)

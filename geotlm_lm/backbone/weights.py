@@ -178,11 +178,11 @@ def without_prefix(tensors: dict[str, Tensor], prefix: str) -> dict[str, Tensor]
     }
 
 
-def listed(names: Iterable[str], most: int = 3) -> str:
-    """Return the first of `names` as words, and how many there are when some are left out."""
+def listed(names: Iterable[str]) -> str:
+    """Return the first three of `names` as words, and how many there are when some are left out."""
     names = list(names)
-    shown = ", ".join(names[:most]) or "nothing"
-    return shown if len(names) <= most else f"{shown} ... ({len(names)} names)"
+    shown = ", ".join(names[:3]) or "nothing"
+    return shown if len(names) <= 3 else f"{shown} ... ({len(names)} names)"
 
 
 def _what_else(start: bytes) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import torch
 from torch import Tensor, nn
 from transformers import AutoModel, AutoModelForImageTextToText, GenerationMixin, PreTrainedModel
 from transformers.modeling_outputs import BaseModelOutputWithPast, CausalLMOutputWithPast
@@ -145,13 +144,6 @@ class GeoTLMForConditionalGeneration(GeoTLMPreTrainedModel, GenerationMixin):
         if not is_first_iteration:
             inputs.pop("fused_token", None)
         return inputs
-
-
-def batch_labels(input_ids: Tensor, assistant_id: int, pad_id: int) -> Tensor:
-    """Return labels for `forward`: the tokens after the last <assistant>, -100 elsewhere."""
-    is_marker = input_ids == assistant_id
-    answered = is_marker.flip(1).cumsum(1).flip(1) == 0
-    return input_ids.where(answered & (input_ids != pad_id), torch.tensor(-100))
 
 
 AutoModel.register(GeoTLMConfig, GeoTLMModel)

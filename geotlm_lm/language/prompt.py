@@ -13,7 +13,6 @@ from tokenizers import Tokenizer
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import IncompatibleBundle, UsageError, first_line
 from geotlm_lm.language.tokenizer import (
-    ASSISTANT,
     EOS,
     PAD,
     SPECIAL_TOKENS,
@@ -145,11 +144,6 @@ class PromptEncoder:
         tokenizer.no_padding()
         tokenizer.no_truncation()
         return encoder
-
-    @cached_property
-    def assistant_id(self) -> int:
-        """Id of the token after which the answer begins."""
-        return self.tokenizer.token_to_id(ASSISTANT)
 
 
 MAX_ANSWER_TOKENS = 48

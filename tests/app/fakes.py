@@ -8,7 +8,8 @@ import numpy as np
 import torch
 
 from geotlm_lm import FrameSpec, Motion
-from geotlm_lm.answering import Encoded, Lean, evidence, four_frames_with_background
+from geotlm_lm.answering import Encoded, Lean, evidence
+from geotlm_lm.answering.answer import with_background
 from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.several import compare_directions
 from geotlm_lm.backbone.stem import ALIGNED_AT, PATCH_INPUT_DIM
@@ -18,6 +19,7 @@ from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.core.labels import reverse
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
+from geotlm_lm.recordings.choose import choose_frames
 from tests.answering.scripted import Measuring
 
 
@@ -87,7 +89,7 @@ class FakeAnswerer:
         inputs[..., :48] = 1
         inputs[:, 1, :, :, ALIGNED_AT] = 1
         perception = Perception(token, geometry, token, (View(),), inputs)
-        return Encoded(four_frames_with_background(clip, span), perception, {"encode": 1.0})
+        return Encoded(with_background(choose_frames(clip, span=span)), perception, {"encode": 1.0})
 
     def session(self, encoded):
         return Session(self, encoded)

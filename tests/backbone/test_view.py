@@ -10,8 +10,9 @@ from geotlm_lm.backbone.view import View, contact_view
 def test_the_whole_view_cuts_nothing_and_a_half_view_magnifies_twice():
     image = np.arange(224 * 224, dtype=np.float32).reshape(224, 224)
     assert np.array_equal(View().cut(image), image)
-    quarter = View(56, 56, 112).cut(image, cv2.INTER_NEAREST)
-    assert np.array_equal(quarter[1::2, 1::2], image[:112, :112])
+    quarter = View(56, 56, 112).cut(image)
+    # The image is a ramp; the view's second pixel lies a quarter past the image's first.
+    assert np.array_equal(quarter[1:-1:2, 1:-1:2], image[:111, :111] + 0.25 * (224 + 1))
 
 
 def test_a_grid_and_an_image_are_cut_alike():
