@@ -66,13 +66,14 @@ class Amount:
         value, low, high = (_two_digits(one / seconds) for one in (self.value, self.low, self.high))
         return replace(self, value=value, unit=f"{self.unit}/s", low=low, high=high)
 
-    def sentence(self) -> str:
-        """Return the amount and its span as a sentence."""
+    def sentence(self, where: str = "") -> str:
+        """Return the amount and its span as a sentence, `where` in the recording it is of."""
         unit, *rest = self.unit.split("/")
         one, many, moving = _NAMES[unit]
         what = one if self.value == 1 else many
         told = f"About {_written(self.value)} {what}"
         told += " per second on average" if rest else f" of {moving}"
+        told += where and f" {where}"
         return f"{told}, likely {_written(self.low)} to {_written(self.high)}."
 
 

@@ -59,6 +59,8 @@ class Encoded:
         is_faint: Whether some frame differs by more than noise, but no more than codecs and lamps
             may make it; likewise.
         is_cut_off: Whether the border of the image cuts through the imprint; likewise.
+        is_part: Whether the frames used were chosen inside a longer recording, or inside the span
+            that was asked for: how far it went in the whole is then not known.
     """
 
     clip: Clip
@@ -68,6 +70,7 @@ class Encoded:
     is_changed: bool = False
     is_faint: bool = False
     is_cut_off: bool = False
+    is_part: bool = False
 
     @property
     def view(self) -> View | None:

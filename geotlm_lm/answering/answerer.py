@@ -112,7 +112,9 @@ class Answerer:
                 f"read_clip(path), or make one of an array by Clip(frames)"
             )
         started = time.perf_counter()
+        asked = span or (min(clip.frame_numbers), max(clip.frame_numbers))
         clip = choose_frames(clip, FRAME_COUNT, span=span)
+        is_part = (min(clip.frame_numbers), max(clip.frame_numbers)) != asked
         is_idle_known = clip.background is not None
         clip = require_legible(with_background(clip))
         chosen = time.perf_counter()
@@ -134,7 +136,16 @@ class Answerer:
             "touch": 1e3 * (judged - chosen),
             "encode": 1e3 * (done - judged),
         }
-        return Encoded(clip, perception, timing, untouched, seen and not faint, faint, cut_off)
+        return Encoded(
+            clip,
+            perception,
+            timing,
+            is_untouched=untouched,
+            is_changed=seen and not faint,
+            is_faint=faint,
+            is_cut_off=cut_off,
+            is_part=is_part,
+        )
 
     def session(self, encoded: Encoded, frame: FrameSpec = CAMERA) -> Session:
         """Return a conversation about a clip, which remembers its turns and the frame."""

@@ -60,7 +60,7 @@ def answer_measured(
     timing = heard.timing_ms | {"measure": 1e3 * (time.perf_counter() - started)}
     if kind == "rate":
         amount = whole.per_second(encoded.seconds)
-    text, notes = amount.sentence(), ()
+    text, notes = amount.sentence(_where(encoded)), ()
     if whole.unit == "px":
         rows, columns = encoded.clip.frames.shape[1:3]
         notes = (PIXELS_NOTE.format(columns, rows),)
@@ -100,6 +100,12 @@ def measured(bundle: Bundle, encoded: Encoded, heard: Heard, frame: FrameSpec) -
     weighed = weighed_amounts(bundle, encoded, read, frame)
     amount = most_probably_right(*astuple(weighed))
     return replace(amount, probability=amount.probability * heard.options[GOES_BY[read]])
+
+
+def _where(encoded: Encoded) -> str:
+    """Return between which frames an amount is, if they are a part of the recording."""
+    numbers = encoded.clip.frame_numbers
+    return f"between frames {min(numbers)} and {max(numbers)}" if encoded.is_part else ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -122,3 +122,17 @@ def test_a_correction_that_asks_is_answered_and_one_that_doubts_is_not_given_in_
     assert session.ask("No, which way does the sensor move?").text.startswith("The sensor goes")
     assert session.ask("No, it goes right.").text.startswith("I ")
     assert session.ask("No, it goes right.").direction is Motion.RIGHT
+
+
+def test_an_amount_says_between_which_frames_of_a_longer_recording_it_is(bundle):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    long = answerer.encode(recording(frames=30))
+    first, *_, last = long.clip.frame_numbers
+    assert (first, last) != (0, 29)
+    told = answerer.ask(long, AMOUNT_QUESTION).text
+    assert told.startswith(f"About 13 degrees of turning between frames {first} and {last}, likely")
+    for whole in (recording(), recording(frames=2)):
+        told = answerer.ask(answerer.encode(whole), AMOUNT_QUESTION).text
+        assert told.startswith("About 13 degrees of turning, likely ")
+    asked = answerer.encode(recording(frames=30), span=(3, 9))
+    assert "between frames" not in answerer.ask(asked, AMOUNT_QUESTION).text
