@@ -50,7 +50,7 @@ fifth as bright five; of undamaged ones none."""
 
 EXAMPLES_VERSION = 3
 """Raised when what is stored of the same clips changes: labels know the size of a pixel since 2;
-since 3 the stem is the one that ends its refinement at 0.04 px, and touches are fainter."""
+since 3 the stem subtracts the idle gel first and ends its refinement at 0.04 px."""
 
 _ARRAYS = ("inputs", "displacement_px", "contact", "depth_mm")
 
