@@ -3,7 +3,8 @@
 A row names the recording in `clip`, its `fps`, and the first and last touched frame in
 `contact_start` and `contact_end`, counted from 0; recordings never touched leave both empty.
 `object` and `object_family` are read where there are such columns, and so is when the first turn
-begins: `rotation_start`, and `other_segments` such as "25-35:+10" for others.
+begins: `rotation_start`, and `other_segments` such as "25-35:+10" for others. `direction` names the
+main motion of the whole recording, and `tier` how sure the table is of it.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.labels import DIRECTED, Motion
 
 TABLE_NAME = "clips.csv"
 
@@ -33,6 +35,9 @@ and turn were labelled two frames apart."""
 
 PRESS_ONLY = "P"
 """Tier of a recording that was looked through for turns and has none."""
+
+SURE_TIERS = ("A", "B", "")
+"""Tiers whose direction counts as known: high and medium confidence, and tables without tiers."""
 
 REQUIRED_COLUMNS = frozenset(("clip", "fps", "contact_start", "contact_end"))
 
@@ -99,6 +104,23 @@ class UntouchedRow:
     object_family: str
 
 
+@dataclass(frozen=True)
+class DirectedRow:
+    """A recording whose main motion has a known direction; other arguments as of `TouchRow`.
+
+    Args:
+        path: The recording.
+        motion: The direction, as displayed.
+        object_id: What touches.
+        object_family: Objects that belong together.
+    """
+
+    path: Path
+    motion: Motion
+    object_id: str
+    object_family: str
+
+
 def read_touch_table(path: str | Path) -> list[TouchRow]:
     """Return the touched recordings of a table, none where there is no such file.
 
@@ -120,6 +142,21 @@ def read_untouched(path: str | Path) -> list[UntouchedRow]:
         UntouchedRow(path.parent / values["clip"], _fps(path, values), *_object(path, values))
         for values in _values(path)
         if not values["contact_start"] and not values["contact_end"]
+    ]
+
+
+def read_directed(path: str | Path) -> list[DirectedRow]:
+    """Return the recordings whose main motion a table states, none where there is no such file.
+
+    Raises:
+        UnreadableClip: If a column is missing.
+    """
+    path = Path(path)
+    return [
+        DirectedRow(path.parent / values["clip"], Motion(word), *_object(path, values))
+        for values in _values(path)
+        if (word := (values.get("direction") or "").strip().lower()) in DIRECTED
+        and (values.get("tier") or "").strip() in SURE_TIERS
     ]
 
 

@@ -6,18 +6,16 @@ Runs everything on one thread, so that the times of the rows compare.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.data.touch_table import (
     TABLE_NAME,
-    TouchRow,
-    UntouchedRow,
+    read_directed,
     read_touch_table,
     read_untouched,
 )
@@ -34,11 +32,17 @@ from geotlm_lm.experiments.compare import (
     Method,
     Replies,
     ask_all,
-    claims,
     per_object,
     summarise,
 )
 from geotlm_lm.experiments.data_sets import judge_data_set, open_data_sets
+from geotlm_lm.experiments.folder_tables import (
+    Progress,
+    judge_made,
+    judge_negatives,
+    judge_whole,
+    telling,
+)
 from geotlm_lm.experiments.methods import (
     BY_OBJECT,
     CONTRASTS,
@@ -46,14 +50,9 @@ from geotlm_lm.experiments.methods import (
     all_methods,
     in_question,
 )
-from geotlm_lm.experiments.negatives import NoContactWindows, PressedIn, backwards
-from geotlm_lm.experiments.semi_real import SemiRealHeld, SemiRealSlides, UntouchedCases
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer
-
-Progress = Callable[[str, int, int], None]
-"""Called with what is being judged, how many clips are done, and how many there are."""
 
 
 def evaluate(
@@ -159,51 +158,14 @@ def judge_recordings(
             in_question(methods, cases.among),
             shown,
             cases.among,
-            _telling(progress, title, len(shown)),
+            telling(progress, title, len(shown)),
         )
         tables[title] = _table(replies, seed) | _by_object(replies)
     table = real.recordings.folder / TABLE_NAME
-    touched = read_touch_table(table)
+    directed, touched = read_directed(table), read_touch_table(table)
+    tables |= judge_whole(methods, name, directed, seed, progress) if directed else {}
     tables |= judge_made(methods, name, touched, seed, progress) if touched else {}
     return tables | judge_negatives(methods, name, touched, read_untouched(table), seed, progress)
-
-
-def judge_negatives(
-    methods: Mapping[str, Method],
-    name: str,
-    touched: Sequence[TouchRow],
-    untouched: Sequence[UntouchedRow],
-    seed: int,
-    progress: Progress,
-    contrasts: Sequence[tuple[str, str]] = CONTRASTS,
-) -> dict[str, Any]:
-    """Return the tables of clips without a direction: no contact, pressed in only, held still.
-
-    Each clip is also played backwards, which speaks for or against a direction that is claimed.
-    """
-    tables = {}
-    windows = NoContactWindows(untouched)
-    for title, cases, total in (
-        (f"real {name}, no visible contact", windows, len(untouched)),
-        (f"real {name}, pressed in", PressedIn(touched), len(PressedIn(touched))),
-        (f"semi-real {name}, held or pressed", SemiRealHeld(touched, seed), 3 * len(touched)),
-    ):
-        replies = ask_all(
-            in_question(methods, tuple(Motion)),
-            cases,
-            tuple(Motion),
-            _telling(progress, title, total),
-        )
-        if len(replies):
-            tell = _telling(progress, f"{title}, backwards", total)
-            turned = ask_all(
-                in_question(methods, tuple(Motion)), backwards(cases), tuple(Motion), tell
-            )
-            tables[title] = summarise(replies, contrasts, seed=seed)
-            tables[title]["claims"] = claims(replies, turned)
-    if windows.too_short and (title := f"real {name}, no visible contact") in tables:
-        tables[title]["too_short_left_out"] = windows.too_short
-    return tables
 
 
 def judge_real(
@@ -233,33 +195,6 @@ def judge_real(
     return tables
 
 
-def judge_made(
-    methods: Mapping[str, Method],
-    name: str,
-    touched: Sequence[TouchRow],
-    seed: int,
-    progress: Progress,
-    contrasts: Sequence[tuple[str, str]] = CONTRASTS,
-) -> dict[str, Any]:
-    """Return the tables of what is made of one folder's recordings: untouched and semi-real."""
-    tables = {}
-    untouched, slides = UntouchedCases(touched), SemiRealSlides(touched, seed)
-    for title, cases, among in (
-        (f"real {name}, untouched", untouched, tuple(Motion)),
-        (f"semi-real {name}, sliding", slides, SLIDES),
-    ):
-
-        def tell(done: int, title: str = title, total: int = len(cases)) -> None:
-            progress(title, done, total)
-
-        replies = ask_all(in_question(methods, among), cases, among, tell)
-        if len(replies):
-            tables[title] = summarise(replies, contrasts, seed=seed)
-    if (title := f"semi-real {name}, sliding") in tables:
-        tables[title]["cut_off_left_out"] = slides.cut_off
-    return tables
-
-
 def minimum_accuracy(tables: Mapping[str, Any]) -> float | None:
     """Return the lowest accuracy of the language model's own words over all tables."""
     found = [table["methods"][GENERATED]["accuracy"] for table in tables.values()]
@@ -282,14 +217,6 @@ def threads(count: int) -> Iterator[None]:
         cv2.setNumThreads(cv2_before)
 
 
-def _by_object(replies: Replies) -> dict[str, Any]:
-    return {"by_object": per_object(replies, BY_OBJECT)}
-
-
-def _telling(progress: Progress, title: str, total: int) -> Callable[[int], None]:
-    return lambda done: progress(title, done, max(done, total))
-
-
 def _left_out(about: Mapping[str, Any]) -> str:
     """Return how many files of each data set were left out, and the first reason."""
     counts = [f"{one['left_out']['count']} left out of {name}" for name, one in about.items()]
@@ -300,6 +227,10 @@ def _left_out(about: Mapping[str, Any]) -> str:
 def one_thread() -> AbstractContextManager[None]:
     """Keep torch and OpenCV on one thread each while inside."""
     return threads(1)
+
+
+def _by_object(replies: Replies) -> dict[str, Any]:
+    return {"by_object": per_object(replies, BY_OBJECT)}
 
 
 def _table(replies: Replies, seed: int) -> dict[str, Any]:

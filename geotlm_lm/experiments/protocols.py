@@ -21,7 +21,8 @@ from geotlm_lm.evaluation.fold_scores import fold_scores, right_rows
 from geotlm_lm.evaluation.splits import Fold, leave_one_object_out, object_folds
 from geotlm_lm.evaluation.uncertainty import paired_difference
 from geotlm_lm.experiments.cases import TASKS
-from geotlm_lm.experiments.evaluate import Progress, one_thread
+from geotlm_lm.experiments.evaluate import one_thread
+from geotlm_lm.experiments.folder_tables import Progress
 from geotlm_lm.experiments.protocol_clips import (
     ProtocolClips,
     TaskClips,

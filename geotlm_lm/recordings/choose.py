@@ -1,4 +1,4 @@
-"""The few frames of a recording that show its motion; knows contact and change, not directions."""
+"""The few frames of a recording that show its motion; knows contact and ways, names no motion."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.recordings.idle import activity_grey, find_idle, split_in_two
+from geotlm_lm.recordings.travel import main_way, travelled_path
 
 CONTACT_SHARE = 0.6
 """Share of the strongest imprint (its 0.9 quantile) that counts as full contact: above it, real
@@ -20,6 +21,20 @@ presses are past pressing in and before release."""
 LIKENESS = 0.7
 """Correlation neighbouring chosen frames must keep: beyond about ten degrees of turn it falls
 below, and dense optical flow breaks there too. From 0.6 to 0.8 real recordings score alike."""
+
+FARTHEST_STEP = 0.15
+"""Way between neighbouring chosen frames as `travelled_path` measures it, in radii of the imprint:
+of a turn 9 degrees as measured, about twice that in truth. Shapes that a part of a turn lays on
+themselves look alike beyond it. From 0.1 to 0.2 words are right on 168 to 164 of 180 simulated
+recordings."""
+
+LEAST_OF_WAY = 0.1
+"""Share of the main motion that a window must show; where none does whose frames look alike, the
+motion is too fast for it, and frames in direct succession are taken."""
+
+NEXT_TO_BEST = 0.95
+"""Share of the best window's shortest step from which windows count as equally good; the one in the
+middle of the main motion is taken. Along an even turn noise would decide otherwise."""
 
 STEADINESS = 1.15
 """Largest ratio of imprint strengths among chosen frames: pressing in and releasing change the
@@ -44,9 +59,10 @@ def choose_frames(
     A clip of exactly `count` frames stays as it is. A shorter one repeats frames evenly: a, b
     becomes a, a, b, b and a, b, c becomes a, b, b, c, so that playing it backwards stays exactly
     that. From a longer one, frames at full contact and steady strength are taken, evenly spaced
-    over the span in which the imprint changes most while neighbours still look alike; where the
-    imprint only grows or fades, over that change. An idle gel found in the recording becomes the
-    background.
+    over the span in which each step goes furthest along the recording's main motion while
+    neighbours still look alike; so a small turn back before it, or a slip after it, is not taken
+    for it. Where the imprint only grows or fades, they span that change. An idle gel found in the
+    recording becomes the background.
 
     Args:
         clip: A recording of any length from 2 frames.
@@ -122,27 +138,72 @@ def _inside(clip: Clip, span: tuple[int, int]) -> NDArray[np.int64]:
 
 
 def _indices_of_motion(clip: Clip, count: int) -> NDArray[np.int64]:
-    """Return the indices of the most telling window of a clip longer than `count`."""
+    """Return the indices of the most telling window of a clip longer than `count`.
+
+    On 180 simulated recordings the model's words are right on 164, where they are on 155 if the
+    window is the one whose ends look least alike; on 134 real ones on 126 and 122.
+    """
     stride = -(-len(clip) // CANDIDATE_LIMIT)
     imprints = _imprints(clip.select(range(0, len(clip), stride)))
     strength = _strength(imprints)
     flat = (imprints / np.maximum(strength, 1e-6)[:, None, None]).reshape(len(imprints), -1)
     likeness = flat @ flat.T / flat.shape[1]
-    full = max(CONTACT_SHARE * float(np.quantile(strength, 0.9)), split_in_two(strength)[0])
-    is_full = strength > full
+    is_full = strength > _full_contact(strength)
     windows = _windows(len(imprints), count)
-    steps = likeness[windows[:, :-1], windows[:, 1:]]
     strengths = strength[windows]
-    is_fit = (
+    is_steady = (
         is_full[windows].all(axis=1)
-        & (steps.min(axis=1) > LIKENESS)
         & (strengths.max(axis=1) < STEADINESS * strengths.min(axis=1))
+        & (1 - likeness[windows[:, 0], windows[:, -1]] > STILL_CHANGE)
     )
-    change = np.where(is_fit, 1 - likeness[windows[:, 0], windows[:, -1]], -1.0)
-    best = int(np.argmax(change))
-    if change[best] > STILL_CHANGE:
+    path = travelled_path(imprints, is_full)
+    way = main_way(path)
+    far = float(np.linalg.norm(way))
+    along = path @ way / max(far, 1e-12)
+    went = np.diff(along[windows], axis=1)  # (windows, count - 1)
+    aside = np.abs(along[windows[:, [0, -1]]].mean(axis=1) - (along.min() + along.max()) / 2)
+    steps = likeness[windows[:, :-1], windows[:, 1:]]
+    is_alike = (steps.min(axis=1) > LIKENESS) & (np.abs(went).max(axis=1) < FARTHEST_STEP)
+    is_shortest = windows[:, -1] - windows[:, 0] == count - 1
+    best = _most_even(is_steady & is_alike, went, aside)
+    if best is None or went[best].sum() < min(LEAST_OF_WAY * far, FARTHEST_STEP):
+        best = _most_even(is_steady & (is_alike | is_shortest), went, aside)
+    if best is not None:
         return windows[best] * stride
     return _growth(strength, count) * stride
+
+
+def _full_contact(strength: NDArray[np.float32]) -> float:
+    """Return the strength above which a frame is at full contact.
+
+    Where frames fall into a weak and a strong group, it is only the strong one. Without a known gel
+    the two are next to equal: its own structure outweighs the touch, and every frame counts.
+    """
+    full = CONTACT_SHARE * float(np.quantile(strength, 0.9))
+    threshold, gap = split_in_two(strength)
+    is_weak_apart = threshold - gap / 2 < CONTACT_SHARE * (threshold + gap / 2)
+    return max(full, threshold) if is_weak_apart else full
+
+
+def _most_even(
+    is_fit: NDArray[np.bool_], went: NDArray[np.float64], aside: NDArray[np.float64]
+) -> int | None:
+    """Return the fit window whose shortest step goes furthest; None where none is fit.
+
+    Of windows next to equal, it is the one in the middle of the motion: forwards and backwards the
+    same.
+
+    Args:
+        is_fit: Shape (windows,).
+        went: Way of each step along the main motion, shape (windows, steps).
+        aside: Way from the window's middle to the motion's, shape (windows,).
+    """
+    if not is_fit.any():
+        return None
+    shortest = np.where(is_fit, went.min(axis=1), -np.inf)
+    best = shortest.max()
+    is_as_good = shortest >= best - (1 - NEXT_TO_BEST) * abs(best)
+    return int(np.argmin(np.where(is_as_good, aside, np.inf)))
 
 
 def _windows(frame_count: int, count: int) -> NDArray[np.int64]:

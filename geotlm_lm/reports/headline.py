@@ -32,7 +32,8 @@ TURNED_ROUND = "of these, the opposite when played backwards"
 _FINE_SHARE = re.compile(r", (pairs, .*|\d+ fps|sensor .*)$")
 
 _ASIDE = re.compile(
-    r", (no idle frame|no visible contact|pressed in|held or pressed|unsteady hand)$"
+    r", (no idle frame|no visible contact|pressed in|held or pressed|unsteady hand"
+    r"|whole recordings)$"
 )
 """Tables that get no column of their own where tables stand side by side."""
 

@@ -1,7 +1,8 @@
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.data.touch_table import read_touch_table, read_untouched
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.data.touch_table import read_directed, read_touch_table, read_untouched
 
 HEADER = "clip,object,object_family,fps,contact_start,contact_end\n"
 
@@ -106,3 +107,14 @@ def test_a_file_that_is_no_table_is_one_sentence(table):
         f"{path}: is no table (field larger than field limit (131072) in line 1); save it as CSV "
         f"again."
     )
+
+
+def test_only_sure_directions_of_whole_recordings_are_read(table):
+    header = "clip,object,object_family,fps,contact_start,contact_end,direction,tier\n"
+    rows = ("a.mov,cap,caps,25,5,9,clockwise,A", "b.mov,,,25,5,9,counterclockwise,C")
+    found = read_directed(
+        table(header + "\n".join((*rows, "c.mov,,,25,5,9,,P", "d.mov,,,25,,,,N")))
+    )
+    (row,) = found
+    assert (row.path.name, row.motion) == ("a.mov", Motion.CLOCKWISE)
+    assert (row.object_id, row.object_family) == ("cap", "caps")

@@ -3,7 +3,7 @@ import numpy as np
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.touch_table import TouchRow, UntouchedRow
 from geotlm_lm.experiments.compare import Reply
-from geotlm_lm.experiments.evaluate import judge_negatives
+from geotlm_lm.experiments.folder_tables import judge_negatives
 from geotlm_lm.experiments.negatives import NoContactWindows, PressedIn, backwards
 
 

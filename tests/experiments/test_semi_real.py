@@ -4,7 +4,7 @@ import pytest
 from geotlm_lm.core.labels import SLIDES, Motion, reverse
 from geotlm_lm.data.touch_table import TouchRow
 from geotlm_lm.experiments.compare import Reply
-from geotlm_lm.experiments.evaluate import judge_made
+from geotlm_lm.experiments.folder_tables import judge_made
 from geotlm_lm.experiments.semi_real import (
     SemiRealHeld,
     SemiRealSlides,

@@ -61,6 +61,23 @@ def test_playing_a_recording_backwards_chooses_the_same_frames(press_hold_twist_
     assert np.abs(np.array(forwards) - backwards[::-1]).max() <= 1
 
 
+def test_a_small_turn_back_before_the_main_motion_is_not_taken_for_it():
+    """Back by 12 degrees until frame 30, held, and forward by 36 from 40 to 58, more slowly."""
+    depths = [0] * 10 + list(np.linspace(0.2, 1, 5)) + [1] * 50 + list(np.linspace(0.8, 0, 6))
+    back, forward = np.linspace(-4, -12, 3), np.linspace(-12, 24, 19)
+    angles = [0] * 28 + list(back) + [-12] * 9 + list(forward) + [24] * 12
+    numbers = choose_frames(recording(angles, depths)).frame_numbers
+    assert 39 <= numbers[0] < numbers[-1] <= 59
+
+
+def test_of_a_turn_too_fast_for_its_frames_those_in_direct_succession_are_taken():
+    depths = [0] * 10 + list(np.linspace(0.2, 1, 5)) + [1] * 15 + list(np.linspace(0.8, 0, 6))
+    angles = [0] * 20 + list(np.linspace(15, 60, 4)) + [60] * 12
+    numbers = choose_frames(recording(angles, depths)).frame_numbers
+    assert np.diff(numbers).tolist() == [1, 1, 1]
+    assert 18 <= numbers[0] < numbers[-1] <= 24
+
+
 def test_the_chosen_frames_are_named_and_the_idle_gel_is_kept(press_hold_twist_release):
     chosen = choose_frames(press_hold_twist_release)
     numbers = ", ".join(str(number) for number in chosen.frame_numbers)

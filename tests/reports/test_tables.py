@@ -113,12 +113,14 @@ def test_the_headline_leaves_fine_shares_to_the_page(record):
     assert len(cells(difference_headline(record).splitlines()[0])) == 2
 
 
-def test_tables_beside_the_main_ones_get_no_column(record):
+@pytest.mark.parametrize("part", ["no idle frame", "whole recordings"])
+def test_tables_beside_the_main_ones_get_no_column(record, part):
     tables = record.numbers["tables"]
-    tables["real x, no idle frame"] = tables["simulated rotation"]
+    tables[f"real x, {part}"] = tables["simulated rotation"]
     assert len(cells(difference_headline(record).splitlines()[0])) == 2
     assert len(cells(time_headline(record).splitlines()[0])) == 2
-    assert "| real x, no idle frame " in accuracy_headline(record)
+    assert f"| real x, {part} " in accuracy_headline(record)
+    assert f"### real x, {part}\n" in evaluation_page(record)
 
 
 def test_differences_have_a_row_per_pair_and_a_column_per_table(record):
