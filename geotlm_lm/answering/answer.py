@@ -59,6 +59,8 @@ class Encoded:
         is_faint: Whether some frame differs by more than noise, but no more than codecs and lamps
             may make it; likewise.
         is_cut_off: Whether the border of the image cuts through the imprint; likewise.
+        is_static: Whether the background is a guess and no frame differs from the first by more
+            than an untouched gel may: a touch held still and no touch then look alike.
         is_part: Whether the frames used were chosen inside a longer recording, or inside the span
             that was asked for: how far it went in the whole is then not known.
     """
@@ -70,6 +72,7 @@ class Encoded:
     is_changed: bool = False
     is_faint: bool = False
     is_cut_off: bool = False
+    is_static: bool = False
     is_part: bool = False
 
     @property

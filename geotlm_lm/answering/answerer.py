@@ -48,7 +48,7 @@ from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.recordings.choose import choose_frames
 from geotlm_lm.recordings.legible import require_legible
-from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle
+from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static
 
 
 @dataclass(frozen=True)
@@ -123,6 +123,7 @@ class Answerer:
         untouched = change.grey < UNTOUCHED_GREY and not seen
         faint = is_idle_known and change.is_faint
         cut_off = seen and not faint and change.is_cut_off
+        static = not is_idle_known and is_static(clip)
         judged = time.perf_counter()
         if untouched:
             clip = clip.with_note(_nothing_seen(change.grey))
@@ -144,6 +145,7 @@ class Answerer:
             is_changed=seen and not faint,
             is_faint=faint,
             is_cut_off=cut_off,
+            is_static=static,
             is_part=is_part,
         )
 

@@ -31,7 +31,7 @@ from geotlm_lm.answering.overruling import (
     passes_over_moving,
 )
 from geotlm_lm.answering.replying import NEEDS_MORE, is_as_seen
-from geotlm_lm.answering.withholding import is_contradicted
+from geotlm_lm.answering.withholding import is_contradicted, is_unfounded
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.kinds import is_ruled_out
 from geotlm_lm.conversation.retell import ALWAYS_RETOLD, RETOLD
@@ -97,7 +97,9 @@ def stands(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, sl
         return False
     if passes_over_moving(slots, question) or asked_openly(slots, question) is not None:
         return False
-    if is_contradicted(encoded, slots) or contradicts_itself(slots, question):
+    if is_contradicted(encoded, slots) or is_unfounded(encoded, slots):
+        return False
+    if contradicts_itself(slots, question):
         return False
     if slots.kind in RETOLD and not is_as_seen(frame):
         return False

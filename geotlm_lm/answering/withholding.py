@@ -19,6 +19,14 @@ UNRECOGNISED = (
 )
 """Said in place of a claim that nothing touches."""
 
+NOTHING_CHANGES = (
+    "Nothing moves in these frames; whether anything touches the gel I cannot tell without an idle "
+    "frame: begin a recording before the touch, or give one as its background."
+)
+"""Said in place of "it is still" and "nothing touches" where the idle gel is a guess. Of 111 idle
+starts of real recordings without their idle frame 96 were told as a still touch, 79 of them at 0.9
+or more, and 106 as touching."""
+
 NEXT_LIKELIEST = "Next likeliest"
 LIKELIER = "Likelier by the probabilities"
 """How a note on another answer begins; words are written freely and need not be the likeliest."""
@@ -62,6 +70,8 @@ def unless_withheld(
     if bundle.calibration.withholds(slots.direction, encoded.contact_share):
         text = too_little_contact("name a direction", encoded.contact_share)
         direction, abstained = None, True
+    elif is_unfounded(encoded, slots):
+        text, direction, abstained = NOTHING_CHANGES, None, True
     elif is_contradicted(encoded, slots):
         text, direction, abstained = UNRECOGNISED, None, True
     elif not abstained and slots.kind not in NEVER_DOUBTED:
@@ -90,6 +100,20 @@ def is_contradicted(encoded: Encoded, slots: Slots) -> bool:
 def unsure_text(text: str, sure: float) -> str:
     """Return a sentence as the guess it is where it is withheld for want of certainty."""
     return f"I cannot tell for sure, {sure:.0%}: {text}"
+
+
+def is_unfounded(encoded: Encoded, slots: Slots) -> bool:
+    """Tell whether an answer judges the contact of a clip that shows none to compare with.
+
+    Whether anything moves may be told all the same: nothing does.
+    """
+    if not encoded.is_static or slots.kind == "moving":
+        return False
+    at_rest = slots.direction in (Motion.STILL, Motion.NONE)
+    return at_rest or slots.kind == "contact" or slots.motion_class in _AT_REST
+
+
+_AT_REST = (MotionClass.STILL, MotionClass.NONE)
 
 
 def too_little_contact(what: str, share: float) -> str:

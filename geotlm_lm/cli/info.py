@@ -91,17 +91,18 @@ def describe(recording: Clip, span: tuple[int, int] | None = None) -> dict[str, 
         "frames_used": list(chosen.frame_numbers),
         "background": origin,
         "imprint_grey_levels": strength,
-        "contact": _contact(origin, max(strength)),
+        "contact": _contact(origin, chosen),
         "notes": list(chosen.notes),
     }
 
 
-def _contact(origin: str, strongest: float) -> str:
+def _contact(origin: str, chosen: Clip) -> str:
     if origin == ESTIMATED:
         return "unknown without an idle frame"
-    from geotlm_lm.recordings.choose import FAINT_IMPRINT
+    from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle
 
-    return "likely" if strongest > FAINT_IMPRINT else "none seen"
+    change = change_from_idle(chosen)
+    return "likely" if change.grey >= UNTOUCHED_GREY or change.is_beyond_noise else "none seen"
 
 
 def _words(value: Any) -> str:

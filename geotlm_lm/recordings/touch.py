@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -117,6 +117,11 @@ def change_from_idle(clip: Clip) -> Change:
     idle = _small(clip.background)
     frames = tuple(map(_small, clip.frames))
     return Change(frames, tuple(_smooth(frame - idle) for frame in frames))
+
+
+def is_static(clip: Clip) -> bool:
+    """Tell whether no frame differs from the first by more than an untouched gel may."""
+    return change_from_idle(replace(clip, background=clip.frames[0])).grey < UNTOUCHED_GREY
 
 
 def _noise_grey(step: Floats) -> float:

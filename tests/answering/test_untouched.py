@@ -140,3 +140,33 @@ def test_against_a_guessed_background_no_change_is_beyond_noise(bundle):
     encoded = answerer.encode(faintly_touched(background=None))
     assert not encoded.is_changed
     assert answerer.ask(encoded, "Which way is it moving?").direction is Motion.NONE
+
+
+@pytest.mark.parametrize(
+    ("question", "said"),
+    [
+        ("Which way is it moving?", "It is still: touching but not moving."),
+        ("Which way is it moving?", "Nothing is touching the gel."),
+        ("Is anything touching the gel?", "Yes, something is touching the gel."),
+        ("Is anything touching the gel?", "No, nothing is touching the gel."),
+        ("What kind of motion is it?", "A still contact."),
+    ],
+)
+def test_contact_is_not_judged_where_nothing_shows_the_untouched_gel(bundle, question, said):
+    shown = recording().frames[0]
+    answerer = answerer_saying(bundle, {"*": said}, temperature=0.1)
+    encoded = answerer.encode(Clip(np.stack([shown] * 4)))
+    answer = answerer.ask(encoded, question)
+    assert answer.abstained
+    assert answer.text.startswith("Nothing moves in these frames; whether anything touches")
+    *words, streamed = answerer.stream(encoded, question)
+    assert "".join(words) == streamed.text == answer.text
+    known = answerer.encode(Clip(np.stack([shown] * 4), background=recording(seed=5).frames[0]))
+    assert answerer.ask(known, question).text != answer.text
+
+
+def test_that_nothing_moves_is_told_without_an_idle_frame_too(bundle):
+    answerer = answerer_saying(bundle, {"*": "No, it is still."}, temperature=0.1)
+    encoded = answerer.encode(Clip(np.stack([recording().frames[0]] * 4)))
+    answer = answerer.ask(encoded, "Is it moving?")
+    assert (answer.text, answer.abstained) == ("No, it is still.", False)
