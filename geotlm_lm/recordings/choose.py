@@ -22,15 +22,14 @@ LIKENESS = 0.7
 """Correlation neighbouring chosen frames must keep: beyond about ten degrees of turn it falls
 below, and dense optical flow breaks there too. From 0.6 to 0.8 real recordings score alike."""
 
-FARTHEST_STEP = 0.15
-"""Way between neighbouring chosen frames as `travelled_path` measures it, in radii of the imprint:
-of a turn 9 degrees as measured, about twice that in truth. Shapes that a part of a turn lays on
-themselves look alike beyond it. From 0.1 to 0.2 words are right on 168 to 164 of 180 simulated
-recordings."""
+MOST_TURN_RAD = 0.15
+"""Turn between neighbouring chosen frames as `travelled_path` measures it: 9 degrees, about twice
+that in truth. Shapes that a part of a turn lays on themselves look alike beyond it."""
 
-LEAST_OF_WAY = 0.1
-"""Share of the main motion that a window must show; where none does whose frames look alike, the
-motion is too fast for it, and frames in direct succession are taken."""
+LEAST_OF_WAY, LEAST_WAY = 0.1, 0.15
+"""How much of the main motion a window must show, as a share and in radii of the imprint, whichever
+is less; where none does whose frames look alike, the motion is too fast for it, and frames in
+direct succession are taken."""
 
 NEXT_TO_BEST = 0.95
 """Share of the best window's shortest step from which windows count as equally good; the one in the
@@ -162,11 +161,12 @@ def _indices_of_motion(clip: Clip, count: int) -> NDArray[np.int64]:
     along = path @ way / max(far, 1e-12)
     went = np.diff(along[windows], axis=1)  # (windows, count - 1)
     aside = np.abs(along[windows[:, [0, -1]]].mean(axis=1) - (along.min() + along.max()) / 2)
+    turned = np.abs(np.diff(path[windows, 2], axis=1))
     steps = likeness[windows[:, :-1], windows[:, 1:]]
-    is_alike = (steps.min(axis=1) > LIKENESS) & (np.abs(went).max(axis=1) < FARTHEST_STEP)
+    is_alike = (steps.min(axis=1) > LIKENESS) & (turned.max(axis=1) < MOST_TURN_RAD)
     is_shortest = windows[:, -1] - windows[:, 0] == count - 1
     best = _most_even(is_steady & is_alike, went, aside)
-    if best is None or went[best].sum() < min(LEAST_OF_WAY * far, FARTHEST_STEP):
+    if best is None or went[best].sum() < min(LEAST_OF_WAY * far, LEAST_WAY):
         best = _most_even(is_steady & (is_alike | is_shortest), went, aside)
     if best is not None:
         return windows[best] * stride
