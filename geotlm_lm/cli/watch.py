@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from geotlm_lm.cli.options import BundleFolder, FramesPerSecond, Precision, require_writable_file
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.errors import UnreadableClip, UsageError
 
 if TYPE_CHECKING:
     from geotlm_lm.live.events import MotionEvent
@@ -94,7 +94,10 @@ def _words(answerer: Any, watcher: Any, event: MotionEvent, question: str | None
     clip = watcher.clip_of(event)
     if clip is None:
         return None
-    answer = answerer.ask(answerer.encode(clip), question)
+    try:
+        answer = answerer.ask(answerer.encode(clip), question)
+    except UnreadableClip as error:
+        return f"I cannot read this motion's frames: {error}"
     return answer.text if answer.lean is None else f"{answer.text} {answer.lean.text}"
 
 

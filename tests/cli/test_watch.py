@@ -1,12 +1,15 @@
 """`watch` prints events line by line, says what it cannot open, and draws without a window."""
 
 import json
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
 
 from geotlm_lm.cli.main import main
+from geotlm_lm.cli.watch import _words
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.live import watcher as watcher_module
 from geotlm_lm.live.watcher import Window
@@ -147,3 +150,16 @@ def test_an_unknown_number_format_is_told_before_anything_is_loaded(
         "or leave it out.\n",
     )
     assert formats_loaded == []
+
+
+def test_a_motion_whose_frames_cannot_be_read_does_not_end_the_stream():
+    class Blind:
+        ask = None
+
+        def encode(self, clip):
+            raise UnreadableClip("the frames are black.")
+
+    watcher = SimpleNamespace(clip_of=lambda event: "its clip")
+    event = SimpleNamespace(phase="end")
+    told = _words(Blind(), watcher, event, "How far?")
+    assert told == "I cannot read this motion's frames: the frames are black."
