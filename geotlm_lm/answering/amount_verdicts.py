@@ -35,6 +35,8 @@ def judged_amount(
     motion = opened and opened.direction
     if claims is not None and motion is not None and frame.tell(motion) not in claims:
         return judged_openly(bundle, encoded, without_amount(question), frame)
+    if claim.unit == "px":
+        frame = replace(frame, mm_per_px=None)  # judged in the unit it is claimed in
     answer = in_words(bundle, encoded, AMOUNT_QUESTION, frame)
     if answer.amount is None:
         return answer if answer.abstained else replace(answer, decided="no", told_by="rule")
@@ -45,7 +47,7 @@ def judged_amount(
     heard = hear(bundle, encoded, AMOUNT_QUESTION)
     weighed = weighed_amounts(bundle, encoded, heard.slots.unit, frame)
     goes = heard.options[GOES_BY[heard.slots.unit]]
-    share = 0.0
+    share = 1.0 - goes
     if weighed.unit == claim.unit:
         tolerance = max(weighed.tolerance, RELATIVE_TOLERANCE * claim.value)
         held = [claim.holds(amount, tolerance) for amount in weighed.amounts]

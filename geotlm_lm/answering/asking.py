@@ -105,6 +105,7 @@ def _both(first: Answer, second: Answer) -> Answer:
     return replace(
         kept,
         text=f"{first.text} {second.text}",
+        direction=second.direction if first.direction is None else first.direction,
         confidence=min(told, default=0.0),
         notes=notes,
         timing_ms=timing,

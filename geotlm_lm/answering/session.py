@@ -18,6 +18,7 @@ from geotlm_lm.answering.streaming import Listener, pieces
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.conversation.two_parts import two_parts
 from geotlm_lm.conversation.wording import level
 from geotlm_lm.core.frame_spec import FrameSpec
 
@@ -144,7 +145,8 @@ class Session:
             return None
         if _AGAIN.fullmatch(words):
             return last
-        is_doubt = _is_doubt(words) or asked_kind(question) == "confidence"
+        asks_surety = asked_kind(question) == "confidence" and two_parts(question) is None
+        is_doubt = _is_doubt(words) or asks_surety
         return _steadfast(last) if is_doubt else None
 
     def _reply(self, question: str, listen: Listener | None) -> Reply:

@@ -31,6 +31,7 @@ _TOPICS = re.compile(
     "|".join(
         (
             r"\b(?:colou?rs?|prices?|costs?|weighs?|weight|(?<!contact )mass|grams|temperature"
+            r"|celsius|fahrenheit"
             r"|tastes?|smells?|noise|brand|manufacturer|material|owner|owns|owned|whose|weather"
             r"|voltage|serial number|age|scratch|scratches|scratched|rust|rusty|stains?)\b",
             r"(?:^|[:,.!] )(?:and |so |now )?who\b",
@@ -48,7 +49,8 @@ _TOPICS = re.compile(
             rf"^\W*{_LOOKS} or {_LOOKS}\W*$",
             r"\bwhat will (?:\S+ ){1,4}?(?:next|tomorrow|later)\b",
             r"\b(?:tomorrow|in an hour|in the future)\b",
-            r"\babout to (?!the\b)\w+|\bgoing to (?:fall|drop|break|slip)\b",
+            r"\b(?:is|was|it's|are) (?:\S+ ){0,3}about to (?!the\b|\d)\w+",
+            r"\bgoing to (?:fall|drop|break|slip)\b",
         )
     )
 )

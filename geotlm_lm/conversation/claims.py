@@ -12,7 +12,7 @@ _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 _TOWARDS, _EDGE = r"\b(?:to|towards?)(?: the)?", r"(?:edge|border|side|end)\b"
 
 _LOST_CONTACT = (
-    r"\b(?:lost|los(?:e|es|ing)|broken?|breaks?|ended) (?:the |its |all )?contact\b"
+    r"(?<!without )\b(?:lost|los(?:e|es|ing)|broken?|breaks?|ended) (?:the |its |all )?contact\b"
     r"|\bcontact (?:(?:is|was|has|been|being|just|already) ){0,3}(?:lost|gone|broken|ended|over)\b"
 )
 
@@ -21,7 +21,9 @@ _NO_MOTION = re.compile(
     r"|(?:are|be) right|right (?:or wrong|that|to say|now)"
     r"|, right\b|\b(?:upper|lower|left|right|both) hal(?:f|ves)|(?:left|right)[ -]hand\w*"
     r"|left[ -](?:to[ -])?right|up to\b|upside[ -]down|speed\w* up|slow\w* down|screw\w* in"
-    r"|\bstill (?=\w+ing\b)|\b(?:from|along|off|at) the (?:left|right|top|bottom|upper|lower)\b"
+    r"|\bwithout (?:los|break)ing (?:the )?contact\b"
+    r"|\bstill (?=(?!during\b)\w+ing\b)"
+    r"|\b(?:from|along|off|at) the (?:left|right|top|bottom|upper|lower)\b"
 )
 """Words of motion in another sense; taken out before motions are looked for."""
 
@@ -36,7 +38,8 @@ NAMES: tuple[tuple[Motion, str], ...] = (
     ),
     (
         Motion.STILL,
-        rf"\bstill\b|\bat rest\b|\bstatic\b|\bresting(?: on the {_GEL})?\b|\bmotionless\b",
+        r"\bstill\b|\bat rest\b|\bstatic\b|\bstationary\b|\bat a standstill\b"
+        rf"|\bresting(?: on the {_GEL})?\b|\bmotionless\b",
     ),
     (
         Motion.RELEASE,
@@ -76,10 +79,15 @@ _VERBS: tuple[tuple[MotionClass, str], ...] = (
 """What the touched object does by itself: no "turntable", "my turn", "turns out", "I turned it"."""
 
 _ENDED = re.compile(
-    r"\b(?:stop(?:s|ped|ping)?|ceas(?:e|es|ed|ing)|halt(?:s|ed|ing)?|no longer|stationary"
-    r"|c[oa]m(?:e|es|ing) to (?:rest|a (?:rest|stop|halt|standstill))|at a standstill)\b"
+    r"(?<!the )(?<!non-)(?<!non )\b(?:stop(?:s|ped)?|ceas(?:e|es|ed)|halt(?:s|ed)?|no longer"
+    r"|c[oa]m(?:e|es|ing) to (?:rest|a (?:rest|stop|halt|standstill)))\b"
 )
-"""Says that a motion is over: who asks whether it stopped turning claims that it does not turn."""
+"""Says that what follows is over: what has stopped turning turns no more."""
+
+_NO_END = re.compile(r"\b(?:without|until|never|not|non-?stop|or)\b(?! not\b)|n't\b")
+"""Words with which an end is denied, lies in another time, or is one of two things."""
+
+_TOUCHING = re.compile(r"\b(?:touch\w*|contact)\b")
 
 _AT_REST = frozenset({Motion.STILL, Motion.NONE})
 
@@ -104,6 +112,7 @@ _PREDICATES = re.compile(
     r"|\b(?:is|was|isn't|wasn't) (?:it|this|that|there) (?:an? |any |some )?"
     r"(?:(?:pure|simple|real|clean) )?"
     r"(?:turn|twist|rotation|spin|slide|slip|slippage|translation|press|release)\b"
+    r"|\b(?:is|was) (?:\w+ ){1,3}?(?:stationary|motionless|at rest|at a standstill)\b"
 )
 """What is done, where a yes-or-no question asks whether it is: "is the cable slipping", and neither
 "is the slippery cable" nor "does the slide rule"."""
@@ -142,7 +151,7 @@ _OPTION = re.compile(rf"\(?({_LETTER})[).:]\s*(.*?)(?=[,;]?\s*\(?{_LETTER}|$)")
 _OPTION_BEFORE = re.compile(r"([^()]*)\(([A-D1-4])\)")
 
 
-_STILL_GOING = re.compile(r"\bstill (?=\w+ing\b|in contact\b)", re.IGNORECASE)
+_STILL_GOING = re.compile(r"\bstill (?=(?!during\b)\w+ing\b|in contact\b)", re.IGNORECASE)
 
 
 def motions_named(text: str) -> set[Motion]:
@@ -179,8 +188,8 @@ def claimed_class(text: str) -> MotionClass | None:
 
 def claims_end(text: str) -> bool:
     """Tell whether a yes-or-no question claims that a motion, or the contact, is over."""
-    text = " ".join(text.lower().split())
-    if not _YES_OR_NO.search(text) or _ANOTHER_TIME.search(text):
+    text = re.sub(r"\bor not\b", " ", " ".join(text.lower().split()))
+    if not _YES_OR_NO.search(text) or _ANOTHER_TIME.search(text) or _NO_END.search(text):
         return False
     return bool(_ENDED.search(text) or re.search(_LOST_CONTACT, text))
 
@@ -191,12 +200,26 @@ def claimed(question: str) -> frozenset[Motion] | None:
     A claim of a motion, of a kind of motion, or of the end of either: what has stopped turning may
     do anything but turn, and what has stopped neither turns nor slides nor presses.
     """
+    if claims_end(question):
+        return _left_at_the_end(" ".join(question.lower().split()))
     motion, kind = claimed_motion(question), claimed_class(question)
     named = {motion} - {None} or {one for one in Motion if motion_class(one) == kind}
-    text = " ".join(question.lower().split())
-    if claims_end(text) and _ENDED.search(text):
-        return frozenset(set(Motion) - named) if named else _AT_REST
     return frozenset(named) or None
+
+
+def _left_at_the_end(text: str) -> frozenset[Motion]:
+    """Return what may be true once what `text` calls over is over."""
+    ended = _ENDED.search(text)
+    over = text[ended.end() :] if ended else text
+    if _TOUCHING.search(over):
+        return frozenset({Motion.NONE, Motion.RELEASE})
+    before = motions_named(text[: ended.start()])
+    if before:
+        return frozenset(before)  # "is it at rest, no longer moving?"
+    named = motions_named(over)
+    kinds = {kind for kind, words in CLASS_NAMES if re.search(words, over)} if not named else set()
+    named |= {one for one in Motion if motion_class(one) in kinds}
+    return frozenset(set(Motion) - named) if named - _AT_REST else _AT_REST
 
 
 def presumed_class(text: str) -> MotionClass | None:

@@ -27,6 +27,7 @@ _OTHER_SIDE = (
 )
 _LOOK = r"(?:(?:i|we)(?:'m| am|'re| are)? |as )?(?:look|looking|see|seen|view|viewing|viewed|told)"
 _MOVED = r"(?:moved|moves|turned|turns|slid|slides|is moving|was moving)"
+_THING = r"(?!(?:sensor|gel|pad|camera|gripper|robot|finger)\b)\w+"
 _I_MOVED = rf"(?:{_SENSOR} {_MOVED}|(?:i|we) (?:moved?|turned?|rotated?) {_SENSOR})"
 _TOUCHES = r"(?:touch|touches|touched|is on|is at|presses on|sees|see|looks at|look at|holds|grips)"
 _THREADED = r"(?:thread|threads|screw|bolt|nut|threaded)"
@@ -93,15 +94,15 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
         {"viewpoint": "sensor"},
     ),
     (
-        rf"{_SENSOR} {_MOVED}(?:,? (?:and )?not (?:the|my) \w+|,? (?:and|while) the \w+ "
+        rf"{_SENSOR} {_MOVED}(?:,? (?:and )?not (?:the|my) {_THING}|,? (?:and|while) the {_THING} "
         r"(?:stayed|stays|is fixed|was fixed|stood still|is clamped))?",
         {"actor": "sensor"},
     ),
     (
-        rf"{_SENSOR} {_MOVED},? (?:and |but |while )?(?:the|my) \w+ (?:{_STAYED})",
+        rf"{_SENSOR} {_MOVED},? (?:and |but |while )?(?:the|my) {_THING} (?:{_STAYED})",
         {"actor": "sensor"},
     ),
-    (rf"(?:the|my) \w+ (?:{_STAYED}),? (?:and |but |while )?{_I_MOVED}", {"actor": "sensor"}),
+    (rf"(?:the|my) {_THING} (?:{_STAYED}),? (?:and |but |while )?{_I_MOVED}", {"actor": "sensor"}),
     (rf"(?:i|we) moved? {_SENSOR}(?:,? (?:and )?not (?:the|my) \w+)?", {"actor": "sensor"}),
     (r"(?:the|my) object (?:is|was)(?: held)? (?:fixed|clamped)", {"actor": "sensor"}),
     (
@@ -170,8 +171,8 @@ _NOTHING_ASKED = re.compile(r"(?:what|and|so|but|how|about|then|\W)*", re.IGNORE
 _OPEN_QUESTION = "Which way does it move?"
 
 _LEAD = re.compile(
-    r"^(?:no|nope|wrong|sorry|well|please|note(?: that)?|fyi|by the way|ok|okay|actually"
-    r"|remember(?: that)?|so|and|now|but)[:,]? +"
+    r"^(?:(?:no|nope|wrong|sorry|well)[:,.!;]+ +|(?:please|note(?: that)?|fyi|by the way|ok|okay"
+    r"|actually|remember(?: that)?|so|and|now|but)[:,]? +)"
 )
 _BREAK = re.compile(
     r"\s*(?:[,;]|\band\b|\bbut\b)\s*|\s+(?=(?:touched|gripped|held) (?:at|by|from|on)\b)"

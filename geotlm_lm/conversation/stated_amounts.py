@@ -42,36 +42,60 @@ _YES_OR_NO = re.compile(
 _MEASURED = re.compile(
     r"(?<![\w.])(?P<number>\d+(?:\.\d+)?|\.\d+|half an?) ?"
     r"(?P<unit>degrees?\b|deg\b|°|mm\b|millimet(?:er|re)s?\b|px\b|pixels?\b)"
-    r"(?! ?(?:per|/|a) )(?! or\b)"
+    r"(?! ?(?:/|per\b|an? |each\b|every\b|in (?:a|one) second\b|or\b))"
 )
 _TURNS = (
     (r"\bthree[ -]quarters? (?:of a |of one )?(?:turn|revolution|rotation|circle)\b", 270.0),
-    (r"\bquarter (?:of a |of one )?(?:turn|revolution|rotation|circle)\b", 90.0),
-    (r"\bhalf (?:of )?(?:a |one )?(?:turn|revolution|rotation|circle)\b", 180.0),
+    (r"\b(?:a )?quarter (?:of a |of one )?(?:turn|revolution|rotation|circle)\b", 90.0),
+    (r"\b(?:a )?half (?:of )?(?:a |one )?(?:turn|revolution|rotation|circle)\b", 180.0),
     (
         r"\b(?:(?:one|a|the) )?(?:full|whole|complete|entire) (?:turn|revolution|rotation|circle)\b"
         r"|\ball the way (?:a)?round\b",
         360.0,
     ),
 )
-_MORE = re.compile(
-    r"\b(?:more than|over|at least|above|beyond|exceed\w*|further than|farther than)\b"
+_BOUND = re.compile(
+    r"\b(?:(?P<more>(?:no|not) (?:less|fewer) than|at least|more than|over|above|beyond"
+    r"|exceed(?:s|ed|ing)?|(?:further|farther) than)"
+    r"|(?P<less>(?:no|not) more than|not (?:over|above)|at most|up to|less than|fewer than|under"
+    r"|below|within))(?: (?:about|around|roughly|some))? $"
 )
-_LESS = re.compile(r"\b(?:less than|under|at most|below|no more than|within)\b")
+"""What stands right before an amount and says on which side of it the truth is claimed to lie."""
+
+_RANGE = re.compile(r"\d(?: ?(?:-|\u2013) ?| (?:to|or|and) )$")
+
+_OF_MOTION = re.compile(
+    r"\b(?:turn|rotat|twist|spin|spun|swivel|revol|slid|slip|mov|travel|shift|drag|creep|drift|cover"
+    r"|displac)\w*|\b(?:go|goes|gone|went|made?)\b|^(?:more|less|over|under)\b"
+)
+_OF_ANOTHER_THING = re.compile(
+    r"\b(?:wide|width|thick\w*|long|deep|high|tall|large|big|celsius|fahrenheit|diameter|radius"
+    r"|press\w*|faster|slower|speed|from the (?:edge|border))\b"
+)
 
 
 def stated_amount(question: str) -> StatedAmount | None:
-    """Return the amount a yes-or-no question claims; None where it claims none, or several."""
+    """Return how far a yes-or-no question claims that it went; None where it claims no amount.
+
+    None too where it claims several, or an amount of another thing than a motion.
+    """
     text = " ".join(question.lower().split())
-    if not _YES_OR_NO.search(text):
+    if not _YES_OR_NO.search(text) or not _OF_MOTION.search(text):
+        return None
+    if _OF_ANOTHER_THING.search(text):
         return None
     found = [
-        (_number(said["number"]), _unit(said["unit"])) for said in _MEASURED.finditer(text)
-    ] or [(turn, "deg") for words, turn in _TURNS if re.search(words, text)]
-    if len(found) != 1:
+        (said.start(), _number(said["number"]), _unit(said["unit"]))
+        for said in _MEASURED.finditer(text)
+    ]
+    turns = ((re.search(words, text), turn) for words, turn in _TURNS)
+    found = found or [(said.start(), turn, "deg") for said, turn in turns if said]
+    if len(found) != 1 or _RANGE.search(text[: found[0][0]]):
         return None
-    bound: Bound = "less" if _LESS.search(text) else "more" if _MORE.search(text) else "about"
-    return StatedAmount(*found[0], bound)
+    start, value, unit = found[0]
+    said = _BOUND.search(text[:start])
+    bound: Bound = "about" if said is None else "more" if said["more"] else "less"
+    return StatedAmount(value, unit, bound)
 
 
 def without_amount(question: str) -> str:

@@ -25,7 +25,8 @@ _STATES = re.compile(
 )
 _ASKS = re.compile(
     r"[?]|\b(?:which|what|how|why|when|where|who|whose|whether|if|do|does|did|tell|say|describe|know"
-    r"|want|wonder|motion|movement|direction)\b"
+    r"|want|wonder|motion|movement|direction|touch\w*|contact|tighten\w*|loosen\w*|is it)\b"
+    r"|\bit (?:is|was) \w+ing\b|\bmov\w+ (?:on|over|across|along|relative to) the (?:gel|sensor)\b"
 )
 
 

@@ -23,7 +23,8 @@ _TALK = (
 _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
     (
         re.compile(
-            r"^(?:(?:and|so|ok|hey)[, ]+)?when\b(?! (?:seen|viewed|i|you|mirrored|played))"
+            r"^(?:(?:and|so|ok|hey)[, ]+)?when (?:is|was|does|did|do|has|will|exactly)\b"
+            r"|^when\W*$"
             r"|\b(?:at|in|from) (?:what|which) (?:frame|time|moment|second)\b"
             r"|^(?:what|which) frame\b"
         ),
@@ -32,7 +33,7 @@ _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
     (
         re.compile(
             r"\bhow deep\b|\b(?:in)?depth of\b|\bforces?\b|\bnewtons?\b|\btorque\b|\bhow hard\b"
-            r"|\bpressure\b|\bstiff(?:ness)?\b"
+            r"|\b(?:how much|what|which) (?:is the )?pressure\b|\bstiffness\b"
         ),
         _FORCE,
     ),
@@ -48,9 +49,14 @@ _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
 )
 
 _PLACE = re.compile(
-    r"\bwhere(?: is|'s| was) (?:the |its )?(?:contact|touch|imprint|object|it touching)\b(?! going)"
-    r"|\bwhere (?:does|did|do) (?:\S+ ){1,3}touch\b|\bis the contact (?:at|on|in|near|left|right)\b"
-    r"|\bcontact (?:place|position|location|point|area)\b|\bwhere (?:am i|are you) touching\b"
+    r"\bwhere(?: is|'s| was) (?:the |its )?(?:contact|touch|imprint)\b"
+    r"|\bwhere (?:does|did|do) (?:\S+ ){1,3}touch\b|\bwhere (?:am i|are you|is it) touching\b"
+    r"|\b(?:is|was) the (?:contact|touch|imprint) (?:at|on|in|near) (?:the|my) (?!move\b)"
+    r"|\b(?:what|which|where) (?:is |was )?(?:the )?contact (?:place|position|location|point)\b"
+    r"|^(?:the )?contact (?:place|position|location)\W*$"
+)
+_OF_A_MOTION = re.compile(
+    r"\b(?:mov|motion|head|slid|slip|turn|travel|shift|rest|grow|larg|small|chang)\w*|\bgo(?:es|ing)?\b"
 )
 
 
@@ -70,4 +76,5 @@ def untold(question: str) -> str | None:
 
 def asks_place(question: str) -> bool:
     """Tell whether `question` asks where on the gel the contact is."""
-    return bool(_PLACE.search(" ".join(question.lower().replace("\u2019", "'").split())))
+    text = " ".join(question.lower().replace("\u2019", "'").split())
+    return bool(_PLACE.search(text)) and not _OF_A_MOTION.search(text)

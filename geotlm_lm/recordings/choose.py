@@ -26,6 +26,11 @@ MOST_TURN_RAD = 0.15
 """Turn between neighbouring chosen frames as `travelled_path` measures it: 9 degrees, about twice
 that in truth. Shapes that a part of a turn lays on themselves look alike beyond it."""
 
+NO_WAY = 0.03
+"""Main motion, in radii of the imprint, below which the path is no more than noise: a motion too
+sudden for it, as in a recording that repeats its frames, or none. Of 134 real recordings none is
+below."""
+
 LEAST_OF_WAY, LEAST_WAY = 0.1, 0.15
 """How much of the main motion a window must show, as a share and in radii of the imprint, whichever
 is less; where none does whose frames look alike, the motion is too fast for it, and frames in
@@ -158,7 +163,9 @@ def _indices_of_motion(clip: Clip, count: int) -> NDArray[np.int64]:
     path = travelled_path(imprints, is_full)
     way = main_way(path)
     far = float(np.linalg.norm(way))
-    along = path @ way / max(far, 1e-12)
+    if far < NO_WAY:
+        return _least_alike(likeness, strength, windows) * stride
+    along = path @ way / far
     went = np.diff(along[windows], axis=1)  # (windows, count - 1)
     aside = np.abs(along[windows[:, [0, -1]]].mean(axis=1) - (along.min() + along.max()) / 2)
     turned = np.abs(np.diff(path[windows, 2], axis=1))
@@ -171,6 +178,22 @@ def _indices_of_motion(clip: Clip, count: int) -> NDArray[np.int64]:
     if best is not None:
         return windows[best] * stride
     return _growth(strength, count) * stride
+
+
+def _least_alike(
+    likeness: NDArray[np.float32], strength: NDArray[np.float32], windows: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Return the window whose ends look least alike while neighbours do look alike."""
+    full = max(CONTACT_SHARE * float(np.quantile(strength, 0.9)), split_in_two(strength)[0])
+    strengths, steps = strength[windows], likeness[windows[:, :-1], windows[:, 1:]]
+    is_fit = (
+        (strengths.min(axis=1) > full)
+        & (steps.min(axis=1) > LIKENESS)
+        & (strengths.max(axis=1) < STEADINESS * strengths.min(axis=1))
+    )
+    change = np.where(is_fit, 1 - likeness[windows[:, 0], windows[:, -1]], -1.0)
+    best = int(np.argmax(change))
+    return windows[best] if change[best] > STILL_CHANGE else _growth(strength, windows.shape[1])
 
 
 def _full_contact(strength: NDArray[np.float32]) -> float:

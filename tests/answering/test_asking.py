@@ -136,3 +136,17 @@ def test_an_amount_says_between_which_frames_of_a_longer_recording_it_is(bundle)
         assert told.startswith("About 13 degrees of turning, likely ")
     asked = answerer.encode(recording(frames=30), span=(3, 9))
     assert "between frames" not in answerer.ask(asked, AMOUNT_QUESTION).text
+
+
+def test_a_claim_in_pixels_is_judged_in_pixels_whatever_their_size(bundle):
+    answerer = measuring(bundle, Motion.LEFT, "px", px=14.0)
+    answer = answerer.ask(
+        answerer.encode(recording()), "Did it slide more than 1 px?", frame=FrameSpec(mm_per_px=0.1)
+    )
+    assert (answer.decided, answer.amount.unit) == ("yes", "px")
+
+
+def test_both_answers_of_two_fill_the_fields(bundle):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    answer = answerer.ask(answerer.encode(recording()), "How far? Which way does it turn?")
+    assert (answer.direction, answer.amount.value) == (Motion.CLOCKWISE, 13.0)

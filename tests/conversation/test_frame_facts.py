@@ -216,3 +216,53 @@ def test_no_question_of_another_type_is_taken_for_a_fact(type_id):
             stated = read_facts(asked.question, CAMERA)
             assert not stated.is_stated, asked.question
             assert (stated.frame, stated.rest) == (CAMERA, asked.question)
+
+
+@pytest.mark.parametrize(
+    ("text", "field", "value"),
+    [
+        ("the image is mirrored horizontally", "image_mirrored", True),
+        ("the screw has a left-hand thread", "thread", "left"),
+        ("the sensor presses on the head of the screw", "contact_side", "head"),
+        ("the object stayed still, the sensor moved", "actor", "sensor"),
+        ("the object is held fixed and I move the sensor", "actor", "sensor"),
+        ("The gripper moved, the object did not", "actor", "sensor"),
+        ("No, the image is mirrored.", "image_mirrored", True),
+        ("it's a left-hand thread touched at the head", "contact_side", "head"),
+    ],
+)
+def test_facts_are_read_in_more_words(text, field, value):
+    stated = read_facts(text, FrameSpec())
+    assert stated.rest == ""
+    assert getattr(stated.lasting, field) == value
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "No left-hand thread.",
+        "No mirrored image.",
+        "The robot moved and the sensor stayed still.",
+        "the sensor is upside down",
+    ],
+)
+def test_what_denies_a_fact_or_is_about_the_holder_alone_is_not_read(text):
+    assert not read_facts(text, FrameSpec()).is_stated
+
+
+@pytest.mark.parametrize(
+    ("text", "rest"),
+    [
+        ("which way does it turn in the camera image?", "which way does it turn?"),
+        ("and from the sensor's side?", "Which way does it move?"),
+        ("seen from the camera, which way?", "which way?"),
+        ("I look at it from behind the sensor", ""),
+    ],
+)
+def test_the_cameras_own_view_is_read_within_a_question(text, rest):
+    stated = read_facts(text, FrameSpec(viewpoint="object"))
+    assert (stated.frame.viewpoint, stated.rest) == ("sensor", rest)
+
+
+def test_away_from_the_sensor_is_no_view():
+    assert read_facts("is it away from the sensor?", FrameSpec()).rest.endswith("the sensor?")

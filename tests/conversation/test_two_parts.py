@@ -70,6 +70,9 @@ def test_a_statement_about_the_recording_is_none_about_the_motion(text):
         "is the image mirrored?",
         "I want to know whether the sensor moved",
         "the object is red",
+        "it is touching the gel",
+        "I think it moved on the sensor.",
+        "We have an image of a screw, is it loosening",
         "gripper",
     ],
 )
@@ -96,7 +99,12 @@ def test_what_is_never_told_is_declined_with_what_is(text, word):
 
 @pytest.mark.parametrize(
     "text",
-    ["Which way?", "When did it start to turn left?", "Does it help to turn it?", "stop it?"],
+    ["Which way?", "When did it start to turn left?", "Does it help to turn it?", "stop it?"]
+    + [
+        "When touched, which way does it move?",
+        "Is pressure increasing?",
+        "Under pressure, where?",
+    ],
 )
 def test_other_questions_are_left_to_the_model(text):
     assert untold(text) is None
@@ -109,6 +117,11 @@ def test_other_questions_are_left_to_the_model(text):
         ("is the contact at the top or the bottom?", True),
         ("where does the cap touch?", True),
         ("where is it going?", False),
+        ("where is the object moving?", False),
+        ("which way does the contact point move?", False),
+        ("is the contact at rest?", False),
+        ("is the contact on the move?", False),
+        ("is the contact area getting larger?", False),
         ("is there contact?", False),
     ],
 )

@@ -10,6 +10,8 @@ import pytest
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.experiments.cases import SimulatedCases
+from geotlm_lm.experiments.extreme_clips import extreme_clips
 from geotlm_lm.recordings.choose import choose_frames
 from geotlm_lm.recordings.read import read_clip
 
@@ -177,3 +179,9 @@ def test_frames_chosen_from_real_recordings_lie_in_contact():
             and numbers[-1] <= int(row["contact_end"]) + 2
         )
     assert np.mean(inside) > 0.85
+
+
+def test_a_long_recording_of_sudden_steps_is_not_begun_before_the_touch():
+    touched = next(iter(SimulatedCases("rotation", 1, seed=0)))
+    extreme = extreme_clips(touched.clip, touched.motion)["10,000 frames"]
+    assert min(choose_frames(extreme.make()).frame_numbers) >= 1_000  # a tenth is the idle gel
