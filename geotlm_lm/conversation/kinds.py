@@ -16,7 +16,7 @@ from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered
 _GO = r"(?:go|goes|move|moves|moved|turn|turns|turned|slide|slides|slid|went)"
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 _MEASURES = r"(?:degrees?|deg|mm|millimet(?:re|er)s?|pixels?|px)"
-_HOLDER = rf"(?:{_GEL}|finger|gripper|robot(?:'?s)?(?: arm| hand)?|arm|hand)"
+_HOLDER = rf"(?:{_GEL}|finger|gripper|robot(?:'?s)?(?: arm| hand)?)"
 """What moves the sensor, and the sensor with it."""
 
 _MOVES_OR_END = (
