@@ -6,8 +6,8 @@ from dataclasses import replace
 
 from geotlm_lm.answering.answer import GOES_BY, Answer, Encoded
 from geotlm_lm.answering.hearing import AMOUNT_QUESTION, OPEN_QUESTION, hear
-from geotlm_lm.answering.measuring import NO_LENGTH, weighed_amounts
-from geotlm_lm.answering.replying import in_words, judged_openly
+from geotlm_lm.answering.measuring import NO_LENGTH, answer_measured, weighed_amounts
+from geotlm_lm.answering.replying import from_open_answer, in_words
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.claims import claimed
 from geotlm_lm.conversation.stated_amounts import StatedAmount, without_amount
@@ -31,20 +31,25 @@ def judged_amount(
         frame: In which to tell.
     """
     claims = claimed(without_amount(question))
-    opened = hear(bundle, encoded, OPEN_QUESTION).slots
-    motion = opened and opened.direction
-    if claims is not None and motion is not None and frame.tell(motion) not in claims:
-        return judged_openly(bundle, encoded, without_amount(question), frame)
+    if claims is not None:
+        opened = hear(bundle, encoded, OPEN_QUESTION)
+        motion = opened.slots and opened.slots.direction
+        if motion is not None and frame.tell(motion) not in claims:
+            rest = without_amount(question)
+            return from_open_answer(bundle, encoded, rest, "verify", frame, opened)
     if claim.unit == "px":
         frame = replace(frame, mm_per_px=None)  # judged in the unit it is claimed in
-    answer = in_words(bundle, encoded, AMOUNT_QUESTION, frame)
+    heard = hear(bundle, encoded, AMOUNT_QUESTION)
+    if heard.slots is None or heard.slots.unit is None:
+        answer = in_words(bundle, encoded, AMOUNT_QUESTION, frame)
+    else:
+        answer = answer_measured(bundle, encoded, AMOUNT_QUESTION, heard, frame)
     if answer.amount is None:
         return answer if answer.abstained else replace(answer, decided="no", told_by="rule")
     said = f"{answer.text[:1].lower()}{answer.text[1:]}"
     if claim.unit == "mm" and answer.amount.unit == "px":
         text = f"I cannot judge millimetres: {said}{NO_LENGTH}"
         return replace(answer, text=text, abstained=True, confidence=0.0, decided=None)
-    heard = hear(bundle, encoded, AMOUNT_QUESTION)
     weighed = weighed_amounts(bundle, encoded, heard.slots.unit, frame)
     goes = heard.options[GOES_BY[heard.slots.unit]]
     share = 1.0 - goes

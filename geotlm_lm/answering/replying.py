@@ -120,7 +120,7 @@ def in_words(
         heard = replace(heard, timing_ms=_spent(heard, opened))
         if denies_the_open_answer(slots, opened.slots, question, frame):
             opened = replace(opened, timing_ms=heard.timing_ms)
-            return _from_open_answer(bundle, encoded, question, slots.kind, frame, opened)
+            return from_open_answer(bundle, encoded, question, slots.kind, frame, opened)
     if contradicts_itself(slots, question):
         heard = replace(heard, slots=replace(slots, verdict=None))
         return _retold(bundle, encoded, question, heard, frame)
@@ -184,11 +184,6 @@ def is_as_seen(frame: FrameSpec) -> bool:
     return replace(frame, contact_side=None, thread=None, mm_per_px=None) == CAMERA
 
 
-def judged_openly(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec) -> Answer:
-    """Answer whether a motion that `question` claims is the one told openly."""
-    return _from_open_question(bundle, encoded, question, "verify", frame)
-
-
 def _from_open_question(
     bundle: Bundle,
     encoded: Encoded,
@@ -201,10 +196,10 @@ def _from_open_question(
     opened = hear(bundle, encoded, OPEN_QUESTION)
     if before is not None:
         opened = replace(opened, timing_ms=_spent(before, opened))
-    return _from_open_answer(bundle, encoded, question, kind, frame, opened)
+    return from_open_answer(bundle, encoded, question, kind, frame, opened)
 
 
-def _from_open_answer(
+def from_open_answer(
     bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: FrameSpec, heard: Heard
 ) -> Answer:
     """Answer a question of `kind` by rule from what was heard to the open one."""

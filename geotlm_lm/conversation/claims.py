@@ -150,7 +150,6 @@ _LETTER = r"(?:(?<![A-Z])[A-D](?=[).:])|(?<![\d.])[1-4](?=\)))"
 _OPTION = re.compile(rf"\(?({_LETTER})[).:]\s*(.*?)(?=[,;]?\s*\(?{_LETTER}|$)")
 _OPTION_BEFORE = re.compile(r"([^()]*)\(([A-D1-4])\)")
 
-
 _STILL_GOING = re.compile(r"\bstill (?=(?!during\b)\w+ing\b|in contact\b)", re.IGNORECASE)
 
 
@@ -177,10 +176,15 @@ def nearly_named(text: str) -> bool:
     return any(get_close_matches(word, _OFTEN_MISTYPED, 1, ALIKE) for word in words)
 
 
+def asks_yes_or_no(text: str) -> bool:
+    """Tell whether `text`, in lower case, holds a question to be answered by yes or no."""
+    return bool(_YES_OR_NO.search(text))
+
+
 def claimed_class(text: str) -> MotionClass | None:
     """Return the one kind of motion a yes-or-no question claims without a direction, else None."""
     text = " ".join(text.lower().split())
-    if motions_named(text) or not _YES_OR_NO.search(text):
+    if motions_named(text) or not asks_yes_or_no(text):
         return None
     named = [kind for kind, words in CLASS_NAMES if re.search(words, text)]
     return named[0] if len(named) == 1 else None
@@ -189,7 +193,7 @@ def claimed_class(text: str) -> MotionClass | None:
 def claims_end(text: str) -> bool:
     """Tell whether a yes-or-no question claims that a motion, or the contact, is over."""
     text = re.sub(r"\bor not\b", " ", " ".join(text.lower().split()))
-    if not _YES_OR_NO.search(text) or _ANOTHER_TIME.search(text) or _NO_END.search(text):
+    if not asks_yes_or_no(text) or _ANOTHER_TIME.search(text) or _NO_END.search(text):
         return False
     return bool(_ENDED.search(text) or re.search(_LOST_CONTACT, text))
 

@@ -6,6 +6,8 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
+from geotlm_lm.conversation.claims import asks_yes_or_no
+
 Bound = Literal["about", "more", "less"]
 
 
@@ -35,10 +37,9 @@ class StatedAmount:
         return (amount > self.value) == (self.bound == "more")
 
 
-_YES_OR_NO = re.compile(
-    r"(?:^|[,;:.!] |\b(?:and|so|but|hey|ok|please|now) )"
-    r"(?:is|are|was|were|does|do|did|has|have|had)(?:n't)? (?!you\b)|^(?:more|less|over|under)\b"
-)
+_COMPARES = re.compile(r"^(?:more|less|over|under)\b")
+"""A question of which only the comparison is left: "more than 10 degrees?"."""
+
 _MEASURED = re.compile(
     r"(?<![\w.])(?P<number>\d+(?:\.\d+)?|\.\d+|half an?) ?"
     r"(?P<unit>degrees?\b|deg\b|°|mm\b|millimet(?:er|re)s?\b|px\b|pixels?\b)"
@@ -66,11 +67,11 @@ _RANGE = re.compile(r"\d(?: ?(?:-|\u2013) ?| (?:to|or|and) )$")
 
 _OF_MOTION = re.compile(
     r"\b(?:turn|rotat|twist|spin|spun|swivel|revol|slid|slip|mov|travel|shift|drag|creep|drift|cover"
-    r"|displac)\w*|\b(?:go|goes|gone|went|made?)\b|^(?:more|less|over|under)\b"
+    r"|displac)\w*|\b(?:go|goes|gone|went|made?)\b"
 )
 _OF_ANOTHER_THING = re.compile(
     r"\b(?:wide|width|thick\w*|long|deep|high|tall|large|big|celsius|fahrenheit|diameter|radius"
-    r"|press\w*|faster|slower|speed|from the (?:edge|border))\b"
+    r"|press\w*|faster|slower|speed|from the (?:edge|border)|will|would|can|could)\b"
 )
 
 
@@ -80,9 +81,8 @@ def stated_amount(question: str) -> StatedAmount | None:
     None too where it claims several, or an amount of another thing than a motion.
     """
     text = " ".join(question.lower().split())
-    if not _YES_OR_NO.search(text) or not _OF_MOTION.search(text):
-        return None
-    if _OF_ANOTHER_THING.search(text):
+    is_of_motion = asks_yes_or_no(text) and _OF_MOTION.search(text)
+    if not (is_of_motion or _COMPARES.match(text)) or _OF_ANOTHER_THING.search(text):
         return None
     found = [
         (said.start(), _number(said["number"]), _unit(said["unit"]))
