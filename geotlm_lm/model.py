@@ -15,7 +15,7 @@ from geotlm_lm.backbone.stem import FLOW_SCALE_PX
 from geotlm_lm.backbone.tokens import Backbone, Tokens
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
+from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size, filled_size
 from geotlm_lm.dgr.encoder import DGR, Geometry
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.rigid_fit import fit_rigid
@@ -91,10 +91,12 @@ def rigid_motion(
     Returns:
         Degrees clockwise, and pixels of the clip's own frames to the right and down.
     """
+    filled_rows, filled_columns = filled_size(*size)
     rows, columns = camera_size(*size)
     mask = geometry.mask[0].float().numpy()
     # The grid's pixels are those of the view, which is a part of the 224-pixel image.
-    pixel = view.side_px / IMAGE_SIDE**2 * np.array([columns, rows], np.float32)
+    pixel = np.array([columns / filled_columns, rows / filled_rows], np.float32)
+    pixel *= view.side_px / IMAGE_SIDE
     field = geometry.shear_change[0].float().numpy() * FLOW_SCALE_PX * pixel
     across, down = (float(length) * IMAGE_SIDE / len(mask) for length in pixel)
     turn_rad, x, y = fit_rigid(field, mask, grid_px=(across, down))

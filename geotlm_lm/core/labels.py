@@ -69,6 +69,13 @@ _REVERSED = {
     Motion.RELEASE: Motion.PRESS,
 }
 
+_QUARTER_TURNED = {
+    Motion.RIGHT: Motion.UP,
+    Motion.UP: Motion.LEFT,
+    Motion.LEFT: Motion.DOWN,
+    Motion.DOWN: Motion.RIGHT,
+}
+
 
 def motion_class(motion: Motion) -> MotionClass:
     """Return the kind of `motion`."""
@@ -83,6 +90,11 @@ def mirror(motion: Motion) -> Motion:
 def reverse(motion: Motion) -> Motion:
     """Return the motion seen when the clip is played backwards."""
     return _REVERSED.get(motion, motion)
+
+
+def turn_by_quarter(motion: Motion) -> Motion:
+    """Return the motion seen when the image is turned by a quarter counterclockwise."""
+    return _QUARTER_TURNED.get(motion, motion)
 
 
 def along(

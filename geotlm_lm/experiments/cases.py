@@ -11,13 +11,16 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, turn_by_quarter
 from geotlm_lm.core.seeding import seed_for
 from geotlm_lm.data.labelled_recordings import LabelledRecordings, find_labelled_recordings
 from geotlm_lm.experiments.compare import Case
 
 if TYPE_CHECKING:
+    from geotlm_lm.core.clip import Clip
     from geotlm_lm.simulation.simulate import SimulatedClip
 
 TASKS: dict[str, tuple[Motion, ...]] = {
@@ -146,6 +149,38 @@ class StartingInContact:
         for window in self.recordings.windows(frames=("four",), backwards=True):
             clip, row = replace(window.clip, background=None), window.row
             yield Case(clip, window.motion, row.object_id, row.object_family, {})
+
+
+@dataclass(frozen=True)
+class QuarterTurned:
+    """The four-frame windows of labelled recordings as a sensor held across records them.
+
+    Turned by 90 degrees counterclockwise, lights and all: 320 x 240 pictures become 240 x 320.
+
+    Args:
+        recordings: One folder of labelled recordings.
+    """
+
+    recordings: LabelledRecordings
+
+    def __len__(self) -> int:
+        return 2 * len(self.recordings.rows)
+
+    def __iter__(self) -> Iterator[Case]:
+        for window in self.recordings.windows(frames=("four",), backwards=True):
+            row, motion = window.row, turn_by_quarter(window.motion)
+            yield Case(turned_by_quarter(window.clip), motion, row.object_id, row.object_family, {})
+
+
+def turned_by_quarter(clip: Clip) -> Clip:
+    """Return a clip turned by 90 degrees counterclockwise."""
+    frames = np.rot90(clip.frames, axes=(1, 2))
+    idle = None if clip.background is None else np.rot90(clip.background)
+    return replace(
+        clip,
+        frames=np.ascontiguousarray(frames),
+        background=None if idle is None else np.ascontiguousarray(idle),
+    )
 
 
 def by_task(cases: RealCases) -> dict[str, RealCases]:

@@ -22,6 +22,7 @@ from geotlm_lm.data.touch_table import (
 from geotlm_lm.experiments.cases import (
     TASKS,
     UNREADABLE,
+    QuarterTurned,
     RealCases,
     SimulatedCases,
     StartingInContact,
@@ -152,15 +153,18 @@ def judge_recordings(
     tables: dict[str, Any] = {}
     for part, cases in by_task(real).items():
         tables |= judge_real(methods, name + part, cases, seed, progress)
-        title = f"real {name}{part}, no idle frame"
-        shown = StartingInContact(cases.recordings)
-        replies = ask_all(
-            in_question(methods, cases.among),
-            shown,
-            cases.among,
-            telling(progress, title, len(shown)),
-        )
-        tables[title] = _table(replies, seed) | _by_object(replies)
+        for aside, shown in (
+            ("no idle frame", StartingInContact(cases.recordings)),
+            ("turned by a quarter", QuarterTurned(cases.recordings)),
+        ):
+            title = f"real {name}{part}, {aside}"
+            replies = ask_all(
+                in_question(methods, cases.among),
+                shown,
+                cases.among,
+                telling(progress, title, len(shown)),
+            )
+            tables[title] = _table(replies, seed) | _by_object(replies)
     table = real.recordings.folder / TABLE_NAME
     directed, touched = read_directed(table), read_touch_table(table)
     tables |= judge_whole(methods, name, directed, seed, progress) if directed else {}

@@ -33,7 +33,7 @@ _FINE_SHARE = re.compile(r", (pairs, .*|\d+ fps|sensor .*)$")
 
 _ASIDE = re.compile(
     r", (no idle frame|no visible contact|pressed in|held or pressed|unsteady hand"
-    r"|whole recordings)$"
+    r"|whole recordings|turned by a quarter)$"
 )
 """Tables that get no column of their own where tables stand side by side."""
 

@@ -48,7 +48,7 @@ WORN_SHARE = 0.2
 quality 20 nine were told wrong, of as many that grow 5 % brighter on the way six, and of as many a
 fifth as bright five; of undamaged ones none."""
 
-EXAMPLES_VERSION = 3
+EXAMPLES_VERSION = 4
 """Raised when what is stored of the same clips changes: labels know the size of a pixel since 2;
 since 3 the stem subtracts the idle gel first and ends its refinement at 0.04 px."""
 

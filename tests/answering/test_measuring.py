@@ -56,6 +56,9 @@ def slide(bundle, clip, frame=CAMERA, px=14.0):
         ((480, 640), (1.0, 0.0), 640 / 224),
         ((480, 640), (0.0, -1.0), 480 / 224),
         ((480, 640), (0.6, 0.8), np.hypot(0.6 * 640, 0.8 * 480) / 224),
+        # Idle gel fills up a square that a portrait picture leaves.
+        ((320, 240), (1.0, 0.0), 240 / 126),
+        ((320, 240), (0.0, 1.0), 320 / 224),
     ],
 )
 def test_without_a_scale_a_slide_is_told_in_the_recordings_own_pixels(bundle, size, way, factor):

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.backbone.relief import RELIEF_SIDE, SHADE_X, SHADE_Y, as_image, reliefs
+from geotlm_lm.backbone.lights import SHADE_X, SHADE_Y
+from geotlm_lm.backbone.relief import RELIEF_SIDE, as_image, is_inside_out, reliefs
 
 
 def bump(radius_px):
@@ -57,10 +58,23 @@ def test_an_untouched_gel_is_flat_and_neutral():
     assert (as_image(flat) == 128).all()
 
 
-def test_a_mirrored_sensor_shows_the_mirrored_relief():
-    """The mirror swaps the lights too; the relief must not turn inside out."""
+def test_under_mirrored_lights_the_relief_does_not_turn_inside_out():
     y, x = np.mgrid[:224, :224] - 111.5
     ridge = 100 * np.exp(-((x - y) ** 2) / 200 - (x + y) ** 2 / 3000)
     (plain,) = reliefs([shaded(ridge)])
-    (mirrored,) = reliefs([np.ascontiguousarray(shaded(ridge)[:, ::-1])])
+    seen = np.ascontiguousarray(shaded(ridge)[:, ::-1])
+    (mirrored,) = reliefs([seen], are_lights_mirrored=True)
     assert np.abs(mirrored - plain[:, ::-1]).max() < 0.05 * np.abs(plain).max()
+
+
+@pytest.mark.parametrize("radius_px", [6, 12])
+def test_a_dent_that_came_out_as_a_bump_is_inside_out(radius_px):
+    dents = reliefs([shaded(100 * bump(radius_px))] * 2)
+    assert not is_inside_out(dents)
+    assert is_inside_out(-dents)
+
+
+def test_noise_and_a_flat_gel_are_not_inside_out():
+    noise = np.random.default_rng(0).normal(size=(4, RELIEF_SIDE, RELIEF_SIDE)).astype(np.float32)
+    assert not is_inside_out(noise)
+    assert not is_inside_out(0 * noise)

@@ -5,7 +5,15 @@ import numpy as np
 import pytest
 
 from geotlm_lm.backbone import stem
-from geotlm_lm.backbone.stem import CELLS, FLOW_SCALE_PX, MAGNIFICATION_AT, PATCH_INPUT_DIM, look
+from geotlm_lm.backbone.lights import SHADE_X, SHADE_Y
+from geotlm_lm.backbone.stem import (
+    ALIGNED_AT,
+    CELLS,
+    FLOW_SCALE_PX,
+    MAGNIFICATION_AT,
+    PATCH_INPUT_DIM,
+    look,
+)
 from geotlm_lm.backbone.view import MIN_VIEW_PX, View
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import IMAGE_SIDE
@@ -66,8 +74,8 @@ def test_repeated_frames_carry_no_flow():
 def test_a_repeated_frame_is_looked_at_once_and_tells_the_same(numbers, monkeypatch):
     clip = moving_clip((4.0, 1.0), turn_deg=6.0).select(numbers)
     squares = []
-    square = stem._square
-    monkeypatch.setattr(stem, "_square", lambda *one: squares.append(one) or square(*one))
+    square = stem.in_square
+    monkeypatch.setattr(stem, "in_square", lambda *one: squares.append(one) or square(*one))
     inputs, view = look(clip)
     assert len(squares) == len(set(numbers))
     monkeypatch.setattr(stem, "_distinct", lambda frames: (list(frames), [0, 1, 2, 3]))
@@ -94,8 +102,8 @@ def test_contrast_is_higher_where_the_imprint_is():
 
 def test_inputs_do_not_depend_on_the_recorded_size_beyond_resampling():
     clip = moving_clip((3.0, 0.0), noise_grey=0.0)
-    twice = [cv2.resize(frame, (448, 448)) for frame in clip.frames]
-    large = Clip(np.stack(twice), background=np.full((448, 448, 3), 110, np.uint8))
+    twice = [cv2.resize(frame, (640, 480)) for frame in clip.frames]
+    large = Clip(np.stack(twice), background=np.full((480, 640, 3), 110, np.uint8))
     small, large = look(clip)[0], look(large)[0]
     assert small.shape == large.shape == (2, 14, 14, PATCH_INPUT_DIM)
     assert centre_flow_px(large, 1) == pytest.approx(centre_flow_px(small, 1), abs=0.2)
@@ -136,3 +144,48 @@ def test_every_patch_knows_how_far_the_view_is_magnified():
     inputs, view = look(imprint_at(112, 112, sigma_px=12))
     assert inputs[..., MAGNIFICATION_AT] == pytest.approx(np.log(224 / view.side_px), rel=1e-5)
     assert inputs[0, 0, 0, MAGNIFICATION_AT] > 0.3
+
+
+def shaded_clip(shift_px=(0.0, 0.0)):
+    """Four camera pictures of a twisted dent that slides, under the usual lights."""
+    y, x = np.mgrid[:240, :320]
+    frames = []
+    for share in (0, 1 / 3, 2 / 3, 1):
+        right, down = x - 150 - shift_px[0] * share, y - 130 - shift_px[1] * share
+        bar = np.exp(-((right - down) ** 2) / 900 - (right + down) ** 2 / 4000)
+        dent = bar + 0.8 * np.exp(-((right - 25) ** 2 + (down - 8) ** 2) / 90)
+        slope_y, slope_x = (-one for one in np.gradient(150 * dent))
+        shade = np.stack(
+            [-0.5 * SHADE_Y * slope_y, SHADE_X * slope_x, 0.5 * SHADE_Y * slope_y], axis=-1
+        )
+        frames.append(np.clip(np.rint(120 + shade), 0, 255).astype(np.uint8))
+    return Clip(np.stack(frames), background=np.full((240, 320, 3), 120, np.uint8))
+
+
+def turned_clip(clip, quarters):
+    """Turn a recording counterclockwise, lights and all."""
+    frames = np.ascontiguousarray(np.rot90(clip.frames, quarters, (1, 2)))
+    return Clip(frames, background=np.ascontiguousarray(np.rot90(clip.background, quarters)))
+
+
+@pytest.mark.parametrize("quarters", [1, 2, 3])
+def test_a_recording_turned_by_quarters_shows_dents_as_dents_and_their_motion(quarters):
+    inputs, view = look(turned_clip(shaded_clip((9.0, 0.0)), quarters))
+    relief = inputs[1, ..., MAGNIFICATION_AT - 1]
+    assert relief.max() > 3 * abs(relief.min())
+    # What goes right as recorded goes up after one quarter counterclockwise.
+    way = np.array([(1, 0), (0, -1), (-1, 0), (0, 1)][quarters])
+    own = (320, 240) if quarters == 2 else (240, 320)
+    pixels = np.array([view.picture_width_px, view.picture_height_px]) / own
+    moved = inputs[1, 4:10, 4:10, ALIGNED_AT : ALIGNED_AT + 2].mean(axis=(0, 1)) * FLOW_SCALE_PX
+    expected = way * 9.0 * 5 / 6 * pixels * IMAGE_SIDE / view.side_px
+    assert moved == pytest.approx(expected, abs=0.1 * np.abs(expected).max())
+
+
+def test_a_portrait_picture_keeps_its_shape_and_the_view_says_what_it_fills():
+    portrait = turned_clip(shaded_clip(), 1)
+    _, view = look(portrait)
+    assert (view.picture_height_px, view.picture_width_px) == (224, 126)
+    # The dent is at (150, 130) of 320 x 240: turned, 130 to the right and 320 - 150 down.
+    x = (view.centre_x_px - (224 - 126) / 2) / 126 * 240
+    assert (x, view.centre_y_px / 224 * 320) == pytest.approx((130, 170), abs=12)

@@ -5,12 +5,14 @@ import pytest
 from geotlm_lm.core.labels import (
     DIRECTED,
     ROTATIONS,
+    SLIDES,
     Motion,
     MotionLabel,
     along,
     mirror,
     motion_class,
     reverse,
+    turn_by_quarter,
 )
 
 
@@ -60,3 +62,14 @@ def test_clockwise_right_down_and_inward_are_positive():
 @pytest.mark.parametrize("motion", [Motion.STILL, Motion.NONE])
 def test_stillness_and_absence_go_no_way(motion):
     assert along(motion, turn=1, right=1, down=1, inward=1) is None
+
+
+@pytest.mark.parametrize("motion", Motion)
+def test_two_quarters_turn_a_slide_around_and_leave_everything_else(motion):
+    turned = turn_by_quarter(turn_by_quarter(motion))
+    assert turned == (reverse(motion) if motion in SLIDES else motion)
+    assert motion_class(turn_by_quarter(motion)) == motion_class(motion)
+
+
+def test_a_picture_turned_counterclockwise_sends_right_up():
+    assert turn_by_quarter(Motion.RIGHT) is Motion.UP

@@ -8,6 +8,7 @@ from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.experiments.cases import (
     UNREADABLE,
+    QuarterTurned,
     SimulatedCases,
     StartingInContact,
     by_task,
@@ -116,6 +117,19 @@ def test_a_clip_that_starts_in_contact_shows_no_idle_gel(tmp_path):
     assert [case.motion for case in shown] == [Motion.LEFT, Motion.RIGHT]
     assert [case.clip.background for case in shown] == [None, None]
     assert shown[0].clip.frame_numbers == (0, 3, 6, 9)
+
+
+def test_a_window_turned_by_a_quarter_is_turned_with_its_label_and_its_idle_gel(tmp_path):
+    (cases,) = real_cases(labelled_folder(tmp_path / "mine", "left")).values()
+    found = QuarterTurned(cases.recordings)
+    shown = list(found)
+    assert len(found) == len(shown) == 2
+    assert [case.motion for case in shown] == [Motion.DOWN, Motion.UP]
+    upright = next(iter(cases)).clip
+    # What was the right border is the top one.
+    np.testing.assert_array_equal(shown[0].clip.frames[:, 0], upright.frames[:, :, -1])
+    np.testing.assert_array_equal(shown[0].clip.background[0], upright.background[:, -1])
+    assert shown[0].clip.frame_numbers == upright.frame_numbers
 
 
 def test_labels_of_several_tasks_are_asked_task_by_task(tmp_path):

@@ -44,10 +44,12 @@ def test_real_recordings_are_judged_both_ways_and_both_cuts(folder):
         f"real {name}, pairs, forwards",
         f"real {name}, pairs, backwards",
         f"real {name}, no idle frame",
+        f"real {name}, turned by a quarter",
     ]
-    # The fake reads the forward label off every frame, so it is right forwards and wrong backwards.
+    # The fake reads the forward label off every frame, so it is right forwards and wrong backwards;
+    # it does not see that a clip was turned.
     words = [table["methods"][methods.GENERATED]["accuracy"] for table in tables.values()]
-    assert words == [0.5, 1.0, 0.0, 0.5, 1.0, 0.0, 0.5]
+    assert words == [0.5, 1.0, 0.0, 0.5, 1.0, 0.0, 0.5, 0.0]
 
 
 def test_labels_left_out_are_in_the_record(folder):
@@ -79,7 +81,8 @@ def test_progress_names_the_folder_and_reaches_its_end(folder):
     seen = []
     run(folder, progress=lambda *told: seen.append(told))
     assert (f"real {folder.name}", 8, 8) in seen
-    assert seen[-1] == (f"real {folder.name}, no idle frame", 4, 4)
+    assert (f"real {folder.name}, no idle frame", 4, 4) in seen
+    assert seen[-1] == (f"real {folder.name}, turned by a quarter", 4, 4)
 
 
 def test_the_simulated_tasks_report_what_was_left_out(monkeypatch):
@@ -133,7 +136,7 @@ def test_clips_that_start_in_contact_are_judged_without_their_idle_gel(folder, m
     original = answerer.encode
     monkeypatch.setattr(answerer, "encode", lambda clip: seen.append(clip) or original(clip))
     tables = evaluate(answerer, clips_per_task=0, seed=1, real_folder=folder).numbers["tables"]
-    assert [clip.background is None for clip in seen] == [False] * 8 + [True] * 4
+    assert [clip.background is None for clip in seen] == [False] * 8 + [True] * 4 + [False] * 4
     assert tables[f"real {folder.name}, no idle frame"]["clips"] == 4
 
 

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import torch
@@ -14,8 +15,9 @@ from geotlm_lm.checkpoint import embedded_bundle_dir
 from geotlm_lm.cli.simulate import simulate_one
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import PATCH_SIDE
-from geotlm_lm.core.labels import DIRECTED, Motion, mirror, reverse
+from geotlm_lm.core.labels import DIRECTED, Motion, mirror, reverse, turn_by_quarter
 from geotlm_lm.data.labelled_recordings import find_labelled_recordings
+from geotlm_lm.experiments.cases import turned_by_quarter
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
@@ -109,6 +111,26 @@ def test_a_mirrored_example_turns_the_other_way(answerer, name):
         clip, frames=clip.frames[:, :, ::-1].copy(), background=clip.background[:, ::-1].copy()
     )
     assert direction(answerer, mirrored) is mirror(direction(answerer, clip))
+
+
+@pytest.mark.parametrize("quarters", [1, 2, 3])
+def test_a_sensor_held_across_or_upside_down_is_told_as_its_pictures_show(
+    answerer, touches, quarters
+):
+    """The lights come from other sides than in any training clip; the stem has to notice."""
+    right = []
+    for made in touches:
+        clip, motion = as_camera_took_it(made.clip), made.label.motion
+        for _ in range(quarters):
+            clip, motion = turned_by_quarter(clip), turn_by_quarter(motion)
+        right.append(direction(answerer, clip) is motion)
+    assert np.mean(right) >= 0.88
+
+
+def as_camera_took_it(clip):
+    """Return a clip of our square as pictures of 320 x 240."""
+    frames = np.stack([cv2.resize(frame, (320, 240)) for frame in clip.frames])
+    return replace(clip, frames=frames, background=cv2.resize(clip.background, (320, 240)))
 
 
 def test_an_untouched_gel_is_never_given_a_direction(answerer):

@@ -113,7 +113,7 @@ def test_the_headline_leaves_fine_shares_to_the_page(record):
     assert len(cells(difference_headline(record).splitlines()[0])) == 2
 
 
-@pytest.mark.parametrize("part", ["no idle frame", "whole recordings"])
+@pytest.mark.parametrize("part", ["no idle frame", "whole recordings", "turned by a quarter"])
 def test_tables_beside_the_main_ones_get_no_column(record, part):
     tables = record.numbers["tables"]
     tables[f"real x, {part}"] = tables["simulated rotation"]

@@ -69,6 +69,16 @@ def test_the_contact_is_tinted_in_its_place_on_an_image_that_is_not_square():
     assert y + 4 == pytest.approx(10.5 / 14 * 336, abs=2)
 
 
+def test_the_contact_stands_in_its_place_where_idle_gel_fills_up_the_square():
+    portrait = np.full((448, 336, 3), 90, np.uint8)
+    view = View(picture_height_px=224, picture_width_px=126)
+    tinted = draw_contact(portrait, one_patch(10, 6), view).astype(int) - 90
+    x, y = centre_of(np.maximum(tinted[..., 0], 0)[4:-4, 4:-4])
+    # Patch 6 begins at 96 of 224, 47 of the 126 that the picture fills.
+    assert x + 4 == pytest.approx((6.5 * 16 - 49) / 126 * 336, abs=2)
+    assert y + 4 == pytest.approx(10.5 / 14 * 448, abs=2)
+
+
 def test_a_mask_of_one_covers_the_view_and_nothing_else():
     view = View(centre_x_px=112.0, centre_y_px=112.0, side_px=112.0)
     share = in_image(np.ones((14, 14), np.float32), view, (224, 224))

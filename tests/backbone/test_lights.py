@@ -1,0 +1,77 @@
+"""Expected values: a known relief shaded by lights that stand elsewhere than the usual ones."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.backbone.lights import (
+    SHADE_X,
+    SHADE_Y,
+    Lights,
+    lights_of,
+    turned_by_a_half,
+    turned_by_a_quarter,
+)
+
+SIDE = 112
+
+
+def relief():
+    """A twisted bump: its mirror image is another one."""
+    y, x = np.mgrid[:SIDE, :SIDE] - (SIDE - 1) / 2
+    bar = np.exp(-((x - y) ** 2) / 100 - (x + y) ** 2 / 1500)
+    return 100 * (bar + 0.7 * np.exp(-((x - 20) ** 2 + (y - 5) ** 2) / 60)).astype(np.float32)
+
+
+def shaded(depth, aspect=1.0):
+    """Shade a relief as the usual lights do, with slopes s = -grad d on the gel."""
+    slope_y, slope_x = (-one for one in np.gradient(depth))
+    shade_x, shade_y = SHADE_X * slope_x / aspect**0.5, SHADE_Y * slope_y * aspect**0.5
+    return np.stack([-0.5 * shade_y, shade_x, 0.5 * shade_y], axis=-1).astype(np.float32)
+
+
+def noisy(image, seed=0):
+    noise = np.random.default_rng(seed).normal(size=image.shape) * 0.3
+    return np.ascontiguousarray(image + noise, np.float32)
+
+
+@pytest.mark.parametrize("quarters", range(4))
+@pytest.mark.parametrize("is_mirrored", [False, True])
+def test_the_curl_of_the_slopes_tells_where_the_lights_stand(quarters, is_mirrored):
+    seen = shaded(relief())
+    seen = seen[:, ::-1] if is_mirrored else seen
+    seen = noisy(np.rot90(seen, quarters))
+    assert lights_of([seen] * 2) == Lights(quarters % 2 == 1, is_mirrored)
+
+
+@pytest.mark.parametrize("aspect", [4 / 3, 3 / 4])
+def test_a_squashed_picture_does_not_look_like_turned_lights(aspect):
+    usual = shaded(relief(), aspect)
+    assert lights_of([noisy(usual)], aspect) == Lights()
+    assert lights_of([noisy(turned_by_a_quarter(usual))], aspect).are_turned
+
+
+def test_neither_noise_nor_an_idle_gel_turns_the_lights():
+    for seed in range(20):
+        assert lights_of([noisy(np.zeros((SIDE, SIDE, 3)), seed)] * 4) == Lights()
+    assert lights_of([np.zeros((SIDE, SIDE, 3), np.float32)]) == Lights()
+
+
+def test_a_picture_turned_back_is_that_of_the_turned_relief_under_the_usual_lights():
+    for quarters in (1, 3):
+        seen = np.ascontiguousarray(np.rot90(shaded(relief()), quarters))
+        found = turned_by_a_quarter(seen)
+        expected = shaded(np.ascontiguousarray(np.rot90(relief(), quarters)))
+        sign = np.sign((found * expected).sum())
+        assert sign == (1 if quarters == 1 else -1)
+        assert np.abs(sign * found - expected).max() < 1e-3 * np.abs(expected).max()
+
+
+def test_four_quarters_and_two_halves_leave_a_picture_of_shades_as_it_was():
+    image = shaded(relief())
+    found = image
+    for _ in range(4):
+        found = turned_by_a_quarter(found)
+    assert np.abs(found - image).max() < 1e-4 * np.abs(image).max()
+    halves = turned_by_a_half(image)
+    assert np.abs(halves - turned_by_a_quarter(turned_by_a_quarter(image))).max() < 1e-3
+    np.testing.assert_array_equal(turned_by_a_half(halves), image)

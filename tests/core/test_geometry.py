@@ -1,0 +1,35 @@
+"""How pictures of other shapes than a camera's fill our square."""
+
+import pytest
+
+from geotlm_lm.core.geometry import IMAGE_SIDE, filled_size, pixel_aspect
+
+
+@pytest.mark.parametrize("size", [(240, 320), (480, 640), (224, 224), (1944, 2592), (233, 320)])
+def test_a_cameras_picture_fills_the_square(size):
+    assert filled_size(*size) == (224, 224)
+
+
+@pytest.mark.parametrize(
+    ("size", "filled"),
+    [
+        ((320, 240), (224, 126)),
+        ((240, 240), (224, 168)),
+        ((1080, 1920), (168, 224)),
+        ((448, 448), (224, 168)),
+        ((8, 4000), (2, 224)),
+        ((4000, 8), (224, 2)),
+    ],
+)
+def test_idle_gel_fills_up_other_shapes_in_equal_margins(size, filled):
+    assert filled_size(*size) == filled
+    assert all((IMAGE_SIDE - side) % 2 == 0 for side in filled)
+
+
+@pytest.mark.parametrize("size", [(320, 240), (240, 240), (1080, 1920), (224, 224), (480, 640)])
+def test_pixels_of_the_square_are_of_one_shape_whatever_filled_it(size):
+    assert pixel_aspect(*size) == pytest.approx(4 / 3, rel=0.01)
+
+
+def test_a_nearly_four_to_three_camera_keeps_the_shape_of_its_pixels():
+    assert pixel_aspect(233, 320) == pytest.approx(320 / 233)
