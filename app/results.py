@@ -8,9 +8,13 @@ from geotlm_lm import Motion
 
 
 class Evidence(TypedDict):
-    """The geometry an answer rests on; x runs right, y down, shear changes are unitless."""
+    """The geometry an answer rests on; x runs right, y down, shear changes are unitless.
+
+    The contact's middle is in pixels of the recording, `view` in those of a 224-pixel image.
+    """
 
     contact_share: float
+    contact_centre_px: list[float] | None
     view: dict[str, float] | None
     regions: dict[str, dict[str, float]]
 

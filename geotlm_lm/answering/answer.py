@@ -15,7 +15,7 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT, REGIONS
 from geotlm_lm.core.labels import Motion, MotionClass
 from geotlm_lm.language.parse_answer import Slots
-from geotlm_lm.model import Perception
+from geotlm_lm.model import Perception, contact_centre
 from geotlm_lm.recordings.choose import choose_frames
 from geotlm_lm.recordings.idle import estimate_background
 
@@ -265,7 +265,16 @@ def evidence(encoded: Encoded) -> dict[str, Any]:
         for column, name in enumerate(REGIONS)
     }
     view = encoded.view and {name: round(px, 1) for name, px in asdict(encoded.view).items()}
-    return {"contact_share": round(encoded.contact_share, 4), "view": view, "regions": regions}
+    centre = None
+    if encoded.view and not encoded.is_untouched:
+        size = encoded.clip.frames.shape[1:3]
+        centre = [round(px, 1) for px in contact_centre(geometry, encoded.view, size)]
+    return {
+        "contact_share": round(encoded.contact_share, 4),
+        "contact_centre_px": centre,
+        "view": view,
+        "regions": regions,
+    }
 
 
 def offered_letters(question: str) -> set[str]:

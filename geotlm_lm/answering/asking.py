@@ -7,6 +7,7 @@ contact is. A text that asks two things is answered in two parts.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from geotlm_lm.answering.amount_verdicts import judged_amount
 from geotlm_lm.answering.answer import Answer, Encoded, evidence
@@ -19,6 +20,7 @@ from geotlm_lm.conversation.claims import without_adverbs
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.place import place_in_picture
 from geotlm_lm.conversation.reasons import contact_place
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.stated_amounts import stated_amount
@@ -88,9 +90,23 @@ def _place(bundle: Bundle, encoded: Encoded) -> Answer:
     share = seen["contact_share"]
     if encoded.is_untouched or share < bundle.calibration.contact_threshold:
         return plain(encoded, too_little_contact("say where", share), "contact", CAMERA)
-    place = contact_place(seen["regions"], share)
-    text = f"{place[:1].upper()}{place[1:]}, in the camera image."
+    text = _place_in_words(encoded, seen)
     return replace(plain(encoded, text, "contact", CAMERA), abstained=False, confidence=1.0)
+
+
+def _place_in_words(encoded: Encoded, seen: dict[str, Any]) -> str:
+    view = encoded.view
+    if view is None or seen["contact_centre_px"] is None:
+        place = contact_place(seen["regions"], seen["contact_share"])
+        return f"{place[:1].upper()}{place[1:]}."
+    (x, y), (rows, columns) = seen["contact_centre_px"], encoded.clip.frames.shape[1:3]
+    picture = view.picture_height_px * view.picture_width_px
+    share = min(seen["contact_share"] * view.side_px**2 / picture, 1.0)
+    return (
+        f"In the {place_in_picture(x / columns, y / rows)} of the camera image: its middle is "
+        f"around {x:.0f} px from the left and {y:.0f} px from the top of {columns} x {rows}, and "
+        f"it covers about {share:.0%} of the image."
+    )
 
 
 def _both(first: Answer, second: Answer) -> Answer:

@@ -48,6 +48,19 @@ class View:
     picture_height_px: int = IMAGE_SIDE
     picture_width_px: int = IMAGE_SIDE
 
+    def in_picture(self, points: NDArray) -> NDArray:
+        """Return where points of the view lie in the picture.
+
+        Args:
+            points: Shares (x, y) of the view's side from its upper left corner, (..., 2).
+
+        Returns:
+            Shares of the picture's width and height, (..., 2).
+        """
+        filled = np.array([self.picture_width_px, self.picture_height_px])
+        corner = np.array([self.centre_x_px, self.centre_y_px]) - self.side_px / 2
+        return (corner + points * self.side_px - (IMAGE_SIDE - filled) / 2) / filled
+
     def cut(self, image: NDArray) -> NDArray:
         """Return the view's part of a square image or grid at the same size; zero outside.
 

@@ -9,8 +9,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.geometry import IMAGE_SIDE
-
 if TYPE_CHECKING:
     from geotlm_lm.backbone.view import View
 
@@ -185,8 +183,4 @@ def in_image(grid: Floats, view: View, size: tuple[int, int]) -> Floats:
 
 def _grid_points(view: View, size: tuple[int, int], share: NDArray[np.floating]) -> Floats:
     """Return points of the view, given as shares (x, y) of its side, in pixels of the image."""
-    filled = np.array([view.picture_width_px, view.picture_height_px])
-    corner = np.array([view.centre_x_px, view.centre_y_px]) - view.side_px / 2
-    corner -= (IMAGE_SIDE - filled) / 2
-    scale = np.array([size[1], size[0]]) / filled
-    return ((corner + share * view.side_px) * scale).astype(np.float32)
+    return (view.in_picture(share) * (size[1], size[0])).astype(np.float32)
