@@ -172,7 +172,7 @@ class Answerer:
             listen: Told the model's words piece by piece, as far as they stand in the answer.
 
         Raises:
-            UsageError: If the question is empty or longer than 500 characters.
+            UsageError: If the question is empty or too long.
         """
         question = check_question(question)
         return answer_question(self.bundle, encoded, question, frame, listen)
@@ -202,7 +202,7 @@ class Answerer:
         """Compare two clips: whether they go the same way or, if asked for, which goes further.
 
         Raises:
-            UsageError: If the question is empty or longer than 500 characters.
+            UsageError: If the question is empty or too long.
         """
         question = check_question(question)
         stated = read_facts(question, frame)

@@ -17,6 +17,7 @@ from geotlm_lm.answering.streaming import Listener, StandingWords
 from geotlm_lm.answering.withholding import plain, too_little_contact
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.claims import without_adverbs
+from geotlm_lm.conversation.either_or import without_opposites
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind
@@ -55,7 +56,7 @@ def answer_question(
         return replace(noted, abstained=False, confidence=1.0)
     if not stated.is_stated and states_more(stated.rest):
         return plain(encoded, UNREAD, "frame", frame)
-    asked, frame = without_adverbs(stated.rest), stated.frame
+    asked, frame = without_opposites(without_adverbs(stated.rest)), stated.frame
     parts = two_parts(asked)
     if parts is not None:
         return _both(*(answer_question(bundle, encoded, part, frame) for part in parts))

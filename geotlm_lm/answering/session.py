@@ -109,7 +109,7 @@ class Session:
             listen: Told the model's words piece by piece, as far as they stand in the answer.
 
         Raises:
-            UsageError: If the question is empty or longer than 500 characters.
+            UsageError: If the question is empty or too long.
         """
         typed = check_question(question)
         question = corrected(typed, self.frame)

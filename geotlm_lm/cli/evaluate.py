@@ -80,6 +80,8 @@ def evaluate(
         raise UsageError("nothing to judge: give --clips above 0, --real with a folder, or --data.")
     if out is not None:
         read = [path for path in (*(data or ()), weights) if path is not None]
+        if real is not None:
+            read += [*real.glob("*.csv"), *real.glob("*/*.csv")]
         require_writable_file(out, "--out", inputs=read)
     require_one_model(model, weights, encoder, heads)
     if weights is not None and precision != "float32":

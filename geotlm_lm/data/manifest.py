@@ -17,7 +17,7 @@ from geotlm_lm.data.manifest_rows import SUFFIXES, ManifestRow, rows_of
 from geotlm_lm.recordings.idle import find_idle
 from geotlm_lm.recordings.images import (
     IMAGE_SUFFIXES,
-    image_paths,
+    folder_images,
     natural_key,
     read_still_image,
 )
@@ -100,6 +100,10 @@ def _read(root: Path, row: ManifestRow) -> tuple[Clip, str]:
         return replace(clip, background=read_background(root / row.background)), GIVEN
     if clip.background is not None:
         return clip, GIVEN
+    folders = [folder_images(root / entry) for entry in row.frames if (root / entry).is_dir()]
+    beside = next((one.idle for one in folders if one.idle is not None), None)
+    if beside is not None:
+        return replace(clip, background=read_background(beside)), GIVEN
     idle = find_idle(clip)
     return (clip, NONE) if idle is None else (replace(clip, background=idle), FOUND)
 
@@ -108,7 +112,7 @@ def _files_of(root: Path, entry: str) -> list[Path]:
     """Return the files an entry names: itself, a folder's images, or what a pattern matches."""
     path = root / entry
     if path.is_dir():
-        return image_paths(path)
+        return folder_images(path).frames
     if path.exists() or not any(sign in entry for sign in "*?["):
         return [path]
     # An absolute entry stands for itself; signs of a pattern in the manifest's own folder do not.

@@ -70,9 +70,13 @@ class PromptEncoder:
         ids = self._encode(self._laid_out(cleaned))
         limit = self.max_tokens - MAX_ANSWER_TOKENS
         if len(ids) > limit:
+            around = len(self._encode(self._laid_out("")))
+            # A tenth less: the words left out may have been the longer ones.
+            share = 0.9 * (limit - around) / (len(ids) - around)
+            fitting = max(round(share * len(cleaned)), 1)
             raise UsageError(
-                f"The question takes {len(ids)} tokens with its prefix, expected at most {limit}; "
-                f"shorten it."
+                f"The question has {len(cleaned)} characters, expected at most about {fitting} of "
+                f"this kind; shorten it."
             )
         return ids
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
@@ -18,18 +19,17 @@ IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp")
 BACKGROUND_STEM = "background"
 """Name, without its ending, of the idle gel's image among a folder's frames."""
 
+_MASK = re.compile(r"(?:contact[_-]?)?masks?(?:$|[_\-. \d])", re.IGNORECASE)
+
 
 def read_folder(folder: Path) -> Clip:
     """Return the clip of the images in `folder`; hidden files are passed over.
 
-    An image named `background` is the idle gel, no frame.
-
     Raises:
         UnreadableClip: If there are none, one is damaged, or their sizes differ.
     """
-    found = image_paths(folder)
-    idle = next((path for path in found if path.stem.lower() == BACKGROUND_STEM), None)
-    paths = [path for path in found if path != idle]
+    found = folder_images(folder)
+    paths, idle = found.frames, found.idle
     if not paths:
         raise UnreadableClip(
             f"{folder}: the folder holds no images, expected {', '.join(IMAGE_SUFFIXES)}; "
@@ -49,6 +49,9 @@ def read_folder(folder: Path) -> Clip:
     notes = (f"{len(paths)} images were read in natural order of their names.",)
     if stride > 1:
         notes = (*notes, stride_note(stride, len(paths)))
+    if found.masks:
+        left_out = f"{len(found.masks)} images named as masks ({found.masks[0].name})"
+        notes = (*notes, f"{left_out} were left out.")
     if idle is not None:
         notes = (*notes, f"Background: {idle.name} of the folder was taken for the idle gel.")
     return Clip(
@@ -60,14 +63,34 @@ def read_folder(folder: Path) -> Clip:
     )
 
 
-def image_paths(folder: Path) -> list[Path]:
-    """Return the images in `folder` in natural order of their names; hidden files are passed over.
+@dataclass(frozen=True)
+class FolderImages:
+    """The images in a folder, each kind in natural order of their names.
+
+    Args:
+        frames: Of the recording.
+        idle: The idle gel, an image named `background`; None if there is none.
+        masks: Contact masks beside the frames, named `mask_1` and the like.
+    """
+
+    frames: list[Path]
+    idle: Path | None
+    masks: list[Path]
+
+
+def folder_images(folder: Path) -> FolderImages:
+    """Return the images in `folder`; hidden files are passed over.
 
     Raises:
         UnreadableClip: If the folder cannot be opened.
     """
-    frames = [path for path in listed(folder) if _is_frame(path)]
-    return sorted(frames, key=lambda path: natural_key(path.name))
+    found = sorted(filter(_is_image, listed(folder)), key=lambda path: natural_key(path.name))
+    idle = next((path for path in found if path.stem.lower() == BACKGROUND_STEM), None)
+    found = [path for path in found if path != idle]
+    masks = [path for path in found if _MASK.match(path.stem)]
+    if len(masks) == len(found):  # nothing lies beside them: masks are what was asked for
+        return FolderImages(found, idle, [])
+    return FolderImages([path for path in found if path not in masks], idle, masks)
 
 
 def natural_key(name: str) -> list[tuple[int, int, str]]:
@@ -114,7 +137,7 @@ def listed(folder: Path) -> list[Path]:
         ) from error
 
 
-def _is_frame(path: Path) -> bool:
+def _is_image(path: Path) -> bool:
     # Copies made on a Mac bring a hidden `._frame1.png`, which is no image, beside every frame.
     is_hidden = path.name.startswith(".")
     return path.suffix.lower() in IMAGE_SUFFIXES and not is_hidden and path.is_file()

@@ -69,6 +69,15 @@ def test_the_record_never_replaces_the_data_it_judges(judged, invoke, tmp_path):
     assert manifest.read_text() == "clip_id\n"
 
 
+def test_the_record_never_replaces_a_table_of_labels(judged, invoke, tmp_path):
+    table = tmp_path / "gelsight" / "clips.csv"
+    table.parent.mkdir()
+    table.write_text("clip\n")
+    error = invoke("--real", str(tmp_path), "--out", str(table)).exception
+    assert str(error).startswith(f"--out: {table} is read by this command and would be replaced")
+    assert table.read_text() == "clip\n"
+
+
 def test_falling_below_the_minimum_is_an_error_of_its_own(judged, invoke):
     error = invoke("--min-accuracy", "0.9").exception
     assert isinstance(error, BelowMinimum)

@@ -85,6 +85,15 @@ def test_a_folder_may_stand_for_its_images(tmp_path):
     assert clip.frames[:, 0, 0, 0].tolist() == list(range(20, 31))
 
 
+def test_an_image_named_background_in_a_folder_is_its_idle_gel_and_no_frame(tmp_path):
+    grey_frames(tmp_path / "a", 3)
+    write_image(tmp_path / "a" / "background.png", np.full((16, 16, 3), 7, np.uint8))
+    found, ((_, clip),) = read_one(manifest(tmp_path, "1,cap,,slide_up,a,,"))
+    assert clip.frames[:, 0, 0, 0].tolist() == [20, 21, 22]
+    assert clip.background[0, 0, 0] == 7
+    assert found.backgrounds == {GIVEN: 1}
+
+
 def test_a_recording_of_any_kind_may_stand_for_its_frames(tmp_path):
     np.save(tmp_path / "a.npy", np.zeros((5, 16, 16, 3), np.uint8))
     _, ((row, clip),) = read_one(manifest(tmp_path, "1,cap,,slide_up,a.npy,,30"))

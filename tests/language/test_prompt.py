@@ -1,3 +1,5 @@
+import re
+
 import pytest
 
 from geotlm_lm.core.errors import IncompatibleBundle, UsageError
@@ -30,8 +32,18 @@ def test_an_empty_question_is_refused_with_an_example(speaker, question):
 def test_a_question_that_leaves_no_room_for_an_answer_is_refused(speaker):
     with pytest.raises(UsageError) as caught:
         speaker.prompts.prompt("\u6f22" * 60)
-    limit = speaker.prompts.max_tokens - MAX_ANSWER_TOKENS
-    assert str(caught.value).endswith(f"expected at most {limit}; shorten it.")
+    said = re.fullmatch(
+        r"The question has 60 characters, expected at most about (\d+) of this kind; shorten it\.",
+        str(caught.value),
+    )
+    assert 0 < int(said[1]) < 60
+
+
+def test_a_question_as_long_as_was_said_to_fit_does(speaker):
+    words = "which way is the small grey cap with the mark on it turning now " * 20
+    with pytest.raises(UsageError) as caught:
+        speaker.prompts.prompt(words)
+    speaker.prompts.prompt(words[: int(re.search(r"about (\d+)", str(caught.value))[1])])
 
 
 def test_every_answer_of_the_templates_fits_its_room(speaker):

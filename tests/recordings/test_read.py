@@ -100,6 +100,22 @@ def test_an_image_named_background_is_the_idle_gel_of_its_folder(tmp_path):
     )
 
 
+def test_masks_beside_the_frames_are_left_out_and_said_to_be(tmp_path):
+    for index, frame in enumerate(FRAMES):
+        cv2.imwrite(str(tmp_path / f"frame_{index}.png"), frame[..., ::-1])
+        cv2.imwrite(str(tmp_path / f"mask_{index}.png"), 255 - frame)
+    clip = read_clip(tmp_path)
+    assert np.array_equal(clip.frames, FRAMES)
+    assert clip.notes[-1] == "5 images named as masks (mask_0.png) were left out."
+
+
+@pytest.mark.parametrize("name", ["mask_{}.png", "masking{}.png"])
+def test_images_without_others_beside_them_are_frames_whatever_their_name(tmp_path, name):
+    for index, frame in enumerate(FRAMES):
+        cv2.imwrite(str(tmp_path / name.format(index)), frame[..., ::-1])
+    assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
+
+
 def test_hidden_copies_and_folders_among_the_images_are_passed_over(tmp_path):
     for index, frame in enumerate(FRAMES):
         cv2.imwrite(str(tmp_path / f"{index}.png"), frame[..., ::-1])

@@ -1,0 +1,52 @@
+"""A state and its opposite in one question claim neither."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.conversation.either_or import without_opposites
+from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
+from geotlm_lm.data.questions import questions_for
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Is it moving or stationary?",
+        "moving or still?",
+        "Is the cable static or dynamic",
+        "is it in motion, or is it at rest?",
+        "Is it still or moving?",
+    ],
+)
+def test_moving_or_at_rest_asks_how_it_moves(question):
+    assert without_opposites(question) == "Which way is it moving?"
+
+
+@pytest.mark.parametrize("question", ["Touching or not touching?", "contact or no contact"])
+def test_touching_or_not_asks_for_contact(question):
+    assert without_opposites(question) == "Is anything touching the gel?"
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Is it moving left or right?",
+        "Is it moving left or still?",
+        "Is it moving?",
+        "Is it still?",
+        "A) moving or still B) pressing",
+        "Sliding or turning?",
+        "Is it turning or is it still?",
+    ],
+)
+def test_other_questions_stay_as_they_are(question):
+    assert without_opposites(question) == question
+
+
+@pytest.mark.parametrize("wordings", ["seen", "held_out"])
+def test_no_question_of_the_templates_is_read_otherwise(wordings):
+    rng = np.random.default_rng(3)
+    for motion in Motion:
+        label = MotionLabel(motion, rotation_deg=12.0 if motion in ROTATIONS else 0.0)
+        for asked in questions_for(label, rng, wordings=wordings, per_type=8):
+            assert without_opposites(asked.question) == asked.question
