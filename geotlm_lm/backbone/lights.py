@@ -17,6 +17,13 @@ SHADE_X, SHADE_Y = 0.49, 1.64
 """Change of G, and of B - R, per unit slope towards right and down: GelSight Mini's lights, which
 stand about the pad at nearly right angles (`simulation.optics.LIGHTS`, measured on one unit)."""
 
+SHADE_GREY = 0.33
+"""Change of a grey picture of the same sensor per unit slope towards right and up, where the three
+lights' changes add up."""
+
+GREY_SHARE = 0.01
+"""Most energy of B - R, as a share of G's, in pictures without colour."""
+
 MIRRORED_CURL = 0.8
 """The lights count as mirrored when that leaves less than this share of the slopes' curl. Measured
 on 966 simulated turns and slides, together with the bound below: 1.2 % are taken for mirrored
@@ -44,10 +51,12 @@ class Lights:
         are_turned: By a quarter; which way the curl does not tell, but a relief that comes out
             inside out (`relief.is_inside_out`).
         are_mirrored: Left for right, once they are turned back.
+        are_one: Whether the picture tells them not apart: it is grey, or of one colour.
     """
 
     are_turned: bool = False
     are_mirrored: bool = False
+    are_one: bool = False
 
 
 def slopes(residuals: Sequence[Floats], aspect: float = 1.0) -> tuple[Floats, Floats]:
@@ -72,10 +81,13 @@ def lights_of(residuals: Sequence[Floats], aspect: float = 1.0) -> Lights:
         residuals: Frames less the idle gel, float32 (112, 112, 3), RGB grey levels.
         aspect: Width of a pixel over its height.
     """
+    shaded = slopes(residuals, aspect)
+    green, blue_less_red = (float(np.vdot(one, one)) for one in shaded)
+    if (SHADE_Y * aspect) ** 2 * blue_less_red < GREY_SHARE * SHADE_X**2 * green:
+        return Lights(are_one=True)
     # All frames at once, as channels of one image: in half of the time.
     to_right, down = (
-        cv2.GaussianBlur(cv2.merge(list(one)), (0, 0), CURL_BLUR_PX)
-        for one in slopes(residuals, aspect)
+        cv2.GaussianBlur(cv2.merge(list(one)), (0, 0), CURL_BLUR_PX) for one in shaded
     )
     x_by_x, x_by_y = _gradient(to_right)
     y_by_x, y_by_y = _gradient(down)
@@ -87,6 +99,21 @@ def lights_of(residuals: Sequence[Floats], aspect: float = 1.0) -> Lights:
     if turned.least < TURNED_CURL * usual.least and turned.is_of_relief:
         return Lights(are_turned=True, are_mirrored=turned.is_less_mirrored)
     return Lights(are_mirrored=usual.is_less_mirrored)
+
+
+def as_of_one_light(residual: Floats) -> Floats:
+    """Return what a grey picture is in colours, its shades those of slopes towards one light.
+
+    That light is taken to stand in the upper right; of slopes across it a grey picture tells
+    nothing. Without colours there is no relief at all, and how far it went is told wrong and for
+    sure: of 134 semi-real slides in grey 0.24 at 0.9 or more, so none.
+
+    Args:
+        residual: Frame less the idle gel, float32 (rows, columns, 3), RGB grey levels.
+    """
+    slope = cv2.extractChannel(residual, 1) * np.float32(0.5**0.5 / SHADE_GREY)
+    half = np.float32(SHADE_Y / 2) * slope
+    return cv2.merge([half, np.float32(SHADE_X) * slope, -half])
 
 
 def turned_by_a_quarter(residual: Floats) -> Floats:

@@ -19,7 +19,12 @@ from numpy.typing import NDArray
 
 from geotlm_lm.backbone.alignment import CHANNELS as ALIGNMENT_CHANNELS
 from geotlm_lm.backbone.alignment import alignment
-from geotlm_lm.backbone.lights import lights_of, turned_by_a_half, turned_by_a_quarter
+from geotlm_lm.backbone.lights import (
+    as_of_one_light,
+    lights_of,
+    turned_by_a_half,
+    turned_by_a_quarter,
+)
 from geotlm_lm.backbone.relief import RELIEF_SCALE, RELIEF_SIDE, as_image, is_inside_out, reliefs
 from geotlm_lm.backbone.square import in_square
 from geotlm_lm.backbone.view import CONTRAST_FLOOR_GREY2, VIEW_CELL_PX, View, contact_view
@@ -139,7 +144,9 @@ def _under_usual_lights(
     """
     half = [_area_means(image, RELIEF_SIDE) for image in residual]
     lights = lights_of(half, aspect)
-    if lights.are_turned:
+    if lights.are_one:
+        residual, half = (list(map(as_of_one_light, images)) for images in (residual, half))
+    elif lights.are_turned:
         residual, half = (list(map(turned_by_a_quarter, images)) for images in (residual, half))
     relief = reliefs(half, aspect, are_lights_mirrored=lights.are_mirrored)
     if is_inside_out(relief):

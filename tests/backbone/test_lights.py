@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from geotlm_lm.backbone.lights import (
+    SHADE_GREY,
     SHADE_X,
     SHADE_Y,
     Lights,
+    as_of_one_light,
     lights_of,
     turned_by_a_half,
     turned_by_a_quarter,
@@ -54,6 +56,25 @@ def test_neither_noise_nor_an_idle_gel_turns_the_lights():
     for seed in range(20):
         assert lights_of([noisy(np.zeros((SIDE, SIDE, 3)), seed)] * 4) == Lights()
     assert lights_of([np.zeros((SIDE, SIDE, 3), np.float32)]) == Lights()
+
+
+@pytest.mark.parametrize("colours", [(1, 1, 1), (0, 1, 0)])
+def test_a_grey_picture_and_one_of_one_colour_tell_no_lights_apart(colours):
+    grey = shaded(relief()) @ np.array([0.299, 0.587, 0.114])
+    seen = (grey[..., None] * colours).astype(np.float32)
+    assert lights_of([seen] * 2, 4 / 3) == Lights(are_one=True)
+    assert not lights_of([shaded(relief())], 4 / 3).are_one
+
+
+def test_a_grey_picture_gets_the_colours_of_slopes_towards_one_light():
+    y, x = np.mgrid[:SIDE, :SIDE] - (SIDE - 1) / 2
+    ridge = 100 * np.exp(-((x - y) ** 2) / 200)  # falls towards the upper right and lower left
+    slope_y, slope_x = (-one for one in np.gradient(ridge))
+    grey = SHADE_GREY * (slope_x - slope_y) / 2**0.5
+    seen = np.repeat(grey[..., None], 3, axis=-1).astype(np.float32)
+    inside = slice(1, -1)  # where slopes are central differences
+    found, expected = (one[inside, inside] for one in (as_of_one_light(seen), shaded(ridge)))
+    assert np.abs(found - expected).max() < 1e-3 * np.abs(expected).max()
 
 
 def test_a_picture_turned_back_is_that_of_the_turned_relief_under_the_usual_lights():

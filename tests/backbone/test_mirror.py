@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import torch
 
+from geotlm_lm.backbone import stem
 from geotlm_lm.backbone.mirror import Mirror, mirrored_field, mirrored_inputs
 from geotlm_lm.backbone.stem import CELLS, FLOW_CHANNELS, look
 from geotlm_lm.simulation.series import simulate_series
@@ -32,13 +33,21 @@ def turned_over(clip, mirror):
 
 @pytest.fixture(scope="module")
 def clips():
-    # Grey shading tells no slope down the image, so that lights above and below are alike; the
-    # relief of coloured shading finds out by itself that left and right are swapped.
+    # Grey shading under the usual lights tells no slope down the image, so that lights above and
+    # below are alike; the relief of coloured shading finds out by itself that left and right are
+    # swapped.
     coloured = next(iter(simulate_series(3, 1, objects=("key",)))).clip
     return {
         Mirror.TOP_AND_BOTTOM: moving_clip((3.0, 2.0), turn_deg=5.0),
         Mirror.LEFT_AND_RIGHT: coloured,
     }
+
+
+@pytest.fixture(autouse=True)
+def usual_lights(monkeypatch):
+    """Grey shading is not taken for that of one light."""
+    found = stem.lights_of
+    monkeypatch.setattr(stem, "lights_of", lambda *seen: replace(found(*seen), are_one=False))
 
 
 @pytest.mark.parametrize("mirror", Mirror)

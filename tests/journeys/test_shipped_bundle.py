@@ -10,7 +10,7 @@ import torch
 
 import geotlm_lm
 from geotlm_lm.answering import Answerer
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX
+from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, look
 from geotlm_lm.checkpoint import embedded_bundle_dir
 from geotlm_lm.cli.simulate import simulate_one
 from geotlm_lm.core.clip import Clip
@@ -125,6 +125,25 @@ def test_a_sensor_held_across_or_upside_down_is_told_as_its_pictures_show(
             clip, motion = turned_by_quarter(clip), turn_by_quarter(motion)
         right.append(direction(answerer, clip) is motion)
     assert np.mean(right) >= 0.88
+
+
+def test_grey_recordings_are_told_and_measured(answerer, touches):
+    """Their shades tell no lights apart, and a relief that came out empty measured nothing."""
+    greys = [replace(made, clip=in_grey(made.clip)) for made in touches]
+    right = [direction(answerer, made.clip) is made.label.motion for made in greys]
+    assert np.mean(right) >= 0.85
+    inputs = [look(made.clip)[0] for made in greys]
+    assert all(one[1, ..., MAGNIFICATION_AT - 1].any() for one in inputs)
+
+
+def in_grey(clip):
+    """Return a clip whose three colours are its luma."""
+
+    def luma(image):
+        grey = np.rint(image @ np.array([0.299, 0.587, 0.114])).astype(np.uint8)
+        return np.repeat(grey[..., None], 3, axis=-1)
+
+    return replace(clip, frames=luma(clip.frames), background=luma(clip.background))
 
 
 def as_camera_took_it(clip):
