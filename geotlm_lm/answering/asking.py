@@ -24,10 +24,11 @@ from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.place import place_in_picture
 from geotlm_lm.conversation.reasons import contact_place
 from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.conversation.spelling import spelt
 from geotlm_lm.conversation.stated_amounts import stated_amount
 from geotlm_lm.conversation.statements import UNREAD, states_more
 from geotlm_lm.conversation.two_parts import two_parts
-from geotlm_lm.conversation.untold import asks_place, untold
+from geotlm_lm.conversation.untold import asks_place, never_told, untold
 from geotlm_lm.conversation.wording import known
 from geotlm_lm.core.frame_spec import FrameSpec
 
@@ -56,7 +57,7 @@ def answer_question(
         return replace(noted, abstained=False, confidence=1.0)
     if not stated.is_stated and states_more(stated.rest):
         return plain(encoded, UNREAD, "frame", frame)
-    asked, frame = without_opposites(without_adverbs(stated.rest)), stated.frame
+    asked, frame = without_opposites(without_adverbs(spelt(stated.rest))), stated.frame
     parts = two_parts(asked)
     if parts is not None:
         return _both(*(answer_question(bundle, encoded, part, frame) for part in parts))
@@ -75,9 +76,10 @@ def answer_question(
 def _at_once(bundle: Bundle, encoded: Encoded, asked: str, frame: FrameSpec) -> Answer | None:
     """Return the answer to what no model is asked, or not in these words; None to anything else."""
     kind = asked_kind(asked)
-    if kind is None and (said := untold(asked)) is not None:
+    said = never_told(asked) or (untold(asked) if kind is None else None)
+    if said is not None:
         return plain(encoded, said, "refusal", frame)
-    if kind is None and asks_place(asked):
+    if kind in (None, "magnitude") and asks_place(asked):
         return _place(bundle, encoded)
     claim = stated_amount(asked)
     if claim is not None and "magnitude" in bundle.grammar.kinds:

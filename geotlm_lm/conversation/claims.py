@@ -5,15 +5,20 @@ from __future__ import annotations
 import re
 from difflib import get_close_matches
 
+from geotlm_lm.conversation.axes import claimed_axis
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class
 
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 
 _TOWARDS, _EDGE = r"\b(?:to|towards?)(?: the)?", r"(?:edge|border|side|end)\b"
 
+_TURNING = r"\b(?:turn|rotat|twist|spin|swivel)(?:s|es|ed|n?ing|e)?(?: to(?:wards)? the)?"
+"""What turns left turns counterclockwise, as a cap does: "left" alone would be a slide."""
+
 _LOST_CONTACT = (
     r"(?<!without )\b(?:lost|los(?:e|es|ing)|broken?|breaks?|ended) (?:the |its |all )?contact\b"
     r"|\bcontact (?:(?:is|was|has|been|being|just|already) ){0,3}(?:lost|gone|broken|ended|over)\b"
+    r"|\b(?:been|was|got) let go\b"
 )
 
 _NO_MOTION = re.compile(
@@ -28,8 +33,11 @@ _NO_MOTION = re.compile(
 """Words of motion in another sense; taken out before motions are looked for."""
 
 NAMES: tuple[tuple[Motion, str], ...] = (
-    (Motion.COUNTERCLOCKWISE, r"\b(?:counter|anti)[ -]?clock-?wise\b|\bccw\b"),
-    (Motion.CLOCKWISE, r"\bclock-?wise\b|\bcw\b"),
+    (
+        Motion.COUNTERCLOCKWISE,
+        rf"\b(?:counter|anti)[ -]?clock-?wise\b|\bccw\b|{_TURNING} left(?:wards?)?\b",
+    ),
+    (Motion.CLOCKWISE, rf"\bclock-?wise\b|\bcw\b|{_TURNING} right(?:wards?)?\b"),
     (
         Motion.NONE,
         r"\bno contact\b|\bnot (?:touching|in contact)\b|\buntouched\b|\bout of contact\b"
@@ -43,7 +51,8 @@ NAMES: tuple[tuple[Motion, str], ...] = (
     ),
     (
         Motion.RELEASE,
-        r"\breleas(?:e|es|ed|ing)\b|\blift(?:s|ed|ing)?\b(?: off)?|\bcom(?:es|ing) off\b",
+        r"\breleas(?:e|es|ed|ing)\b|\blift(?:s|ed|ing)?\b(?: off)?|\bcom(?:es|ing) off\b"
+        r"|\blet(?:ting)? go\b",
     ),
     (Motion.PRESS, r"\b(?:press|push)(?:es|ed|ing)?\b(?: in(?:to)?| down)?"),
     (Motion.LEFT, r"\bleft(?:wards?)?\b"),
@@ -206,6 +215,9 @@ def claimed(question: str) -> frozenset[Motion] | None:
     """
     if claims_end(question):
         return _left_at_the_end(" ".join(question.lower().split()))
+    axis = claimed_axis(question.lower())
+    if axis:
+        return axis
     motion, kind = claimed_motion(question), claimed_class(question)
     named = {motion} - {None} or {one for one in Motion if motion_class(one) == kind}
     return frozenset(named) or None
@@ -252,7 +264,12 @@ def claims_motion(text: str) -> bool:
     text = " ".join(text.lower().split())
     if claims_end(text):
         return True
-    if _OF_SOMETHING_ELSE.search(text) or not _PREDICATES.search(text):
+    if _OF_SOMETHING_ELSE.search(text):
+        return False
+    is_terse = re.match(r"\W*(?:moving|sliding|going) ", text) and not motions_named(text)
+    if claimed_axis(text) and (is_terse or _PREDICATES.search(text)):
+        return True
+    if not _PREDICATES.search(text):
         return False
     kinds = {motion_class(one) for one in motions_named(text)}
     kinds |= {kind for kind, words in CLASS_NAMES if re.search(words, text)}

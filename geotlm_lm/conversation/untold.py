@@ -11,6 +11,13 @@ _WHEN = (
     "motion of a recording begins and ends."
 )
 _FORCE = "I cannot tell force or depth; I tell which way it moves, how far and whether it touches."
+_MEAN_SPEED = (
+    "I tell one mean speed between the frames used, not how it changes: `geotlm-lm watch` tells "
+    "the motions of a recording one by one."
+)
+_ADVICE = "I tell how the touched object moves and whether it touches, not what to do about it."
+_QUALITY = "I tell whether something touches and where, not what shape or how firm a contact is."
+_NEAREST = "I tell the nearest of left, right, up and down, and no angle between them."
 _AXIS = (
     "I tell turns as drawn in the camera image, not by a sign: clockwise there is positive about "
     "an axis that points from the sensor into the object."
@@ -48,12 +55,50 @@ _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
     ),
 )
 
+_NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
+    (
+        re.compile(
+            r"\b(?:accelerat|decelerat)\w*|\b(?:speed(?:s|ing)?|slow(?:s|ed|ing)?) (?:up|down)\b"
+            r"|\b(?:faster|slower) (?:at|near|towards?|in) the (?:end|start|beginning|middle)\b"
+            r"|\b(?:speed|rate|velocity) (?:\w+ ){0,2}(?:constant|steady|even|uniform|chang\w+)\b"
+            r"|\b(?:constant|steady|uniform) (?:speed|rate|velocity)\b"
+        ),
+        _MEAN_SPEED,
+    ),
+    (
+        re.compile(
+            r"^\W*(?:(?:and|so|ok|but)[, ]+)?(?:should|shall|must|do) "
+            r"(?:i|we|the (?:robot|gripper))\b (?:(?:have|need) to )?"
+            r"(?!feel|sense|see|have|touch|get|make|turn|rotate|unscrew|screw|trust|rely|believe)"
+            r"|\bis it (?:safe|ok|okay|fine|time|wise) to\b"
+        ),
+        _ADVICE,
+    ),
+    (
+        re.compile(
+            r"\b(?:is|was|does|did|has) (?:the |this |that |its )?(?:contact|touch|imprint)"
+            r"(?: area)? (?:been )?(?:get\w* )?(?:grow|shrink|increas|decreas|spread|bigger|larger"
+            r"|smaller|round|square|gentle|firm|soft|hard|light|strong|weak|stable|good|flat|sharp)"
+            r"\w*"
+        ),
+        _QUALITY,
+    ),
+    (re.compile(r"\bdiagonal(?:ly)?\b"), _NEAREST),
+)
+"""Asked in words that a rule or the model would take for another question."""
+
 _PLACE = re.compile(
     r"\bwhere(?: is|'s| was) (?:the |its )?(?:contact|touch|imprint)\b"
     r"|\bwhere (?:does|did|do) (?:\S+ ){1,3}touch\b|\bwhere (?:am i|are you|is it) touching\b"
     r"|\b(?:is|was) the (?:contact|touch|imprint) (?:at|on|in|near) (?:the|my) (?!move\b)"
     r"|\b(?:what|which|where) (?:is |was )?(?:the )?contact (?:place|position|location|point)\b"
-    r"|^(?:the )?contact (?:place|position|location)\W*$"
+    r"|^(?:the )?contact (?:place|position|location|area|size)\W*$"
+    r"|\b(?:touch(?:es|ing|ed)?|contact) (?:on|at|in|near) (?:the |my )?(?:left|right|upper|lower"
+    r"|top|bottom|middle|centre|center|corner|edge|border)\b"
+    r"|\bwhere (?:in|on|at) the (?:\S+ ){1,5}(?:touch|contact)\w*\b"
+    r"|\b(?:which|what) (?:part|side|area|region|spot) of (?:\S+ ){1,3}touch\w*\b"
+    r"|\bhow (?:much|large|big|wide) (?:\S+ ){1,4}(?:touch(?:ed|ing)|(?<!of )contact)\b"
+    r"|\b(?:size|area) of the (?:contact|touch|imprint)\b|\bcontact area\b"
 )
 _OF_A_MOTION = re.compile(
     r"\b(?:mov|motion|head|slid|slip|turn|travel|shift|rest|grow|larg|small|chang)\w*|\bgo(?:es|ing)?\b"
@@ -72,6 +117,12 @@ def untold(question: str) -> str | None:
     if motions_named(text):
         return None
     return next((said for words, said in asking if words.search(text)), None)
+
+
+def never_told(question: str) -> str | None:
+    """Return what to say to a question whose words pass for another one's; None to any else."""
+    text = " ".join(question.lower().replace("\u2019", "'").split())
+    return next((said for words, said in _NEVER if words.search(text)), None)
 
 
 def asks_place(question: str) -> bool:

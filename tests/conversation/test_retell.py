@@ -176,7 +176,11 @@ def test_the_chance_that_it_tightens_is_that_of_the_turn():
     ("kind", "question", "frame", "text", "share"),
     [
         ("negation", "It isn't clockwise, is it?", CAMERA, "It is: {}.", 0.9),
-        ("negation", "Is it not turning left?", CAMERA, "It is not: {}.", 1.0),
+        ("negation", "Is it not going left?", CAMERA, "It is not: {}.", 1.0),
+        # What turns left turns counterclockwise.
+        ("negation", "Is it not turning left?", CAMERA, "It is not: {}.", 0.95),
+        ("verify", "Is it turning to the right?", CAMERA, "Yes, {}.", 0.9),
+        ("verify", "Is it moving horizontally?", CAMERA, "No, {}.", 1.0),
         ("premise", "How fast is it turning clockwise?", CAMERA, "That holds: {}.", 0.9),
         ("premise", "How fast is it sliding up?", CAMERA, "But no, {}.", 1.0),
         ("verify", "Is it turning clockwise?", OBJECT_SIDE, "No, {}.", 0.95),

@@ -1,8 +1,11 @@
 """What is asked and never told is declined, and the place of the contact understood."""
 
+import numpy as np
 import pytest
 
-from geotlm_lm.conversation.untold import asks_place, untold
+from geotlm_lm.conversation.untold import asks_place, never_told, untold
+from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
+from geotlm_lm.data.questions import questions_for
 
 
 @pytest.mark.parametrize(
@@ -48,7 +51,56 @@ def test_other_questions_are_left_to_the_model(text):
         ("is the contact on the move?", False),
         ("is the contact area getting larger?", False),
         ("is there contact?", False),
+        ("Is it touching on the left side?", True),
+        ("Where in the picture is the object touching?", True),
+        ("which part of the gel is touched?", True),
+        ("How much of the gel is touched?", True),
+        ("size of the contact?", True),
+        ("How much is it out of contact?", False),
+        ("how big is the turn after contact?", False),
     ],
 )
 def test_who_asks_for_the_place_of_the_contact_is_understood(text, asks):
     assert asks_place(text) is asks
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("Is it speeding up?", "mean speed"),
+        ("Does it turn faster at the end?", "mean speed"),
+        ("is the speed constant?", "mean speed"),
+        ("Should I close the gripper more?", "what to do"),
+        ("Is it safe to lift?", "what to do"),
+        ("Is the contact growing?", "how firm"),
+        ("Is the touch gentle?", "how firm"),
+        ("is it moving diagonally?", "nearest"),
+    ],
+)
+def test_what_passes_for_another_question_is_declined(text, word):
+    assert word in never_told(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Should I turn it clockwise to get it back?",
+        "Do I feel contact?",
+        "How fast does it turn?",
+        "Is the contact at rest?",
+        "Which way should I turn it to tighten it?",
+        "Is it touching?",
+        "Does it go faster than 10 px/s?",
+    ],
+)
+def test_what_can_be_told_is_not_declined(text):
+    assert never_told(text) is None
+
+
+@pytest.mark.parametrize("wordings", ["seen", "held_out"])
+def test_no_question_of_the_templates_is_never_told(wordings):
+    rng = np.random.default_rng(5)
+    for motion in Motion:
+        label = MotionLabel(motion, rotation_deg=12.0 if motion in ROTATIONS else 0.0)
+        for asked in questions_for(label, rng, wordings=wordings, per_type=8):
+            assert never_told(asked.question) is None or asked.type_id == "T17", asked

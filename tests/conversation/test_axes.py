@@ -1,0 +1,31 @@
+"""Axes of the image named in a claim."""
+
+import pytest
+
+from geotlm_lm.conversation.axes import claimed_axis
+from geotlm_lm.conversation.claims import claimed, claims_motion
+from geotlm_lm.core.labels import Motion
+
+ACROSS = frozenset({Motion.LEFT, Motion.RIGHT})
+ALONG = frozenset({Motion.UP, Motion.DOWN})
+
+
+@pytest.mark.parametrize(
+    ("text", "motions"),
+    [
+        ("is it moving horizontally?", ACROSS),
+        ("does it slide sideways?", ACROSS),
+        ("moving vertically?", ALONG),
+        ("is it sliding along y?", ALONG),
+        ("horizontally or vertically?", frozenset()),
+        ("is it moving?", frozenset()),
+    ],
+)
+def test_an_axis_stands_for_both_ways_along_it(text, motions):
+    assert claimed_axis(text) == motions
+
+
+@pytest.mark.parametrize("text", ["Is it moving horizontally?", "moving sideways?"])
+def test_an_axis_is_a_claim(text):
+    assert claims_motion(text)
+    assert claimed(text) == ACROSS

@@ -1,0 +1,47 @@
+"""Mistyped kinds of motion are put right, and no word that means something else."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.conversation.spelling import spelt
+from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
+from geotlm_lm.data.questions import questions_for
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("is the object sliping", "is the object slipping"),
+        ("Is it sldiing?", "Is it sliding?"),
+        ("which way is it truning", "which way is it turning"),
+        ("rotaing?", "rotating?"),
+        ("Is it Twistng?", "Is it twisting?"),
+    ],
+)
+def test_a_mistyped_motion_is_put_right(text, meant):
+    assert spelt(text) == meant
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "flipping the clip, which way?",
+        "Is the rotation clockwise?",
+        "IS IT TURNING?",
+        "skipping or sliding",
+        "Is the tuning knob turning?",
+        "is it returning?",
+        "Is it thinning?",
+        "during the touch",
+    ],
+)
+def test_other_words_stay(text):
+    assert spelt(text) == text
+
+
+def test_questions_of_the_templates_without_slips_stay():
+    rng = np.random.default_rng(7)
+    for motion in Motion:
+        label = MotionLabel(motion, rotation_deg=12.0 if motion in ROTATIONS else 0.0)
+        for asked in questions_for(label, rng, wordings="held_out", per_type=8):
+            assert spelt(asked.question) == asked.question
