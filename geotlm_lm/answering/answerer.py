@@ -9,36 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
-from geotlm_lm.answering.answer import (
-    Answer,
-    Encoded,
-    check_question,
-    with_background,
-)
+from geotlm_lm.answering.answer import Answer, Encoded, check_question, with_background
 from geotlm_lm.answering.asking import answer_question
-from geotlm_lm.answering.hearing import (
-    AMOUNT_QUESTION,
-    EVIDENCE_QUESTION,
-    OPEN_QUESTION,
-    hear,
-    score,
-)
-from geotlm_lm.answering.measuring import measured
-from geotlm_lm.answering.replying import UNTRAINED, is_as_seen
+from geotlm_lm.answering.comparing import compare_clips
+from geotlm_lm.answering.hearing import EVIDENCE_QUESTION, OPEN_QUESTION, hear, score
+from geotlm_lm.answering.replying import is_as_seen
 from geotlm_lm.answering.session import Session
-from geotlm_lm.answering.several import (
-    Comparison,
-    Order,
-    asks_amount,
-    compare_amounts,
-    compare_directions,
-    tell_order,
-)
+from geotlm_lm.answering.several import Comparison, Order, tell_order
 from geotlm_lm.answering.streaming import Listener, pieces
 from geotlm_lm.answering.withholding import is_contradicted
 from geotlm_lm.checkpoint import Bundle, load_bundle
-from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
-from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.reasons import chain
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.wording import known
@@ -199,28 +179,16 @@ class Answerer:
         *,
         frame: FrameSpec = CAMERA,
     ) -> Comparison:
-        """Compare two clips: whether they go the same way or, if asked for, which goes further.
+        """Answer a question about two clips: whether they go the same way, which goes further.
+
+        Which way one of them goes, "the second one", is told as well; what is neither about
+        directions nor about amounts is declined.
 
         Raises:
             UsageError: If the question is empty or too long.
         """
         question = check_question(question)
-        stated = read_facts(question, frame)
-        answers = [self.ask(one, OPEN_QUESTION, frame=stated.frame) for one in (first, second)]
-        if not is_english(question):
-            return Comparison(ENGLISH_ONLY, "unknown", 0.0, True, *answers)
-        if not asks_amount(question):
-            return compare_directions(*answers)
-        if "magnitude" not in self.bundle.grammar.kinds:
-            return Comparison(UNTRAINED["magnitude"], "unknown", 0.0, True, *answers)
-        heard = [hear(self.bundle, one, AMOUNT_QUESTION) for one in (first, second)]
-        found = [
-            measured(self.bundle, one, said, stated.frame)
-            for one, said in zip((first, second), heard, strict=True)
-        ]
-        sizes = {one.clip.frames.shape[1:3] for one in (first, second)}
-        seconds = (first.seconds, second.seconds)
-        return compare_amounts(question, found, seconds, answers, is_same_size=len(sizes) == 1)
+        return compare_clips(self.bundle, (first, second), question, frame)
 
     def order(self, parts: Sequence[Encoded], *, frame: FrameSpec = CAMERA) -> Order:
         """Tell the motions of `parts`, clips of one recording in the order of time.

@@ -16,6 +16,7 @@ from geotlm_lm.answering.replying import by_rule, in_words
 from geotlm_lm.answering.streaming import Listener, StandingWords
 from geotlm_lm.answering.withholding import plain, too_little_contact
 from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.about_recording import Topic, asked_of_recording, told_of_recording
 from geotlm_lm.conversation.claims import without_adverbs
 from geotlm_lm.conversation.either_or import without_opposites
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
@@ -75,6 +76,8 @@ def answer_question(
 
 def _at_once(bundle: Bundle, encoded: Encoded, asked: str, frame: FrameSpec) -> Answer | None:
     """Return the answer to what no model is asked, or not in these words; None to anything else."""
+    if (topic := asked_of_recording(asked)) is not None:
+        return _of_recording(encoded, topic, frame)
     kind = asked_kind(asked)
     said = never_told(asked) or (untold(asked) if kind is None else None)
     if said is not None:
@@ -85,6 +88,13 @@ def _at_once(bundle: Bundle, encoded: Encoded, asked: str, frame: FrameSpec) -> 
     if claim is not None and "magnitude" in bundle.grammar.kinds:
         return judged_amount(bundle, encoded, asked, claim, frame)
     return None
+
+
+def _of_recording(encoded: Encoded, topic: Topic, frame: FrameSpec) -> Answer:
+    """Say what is known of the frames, whatever they show."""
+    clip = encoded.clip
+    text = told_of_recording(topic, clip.frames.shape[1:3], clip.fps, clip.frame_numbers)
+    return replace(plain(encoded, text, "frame", frame), abstained=False, confidence=1.0)
 
 
 def _place(bundle: Bundle, encoded: Encoded) -> Answer:

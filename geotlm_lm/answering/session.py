@@ -18,6 +18,7 @@ from geotlm_lm.answering.streaming import Listener, pieces
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.conversation.two_clips import asks_of_one
 from geotlm_lm.conversation.two_parts import two_parts
 from geotlm_lm.conversation.wording import level
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -152,7 +153,8 @@ class Session:
     def _reply(self, question: str, listen: Listener | None) -> Reply:
         stated = read_facts(question, self.frame)
         kind = asked_kind(stated.rest)
-        if kind == "comparison" and len(self.clips) > 1:
+        is_of_one = kind != "order" and asks_of_one(stated.rest) is not None
+        if (kind == "comparison" or is_of_one) and len(self.clips) > 1:
             first, second = self.clips[-2:]
             return self.answerer.compare(first, second, stated.rest, frame=stated.frame)
         if kind == "order" and len(self.clips) > 1:

@@ -11,8 +11,9 @@ from geotlm_lm.answering.amounts import Amount
 from geotlm_lm.answering.answer import Answer
 from geotlm_lm.answering.hearing import LEAST_SURE
 from geotlm_lm.answering.withholding import unsure_text
+from geotlm_lm.conversation.claims import presumed_class
 from geotlm_lm.conversation.wording import clause, name, place
-from geotlm_lm.core.labels import DIRECTED, Motion, reverse
+from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class, reverse
 
 Relation = Literal["same", "opposite", "different", "first", "second", "similar", "unknown"]
 
@@ -34,9 +35,11 @@ class Comparison:
 
     Args:
         text: The sentence.
-        relation: Of their directions (same, opposite, different), or which one is asked for.
+        relation: Of their directions (same, opposite, different), or which one is asked for;
+            unknown where there is none.
         confidence: Probability of the relation of directions; of amounts, that both are right
-            within their tolerance. In [0, 1]; 0 when withheld.
+            within their tolerance; of one clip's own answer, that of the answer. In [0, 1]; 0 when
+            withheld.
         abstained: Whether the model declines to say.
         first: Which way the first clip goes.
         second: Which way the second one goes.
@@ -119,12 +122,11 @@ def compare_directions(first: Answer, second: Answer) -> Comparison:
     opposite = sum(p for (a, b), p in pairs.items() if a != b and a in DIRECTED and b == reverse(a))
     if one == other:
         return told(f"The same: of both clips, {clause(one, frame)}.", "same", same)
-    both = f"the first is {_going(one)}, the second {_going(other)}"
+    both = _each_way((first, second))
     if one in DIRECTED and other == reverse(one):
-        return told(f"Opposite: {both}, {place(frame)}.", "opposite", opposite)
-    where = f", {place(frame)}" if {one, other} & set(DIRECTED) else ""
+        return told(f"Opposite: {both}", "opposite", opposite)
     rest = max(0.0, 1.0 - same - opposite)
-    return told(f"Different: {both}{where}.", "different", rest)
+    return told(f"Different: {both}", "different", rest)
 
 
 def compare_amounts(
@@ -154,6 +156,8 @@ def compare_amounts(
     if (unsure := _withheld(answers)) is not None:
         which = ("first", "second")[unsure[0]]
         return refuse(f"I cannot compare them; of the {which}: {unsure[1].text}")
+    if (verb := _presumed_in_vain(question, answers)) is not None:
+        return refuse(f"Neither {verb}: {_each_way(answers)}")
     if any(one is None for one in found):
         return refuse("I cannot compare them: not both of them turn or slide.")
     if found[0].unit != found[1].unit:
@@ -176,6 +180,32 @@ def compare_amounts(
     return Comparison(f"The {which}: {sizes}.", which, confidence, False, *answers)
 
 
+def tell_one(which: int, answer: Answer, answers: Sequence[Answer]) -> Comparison:
+    """Tell the answer about one of two clips, 0 or 1.
+
+    Args:
+        which: The clip that is asked about.
+        answer: The answer about it.
+        answers: Which way each goes.
+    """
+    name: Relation = ("first", "second")[which]
+    relation = "unknown" if answer.abstained else name
+    text = f"Of the {name}: {answer.text}"
+    return Comparison(text, relation, answer.confidence, answer.abstained, *answers)
+
+
+def tell_each(told: Sequence[Answer], answers: Sequence[Answer]) -> Comparison:
+    """Tell an answer about each of two clips.
+
+    Args:
+        told: The answers about them.
+        answers: Which way each goes.
+    """
+    text = f"Of the first: {told[0].text} Of the second: {told[1].text}"
+    confidence = told[0].confidence * told[1].confidence
+    return Comparison(text, "unknown", confidence, any(one.abstained for one in told), *answers)
+
+
 def tell_order(answers: Sequence[Answer]) -> Order:
     """Tell one motion after another from the answers about each clip."""
     if (unsure := _withheld(answers)) is not None:
@@ -196,6 +226,21 @@ def tell_order(answers: Sequence[Answer]) -> Order:
 def _withheld(answers: Sequence[Answer]) -> tuple[int, Answer] | None:
     """Return the first answer that names no motion, and its place."""
     return next(((i, a) for i, a in enumerate(answers) if a.direction is None), None)
+
+
+def _presumed_in_vain(question: str, answers: Sequence[Answer]) -> str | None:
+    """Return the verb of the motion that a question takes for granted and neither clip shows."""
+    presumed = presumed_class(question)
+    if presumed is None or any(motion_class(one.direction) is presumed for one in answers):
+        return None
+    return "turns" if presumed is MotionClass.ROTATION else "slides"
+
+
+def _each_way(answers: Sequence[Answer]) -> str:
+    """Return which way each of two goes: "the first is going left, the second pressing in."."""
+    one, other = (answer.direction for answer in answers)
+    where = f", {place(answers[0].frame)}" if {one, other} & set(DIRECTED) else ""
+    return f"the first is {_going(one)}, the second {_going(other)}{where}."
 
 
 def _going(motion: Motion) -> str:

@@ -194,3 +194,26 @@ def test_the_contact_is_in_its_place_in_the_picture_whatever_was_looked_at(
     assert answer.text.startswith(told)
     assert answer.evidence["contact_centre_px"] == pytest.approx(centre, abs=1)
     assert "covers about 1% of the image" in answer.text
+
+
+@pytest.mark.parametrize(
+    ("question", "text"),
+    [
+        ("What is the resolution?", "The frames are 64 px wide and 48 px high."),
+        ("How many frames per second?", "The recording has 25 frames per second."),
+        ("How many frames are there?", "I look at few frames of a recording, here at 0, 1, 2, 3,"),
+    ],
+)
+def test_what_is_asked_of_the_recording_is_told_without_the_model(bundle, question, text):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
+    answer = answerer.ask(answerer.encode(recording(fps=25.0)), question)
+    assert answer.text.startswith(text)
+    assert (answer.kind, answer.direction, answer.amount) == ("frame", None, None)
+    assert (answer.told_by, answer.abstained, answer.confidence) == ("rule", False, 1.0)
+    assert answerer.bundle.speaker.heard == []
+
+
+def test_a_recording_without_a_frame_rate_says_so(bundle):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
+    answer = answerer.ask(answerer.encode(recording()), "What is the frame rate?")
+    assert answer.text == "The recording gives no frame rate; give it by fps."

@@ -168,6 +168,33 @@ def test_amounts_of_different_things_are_not_compared(one, other, text):
     assert (compared.text, compared.abstained) == (text, True)
 
 
+@pytest.mark.parametrize(
+    ("question", "ways", "text"),
+    [
+        (
+            "Which one turns more?",
+            ("left", "down"),
+            "Neither turns: the first is going left, the second going down, in the camera image.",
+        ),
+        (
+            "Which slides further?",
+            ("clockwise", "press"),
+            "Neither slides: the first is going clockwise, the second pressing in, in the camera "
+            "image.",
+        ),
+        (
+            "Which slid less?",
+            ("press", "still"),
+            "Neither slides: the first is pressing in, the second holding still.",
+        ),
+    ],
+)
+def test_a_motion_that_neither_shows_is_not_compared(question, ways, text):
+    pair = [measured(17, "px"), measured(6, "px")]
+    compared = compare_amounts(question, pair, (None, None), [answer(way) for way in ways])
+    assert (compared.text, compared.relation, compared.abstained) == (text, "unknown", True)
+
+
 def test_turns_are_compared_whatever_the_size_of_the_frames():
     pair, answers = [measured(12), measured(27)], (answer("clockwise"), answer("clockwise"))
     compared = compare_amounts(

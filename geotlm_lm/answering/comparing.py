@@ -1,0 +1,88 @@
+"""One question about two clips, from the text to the comparison; `several` weighs the answers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from geotlm_lm.answering.answer import Answer, Encoded
+from geotlm_lm.answering.asking import answer_question
+from geotlm_lm.answering.hearing import AMOUNT_QUESTION, OPEN_QUESTION, RATE_QUESTION, hear
+from geotlm_lm.answering.measuring import measured
+from geotlm_lm.answering.replying import UNTRAINED
+from geotlm_lm.answering.several import (
+    Comparison,
+    asks_amount,
+    compare_amounts,
+    compare_directions,
+    tell_each,
+    tell_one,
+)
+from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
+from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
+from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.conversation.two_clips import asks_each_amount, asks_of_one, relates
+from geotlm_lm.conversation.untold import untold
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.language.parse_answer import Slots
+
+COMPARED = (
+    "Of two clips I tell whether they go the same way, which one goes further or faster, and which "
+    "way each of them goes; ask for one of these."
+)
+"""Said to a question that asks none of them."""
+
+
+def compare_clips(
+    bundle: Bundle, clips: Sequence[Encoded], question: str, frame: FrameSpec
+) -> Comparison:
+    """Answer a question about two clips that is neither empty nor too long.
+
+    Args:
+        bundle: The model.
+        clips: The two.
+        question: As it was typed.
+        frame: In which to tell directions.
+    """
+    stated = read_facts(question, frame)
+    asked, frame = stated.rest or question, stated.frame
+    answers = [answer_question(bundle, one, OPEN_QUESTION, frame) for one in clips]
+    if (declined := _declined(bundle, question, asked)) is not None:
+        return Comparison(declined, "unknown", 0.0, True, *answers)
+    if (one := asks_of_one(asked)) is not None:
+        which, of_it = one
+        answer = answer_question(bundle, clips[which], of_it or OPEN_QUESTION, frame)
+        return tell_one(which, answer, answers)
+    if asks_amount(asked):
+        return _compare_amounts(bundle, clips, asked, frame, answers)
+    if (kind := asks_each_amount(asked)) is not None:
+        of_each = RATE_QUESTION if kind == "rate" else AMOUNT_QUESTION
+        return tell_each([answer_question(bundle, one, of_each, frame) for one in clips], answers)
+    if not relates(asked):
+        return Comparison(COMPARED, "unknown", 0.0, True, *answers)
+    return compare_directions(*answers)
+
+
+def _declined(bundle: Bundle, question: str, asked: str) -> str | None:
+    """Return what to say to what no clip answers; None where two may."""
+    if not is_english(question):
+        return ENGLISH_ONLY
+    if asks_beyond_touch(asked):
+        knows = "refusal" in bundle.grammar.kinds
+        return bundle.grammar.sentence(Slots("refusal")) if knows else COMPARED
+    return untold(asked)
+
+
+def _compare_amounts(
+    bundle: Bundle,
+    clips: Sequence[Encoded],
+    question: str,
+    frame: FrameSpec,
+    answers: Sequence[Answer],
+) -> Comparison:
+    if "magnitude" not in bundle.grammar.kinds:
+        return Comparison(UNTRAINED["magnitude"], "unknown", 0.0, True, *answers)
+    found = [measured(bundle, one, hear(bundle, one, AMOUNT_QUESTION), frame) for one in clips]
+    sizes = {one.clip.frames.shape[1:3] for one in clips}
+    seconds = [one.seconds for one in clips]
+    return compare_amounts(question, found, seconds, answers, is_same_size=len(sizes) == 1)

@@ -1,0 +1,90 @@
+"""What a question about two clips asks: how they relate, or something of one of them alone."""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.conversation.claims import motions_named
+
+_MOTION_NOUN = (
+    r"(?:ways?|directions?|sense|motions?|movements?|rotations?|turns?|turning|slides?|sliding"
+    r"|(?:kind|type|sort)s? of (?:motion|movement)s?)"
+)
+_MOTION = re.compile(
+    rf"\b{_MOTION_NOUN}\b|\b(?:go(?:es|ing)?|went)\b"
+    r"|\b(?:mov|rotat|turn|twist|spin|spun|slid|slip|drag|glid|travel|shift|head)\w*"
+)
+_RELATION = re.compile(
+    r"\b(?:same|opposites?|differ\w*|compar\w*|alike|similar\w*|identical\w*|equal\w*)\b"
+)
+_SAME_WAY = re.compile(
+    rf"\b(?:same|opposite|different|similar|identical|equal) {_MOTION_NOUN}\b"
+    rf"|\b(?:differ\w*|comparison|compare) (?:in|between|of)?(?: the(?:ir)?)? ?{_MOTION_NOUN}\b"
+)
+_NO_NOUN = (
+    r"(?:or|and|as|in|to|for|from|than|with|between|at|here|now|again|not|too|please|then|clips?"
+    r"|recordings?|videos?|ones?)"
+)
+_OF_SOMETHING_ELSE = re.compile(
+    rf"\b(?:same|different|similar|identical|equal) (?!{_NO_NOUN}\b)[a-z]+"
+    r"|\b(?:looks?|sounds?|feels?|smells?|tastes?)\b"
+)
+
+_EACH_AMOUNT = re.compile(r"\bhow (?:far|much|fast|quick(?:ly)?|slow(?:ly)?)\b")
+_EACH_RATE = re.compile(r"\b(?:fast|quick|quickly|slow|slowly)\b")
+
+_VERB = r"(?:go|mov|turn|rotat|twist|spin|slid|slip|head|travel|press|lift|touch|still)\w*"
+_CLIP = r"(?:one|clip|recording|video)"
+_ONE = re.compile(
+    rf"\b(?:(?:the )?{_CLIP} (?:number )?(?P<number>1|2|one|two)"
+    rf"|the (?P<place>first|1st|second|2nd)(?: {_CLIP}\b|(?= {_VERB})|(?=\W*$)))(?P<own>'s\b)?"
+)
+_OF_BOTH = re.compile(
+    r"\b(?:than|further|farther|more|less|larger|smaller|faster|slower|they|them|both|these|two"
+    r"|other|this|that|like|it)\b"
+)
+_FIRST = ("first", "1st", "1", "one")
+_NOTHING_ASKED = re.compile(r"\W*(?:and|so|ok|now|what|how|about|of|[ ,])*\bits?\b\W*")
+
+
+def relates(question: str) -> bool:
+    """Tell whether `question` asks which way two clips go, or whether that is the same.
+
+    "Are they the same?" does, "are they the same object?" does not.
+    """
+    text = _plain(question)
+    if _SAME_WAY.search(text):
+        return True
+    if _OF_SOMETHING_ELSE.search(text):
+        return False
+    return bool(_MOTION.search(text) or _RELATION.search(text) or motions_named(text))
+
+
+def asks_each_amount(question: str) -> str | None:
+    """Return "magnitude" or "rate" where it is asked how far, or how fast, both go; else None."""
+    text = _plain(question)
+    if not _EACH_AMOUNT.search(text) or _RELATION.search(text):
+        return None
+    return "rate" if _EACH_RATE.search(text) else "magnitude"
+
+
+def asks_of_one(question: str) -> tuple[int, str] | None:
+    """Return which clip alone, 0 or 1, is asked about and what; None where it is not one alone.
+
+    What is asked is told as of a single clip, "which way does it go?"; it is empty where there is
+    no more than "and the first one?".
+    """
+    text = re.sub(r" of (?:the two|them|both)\b", "", _plain(question))
+    found = list(_ONE.finditer(text))
+    if len(found) != 1 or _RELATION.search(text):
+        return None
+    (one,) = found
+    if _OF_BOTH.search(text[: one.start()] + text[one.end() :]):
+        return None
+    asked = f"{text[: one.start()]}{'its' if one['own'] else 'it'}{text[one.end() :]}"
+    is_first = (one["number"] or one["place"]) in _FIRST
+    return int(not is_first), "" if _NOTHING_ASKED.fullmatch(asked) else asked
+
+
+def _plain(question: str) -> str:
+    return " ".join(question.lower().replace("\u2019", "'").split())
