@@ -10,7 +10,6 @@ from geotlm_lm.answering.answer import (
     Answer,
     Encoded,
     Lean,
-    check_question,
     deciding_word,
     evidence,
     four_frames_with_background,
@@ -20,6 +19,7 @@ from geotlm_lm.answering.hearing import LEAST_SURE, OPEN_QUESTION
 from geotlm_lm.answering.replying import NOT_UNDERSTOOD
 from geotlm_lm.answering.session import Session, Turn
 from geotlm_lm.answering.several import Comparison, Order
+from geotlm_lm.conversation.question import check_question
 
 __all__ = [
     "LEAST_SURE",

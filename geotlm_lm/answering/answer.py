@@ -10,7 +10,6 @@ from geotlm_lm.answering.amounts import Amount
 from geotlm_lm.backbone.view import View
 from geotlm_lm.conversation.retell import VERDICTS
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT, REGIONS
 from geotlm_lm.core.labels import Motion, MotionClass
@@ -18,8 +17,6 @@ from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.model import Perception, contact_centre
 from geotlm_lm.recordings.choose import choose_frames
 from geotlm_lm.recordings.idle import estimate_background
-
-MAX_QUESTION_CHARACTERS = 500
 
 MIN_TIMED_FRAMES = 3
 """Different frames a speed needs."""
@@ -210,31 +207,6 @@ def with_background(clip: Clip) -> Clip:
             "Background: estimated from the frames; give an idle frame for a surer answer."
         )
     return clip
-
-
-def check_question(question: str) -> str:
-    """Return the question without surrounding blanks.
-
-    Raises:
-        UsageError: If nothing is left, it is too long, or it is no valid Unicode.
-        TypeError: If it is no string.
-    """
-    if not isinstance(question, str):
-        raise TypeError(
-            f"a question is a str, found {type(question).__name__}; ask for example 'Which way "
-            f"does it turn?'"
-        )
-    if any("\ud800" <= character <= "\udfff" for character in question):
-        raise UsageError("the question holds bytes that are no text; type it as UTF-8.")
-    question = " ".join(question.split())
-    if not question:
-        raise UsageError("the question is empty; ask for example 'Which way does it turn?'.")
-    if len(question) > MAX_QUESTION_CHARACTERS:
-        raise UsageError(
-            f"the question has {len(question)} characters, expected at most "
-            f"{MAX_QUESTION_CHARACTERS}; ask one short question at a time."
-        )
-    return question
 
 
 def deciding_word(slots: Slots) -> str:

@@ -9,9 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
-from geotlm_lm.answering.answer import Answer, Encoded, check_question, with_background
+from geotlm_lm.answering.answer import Answer, Encoded, with_background
 from geotlm_lm.answering.asking import answer_question
 from geotlm_lm.answering.comparing import compare_clips
+from geotlm_lm.answering.expected import (
+    require_answer,
+    require_encoded,
+    require_frame,
+    require_kind,
+)
 from geotlm_lm.answering.hearing import EVIDENCE_QUESTION, OPEN_QUESTION, hear, score
 from geotlm_lm.answering.replying import is_as_seen
 from geotlm_lm.answering.session import Session
@@ -19,6 +25,7 @@ from geotlm_lm.answering.several import Comparison, Order, tell_order
 from geotlm_lm.answering.streaming import Listener, pieces
 from geotlm_lm.answering.withholding import is_contradicted
 from geotlm_lm.checkpoint import Bundle, load_bundle
+from geotlm_lm.conversation.question import check_question
 from geotlm_lm.conversation.reasons import chain
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.wording import known
@@ -84,7 +91,7 @@ class Answerer:
         Raises:
             UnreadableClip: If there is only one frame, or the frames hold no picture of a gel.
             UsageError: If the span is not inside the clip.
-            TypeError: If it is no clip, such as a path.
+            TypeError: If it is no clip, such as a path, or the span is not two whole numbers.
         """
         if not isinstance(clip, Clip):
             raise TypeError(
@@ -92,9 +99,9 @@ class Answerer:
                 f"read_clip(path), or make one of an array by Clip(frames)"
             )
         started = time.perf_counter()
-        asked = span or (min(clip.frame_numbers), max(clip.frame_numbers))
+        asked = (min(clip.frame_numbers), max(clip.frame_numbers)) if span is None else span
         clip = choose_frames(clip, FRAME_COUNT, span=span)
-        is_part = (min(clip.frame_numbers), max(clip.frame_numbers)) != asked
+        is_part = (min(clip.frame_numbers), max(clip.frame_numbers)) != tuple(asked)
         is_idle_known = clip.background is not None
         clip = require_legible(with_background(clip))
         chosen = time.perf_counter()
@@ -130,7 +137,11 @@ class Answerer:
         )
 
     def session(self, encoded: Encoded, frame: FrameSpec = CAMERA) -> Session:
-        """Return a conversation about a clip, which remembers its turns and the frame."""
+        """Return a conversation about a clip, which remembers its turns and the frame.
+
+        Raises:
+            TypeError: If the clip is not encoded, or the frame is none.
+        """
         return Session(self, encoded, frame)
 
     def ask(
@@ -153,7 +164,10 @@ class Answerer:
 
         Raises:
             UsageError: If the question is empty or too long.
+            TypeError: If the clip is not encoded, the question no text, or the frame none.
         """
+        require_encoded(encoded)
+        require_frame(frame)
         question = check_question(question)
         return answer_question(self.bundle, encoded, question, frame, listen)
 
@@ -168,7 +182,15 @@ class Answerer:
         return pieces(lambda listen: self.ask(encoded, question, frame=frame, listen=listen))
 
     def score(self, encoded: Encoded, question: str, kind: str = "direction") -> dict[str, float]:
-        """Return the calibrated probability of every answer of `kind`, by its deciding word."""
+        """Return the calibrated probability of every answer of `kind`, by its deciding word.
+
+        Raises:
+            UsageError: If the question is empty or too long, or the model knows no such kind.
+            TypeError: If the clip is not encoded, or the question no text.
+        """
+        require_encoded(encoded)
+        require_kind(kind, self.bundle.grammar.kinds)
+        question = check_question(question)
         return score(self.bundle, encoded, question, kind)
 
     def compare(
@@ -186,7 +208,10 @@ class Answerer:
 
         Raises:
             UsageError: If the question is empty or too long.
+            TypeError: If a clip is not encoded, the question no text, or the frame none.
         """
+        require_encoded(first, second)
+        require_frame(frame)
         question = check_question(question)
         return compare_clips(self.bundle, (first, second), question, frame)
 
@@ -195,6 +220,7 @@ class Answerer:
 
         Raises:
             ValueError: If there are fewer than two parts.
+            TypeError: If one of them is not encoded, or the frame is none.
         """
         if len(parts) < 2:
             raise ValueError(f"an order takes 2 clips or more, found {len(parts)}")
@@ -206,7 +232,12 @@ class Answerer:
         A model trained for evidence says where the halves go, what adds up and what it concludes;
         the rules say beside it what was measured, and whether one speaks against the answer. Words
         that the answer itself had to withhold are not said here either.
+
+        Raises:
+            TypeError: If the clip is not encoded, or the answer is none about one clip.
         """
+        require_encoded(encoded)
+        require_answer(answer)
         claim = None if answer.kind in _CLAIM_ANOTHER_MOTION else answer.direction
         motion = None if claim is None else answer.frame.tell(claim)
         place, *measured, conclusion = chain(

@@ -12,11 +12,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from geotlm_lm.answering.answer import Answer, Encoded, check_question
+from geotlm_lm.answering.answer import Answer, Encoded
+from geotlm_lm.answering.expected import require_encoded, require_frame
 from geotlm_lm.answering.several import Comparison, Order
 from geotlm_lm.answering.streaming import Listener, pieces
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
+from geotlm_lm.conversation.question import check_question
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.two_clips import asks_of_one
 from geotlm_lm.conversation.two_parts import two_parts
@@ -72,9 +74,14 @@ class Session:
         answerer: The model.
         encoded: The clip it begins with.
         frame: The frame of reference it begins with.
+
+    Raises:
+        TypeError: If the clip is not encoded, or the frame is none.
     """
 
     def __init__(self, answerer: Answerer, encoded: Encoded, frame: FrameSpec = CAMERA) -> None:
+        require_encoded(encoded)
+        require_frame(frame)
         self.answerer = answerer
         self.clips = [encoded]
         self.frame = frame
@@ -97,7 +104,11 @@ class Session:
         """Make another clip the one that questions are about; comparisons look back at the last.
 
         The size of a pixel that was told holds for frames of the same size only.
+
+        Raises:
+            TypeError: If it is not encoded.
         """
+        require_encoded(encoded)
         if encoded.clip.frames.shape[1:3] != self.encoded.clip.frames.shape[1:3]:
             self.frame = replace(self.frame, mm_per_px=None)
         self.clips.append(encoded)

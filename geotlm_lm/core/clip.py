@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from numbers import Real
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,8 @@ class Clip:
     Args:
         frames: uint8, shape (t, rows, columns, 3), t >= 1; not copied, read-only through the clip.
         fps: Frames per second of that recording, the rate `frame_numbers` count in, however many of
-            its frames are here; None when unknown.
+            its frames are here; None when unknown. One that no camera has counts as unknown, and a
+            note says so.
         background: The idle gel, uint8, shape (rows, columns, 3); None when unknown.
         name: What errors and answers call the clip: a path or an identifier.
         frame_numbers: Where the frames stood in the recording they were taken from, from 0.
@@ -27,6 +29,7 @@ class Clip:
 
     Raises:
         UnreadableClip: If the frames or the background are not of this form.
+        TypeError: If frames or background are no arrays, or the frame rate is no number.
         ValueError: If there are not as many frame numbers as frames.
     """
 
@@ -39,6 +42,7 @@ class Clip:
 
     def __post_init__(self) -> None:
         frames = self.frames
+        _require_arrays(frames, self.background)
         if frames.dtype != np.uint8 or frames.ndim != 4 or frames.shape[-1] != 3:
             raise UnreadableClip(
                 f"{self.name}: found {frames.dtype} frames of shape {frames.shape}, expected uint8 "
@@ -63,8 +67,7 @@ class Clip:
                 f"{self.name}: the background is {self.background.dtype}, expected uint8 as the "
                 f"frames are; convert the array first."
             )
-        if self.fps is not None and not 0 < self.fps < MOST_FPS:
-            object.__setattr__(self, "fps", None)
+        self._leave_out_senseless_rate()
         if not self.frame_numbers:
             object.__setattr__(self, "frame_numbers", tuple(range(len(frames))))
         if len(self.frame_numbers) != len(frames):
@@ -73,6 +76,17 @@ class Clip:
         own = frames.view()
         own.setflags(write=False)
         object.__setattr__(self, "frames", own)
+
+    def _leave_out_senseless_rate(self) -> None:
+        require_number(self.fps)
+        if self.fps is None or 0 < self.fps < MOST_FPS:
+            return
+        note = (
+            f"The frame rate {self.fps:g} is not used, expected more than 0 and less than "
+            f"{MOST_FPS:g} per second."
+        )
+        object.__setattr__(self, "fps", None)
+        object.__setattr__(self, "notes", (*self.notes, note))
 
     def __len__(self) -> int:
         return len(self.frames)
@@ -92,6 +106,33 @@ class Clip:
     def with_note(self, note: str) -> Clip:
         """Return the clip with one more note."""
         return replace(self, notes=(*self.notes, note))
+
+
+def require_number(fps: object) -> None:
+    """Refuse a frame rate that is no number; None is none.
+
+    Raises:
+        TypeError: If it is something else, such as text.
+    """
+    is_scalar = isinstance(fps, np.ndarray) and fps.ndim == 0  # as an archive holds it
+    if fps is not None and not is_scalar and not isinstance(fps, Real):
+        raise TypeError(
+            f"fps is a number, found {type(fps).__name__}; give frames per second such as 25.0, or "
+            f"leave it out"
+        )
+
+
+def _require_arrays(frames: object, background: object) -> None:
+    if not isinstance(frames, np.ndarray):
+        raise TypeError(
+            f"Clip takes one numpy array of frames, found {type(frames).__name__}; stack them by "
+            f"np.stack(frames), or read a file by read_clip(path)"
+        )
+    if not isinstance(background, np.ndarray | None):
+        raise TypeError(
+            f"the background of a Clip is a numpy array, found {type(background).__name__}; give "
+            f"an idle frame of the same size, or leave it out"
+        )
 
 
 MOST_FPS = 1e5

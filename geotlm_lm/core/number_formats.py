@@ -19,7 +19,7 @@ def require_offered(precision: str) -> str:
     """
     if precision not in OFFERED:
         raise UsageError(
-            f"found precision '{precision[:40]}', expected one of {', '.join(OFFERED)}; give one "
-            f"of them, or leave it out."
+            f"found precision '{str(precision)[:40]}', expected one of {', '.join(OFFERED)}; "
+            f"give one of them, or leave it out."
         )
     return precision

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
+from numbers import Integral
 
 import cv2
 import numpy as np
@@ -80,6 +82,7 @@ def choose_frames(
     Raises:
         UnreadableClip: If the clip has only one frame.
         UsageError: If the span is not inside the clip, runs backwards, or holds one frame only.
+        TypeError: If the span is not two whole numbers.
     """
     require_motion(clip)
     if span is None and len(clip) == count:
@@ -125,7 +128,7 @@ def _told(clip: Clip) -> Clip:
 
 def _inside(clip: Clip, span: tuple[int, int]) -> NDArray[np.int64]:
     """Return the indices of the frames of `span`, two or more."""
-    first, last = span
+    first, last = _two_numbers(span)
     numbers = np.asarray(clip.frame_numbers)
     if not numbers.min() <= first < last <= numbers.max():
         raise UsageError(
@@ -139,6 +142,16 @@ def _inside(clip: Clip, span: tuple[int, int]) -> NDArray[np.int64]:
             f"more; give a longer span, or cut the recording so that all of it is read."
         )
     return inside
+
+
+def _two_numbers(span: object) -> tuple[int, int]:
+    numbers = tuple(span) if isinstance(span, Iterable) else ()
+    if len(numbers) != 2 or not all(isinstance(number, Integral) for number in numbers):
+        raise TypeError(
+            f"a span is two frame numbers, found {str(span)[:40]}; give the first and the last to "
+            f"use, such as (40, 60)"
+        )
+    return numbers
 
 
 def _indices_of_motion(clip: Clip, count: int) -> NDArray[np.int64]:

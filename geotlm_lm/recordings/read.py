@@ -6,7 +6,7 @@ from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
-from geotlm_lm.core.clip import MOST_FPS, Clip, Frames
+from geotlm_lm.core.clip import MOST_FPS, Clip, Frames, require_number
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.recordings.arrays import read_archive, read_array, read_still_array
 from geotlm_lm.recordings.choose import require_motion
@@ -35,7 +35,7 @@ def read_clip(
     Raises:
         UnreadableClip: If a file is missing, damaged, or holds no clip, in one sentence.
         UsageError: If the layout or the frame rate makes no sense.
-        TypeError: If `path` is none, such as an array.
+        TypeError: If `path` is none, such as an array, or the frame rate is no number.
     """
     if not isinstance(path, str | PathLike):
         raise TypeError(
@@ -59,7 +59,9 @@ def require_rate(fps: float | None) -> None:
 
     Raises:
         UsageError: If it makes no sense.
+        TypeError: If it is no number.
     """
+    require_number(fps)
     if fps is not None and not 0 < fps < MOST_FPS:
         raise UsageError(
             f"A frame rate of {fps:g} was given, expected more than 0 and less than "

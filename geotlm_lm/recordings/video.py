@@ -53,7 +53,7 @@ def read_video(path: Path) -> Clip:
         notes = (*notes, f"Only the first {seen} frames were read; cut the recording.")
     return Clip(
         np.stack(frames),
-        fps=fps,
+        fps=fps or None,
         name=str(path),
         frame_numbers=tuple(range(0, seen, stride)),
         notes=notes,

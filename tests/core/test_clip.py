@@ -46,6 +46,49 @@ def test_a_senseless_frame_rate_counts_as_unknown(fps):
     assert Clip(FRAMES, fps=fps).fps is None
 
 
+@pytest.mark.parametrize("fps", [0, -1.0, float("nan"), float("inf")])
+def test_a_senseless_frame_rate_is_told_once(fps):
+    note = (
+        f"The frame rate {fps:g} is not used, expected more than 0 and less than 100000 per second."
+    )
+    assert Clip(FRAMES, fps=fps).select([0, 1]).notes == (note,)
+    assert Clip(FRAMES, fps=25).notes == Clip(FRAMES).notes == ()
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        (
+            {"frames": list(FRAMES)},
+            "Clip takes one numpy array of frames, found list; stack them by np.stack(frames), or "
+            "read a file by read_clip(path)",
+        ),
+        (
+            {"frames": "clip.npz"},
+            "Clip takes one numpy array of frames, found str; stack them by np.stack(frames), or "
+            "read a file by read_clip(path)",
+        ),
+        (
+            {"frames": FRAMES, "background": "idle.png"},
+            "the background of a Clip is a numpy array, found str; give an idle frame of the same "
+            "size, or leave it out",
+        ),
+        (
+            {"frames": FRAMES, "fps": "25"},
+            "fps is a number, found str; give frames per second such as 25.0, or leave it out",
+        ),
+    ],
+)
+def test_what_is_no_array_and_no_number_is_refused_with_what_to_give(given, sentence):
+    with pytest.raises(TypeError) as caught:
+        Clip(**given)
+    assert str(caught.value) == sentence
+
+
+def test_a_frame_rate_may_be_an_archives_array_without_axes():
+    assert Clip(FRAMES, fps=np.array(25.0)).fps == 25.0
+
+
 def test_selected_frames_keep_where_they_stood():
     twice = Clip(FRAMES).select([1, 2, 4]).select([0, 2])
     assert twice.frame_numbers == (1, 4)
