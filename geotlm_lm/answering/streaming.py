@@ -125,7 +125,8 @@ def pieces(ask: Callable[[Listener], Any]) -> Iterator[Any]:
         except BaseException as error:  # raised again where the pieces are awaited
             waiting.put(("error", error))
 
-    Thread(target=run, daemon=True).start()
+    # Python waits for it at its end: a thread inside the model's libraries cannot be cut off.
+    Thread(target=run, daemon=False).start()
     told = ""
     while True:
         what, value = waiting.get()

@@ -18,9 +18,10 @@ from geotlm_lm.cli.options import (
     FramesPerSecond,
     LayoutName,
     MmPerPixel,
+    require_question,
     span_of,
 )
-from geotlm_lm.core.errors import Abstained, UsageError
+from geotlm_lm.core.errors import Abstained
 from geotlm_lm.core.frame_spec import FrameSpec
 
 
@@ -48,10 +49,7 @@ def answer(
 
     Example: geotlm-lm answer --clip clip.npz --q 'Is it turning clockwise?' --json
     """
-    if not question.strip():
-        raise UsageError("The question is empty; ask for example --q 'Which way is it turning?'.")
-    if not _is_text(question):
-        raise UsageError("The question holds bytes that are no text; give it in UTF-8.")
+    require_question(question)
     from geotlm_lm.recordings.read import read_clip
 
     span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)
@@ -78,8 +76,3 @@ def answer(
             f"{clip}: the model would not answer; see `geotlm-lm info --clip {clip}` for contact, "
             f"or give frames with more motion by --frames."
         )
-
-
-def _is_text(question: str) -> bool:
-    # Bytes the terminal could not decode arrive as lone surrogates, which no tokenizer takes.
-    return not any("\ud800" <= letter <= "\udfff" for letter in question)

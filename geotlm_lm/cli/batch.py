@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -24,6 +25,9 @@ NAMES_TOLD = 5
 COMMENT = "#"
 """Begins a line of a question file that is no question."""
 
+ROW_FIELDS = {"clip", "question", "answer", "error"}
+"""Of a batch's row, whatever the version that wrote it."""
+
 
 def batch(
     clips: Annotated[
@@ -41,7 +45,7 @@ def batch(
     """Ask every question about every clip; one row each, answer or error.
 
     A clip is encoded once. A stopped run continues where it was when it is started again; the file
-    appears when all of it is there.
+    appears when all of it is there. It may take the place of an earlier batch's, and of no other.
 
     Example: geotlm-lm batch --clips recordings --questions questions.txt --out answers.jsonl
     """
@@ -52,6 +56,7 @@ def batch(
     frame = FrameSpec(mm_per_px=mm_per_px)
     found, asked = clips_in(clips), read_questions(questions)
     require_writable_file(out, "--out", inputs=[questions, *found])
+    require_replaceable(out)
     _tell_skipped(clips, own=[questions, out, out.with_name(f"{out.name}.part")])
 
     # Imported only now: a wrong path must not wait for the model's libraries.
@@ -74,6 +79,28 @@ def batch(
     print(f"{out}: {result.rows} rows, {result.errors} of them errors")
 
 
+def require_replaceable(out: Path) -> None:
+    """Refuse to replace a file that is neither empty nor the rows of a batch.
+
+    Raises:
+        UsageError: If there is such a file.
+    """
+    if out.exists() and not (out.is_file() and _holds_rows(out)):
+        raise UsageError(
+            f"--out: {out} holds something else than a batch's rows and would be replaced, "
+            f"expected a new file or an earlier batch's; give another name."
+        )
+
+
+def _holds_rows(path: Path) -> bool:
+    try:
+        with path.open(encoding="utf-8") as stream:
+            rows = map(json.loads, stream)
+            return all(isinstance(row, dict) and set(row) == ROW_FIELDS for row in rows)
+    except (OSError, ValueError, RecursionError):  # a text that is no UTF-8 among them
+        return False
+
+
 def _tell_skipped(folder: Path, own: list[Path]) -> None:
     """Name on stderr what gets no row, apart from the run's own files."""
     from geotlm_lm.recordings.listing import EXPECTED, skipped_in
@@ -90,7 +117,8 @@ def read_questions(path: Path) -> list[str]:
     """Return the questions of a text file, one a line; blank lines and # comments are left out.
 
     Raises:
-        UsageError: If the file cannot be read, is no UTF-8 text, or holds no question.
+        UsageError: If the file cannot be read, is no UTF-8 text, or holds no question, or one that
+            is too long.
     """
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
@@ -100,8 +128,16 @@ def read_questions(path: Path) -> list[str]:
         ) from error
     except UnicodeDecodeError as error:
         raise UsageError(f"{path}: is no UTF-8 text; save the questions as UTF-8.") from error
-    questions = [line.strip() for line in lines]
-    questions = [line for line in questions if line and not line.startswith(COMMENT)]
+    from geotlm_lm.conversation.question import check_question
+
+    questions = []
+    for number, line in enumerate(map(str.strip, lines), start=1):
+        if line and not line.startswith(COMMENT):
+            try:
+                check_question(line)
+            except UsageError as error:
+                raise UsageError(f"{path}, line {number}: {error}") from error
+            questions.append(line)
     if not questions:
         raise UsageError(f"{path}: holds no question; write one a line.")
     return list(dict.fromkeys(questions))

@@ -5,12 +5,19 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from geotlm_lm.cli.options import BundleFolder, FramesPerSecond, Precision, require_writable_file
+from geotlm_lm.cli.options import (
+    BundleFolder,
+    FramesPerSecond,
+    Precision,
+    require_question,
+    require_writable_file,
+)
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 
 if TYPE_CHECKING:
@@ -46,6 +53,8 @@ def watch(
 
     Example: geotlm-lm watch --source recording.avi --json
     """
+    if question is not None:
+        require_question(question)
     if draw is not None:
         if draw.suffix != ".mp4":
             raise UsageError(f"--draw {draw} was given, expected a name that ends in .mp4.")
@@ -68,8 +77,10 @@ def watch(
     assumed = ", as is assumed; give the rate by --fps" if stream.is_rate_assumed else ""
     print(f"note: {source} at {stream.fps:g} frames per second{assumed}.", file=sys.stderr)
     try:
-        for event in _events(stream, watcher, film):
-            _tell(event, as_json, _words(answerer, watcher, event, question))
+        # Closed even where nobody reads on: a camera's thread must not outlive the command.
+        with closing(_events(stream, watcher, film)) as events:
+            for event in events:
+                _tell(event, as_json, _words(answerer, watcher, event, question))
     finally:
         if film is not None:
             film.close()

@@ -28,6 +28,10 @@ DEFAULT_FPS = 25.0
 BUFFERED_FRAMES = 25
 """Frames that may wait: a second of a GelSight Mini; after that an answer is no longer live."""
 
+THREAD_END_S = 1.0
+"""Seconds the thread that brings the frames is waited for: one that is inside a decoder when Python
+ends aborts the process, and no frame takes as long."""
+
 
 @dataclass(frozen=True, eq=False)
 class StreamFrame:
@@ -140,7 +144,7 @@ class Played:
     def __init__(self, recording: Recording) -> None:
         self.name, self.fps = recording.name, recording.fps
         self.is_rate_assumed = recording.is_rate_assumed
-        self._recording, self._buffer = recording, LatestFrames()
+        self._recording, self._buffer, self._is_played = recording, LatestFrames(), True
 
     @property
     def dropped(self) -> int:
@@ -149,13 +153,20 @@ class Played:
 
     def __iter__(self) -> Iterator[StreamFrame]:
         """Yield the frames that the reader is in time for."""
-        threading.Thread(target=self._play, daemon=True).start()
-        yield from self._buffer
+        player = threading.Thread(target=self._play, daemon=True)
+        player.start()
+        try:
+            yield from self._buffer
+        finally:
+            self._is_played = False
+            player.join(THREAD_END_S)
 
     def _play(self) -> None:
         began = time.monotonic()
         try:
             for frame in self._recording:
+                if not self._is_played:
+                    break
                 time.sleep(max(began + frame.time_s - time.monotonic(), 0.0))
                 self._buffer.put(frame)
         except Exception as error:  # whatever it is, the reader must not wait for ever
@@ -192,11 +203,13 @@ class Camera:
 
     def __iter__(self) -> Iterator[StreamFrame]:
         """Yield the newest frames until the reader stops or the camera does."""
-        threading.Thread(target=self._grab, daemon=True).start()
+        grabber = threading.Thread(target=self._grab, daemon=True)
+        grabber.start()
         try:
             yield from self._buffer
         finally:
             self._is_open = False
+            grabber.join(THREAD_END_S)
 
     def _grab(self) -> None:
         began = time.monotonic()

@@ -1,5 +1,8 @@
 """Pieces of text together are the text, for every sentence there is; nothing is told too early."""
 
+import subprocess
+import sys
+
 import pytest
 
 from geotlm_lm.answering import Answer, Answerer
@@ -111,3 +114,19 @@ def test_pieces_wait_for_nothing_but_the_next_one():
     with pytest.raises(RuntimeError, match="broken"):
         next(stream)
     assert told == ["after a"]
+
+
+def test_a_thread_that_still_answers_is_waited_for_when_python_ends():
+    program = (
+        "import time\n"
+        "from geotlm_lm.answering.streaming import pieces\n"
+        "def ask(listen):\n"
+        "    listen('a')\n"
+        "    time.sleep(0.3)\n"
+        "    print('answered', flush=True)\n"
+        "    raise RuntimeError\n"
+        "stream = pieces(ask)\n"
+        "print(next(stream), flush=True)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.stdout, done.stderr, done.returncode) == ("a\nanswered\n", "", 0)

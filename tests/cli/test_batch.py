@@ -86,6 +86,11 @@ def test_questions_are_lines_without_blanks_comments_and_repetitions(tmp_path):
         (b"# nothing\n", "{}: holds no question; write one a line."),
         (b"which \xff way", "{}: is no UTF-8 text; save the questions as UTF-8."),
         (
+            b"Which way?\n\n" + b"x" * 501,
+            "{}, line 3: the question has 501 characters, expected at most 500; ask one short "
+            "question at a time.",
+        ),
+        (
             None,
             "{}: cannot be read (No such file or directory); give a text file of questions.",
         ),
@@ -124,3 +129,34 @@ def test_the_size_of_a_pixel_stands_in_every_row(invoke, tmp_path):
     rows = (tmp_path / "deep" / "answers.jsonl").read_text().splitlines()
     assert {json.loads(row)["answer"]["frame"]["mm_per_px"] for row in rows} == {0.06}
     assert isinstance(invoke("--mm-per-px", "9").exception, UsageError)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"my notes\n",
+        b"\xff\xfe",
+        b"[1, 2]\n",
+        b'{"clip": "a.npy"}\n',
+        b'{"clip": "a", "question": "b", "answer": null, "error": "c"}\nand a note\n',
+    ],
+)
+def test_rows_never_replace_what_no_batch_wrote(invoke, tmp_path, content):
+    out = tmp_path / "precious.txt"
+    out.write_bytes(content)
+    error = invoke("--out", str(out)).exception
+    assert isinstance(error, UsageError)
+    assert str(error) == (
+        f"--out: {out} holds something else than a batch's rows and would be replaced, expected a "
+        f"new file or an earlier batch's; give another name."
+    )
+    assert out.read_bytes() == content
+    assert invoke.formats == []  # told before the model is loaded
+
+
+def test_rows_replace_an_empty_file_and_those_of_an_earlier_run(invoke, tmp_path):
+    out = tmp_path / "rows.jsonl"
+    out.touch()
+    for _ in range(2):
+        assert invoke("--out", str(out)).exit_code == 0
+        assert len(out.read_text().splitlines()) == 2

@@ -140,6 +140,24 @@ def test_the_number_format_reaches_the_loader(capsys, recording, formats_loaded)
     assert formats_loaded == ["int8"]
 
 
+@pytest.mark.parametrize(
+    ("question", "sentence"),
+    [
+        (" ", "The question is empty; ask for example --q 'Which way is it turning?'.\n"),
+        (
+            "x" * 501,
+            "the question has 501 characters, expected at most 500; ask one short question at a "
+            "time.\n",
+        ),
+    ],
+)
+@pytest.mark.parametrize("source", ["97", "gone.avi"])
+def test_a_question_that_cannot_be_asked_is_told_before_the_source_is_opened(
+    capsys, question, sentence, source
+):
+    assert run(capsys, "--source", source, "--q", question) == (2, "", sentence)
+
+
 def test_an_unknown_number_format_is_told_before_anything_is_loaded(
     capsys, recording, formats_loaded
 ):

@@ -58,6 +58,24 @@ def test_the_talk_goes_as_it_should(talk):
     assert talk[9] == "I read English only; please ask in English."
 
 
+def test_a_talk_that_nobody_reads_on_ends_silently():
+    command = [sys.executable, "-m", "geotlm_lm", "chat"]
+    talking = subprocess.Popen(
+        [*command, "--clip", str(EXAMPLES / "bead_right.npz")],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=os.environ | {"OMP_NUM_THREADS": "1"},
+    )
+    talking.stdin.write(b"which way?\nand how far?\n")
+    talking.stdin.close()
+    assert talking.stdout.read(3) == b"Rig"
+    talking.stdout.close()
+    told = talking.stderr.read().decode().splitlines()
+    assert [line for line in told if not line.startswith("note: ")] == []
+    assert talking.wait() == 1
+
+
 def test_the_reasons_for_a_turn_add_up_to_it(capsys):
     from geotlm_lm.cli.main import main
 

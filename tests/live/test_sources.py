@@ -1,6 +1,7 @@
 """Where frames come from; what is late is dropped and counted, what does not open is told."""
 
 import threading
+import time
 
 import cv2
 import numpy as np
@@ -152,6 +153,27 @@ def test_a_recording_that_fails_while_it_plays_does_not_leave_the_reader_waiting
     monkeypatch.setattr(LatestFrames, "__iter__", until_closed(LatestFrames.__iter__))
     with pytest.raises(UnreadableClip, match="film.avi: is gone"):
         list(open_source(str(film), at_its_rate=True))
+
+
+class EndlessCapture(FakeCapture):
+    """A camera that gives frame after frame."""
+
+    def read(self):
+        time.sleep(0.01)
+        return True, np.zeros((24, 32, 3), np.uint8)
+
+
+@pytest.mark.parametrize("source", ["a camera", "a recording"])
+def test_a_reader_that_stops_ends_the_thread_that_brings_the_frames(film, monkeypatch, source):
+    before = threading.active_count()
+    if source == "a camera":
+        monkeypatch.setattr(cv2, "VideoCapture", lambda *source: EndlessCapture())
+    stream = open_source("0") if source == "a camera" else open_source(str(film), at_its_rate=True)
+    frames = iter(stream)
+    next(frames)
+    assert threading.active_count() == before + 1
+    frames.close()
+    assert threading.active_count() == before
 
 
 def until_closed(read):
