@@ -31,7 +31,7 @@ ROW_FIELDS = {"clip", "question", "answer", "error"}
 
 def batch(
     clips: Annotated[
-        Path, typer.Option(help="Folder of recordings: files, and folders of images.")
+        Path, typer.Option(help="Folder of recordings: files, or folders of images in it.")
     ],
     questions: Annotated[
         Path, typer.Option(help="Text file, one question a line; # begins a comment.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -84,7 +85,9 @@ def folder_images(folder: Path) -> FolderImages:
     Raises:
         UnreadableClip: If the folder cannot be opened.
     """
-    found = sorted(filter(_is_image, listed(folder)), key=lambda path: natural_key(path.name))
+    found = list(filter(_is_image, listed(folder)))
+    signed = signed_names([path.name for path in found])
+    found.sort(key=lambda path: natural_key(path.name, is_signed=path.name in signed))
     idle = next((path for path in found if path.stem.lower() == BACKGROUND_STEM), None)
     found = [path for path in found if path != idle]
     masks = [path for path in found if _MASK.match(path.stem)]
@@ -93,10 +96,31 @@ def folder_images(folder: Path) -> FolderImages:
     return FolderImages([path for path in found if path not in masks], idle, masks)
 
 
-def natural_key(name: str) -> list[tuple[int, int, str]]:
-    """Return what sorts names naturally: frame2 before frame10."""
+def natural_key(name: str, *, is_signed: bool = False) -> list[tuple[int, int, str]]:
+    """Return what sorts names naturally: frame2 before frame10.
+
+    Args:
+        name: Of a file.
+        is_signed: Whether the minus before its first number is a sign and no separator.
+    """
     parts = re.split(r"(\d+)", name.lower())
-    return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts if part]
+    if is_signed:
+        parts[:2] = [parts[0].removesuffix("-"), f"-{parts[1]}"]
+    is_number = re.compile(r"-?\d+").fullmatch
+    return [(0, int(part), "") if is_number(part) else (1, 0, part) for part in parts if part]
+
+
+def signed_names(names: Iterable[str]) -> frozenset[str]:
+    """Return those names whose first number is a negative one: t-8 where t7 lies beside it.
+
+    Where no other name has the same text directly before its number, as in frame-1 and frame-2,
+    the minus is a separator; so it is between two numbers, as in 2024-01-02.
+    """
+    first = {name: re.match(r"(\D*?)(-?)\d", name.lower()) for name in names}
+    plain = {found[1] for found in first.values() if found and not found[2]}
+    return frozenset(
+        name for name, found in first.items() if found and found[2] and found[1] in plain
+    )
 
 
 def read_still_image(path: Path) -> Frames:

@@ -23,7 +23,14 @@ def clips_in(folder: Path) -> list[Path]:
         UnreadableClip: If there is no such folder, it cannot be opened, or nothing in it looks like
             a recording.
     """
-    found = [one for one in _seen_in(folder) if _is_recording(one)]
+    seen = _seen_in(folder)
+    found = [one for one in seen if _is_recording(one)]
+    images = [one for one in seen if one.suffix.lower() in IMAGE_SUFFIXES]
+    if images and not found:
+        raise UnreadableClip(
+            f"{folder}: holds images, which are frames of one recording, expected a folder of "
+            f"recordings: {EXPECTED}; give the folder that this one lies in."
+        )
     if not found:
         raise UnreadableClip(
             f"{folder}: holds no recording, expected {EXPECTED}; give the folder they lie in."

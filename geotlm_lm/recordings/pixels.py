@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.clip import Frames
+from geotlm_lm.core.clip import MIN_SIDE, Frames
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 
 Layout = Literal["THWC", "TCHW", "THW"]
@@ -65,9 +65,11 @@ def layout_of(shape: tuple[int, ...], layout: Layout | None, name: str) -> tuple
             f"if these are grey frames pass --layout THW."
         )
     if len(shape) == 5:
+        clips, advice = f"{shape[0]} clips", "save each clip to its own file"
+        if shape[0] == 1:
+            clips, advice = "1 clip with an axis too many", "save frames[0]"
         raise UnreadableClip(
-            f"{name}: shape {shape} looks like {shape[0]} clips, expected one of (T,H,W,3); "
-            f"save each clip to its own file."
+            f"{name}: shape {shape} looks like {clips}, expected one of (T,H,W,3); {advice}."
         )
     raise UnreadableClip(
         f"{name}: found shape {shape}, expected (T,H,W,3), (T,3,H,W) or, with --layout THW, "
@@ -84,6 +86,13 @@ def _guess(shape: tuple[int, ...], name: str) -> tuple[Layout, str]:
     if last or first:
         found: Layout = "THWC" if last else "TCHW"
         return found, f"Shape {shape} was taken for {found}; pass --layout if it is not."
+    elsewhere = next((axis for axis in (0, 2) if shape[axis] == COLOURS[-1]), None)
+    if elsewhere is not None and shape[3] >= MIN_SIDE:  # else the last axis holds no columns
+        place = "first" if elsewhere == 0 else "third"
+        raise UnreadableClip(
+            f"{name}: shape {shape} has its 3 colours {place}, expected them last or second, "
+            f"(T,H,W,3) or (T,3,H,W); move them by np.moveaxis(frames, {elsewhere}, -1)."
+        )
     raise UnreadableClip(
         f"{name}: shape {shape} has no axis of 1 or 3 colours, expected (T,H,W,3) or (T,3,H,W); "
         f"keep the colours red, green, blue only."

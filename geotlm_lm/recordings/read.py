@@ -28,7 +28,8 @@ def read_clip(
 
     Args:
         path: A .npy or .npz array, a .mp4, .avi, .mov or .mkv video, or a folder of images.
-        layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); None to guess.
+        layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); None to guess. Of anything else
+            it is not used, and a note says so.
         fps: Frames per second of the whole recording; None to take what the file says.
         background: An image or .npy file of the idle gel; None to take what the file holds.
 
@@ -46,6 +47,8 @@ def read_clip(
     checked = check_layout(layout)
     require_rate(fps)
     clip = _read(path, checked)
+    if checked is not None and path.suffix.lower() not in ARRAY_SUFFIXES:
+        clip = clip.with_note(f"The layout {checked} is not used: only arrays have one to tell.")
     require_motion(clip)
     if fps is not None:
         clip = replace(clip, fps=fps)

@@ -100,8 +100,28 @@ CASES = {
     ),
     "batch.npy": (
         npy(FRAMES[None]),
-        "shape (1, 4, 16, 20, 3) looks like 1 clips, expected one of (T,H,W,3); "
+        "shape (1, 4, 16, 20, 3) looks like 1 clip with an axis too many, expected one of "
+        "(T,H,W,3); save frames[0].",
+    ),
+    "batch_of_two.npy": (
+        npy(np.stack([FRAMES, FRAMES])),
+        "shape (2, 4, 16, 20, 3) looks like 2 clips, expected one of (T,H,W,3); "
         "save each clip to its own file.",
+    ),
+    "colours_first.npy": (
+        npy(np.moveaxis(FRAMES, -1, 0)),
+        "shape (3, 4, 16, 20) has its 3 colours first, expected them last or second, (T,H,W,3) or "
+        "(T,3,H,W); move them by np.moveaxis(frames, 0, -1).",
+    ),
+    "colours_third.npy": (
+        npy(np.moveaxis(FRAMES, -1, 2)),
+        "shape (4, 16, 3, 20) has its 3 colours third, expected them last or second, (T,H,W,3) or "
+        "(T,3,H,W); move them by np.moveaxis(frames, 2, -1).",
+    ),
+    "three_frames_with_alpha.npy": (
+        npy(np.zeros((3, 16, 20, 4), np.uint8)),
+        "shape (3, 16, 20, 4) has no axis of 1 or 3 colours, expected (T,H,W,3) or (T,3,H,W); "
+        "keep the colours red, green, blue only.",
     ),
     "alpha.npy": (
         npy(np.zeros((4, 16, 20, 4), np.uint8)),

@@ -174,3 +174,8 @@ class SizeChanges:
 def test_a_video_that_changes_its_size_is_refused_in_one_sentence():
     with pytest.raises(UnreadableClip, match=r"frame 2 is 32 x 24 pixels after 64 x 48"):
         _decode(SizeChanges(), "clip.mkv")
+
+
+def test_a_frame_rate_that_is_no_number_is_refused(tmp_path):
+    with pytest.raises(TypeError, match="^fps is a number, found str; give frames per second such"):
+        read_clip(tmp_path / "clip.npy", fps="25")

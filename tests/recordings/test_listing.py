@@ -37,6 +37,21 @@ def test_a_folder_without_recordings_is_refused(tmp_path):
     )
 
 
+def test_a_folder_of_images_is_told_to_be_one_recording(tmp_path):
+    folder = tmp_path / "frames"
+    folder.mkdir()
+    for name in ("0.png", "1.PNG", "notes.txt"):
+        (folder / name).write_bytes(b"")
+    with pytest.raises(UnreadableClip) as error:
+        clips_in(folder)
+    assert str(error.value) == (
+        f"{folder}: holds images, which are frames of one recording, expected a folder of "
+        f"recordings: .npy, .npz, .mp4, .avi, .mov, .mkv or folders of images; give the folder "
+        f"that this one lies in."
+    )
+    assert [one.name for one in clips_in(tmp_path)] == ["frames"]
+
+
 def test_a_missing_folder_is_refused(tmp_path):
     with pytest.raises(UnreadableClip, match="no such folder; give the one your recordings lie in"):
         clips_in(tmp_path / "nowhere")

@@ -87,6 +87,40 @@ def test_a_folder_is_read_in_natural_order(tmp_path):
     assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
 
 
+@pytest.mark.parametrize(
+    "names",
+    [
+        [f"t{index}.png" for index in range(-2, 3)],
+        ["-10.png", "-9.png", "-1.png", "0.png", "2.png"],
+        ["frame-1.png", "frame-2.png", "frame-9.png", "frame-10.png", "frame-11.png"],
+        ["2023-12-31.png", "2024-01-02.png", "2024-01-10.png", "2024-02-01.png", "2024-11-01.png"],
+        ["a-1.png", "a-2.png", "b1.png", "b2.png", "b10.png"],
+    ],
+)
+def test_a_minus_is_a_sign_where_names_without_one_lie_beside_it(tmp_path, names):
+    for name, frame in zip(names, FRAMES, strict=True):
+        cv2.imwrite(str(tmp_path / name), frame[..., ::-1])
+    assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
+
+
+@pytest.mark.parametrize("kind", ["folder", "video"])
+def test_a_layout_is_said_not_to_be_used_where_there_is_none(tmp_path, kind):
+    path = tmp_path / ("clip" if kind == "folder" else "clip.avi")
+    if kind == "folder":
+        path.mkdir()
+        for index, frame in enumerate(FRAMES):
+            cv2.imwrite(str(path / f"{index}.png"), frame[..., ::-1])
+    else:
+        rows, columns = FRAMES.shape[1:3]
+        writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 25, (columns, rows))
+        for frame in FRAMES:
+            writer.write(frame[..., ::-1])
+        writer.release()
+    note = "The layout THW is not used: only arrays have one to tell."
+    assert read_clip(path, layout="thw").notes[-1] == note
+    assert note not in read_clip(path).notes
+
+
 def test_an_image_named_background_is_the_idle_gel_of_its_folder(tmp_path):
     for index, frame in enumerate(FRAMES):
         cv2.imwrite(str(tmp_path / f"{index}.png"), frame[..., ::-1])
