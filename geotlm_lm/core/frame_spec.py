@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from numbers import Real
+from typing import Any, Literal, get_args
 
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, mirror, reverse
@@ -12,6 +13,16 @@ Viewpoint = Literal["sensor", "object"]
 Actor = Literal["object", "sensor"]
 ContactSide = Literal["head", "shank", "side"]
 Thread = Literal["right", "left"]
+
+_CHOICES: dict[str, tuple[Any, ...]] = {
+    "image_mirrored": (True, False),
+    "viewpoint": get_args(Viewpoint),
+    "actor": get_args(Actor),
+    "contact_side": (*get_args(ContactSide), None),
+    "thread": (*get_args(Thread), None),
+    "image_upside_down": (True, False),
+}
+"""What each field may be."""
 
 MM_PER_PX = (0.001, 2.0)
 """Least and most a pixel can measure: cameras see a few mm to a few dm of gel."""
@@ -32,7 +43,7 @@ class FrameSpec:
         mm_per_px: Width on the gel of a pixel of the recording's frames; None when unknown.
 
     Raises:
-        UsageError: If no camera has pixels of that size.
+        UsageError: If a field is none of what it may be, or no camera has pixels of that size.
     """
 
     image_mirrored: bool = False
@@ -44,13 +55,9 @@ class FrameSpec:
     mm_per_px: float | None = None
 
     def __post_init__(self) -> None:
-        low, high = MM_PER_PX
-        if self.mm_per_px is not None and not low <= self.mm_per_px <= high:
-            raise UsageError(
-                f"A pixel of {self.mm_per_px:g} mm was given, expected {low:g} to {high:g} mm, "
-                f"such as 0.06 of a GelSight Mini's 320x240; divide the mm of gel that are seen by "
-                f"the image's columns."
-            )
+        for name, choices in _CHOICES.items():
+            _require_one_of(choices, name, getattr(self, name))
+        _require_size(self.mm_per_px)
 
     def tell(self, motion: Motion) -> Motion:
         """Return `motion`, named in the camera image for the object, as this frame names it.
@@ -101,3 +108,32 @@ class FrameSpec:
     def to_dict(self) -> dict[str, Any]:
         """Return the fields and the sentence as plain JSON values."""
         return asdict(self) | {"sentence": self.sentence()}
+
+
+def _require_one_of(choices: tuple[Any, ...], name: str, value: Any) -> None:
+    # 1 equals True and an array compares by element: the kind of value is asked first.
+    kinds = tuple({type(choice) for choice in choices})
+    if isinstance(value, kinds) and value in choices:
+        return
+    *others, last = (repr(choice) for choice in choices)
+    raise UsageError(
+        f"{name} was {value!r}, expected {', '.join(others)} or {last}; give one of these as it is "
+        f"written here, or leave {name} out."
+    )
+
+
+def _require_size(mm_per_px: Any) -> None:
+    low, high = MM_PER_PX
+    if mm_per_px is None:
+        return
+    if not isinstance(mm_per_px, Real) or isinstance(mm_per_px, bool):
+        raise UsageError(
+            f"mm_per_px was {mm_per_px!r}, expected a number from {low:g} to {high:g} or None; "
+            f"give the millimetres of gel that a pixel is wide, or leave mm_per_px out."
+        )
+    if not low <= mm_per_px <= high:
+        raise UsageError(
+            f"A pixel of {mm_per_px:g} mm was given, expected {low:g} to {high:g} mm, "
+            f"such as 0.06 of a GelSight Mini's 320x240; divide the mm of gel that are seen by "
+            f"the image's columns."
+        )

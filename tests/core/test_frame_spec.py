@@ -3,6 +3,7 @@
 import itertools
 import json
 
+import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import UsageError
@@ -100,3 +101,51 @@ def test_a_pixel_of_a_size_no_camera_has_is_refused_with_how_to_find_its_own():
         "A pixel of 9 mm was given, expected 0.001 to 2 mm, such as 0.06 of a GelSight Mini's "
         "320x240; divide the mm of gel that are seen by the image's columns."
     )
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "expected"),
+    [
+        ("image_mirrored", "no", "True or False"),
+        ("image_mirrored", 1, "True or False"),
+        ("image_mirrored", None, "True or False"),
+        ("viewpoint", "Object", "'sensor' or 'object'"),
+        ("viewpoint", True, "'sensor' or 'object'"),
+        ("viewpoint", ["object"], "'sensor' or 'object'"),
+        ("actor", "robot", "'object' or 'sensor'"),
+        ("actor", None, "'object' or 'sensor'"),
+        ("contact_side", "top", "'head', 'shank', 'side' or None"),
+        ("contact_side", "", "'head', 'shank', 'side' or None"),
+        ("thread", "right-hand", "'right', 'left' or None"),
+        ("thread", np.zeros(2), "'right', 'left' or None"),
+        ("image_upside_down", "yes", "True or False"),
+    ],
+)
+def test_a_field_that_is_none_of_its_values_is_refused_with_those_that_are(field, value, expected):
+    with pytest.raises(UsageError) as caught:
+        FrameSpec(**{field: value})
+    assert str(caught.value) == (
+        f"{field} was {value!r}, expected {expected}; give one of these as it is written here, or "
+        f"leave {field} out."
+    )
+
+
+@pytest.mark.parametrize("value", ["0.06", True, [0.06], 1j])
+def test_a_size_that_is_no_number_is_refused(value):
+    with pytest.raises(UsageError) as caught:
+        FrameSpec(mm_per_px=value)
+    assert str(caught.value) == (
+        f"mm_per_px was {value!r}, expected a number from 0.001 to 2 or None; give the millimetres "
+        f"of gel that a pixel is wide, or leave mm_per_px out."
+    )
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -0.06, 0])
+def test_a_size_that_is_none_of_a_pixel_is_refused(value):
+    with pytest.raises(UsageError, match=r"^A pixel of \S+ mm was given, expected 0.001 to 2 mm,"):
+        FrameSpec(mm_per_px=value)
+
+
+def test_any_number_is_a_size():
+    for value in (1, np.float32(0.06), np.float64(0.06)):
+        assert FrameSpec(mm_per_px=value).mm_per_px == value
