@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 SUFFIXES = [".npy", ".npz", ".mp4", ".avi", ".mov", ".mkv", ".png", ".jpg", ".jpeg", ".bmp"]
 VIEWS = ["raw", "difference", "contact", "arrows"]
 MIRRORED, UPSIDE_DOWN = "image is mirrored", "image is upside down"
+CLOCKWISE = "image is turned 90° clockwise"
+COUNTERCLOCKWISE = "image is turned 90° counterclockwise"
+TURNS = {UPSIDE_DOWN: 180, CLOCKWISE: 90, COUNTERCLOCKWISE: 270}
 OTHER_SIDE, SENSOR_MOVES = "seen from the object", "sensor moves"
 
 BUTTONS = ["download", "fullscreen"]
@@ -76,7 +79,7 @@ def _clip_side(gr: Any) -> dict[str, Any]:
             buttons=[],
         )
         side["frame"] = gr.CheckboxGroup(
-            [MIRRORED, UPSIDE_DOWN, OTHER_SIDE, SENSOR_MOVES], label="Tell it for another frame"
+            [MIRRORED, *TURNS, OTHER_SIDE, SENSOR_MOVES], label="Tell it for another frame"
         )
         side["mm_per_px"] = gr.Number(
             label="Millimetres per pixel (0: slides are told in pixels)", value=0, step=0.01
@@ -247,10 +250,10 @@ def _text(message: dict[str, Any]) -> str:
 
 
 def _fields(facts: list[str]) -> dict[str, Any]:
-    """Return the fields of a `FrameSpec` that the checked facts stand for."""
-    return {
+    """Return the fields of a `FrameSpec` that the checked facts stand for; turns add up."""
+    turned = sum(degrees for fact, degrees in TURNS.items() if fact in facts)
+    return FrameSpec.fields_of_turn(turned) | {
         "image_mirrored": MIRRORED in facts,
-        "image_upside_down": UPSIDE_DOWN in facts,
         "viewpoint": "object" if OTHER_SIDE in facts else "sensor",
         "actor": "sensor" if SENSOR_MOVES in facts else "object",
     }
@@ -261,6 +264,8 @@ def _facts(frame: FrameSpec) -> list[str]:
     is_so = {
         MIRRORED: frame.image_mirrored,
         UPSIDE_DOWN: frame.image_upside_down,
+        CLOCKWISE: frame.image_quarter_turn == "clockwise",
+        COUNTERCLOCKWISE: frame.image_quarter_turn == "counterclockwise",
         OTHER_SIDE: frame.viewpoint == "object",
         SENSOR_MOVES: frame.actor == "sensor",
     }

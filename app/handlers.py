@@ -210,7 +210,7 @@ def _in_the_image(answer: Any) -> Motion | None:
     """Return the motion an answer names, as the camera image shows it."""
     if answer.direction is None or answer.kind not in NAMES_MOTION:
         return None
-    return answer.frame.tell(answer.direction)  # telling twice in one frame leads back
+    return answer.frame.in_the_image(answer.direction)
 
 
 def compare(answerer: Answerer, first: Shown | None, second: Shown | None) -> dict[str, Any]:

@@ -239,7 +239,7 @@ class Answerer:
         require_encoded(encoded)
         require_answer(answer)
         claim = None if answer.kind in _CLAIM_ANOTHER_MOTION else answer.direction
-        motion = None if claim is None else answer.frame.tell(claim)
+        motion = None if claim is None else answer.frame.in_the_image(claim)
         place, *measured, conclusion = chain(
             answer.evidence, answer.text, motion, is_as_seen=is_as_seen(answer.frame)
         )

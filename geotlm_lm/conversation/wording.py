@@ -42,10 +42,12 @@ def place(frame: FrameSpec) -> str:
     """Return where from a direction is told: "in the camera image", "seen from ..."."""
     is_from_sensor = frame.viewpoint == "sensor"
     seen = "in the camera image" if is_from_sensor else "seen from the object's side"
-    if frame.image_upside_down and is_from_sensor and not frame.image_mirrored:
-        return f"{seen} turned by 180 degrees"
-    changed = ["the mirror undone"] * frame.image_mirrored
-    changed += ["the image turned by 180 degrees"] * frame.image_upside_down
+    turned, mirrored = frame.turning(), ["the mirror undone"] * frame.image_mirrored
+    if turned and is_from_sensor and not mirrored:
+        return f"{seen} {turned}"
+    changed = [f"the image {turned}"] if turned else []
+    # Of a quarter turn and a mirror the order matters, and is that of `FrameSpec`.
+    changed = changed + mirrored if frame.image_quarter_turn else mirrored + changed
     return f"{seen} with {' and '.join(changed)}" if changed else seen
 
 

@@ -7,12 +7,13 @@ from numbers import Real
 from typing import Any, Literal, get_args
 
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, mirror, reverse
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, mirror, reverse, turn_by_quarter
 
 Viewpoint = Literal["sensor", "object"]
 Actor = Literal["object", "sensor"]
 ContactSide = Literal["head", "shank", "side"]
 Thread = Literal["right", "left"]
+QuarterTurn = Literal["clockwise", "counterclockwise"]
 
 _CHOICES: dict[str, tuple[Any, ...]] = {
     "image_mirrored": (True, False),
@@ -21,6 +22,7 @@ _CHOICES: dict[str, tuple[Any, ...]] = {
     "contact_side": (*get_args(ContactSide), None),
     "thread": (*get_args(Thread), None),
     "image_upside_down": (True, False),
+    "image_quarter_turn": (*get_args(QuarterTurn), None),
 }
 """What each field may be."""
 
@@ -32,6 +34,10 @@ MM_PER_PX = (0.001, 2.0)
 class FrameSpec:
     """Facts about the recording that decide what a direction means.
 
+    A recorded image is what the camera sees of the object, flipped if it is mirrored, and then
+    turned if it is upside down or turned by a quarter: whoever makes it upright turns it back
+    first, and undoes the mirror left to right after that.
+
     Args:
         image_mirrored: The recorded image is flipped left to right against the camera's view.
         viewpoint: From which side the direction is told: looking out of the sensor, or at it.
@@ -41,9 +47,13 @@ class FrameSpec:
         image_upside_down: Directions are told for the image turned by 180 degrees: the recorded one
             is upside down, as from a camera mounted on its head, or a question supposes it.
         mm_per_px: Width on the gel of a pixel of the recording's frames; None when unknown.
+        image_quarter_turn: The recorded image is turned by 90 degrees that way against an upright
+            one, and directions are told for the image turned back. A camera that is itself turned
+            clockwise, as seen from behind it, records an image turned counterclockwise.
 
     Raises:
-        UsageError: If a field is none of what it may be, or no camera has pixels of that size.
+        UsageError: If a field is none of what it may be, if an image is both upside down and turned
+            by a quarter, or if no camera has pixels of that size.
     """
 
     image_mirrored: bool = False
@@ -53,26 +63,53 @@ class FrameSpec:
     thread: Thread | None = None
     image_upside_down: bool = False
     mm_per_px: float | None = None
+    image_quarter_turn: QuarterTurn | None = None
 
     def __post_init__(self) -> None:
         for name, choices in _CHOICES.items():
             _require_one_of(choices, name, getattr(self, name))
         _require_size(self.mm_per_px)
+        if self.image_upside_down and self.image_quarter_turn is not None:
+            other = next(turn for turn in get_args(QuarterTurn) if turn != self.image_quarter_turn)
+            raise UsageError(
+                f"An image both upside down and turned {self.image_quarter_turn} by 90 degrees was "
+                f"given, expected one of the two; for both together give "
+                f"image_quarter_turn={other!r} alone."
+            )
+
+    @staticmethod
+    def fields_of_turn(degrees: float) -> dict[str, Any]:
+        """Return the fields that say that the recorded image is turned by `degrees` clockwise.
+
+        Args:
+            degrees: A multiple of 90 of either sign, as the turn is seen in the recorded image.
+        """
+        quarters: dict[float, QuarterTurn] = {90: "clockwise", 270: "counterclockwise"}
+        turn = degrees % 360
+        return {"image_upside_down": turn == 180, "image_quarter_turn": quarters.get(turn)}
 
     def tell(self, motion: Motion) -> Motion:
         """Return `motion`, named in the camera image for the object, as this frame names it.
 
-        A mirrored recording and the view from the object's side each flip left and right; an image
-        upside down turns a slide around and leaves a turn as it is; telling the sensor's motion
-        instead of the object's turns any direction around. Pressing stays pressing whoever moves.
+        An image turned by a quarter is turned back and one upside down turns a slide around, both
+        leave a turn as it is; then a mirrored recording and the view from the object's side each
+        flip left and right; telling the sensor's motion instead of the object's turns any direction
+        around. Pressing stays pressing whoever moves.
         """
+        if self.image_quarter_turn is not None:
+            motion = turn_by_quarter(motion)  # counterclockwise
+        is_reversed = self.image_upside_down or self.image_quarter_turn == "counterclockwise"
+        if is_reversed and motion in SLIDES:
+            motion = reverse(motion)
         for is_flipped in (self.image_mirrored, self.viewpoint == "object"):
             motion = mirror(motion) if is_flipped else motion
-        if self.image_upside_down and motion in SLIDES:
-            motion = reverse(motion)
         if self.actor == "sensor" and motion not in (Motion.PRESS, Motion.RELEASE):
             motion = reverse(motion)
         return motion
+
+    def in_the_image(self, told: Motion) -> Motion:
+        """Return the motion in the camera image that this frame tells as `told`."""
+        return next(motion for motion in Motion if self.tell(motion) == told)
 
     def missing_for_thread(self) -> tuple[str, ...]:
         """Return the names of the facts still needed to tell tightening from loosening."""
@@ -97,10 +134,23 @@ class FrameSpec:
         inversions = (self.contact_side == "shank") + (self.thread == "left")
         return (seen == Motion.CLOCKWISE) == (inversions % 2 == 0)
 
+    @property
+    def turn_deg(self) -> int:
+        """Degrees by which the recorded image is turned clockwise: 0, 90, 180 or 270."""
+        quarter = {None: 0, "clockwise": 90, "counterclockwise": 270}[self.image_quarter_turn]
+        return 180 if self.image_upside_down else quarter
+
+    def turning(self) -> str:
+        """Return how the recorded image is turned before directions are told; "" if it is not."""
+        if self.image_quarter_turn is None:
+            return "turned by 180 degrees" if self.image_upside_down else ""
+        back = "counterclockwise" if self.image_quarter_turn == "clockwise" else "clockwise"
+        return f"turned back by 90 degrees {back}"
+
     def sentence(self) -> str:
         """Return the frame in words, as answers state it."""
         image = "mirrored camera image" if self.image_mirrored else "camera image"
-        image += " turned by 180 degrees" if self.image_upside_down else ""
+        image += f" {self.turning()}" if self.turning() else ""
         side = "looking out of the sensor" if self.viewpoint == "sensor" else "seen from the object"
         whose = "object relative to sensor" if self.actor == "object" else "sensor past the object"
         return f"{image}, {side}, {whose}"

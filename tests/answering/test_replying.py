@@ -254,6 +254,19 @@ def test_reasons_of_an_answer_in_another_frame_say_where_their_own_ways_are_seen
     assert conclusion.startswith("Therefore: Counterclockwise, ")
 
 
+def test_reasons_of_an_answer_told_for_an_image_turned_back_are_those_of_the_image(bundle):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
+    encoded = answerer.encode(recording())
+    turned = FrameSpec(image_quarter_turn="clockwise")
+    as_seen, told = (
+        answerer.why(encoded, answerer.ask(encoded, "Which way?", frame=frame)).steps
+        for frame in (FrameSpec(), turned)
+    )
+    assert told[-1].startswith("Therefore: Down, in the camera image turned back")
+    against = ["this speaks against the conclusion" in steps[2] for steps in (as_seen, told)]
+    assert against[0] == against[1]
+
+
 def test_reasons_of_a_confidence_are_those_of_the_direction_it_is_about(bundle):
     answerer = answerer_saying(bundle, {"*": "Clockwise, in the camera image."})
     encoded = answerer.encode(recording())

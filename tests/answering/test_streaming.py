@@ -18,6 +18,7 @@ FRAMES = [
     FrameSpec(viewpoint="object"),
     FrameSpec(image_mirrored=True),
     FrameSpec(image_upside_down=True),
+    FrameSpec(image_quarter_turn="clockwise"),
 ]
 
 

@@ -66,14 +66,32 @@ def test_facts_hold_for_the_turns_that_follow_and_show_in_the_page(path):
 
 
 @pytest.mark.parametrize("is_mirrored", [False, True])
-@pytest.mark.parametrize("is_upside_down", [False, True])
+@pytest.mark.parametrize("degrees", [0, 90, 180, 270])
 @pytest.mark.parametrize("viewpoint", ["sensor", "object"])
 @pytest.mark.parametrize("actor", ["object", "sensor"])
 def test_every_frame_that_can_be_checked_is_shown_as_it_was_checked(
-    is_mirrored, is_upside_down, viewpoint, actor
+    is_mirrored, degrees, viewpoint, actor
 ):
-    frame = FrameSpec(is_mirrored, viewpoint, actor, image_upside_down=is_upside_down)
+    turned = FrameSpec.fields_of_turn(degrees)
+    frame = FrameSpec(is_mirrored, viewpoint, actor, **turned)
     assert FrameSpec(**ask_tab._fields(ask_tab._facts(frame))) == frame
+
+
+def test_turns_that_are_checked_together_add_up():
+    half_and_quarter = ask_tab._fields([ask_tab.UPSIDE_DOWN, ask_tab.CLOCKWISE])
+    assert FrameSpec(**half_and_quarter) == FrameSpec(image_quarter_turn="counterclockwise")
+    there_and_back = ask_tab._fields([ask_tab.CLOCKWISE, ask_tab.COUNTERCLOCKWISE])
+    assert FrameSpec(**there_and_back) == FrameSpec()
+
+
+def test_what_a_turned_image_shows_is_found_again_from_what_is_told(path):
+    answerer = FakeAnswerer()
+    shown = handlers.show_clip(answerer, path)
+    facts = ask_tab._fields([ask_tab.CLOCKWISE])
+    *_, checked = handlers.converse(answerer, shown, "Which way?", facts)
+    assert checked.sentence.startswith("To the up, ")
+    assert checked.motion is Motion.RIGHT
+    assert handlers.told_in(shown.session.frame, checked.motion).endswith("that is **up**.")
 
 
 def test_doubt_is_answered_from_the_conversation(path):

@@ -21,6 +21,11 @@ FRAMES = [
     FrameSpec(*fields)
     for fields in itertools.product((False, True), ("sensor", "object"), ("object", "sensor"))
 ]
+FRAMES += [
+    replace(frame, image_quarter_turn=turn)
+    for frame in FRAMES
+    for turn in ("clockwise", "counterclockwise")
+]
 OBJECT_SIDE = FrameSpec(viewpoint="object")
 SCREW = FrameSpec(thread="right", contact_side="head")
 
@@ -75,6 +80,51 @@ def test_every_kind_tells_its_exact_function_of_the_motion(motion, frame):
             UP,
             FrameSpec(viewpoint="object", image_upside_down=True),
             "Down, seen from the object's side with the image turned by 180 degrees.",
+        ),
+        (
+            "direction",
+            LEFT,
+            FrameSpec(image_quarter_turn="clockwise"),
+            "Down, in the camera image turned back by 90 degrees counterclockwise.",
+        ),
+        (
+            "direction",
+            LEFT,
+            FrameSpec(image_mirrored=True, image_quarter_turn="counterclockwise"),
+            "Up, in the camera image with the image turned back by 90 degrees clockwise and the "
+            "mirror undone.",
+        ),
+        (
+            "direction",
+            UP,
+            FrameSpec(image_mirrored=True, image_quarter_turn="counterclockwise"),
+            "Left, in the camera image with the image turned back by 90 degrees clockwise and the "
+            "mirror undone.",
+        ),
+        (
+            "direction",
+            UP,
+            FrameSpec(viewpoint="object", image_quarter_turn="clockwise"),
+            "Right, seen from the object's side with the image turned back by 90 degrees "
+            "counterclockwise.",
+        ),
+        (
+            "direction",
+            CW,
+            FrameSpec(image_quarter_turn="clockwise"),
+            "Clockwise, in the camera image turned back by 90 degrees counterclockwise.",
+        ),
+        (
+            "actor",
+            LEFT,
+            FrameSpec(image_quarter_turn="clockwise"),
+            "The sensor goes up, in the camera image turned back by 90 degrees counterclockwise.",
+        ),
+        (
+            "undo",
+            LEFT,
+            FrameSpec(image_quarter_turn="clockwise"),
+            "Moving up undoes it, in the camera image turned back by 90 degrees counterclockwise.",
         ),
         ("direction", UP, FrameSpec(actor="sensor"), "The sensor goes down, in the camera image."),
         ("direction", Motion.PRESS, OBJECT_SIDE, "It is pressing in."),

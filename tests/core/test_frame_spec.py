@@ -29,6 +29,14 @@ FRAMES = [
     for frame in itertools.product((False, True), ("sensor", "object"), ("object", "sensor"))
     for is_upside_down in (False, True)
 ]
+TURNED = {"clockwise": (DOWN, LEFT), "counterclockwise": (UP, RIGHT)}
+"""What LEFT and UP of an image turned that way are once it is turned back."""
+QUARTERS = [
+    dict(zip(("image_mirrored", "viewpoint", "actor"), frame, strict=True))
+    | {"image_quarter_turn": turn}
+    for frame in TOLD
+    for turn in TURNED
+]
 
 
 @pytest.mark.parametrize("frame", TOLD)
@@ -51,6 +59,65 @@ def test_an_image_upside_down_turns_slides_around_and_leaves_turns(frame):
     spec = FrameSpec(*frame, image_upside_down=True)
     expected = (turn, opposite[left], opposite[up], press, still)
     assert tuple(spec.tell(motion) for motion in SEEN) == expected
+
+
+@pytest.mark.parametrize("frame", TOLD)
+@pytest.mark.parametrize("turn", TURNED)
+def test_an_image_turned_by_a_quarter_is_turned_back_before_anything_else(frame, turn):
+    upright, spec = FrameSpec(*frame), FrameSpec(*frame, image_quarter_turn=turn)
+    left, up = TURNED[turn]
+    expected = tuple(upright.tell(motion) for motion in (CW, left, up, Motion.PRESS, Motion.STILL))
+    assert tuple(spec.tell(motion) for motion in SEEN) == expected
+
+
+@pytest.mark.parametrize("frame", TOLD)
+def test_two_quarter_turns_are_half_a_turn_and_two_opposite_ones_none(frame):
+    upright, *turned = (FrameSpec(*frame, image_quarter_turn=turn) for turn in (None, *TURNED))
+    upside_down = FrameSpec(*frame, image_upside_down=True)
+    for motion in Motion:
+        by_clockwise, by_counterclockwise = (
+            spec.tell(upright.in_the_image(spec.tell(motion))) for spec in turned
+        )
+        assert by_clockwise == by_counterclockwise == upside_down.tell(motion)
+        there = upright.in_the_image(turned[0].tell(motion))
+        assert turned[1].tell(there) == upright.tell(motion)
+
+
+@pytest.mark.parametrize(
+    "spec", [*(FrameSpec(*frame) for frame in FRAMES), *(FrameSpec(**frame) for frame in QUARTERS)]
+)
+@pytest.mark.parametrize("motion", Motion)
+def test_the_motion_in_the_image_is_found_again_from_what_is_told(spec, motion):
+    assert spec.in_the_image(spec.tell(motion)) is motion
+
+
+@pytest.mark.parametrize(
+    ("degrees", "fields"),
+    [
+        (0, (False, None)),
+        (90, (False, "clockwise")),
+        (180, (True, None)),
+        (270, (False, "counterclockwise")),
+        (-90, (False, "counterclockwise")),
+        (-180, (True, None)),
+        (450, (False, "clockwise")),
+    ],
+)
+def test_turns_by_whole_quarters_add_up(degrees, fields):
+    said = FrameSpec.fields_of_turn(degrees)
+    assert said == dict(zip(("image_upside_down", "image_quarter_turn"), fields, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("turn", "other"), [("clockwise", "counterclockwise"), ("counterclockwise", "clockwise")]
+)
+def test_an_image_is_either_upside_down_or_turned_by_a_quarter(turn, other):
+    with pytest.raises(UsageError) as caught:
+        FrameSpec(image_upside_down=True, image_quarter_turn=turn)
+    assert str(caught.value) == (
+        f"An image both upside down and turned {turn} by 90 degrees was given, expected one of the "
+        f"two; for both together give image_quarter_turn='{other}' alone."
+    )
 
 
 @pytest.mark.parametrize(
@@ -88,10 +155,17 @@ def test_the_missing_facts_are_named():
 
 
 def test_every_frame_has_its_own_sentence_and_survives_json():
-    sentences = {
-        json.loads(json.dumps(FrameSpec(*frame).to_dict()))["sentence"] for frame in FRAMES
-    }
-    assert len(sentences) == len(FRAMES)
+    specs = [*(FrameSpec(*frame) for frame in FRAMES), *(FrameSpec(**frame) for frame in QUARTERS)]
+    sentences = {json.loads(json.dumps(spec.to_dict()))["sentence"] for spec in specs}
+    assert len(sentences) == len(FRAMES) + len(QUARTERS)
+
+
+def test_the_sentence_says_which_way_a_turned_image_is_turned_back():
+    frame = FrameSpec(image_mirrored=True, image_quarter_turn="clockwise")
+    assert frame.sentence() == (
+        "mirrored camera image turned back by 90 degrees counterclockwise, looking out of the "
+        "sensor, object relative to sensor"
+    )
 
 
 def test_a_pixel_of_a_size_no_camera_has_is_refused_with_how_to_find_its_own():
@@ -119,6 +193,8 @@ def test_a_pixel_of_a_size_no_camera_has_is_refused_with_how_to_find_its_own():
         ("thread", "right-hand", "'right', 'left' or None"),
         ("thread", np.zeros(2), "'right', 'left' or None"),
         ("image_upside_down", "yes", "True or False"),
+        ("image_quarter_turn", 90, "'clockwise', 'counterclockwise' or None"),
+        ("image_quarter_turn", "left", "'clockwise', 'counterclockwise' or None"),
     ],
 )
 def test_a_field_that_is_none_of_its_values_is_refused_with_those_that_are(field, value, expected):
