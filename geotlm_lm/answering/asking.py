@@ -28,6 +28,7 @@ from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.spelling import spelt
 from geotlm_lm.conversation.stated_amounts import stated_amount
 from geotlm_lm.conversation.statements import UNREAD, states_more
+from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.conversation.two_parts import two_parts
 from geotlm_lm.conversation.untold import asks_place, never_told, untold
 from geotlm_lm.conversation.wording import known
@@ -56,6 +57,8 @@ def answer_question(
     if not stated.rest:
         noted = plain(encoded, f"Noted: {known(stated.frame)}.", "frame", stated.frame)
         return replace(noted, abstained=False, confidence=1.0)
+    if (missing := unclear_turn(stated.rest)) is not None:
+        return plain(encoded, missing, "frame", stated.frame)
     if not stated.is_stated and states_more(stated.rest):
         return plain(encoded, UNREAD, "frame", frame)
     asked, frame = without_opposites(without_adverbs(spelt(stated.rest))), stated.frame

@@ -21,6 +21,7 @@ from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.conversation.two_clips import asks_each_amount, asks_of_one, relates
 from geotlm_lm.conversation.untold import untold
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -67,6 +68,8 @@ def _declined(bundle: Bundle, question: str, asked: str) -> str | None:
     """Return what to say to what no clip answers; None where two may."""
     if not is_english(question):
         return ENGLISH_ONLY
+    if (missing := unclear_turn(asked)) is not None:
+        return missing
     if asks_beyond_touch(asked):
         knows = "refusal" in bundle.grammar.kinds
         return bundle.grammar.sentence(Slots("refusal")) if knows else COMPARED

@@ -20,6 +20,7 @@ from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.conversation.question import check_question
 from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.conversation.two_clips import asks_of_one
 from geotlm_lm.conversation.two_parts import two_parts
 from geotlm_lm.conversation.wording import level
@@ -163,8 +164,9 @@ class Session:
 
     def _reply(self, question: str, listen: Listener | None) -> Reply:
         stated = read_facts(question, self.frame)
-        kind = asked_kind(stated.rest)
-        is_of_one = kind != "order" and asks_of_one(stated.rest) is not None
+        is_unclear = unclear_turn(stated.rest) is not None
+        kind = None if is_unclear else asked_kind(stated.rest)
+        is_of_one = kind != "order" and not is_unclear and asks_of_one(stated.rest) is not None
         if (kind == "comparison" or is_of_one) and len(self.clips) > 1:
             first, second = self.clips[-2:]
             return self.answerer.compare(first, second, stated.rest, frame=stated.frame)
@@ -183,7 +185,8 @@ def corrected(question: str, frame: FrameSpec) -> str:
     """
     rest = _CONTRADICTS.sub("", question)
     asks = asked_kind(rest) not in (None, "confidence") or asks_direction(rest)
-    return rest if rest and (read_facts(rest, frame).is_stated or asks) else question
+    states = read_facts(rest, frame).is_stated or unclear_turn(rest) is not None
+    return rest if rest and (states or asks) else question
 
 
 def _is_doubt(words: str) -> bool:

@@ -163,17 +163,18 @@ class Conversation:
 
     def _frame(self, facts: str) -> None:
         from geotlm_lm.conversation.frame_facts import read_facts
+        from geotlm_lm.conversation.turned_image import unclear_turn
         from geotlm_lm.conversation.wording import known
 
         if facts:
             text = "reset the frame" if facts == "reset" else facts
             stated = read_facts(text, self.session.frame)
             if stated.rest:
-                print(
+                unknown = (
                     f"'{facts}' is no fact I know; say for example 'left-hand thread', 'the image "
-                    f"is mirrored' or 'I look from the object's side'.",
-                    file=sys.stderr,
+                    f"is mirrored' or 'I look from the object's side'."
                 )
+                print(unclear_turn(stated.rest) or unknown, file=sys.stderr)
                 return
             self.session.frame = stated.lasting
         print(f"Frame: {known(self.session.frame)}.")

@@ -2,7 +2,8 @@
 
 A text is read as a whole or not at all: one clause that is not understood changes nothing. A
 question ("is the image mirrored?") and a supposition ("if it were mirrored") state no fact; an
-image supposed to be turned upside down holds for the one question it is part of.
+image supposed to be turned upside down holds for the one question it is part of. Turns by other
+angles are read in `turned_image`.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from geotlm_lm.conversation.scale import read_scale
+from geotlm_lm.conversation.turned_image import read_turn
 from geotlm_lm.core.frame_spec import FrameSpec
 
 _IMAGE = (
@@ -53,6 +55,8 @@ _SIDE = (
     rf"|(?:{_LOOK} )?(?:from|at) (?:the|its) {{0}}(?: side)?|(?:the )?{{0}} side"
 )
 
+_UPSIDE_DOWN, _UPRIGHT = FrameSpec.fields_of_turn(180), FrameSpec.fields_of_turn(0)
+
 FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
     (
         rf"{_IMAGE} (?:is|was) (?:mirrored|flipped)(?: left[ -]to[ -]right| horizontally)?",
@@ -60,7 +64,7 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
     ),
     (
         rf"{_IMAGE} (?:is|was) (?:mirrored|flipped) (?:vertically|top[ -]to[ -]bottom)",
-        {"image_mirrored": True, "image_upside_down": True},
+        {"image_mirrored": True, **_UPSIDE_DOWN},
     ),
     (r"(?:a )?mirrored (?:image|camera|video|clip|recording)", {"image_mirrored": True}),
     (r"there(?:'s| is) a mirror in the (?:optics|camera|sensor)", {"image_mirrored": True}),
@@ -73,18 +77,21 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
         rf"{_IMAGE} (?:is|was) {_ON_ITS_HEAD}"
         rf"|{_MOUNTED.format('is|was')} (?:upside[ -]down|on its head)"
         r"|(?:an )?upside[ -]down (?:image|camera|video|clip|recording)",
-        {"image_upside_down": True},
+        _UPSIDE_DOWN,
     ),
     (
         rf"{_IMAGE} (?:is|was)(?: not|n't) {_ON_ITS_HEAD}"
-        rf"|{_MOUNTED.format('is not|was not|isn.t|wasn.t')} (?:upside[ -]down|on its head)"
-        rf"|(?:{_IMAGE} (?:is|was)|{_MOUNTED.format('is|was')}) (?:upright|right side up)",
+        rf"|{_MOUNTED.format('is not|was not|isn.t|wasn.t')} (?:upside[ -]down|on its head)",
         {"image_upside_down": False},
+    ),
+    (
+        rf"(?:{_IMAGE} (?:is|was)|{_MOUNTED.format('is|was')}) (?:upright|right side up)",
+        _UPRIGHT,
     ),
     (
         rf"{_IMAGE} (?:is|was) (?:(?:mirrored|flipped) and upside[ -]down"
         r"|upside[ -]down and (?:mirrored|flipped))",
-        {"image_mirrored": True, "image_upside_down": True},
+        {"image_mirrored": True, **_UPSIDE_DOWN},
     ),
     (rf"(?:{_LOOK}(?: it)? )?from (?:{_OTHER_SIDE}|behind|the object)", {"viewpoint": "object"}),
     (rf"(?:i am|i'm|i stand|i sit) (?:on|at) {_OTHER_SIDE}", {"viewpoint": "object"}),
@@ -125,8 +132,8 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
             "actor": "object",
             "contact_side": None,
             "thread": None,
-            "image_upside_down": False,
             "mm_per_px": None,
+            **_UPRIGHT,
         },
     ),
 )
@@ -175,7 +182,7 @@ _LEAD = re.compile(
     r"|actually|remember(?: that)?|so|and|now|but)[:,]? +)"
 )
 _BREAK = re.compile(
-    r"\s*(?:[,;]|\band\b|\bbut\b)\s*|\s+(?=(?:touched|gripped|held) (?:at|by|from|on)\b)"
+    r"\s*(?:[,;]|\.(?!\d)|\band\b|\bbut\b)\s*|\s+(?=(?:touched|gripped|held) (?:at|by|from|on)\b)"
 )
 _ENDS = re.compile(r"[!;:,\n]|\.(?!\d)")
 
@@ -221,8 +228,8 @@ def _read(text: str, frame: FrameSpec) -> Stated:
     supposed = _SUPPOSED.search(text)
     if supposed and not _NO_SUPPOSITION.search(text[: supposed.start()]):
         stated = _read(_without(text, supposed), frame)
-        is_turned = not (supposed["turns"] and stated.frame.image_upside_down)
-        return replace(stated, frame=replace(stated.frame, image_upside_down=is_turned))
+        turned = FrameSpec.fields_of_turn(180 + (stated.frame.turn_deg if supposed["turns"] else 0))
+        return replace(stated, frame=replace(stated.frame, **turned))
     fields = _fields(text)
     if fields:
         told = replace(frame, **fields)
@@ -233,6 +240,7 @@ def _read(text: str, frame: FrameSpec) -> Stated:
         if rest and fields:
             lasts = text[end] in ".!;\n"
             kept = {k: v for k, v in fields.items() if lasts or k not in OF_THE_TELLING}
+            kept |= _fields(text[: text.rfind(". ", 0, end) + 1])  # sentences of their own
             return Stated(replace(frame, **fields), replace(frame, **kept), rest, True)
     return Stated(frame, frame, text)
 
@@ -251,7 +259,10 @@ def _tidied(before: str, after: str) -> str:
 
 
 def _fields(text: str) -> dict[str, Any]:
-    """Return the fields that every clause of `text` together sets; none if one is unknown."""
+    """Return the fields that every clause of `text` together sets.
+
+    None if one clause is unknown, or if two turn the image by something else each.
+    """
     text = " ".join(text.lower().split()).rstrip(".!, ")
     while (shorter := _LEAD.sub("", text)) != text:
         text = shorter
@@ -265,6 +276,8 @@ def _fields(text: str) -> dict[str, Any]:
         for last in range(min(at + MOST_CLAUSES, len(ends)) - 1, at - 1, -1):
             found = _fact(text[starts[at] : ends[last]])
             if found is not None:
+                if _turns_otherwise(fields, found):
+                    return {}
                 fields |= found
                 at = last + 1
                 break
@@ -273,6 +286,12 @@ def _fields(text: str) -> dict[str, Any]:
     return fields
 
 
+def _turns_otherwise(fields: dict[str, Any], found: dict[str, Any]) -> bool:
+    """Tell whether both turn the image, and not alike."""
+    one, other = ([turns.get(name) for name in _UPRIGHT] for turns in (fields, found))
+    return any(one) and any(other) and one != other
+
+
 def _fact(clause: str) -> dict[str, Any] | None:
     found = next((sets for words, sets in FACTS if re.fullmatch(words, clause)), None)
-    return found or read_scale(clause)
+    return found or read_turn(clause) or read_scale(clause)

@@ -16,6 +16,8 @@ QUESTIONS = (
     "Why do you say that it slides up?",
     "The image is mirrored. Which way does it turn?",
     "If I turned the picture upside down, where would it go?",
+    "The image is rotated by 90 degrees clockwise. Which way does it slide?",
+    "The camera is mounted sideways, which way does it go?",
     "I look from the object's side. Does that tighten a left-hand thread touched at the head?",
     "Are you sure?",
     "How far does it slide, in millimetres?",

@@ -78,9 +78,42 @@ def test_where_the_contact_is_is_read_off_the_mask(bundle):
 
 def test_a_statement_that_holds_no_known_fact_is_not_answered_with_a_motion(bundle):
     answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
-    answer = answerer.ask(answerer.encode(recording()), "The image is rotated by 90 degrees.")
+    answer = answerer.ask(answerer.encode(recording()), "The image is blurred.")
     assert answer.text.startswith("I read no fact about the recording in that")
     assert answer.abstained
+
+
+def test_an_image_turned_by_a_quarter_is_told_as_it_is_turned_back(bundle):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
+    asked = "The image is rotated by 90 degrees clockwise. Which way does it slide?"
+    answer = answerer.ask(answerer.encode(recording()), asked)
+    assert answer.text == "Down, in the camera image turned back by 90 degrees counterclockwise."
+    assert answer.direction is Motion.DOWN
+    assert answer.frame == FrameSpec(image_quarter_turn="clockwise")
+
+
+@pytest.mark.parametrize(
+    ("said", "begins"),
+    [
+        ("The camera is mounted sideways", "I cannot tell a direction without the way it is"),
+        ("The image is rotated by 30 degrees", "I tell directions for an image turned by 90, 180"),
+    ],
+)
+@pytest.mark.parametrize("asks", [".", ". Which way does it slide?", ". Which way and how far?"])
+def test_a_turn_that_lacks_something_is_asked_for_and_no_direction_is_told(
+    bundle, said, begins, asks
+):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
+    answer = answerer.ask(answerer.encode(recording()), said + asks)
+    assert answer.text.startswith(begins)
+    assert (answer.abstained, answer.kind, answer.direction) == (True, "frame", None)
+
+
+def test_facts_that_were_read_before_a_turn_that_lacks_something_hold(bundle):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
+    session = answerer.session(answerer.encode(recording()))
+    asked = session.ask("The image is mirrored. The camera is mounted sideways. Which way?")
+    assert (asked.abstained, session.frame) == (True, FrameSpec(image_mirrored=True))
 
 
 @pytest.mark.parametrize(

@@ -109,6 +109,36 @@ def test_an_image_turned_in_thought_is_turned_for_one_question(bundle):
     assert session.ask("Which way?").text == "Left, in the camera image."
 
 
+def test_a_turned_image_lasts_until_it_is_said_to_be_upright(bundle):
+    answerer = feeling(bundle, "left")
+    session = answerer.session(answerer.encode(recording()))
+    noted = session.ask("The camera is rotated 90 degrees to the left.")
+    assert noted.text.startswith(
+        "Noted: camera image turned back by 90 degrees counterclockwise, looking out of the sensor"
+    )
+    assert session.ask("Which way?").direction is Motion.DOWN
+    session.ask("The image is upright.")
+    assert session.ask("Which way?").text == "Left, in the camera image."
+
+
+def test_a_correction_that_lacks_the_sense_of_a_turn_is_asked_for_it(session):
+    session.ask("Which way?")
+    assert session.ask("No, the image is rotated by 90 degrees.").text.startswith(
+        "I cannot tell a direction without the way it is turned"
+    )
+
+
+@pytest.mark.parametrize("asks", ["Do they turn the same way?", "What happened first?"])
+def test_two_clips_of_a_turned_image_wait_for_its_sense(session, asks):
+    session.add_clip(session.answerer.encode(recording(seed=2)))
+    asked = session.ask(f"The camera is mounted sideways. {asks}")
+    assert asked.text.startswith("I cannot tell a direction without the way it is turned")
+    assert asked.abstained
+    first, second = session.clips
+    compared = session.answerer.compare(first, second, f"The camera is mounted sideways. {asks}")
+    assert (compared.text, compared.relation) == (asked.text, "unknown")
+
+
 def test_doubt_after_a_fact_is_about_the_answer_before_it(session):
     session.ask("Which way?")
     session.ask("Left-hand thread.")

@@ -74,6 +74,20 @@ def test_an_unknown_fact_is_refused_with_examples(talk):
     assert err[-1].startswith("'it is shiny' is no fact I know; say for example 'left-hand thread'")
 
 
+def test_a_turned_image_is_a_fact_and_one_without_its_sense_is_asked_for_it(talk):
+    out, err = talk(
+        "/frame the image is rotated by 90 degrees clockwise", "/frame the camera is sideways"
+    )
+    assert out == [
+        "Frame: camera image turned back by 90 degrees counterclockwise, looking out of the "
+        "sensor, object relative to sensor."
+    ]
+    assert err[-1] == (
+        "I cannot tell a direction without the way it is turned: say clockwise or "
+        "counterclockwise, such as 'the camera is mounted turned by 90 degrees clockwise'."
+    )
+
+
 def test_json_holds_the_whole_answer_until_it_is_switched_off(talk):
     out, _ = talk("/json", "which way?", "/json", "which way?")
     assert json.loads(out[0])["direction"] == "clockwise"

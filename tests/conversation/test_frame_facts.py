@@ -119,6 +119,12 @@ def test_anything_else_changes_nothing(text):
     assert (stated.rest, stated.is_stated) == (text, False)
 
 
+def test_a_way_of_telling_in_a_sentence_of_its_own_lasts_whatever_follows():
+    stated = read_facts("I look from the other side. Left-hand thread, does it tighten?", CAMERA)
+    assert stated.frame == stated.lasting == FrameSpec(viewpoint="object", thread="left")
+    assert stated.rest == "does it tighten?"
+
+
 def test_a_fact_in_a_sentence_before_the_question_lasts():
     stated = read_facts("I look from the other side. Which way does it turn?", CAMERA)
     assert stated.frame == stated.lasting == FrameSpec(viewpoint="object")

@@ -1,0 +1,175 @@
+"""By how much and which way the recorded image is turned, where somebody says so.
+
+What is turned decides the sense. Of an image that is turned clockwise, what was up is on the right.
+A camera mounted turned clockwise, as seen from behind it looking where it looks, or a sensor with
+its camera in it, records an image turned counterclockwise; a mirror counts as standing before that
+camera. To the right is clockwise and to the left counterclockwise, as pictures are turned on a
+screen.
+
+A turn is read to the letter or not at all. One that is told without its angle or its sense is not
+guessed: `unclear_turn` says what is missing.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from geotlm_lm.core.frame_spec import FrameSpec
+
+_THE = r"(?:(?:the|my|our|this) )?"
+_IMAGE = rf"{_THE}(?:(?:camera|recorded|tactile) )?(?:image|picture|video|clip|recording|footage)s?"
+_CAMERA = rf"{_THE}camera"
+_HOLDER = rf"{_THE}(?:tactile )?(?:sensor|gripper|finger|gel|pad)"
+
+_DEGREES = r"(?:degrees?|deg|°)"
+_CLOCKWISE = r"(?:clockwise|cw|(?:to the )?right)"
+_COUNTER = r"(?:(?:counter|anti)[ -]?clockwise|ccw|acw|(?:to the )?left)"
+_WAY = rf"(?:in (?:a |the )?)?(?:{_COUNTER}|{_CLOCKWISE})(?: direction)?\b"
+_SIZE = (
+    rf"(?:[-+\u2212]?\d{{1,4}}(?:\.\d+)?(?:[ -]?{_DEGREES}|(?= {_WAY}|[ ,.!?]*$|[,.] ))"
+    rf"|ninety {_DEGREES}|(?:one )?quarter(?:[ -]turn| of a turn)?)"
+)
+_BY = rf"(?:(?:by|through|at|with) )?(?:an? )?{_SIZE}"
+_TURN = rf"(?:{_BY}(?: {_WAY})?|{_WAY} {_BY})"
+_ASIDE = r"(?:sideways|on (?:its|the|one) side|in portrait\b)"
+
+_IS = r"(?: (?:is|was|are|were|has been|have been|had been)|'s)"
+_TURNED = r"(?:turned|rotated)"
+_MOUNTED = r"(?:mounted|installed)"
+_I = r"(?:i|we)(?: have|'ve)?"
+
+_FACTS = tuple(
+    re.compile(words)
+    for words in (
+        rf"(?P<image>{_IMAGE}){_IS}(?P<mirrored> (?:mirrored|flipped) and)?(?: recorded)? {_TURNED}"
+        rf" {_TURN}",
+        rf"{_I} {_TURNED} (?P<image>{_IMAGE}) {_TURN}",
+        rf"{_CAMERA}{_IS} {_TURNED} {_TURN}",
+        rf"(?:{_CAMERA}|{_HOLDER}){_IS} {_MOUNTED}(?: {_TURNED})? {_TURN}",
+        rf"{_I} {_TURNED} {_CAMERA} {_TURN}",
+        rf"{_I} {_MOUNTED} (?:{_CAMERA}|{_HOLDER})(?: {_TURNED})? {_TURN}",
+    )
+)
+"""What may be said, to the letter; of all that is no image a camera is turned."""
+
+_NO_TURN = re.compile(
+    rf"(?:{_IMAGE}|{_CAMERA}){_IS}(?: not|n't) {_TURNED}(?P<by> {_TURN})?"
+    rf"|(?:{_CAMERA}|{_HOLDER}){_IS}(?: not|n't) {_MOUNTED} (?P<so>{_ASIDE}|{_TURNED}(?: {_TURN})?)"
+)
+
+_SIZED = re.compile(_SIZE)
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
+_SENSE = re.compile(rf"\b(?:(?P<counter>{_COUNTER})|{_CLOCKWISE})\b")
+
+
+def read_turn(clause: str) -> dict[str, Any] | None:
+    """Return the fields of `FrameSpec` that a clause about a turned image sets, in lower case."""
+    if (denied := _NO_TURN.fullmatch(clause)) is not None:
+        said = denied["by"] or denied["so"]
+        return {"image_quarter_turn": None} if said else FrameSpec.fields_of_turn(0)
+    for words in _FACTS:
+        if (said := words.fullmatch(clause)) is None:
+            continue
+        degrees, sense = _degrees(clause), _SENSE.search(clause)
+        if degrees not in (90, 180, 270) or (sense is None and degrees != 180):
+            return None
+        of_whom = said.groupdict()
+        # To the left once, and once more for a camera: two inversions are none.
+        inversions = bool(sense and sense["counter"]) + (of_whom.get("image") is None)
+        mirrored = {"image_mirrored": True} if of_whom.get("mirrored") else {}
+        return FrameSpec.fields_of_turn(-degrees if inversions % 2 else degrees) | mirrored
+    return None
+
+
+def _degrees(text: str) -> float | None:
+    """Return by how many degrees something is said to be turned; None where it is not said."""
+    if (size := _SIZED.search(text)) is None:
+        return None
+    number = _NUMBER.search(size[0])
+    return 90.0 if number is None else float(number[0])
+
+
+_BEFORE = (
+    r"(?P<before>^|[.,;:!?(] *|\b(?:and|but|so|because|since|as|though|although|while|when|if"
+    r"|suppose|supposing|imagine|that|given|with|for|in|had|no|well|actually|note) )"
+)
+_BE = rf"(?:{_IS}| been)(?: (?:also|actually|slightly|recorded|held|(?:mirrored|flipped) and))*"
+_OBLIQUE = r"(?:turned|rotated|tilted|skewed)"
+_ENDS = r"(?=[ )]*(?:$|[.,;:!?])| (?:and|but|so|which|what|how|where|does|did)\b)"
+_SO_FAR = rf" (?:{_TURN}|{_ASIDE})"
+_SOMEHOW = rf"(?: {_OBLIQUE}(?:{_SO_FAR}| {_WAY}|{_ENDS})| {_ASIDE})"
+_TURN_IT = r"(?:i|we|you)(?: have|'ve)? (?:turn|rotate|turned|rotated|tilted)"
+_WHOSE = rf"(?:{_IMAGE}|{_CAMERA}|{_HOLDER})"
+
+_MENTIONS = tuple(
+    re.compile(_BEFORE + words)
+    for words in (
+        rf"(?:{_IMAGE}|{_CAMERA}){_BE}{_SOMEHOW}",
+        rf"{_WHOSE}{_BE} {_MOUNTED}(?: {_OBLIQUE})?{_SO_FAR}",
+        rf"{_HOLDER} is(?: held| fixed)?(?: {_TURNED} {_TURN}| {_ASIDE})",
+        rf"(?:{_IMAGE}|(?<=with ){_CAMERA}) {_OBLIQUE}{_SO_FAR}",
+        rf"(?<!when ){_TURN_IT} (?:{_IMAGE}|{_CAMERA}){_SO_FAR}",
+        rf"(?:{_I} )?{_MOUNTED}(?: it| {_WHOSE})?(?: {_OBLIQUE})?{_SO_FAR}",
+        rf"{_WHOSE} has (?:been )?an? (?:{_SIZE}(?: {_WAY})? rotation|rotation of {_SIZE})",
+    )
+)
+"""Words that say of the image, or of what holds the camera, that it does not stand upright."""
+
+_SAYS_NO_TURN = re.compile(
+    r"\b(?:know|tell|sure|certain|check|say|see|wonder|ask)(?: me| us)? (?:if|that) $"
+    r"|\b(?:has|have|had)\b.* in $"
+)
+"""Words before that ask whether it is so, or tell of something in the image."""
+
+_OF_AN_IMAGE = re.compile(rf"\b{_IMAGE}\b")
+_EXAMPLES = (
+    "the image is turned by 90 degrees clockwise",
+    "the camera is mounted turned by 90 degrees clockwise",
+)
+
+_SAY_SENSE = (
+    "I cannot tell a direction without the way it is turned: say clockwise or counterclockwise, "
+    "such as '{}'."
+)
+_SAY_SIZE = (
+    "I cannot tell a direction without knowing how it is turned: say by 90 degrees which way, or "
+    "by 180, such as '{}'."
+)
+_OTHER_SIZE = (
+    "I tell directions for an image turned by 90, 180 or 270 degrees, not by {:g}: turn the "
+    "recording upright first."
+)
+_SAY_IT_FIRST = (
+    "I turn an image back only where it is said before the question that it was recorded so, such "
+    "as '{}'."
+)
+
+
+def unclear_turn(text: str) -> str | None:
+    """Return what is missing in a turn of the image that `text` tells; None where it tells none.
+
+    Args:
+        text: What is left once the facts that could be read are taken out. A question whether the
+            image is turned tells no turn; one that supposes it does.
+    """
+    text = " ".join(text.lower().replace("\u2019", "'").split())
+    for words in _MENTIONS:
+        said = words.search(text)
+        if said is not None and not _SAYS_NO_TURN.search(text[: said.end("before")]):
+            return _missing(said[0])
+    return None
+
+
+def _missing(said: str) -> str:
+    example = _EXAMPLES[_OF_AN_IMAGE.search(said) is None]
+    degrees = _degrees(said)
+    if degrees is None and re.search(_ASIDE, said):
+        degrees = 90.0
+    if degrees is None:
+        return _SAY_SIZE.format(example)
+    if degrees not in (90, 180, 270):
+        return _OTHER_SIZE.format(degrees)
+    if degrees != 180 and _SENSE.search(said) is None:
+        return _SAY_SENSE.format(example)
+    return _SAY_IT_FIRST.format(example)
