@@ -12,7 +12,8 @@ import re
 from dataclasses import dataclass, replace
 from typing import Any
 
-from geotlm_lm.conversation.scale import read_scale
+from geotlm_lm.conversation.scale import read_scale, scale_beside
+from geotlm_lm.conversation.statements import states_more
 from geotlm_lm.conversation.turned_image import read_turn
 from geotlm_lm.core.frame_spec import FrameSpec
 
@@ -216,12 +217,21 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
         frame: What was known before.
     """
     text = text.replace("\u2019", "'").strip()
+    beside = scale_beside(text)
+    if beside is not None and _asks(beside.rest):
+        stated = read_facts(beside.rest, replace(frame, **beside.fields))
+        kept = {"mm_per_px": frame.mm_per_px} if beside.is_supposed else {}
+        return replace(stated, lasting=replace(stated.lasting, **kept), is_stated=True)
     stated = _read(text, frame)
     seen = _AS_SEEN.search(stated.rest)
     if seen is None or (stated.frame.viewpoint == "sensor" and not seen["side"]):
         return stated
     rest = _tidied(stated.rest[: seen.start()], stated.rest[seen.end() :])
     return replace(stated, frame=replace(stated.frame, viewpoint="sensor"), rest=rest)
+
+
+def _asks(text: str) -> bool:
+    return not states_more(text) and not _NOTHING_ASKED.fullmatch(text)
 
 
 def _read(text: str, frame: FrameSpec) -> Stated:

@@ -1,0 +1,58 @@
+"""The size of a pixel, said beside a question."""
+
+import pytest
+
+from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.core.frame_spec import FrameSpec
+
+CAMERA, SCALED = FrameSpec(), FrameSpec(mm_per_px=0.06)
+
+
+@pytest.mark.parametrize(
+    ("text", "rest"),
+    [
+        ("How fast in mm/s? One pixel is 0.06 mm.", "How fast in mm/s?"),
+        ("did it slide 1 mm? 0.06 mm per pixel", "did it slide 1 mm?"),
+        ("How far, at 0.06 mm per pixel?", "How far"),
+        ("How far in mm (0.06 mm/px)?", "How far in mm"),
+        ("how far with a scale of 60 microns per pixel", "how far"),
+        ("how far is it, when each pixel is 60 microns?", "how far is it"),
+    ],
+)
+def test_the_size_of_a_pixel_said_after_a_question_lasts(text, rest):
+    stated = read_facts(text, CAMERA)
+    assert stated.frame == stated.lasting == SCALED
+    assert (stated.rest, stated.is_stated) == (rest, True)
+
+
+@pytest.mark.parametrize(
+    ("text", "rest"),
+    [
+        ("how far in mm if a pixel is 0.06 mm", "how far in mm"),
+        ("How far, supposing a pixel were 0.06 mm?", "How far"),
+        ("If a pixel is 0.06 mm, how far in mm?", "how far in mm?"),
+    ],
+)
+def test_a_size_that_is_supposed_holds_for_its_question_alone(text, rest):
+    before = FrameSpec(mm_per_px=0.1)
+    stated = read_facts(text, before)
+    assert (stated.frame, stated.lasting, stated.rest) == (SCALED, before, rest)
+
+
+def test_a_fact_before_a_question_and_a_size_after_it_are_both_read():
+    stated = read_facts("The image is mirrored. How far? 0.06 mm per pixel", CAMERA)
+    assert stated.frame == FrameSpec(image_mirrored=True, mm_per_px=0.06)
+    assert stated.rest == "How far?"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Did it slide 0.06 mm per pixel?",
+        "how far? 40 mm per pixel",
+        "What if a pixel is 0.06 mm?",
+        "The gel is new, 0.06 mm per pixel",
+    ],
+)
+def test_a_size_beside_no_question_or_that_no_camera_has_is_not_read(text):
+    assert not read_facts(text, CAMERA).is_stated
