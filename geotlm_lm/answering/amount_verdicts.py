@@ -5,20 +5,28 @@ from __future__ import annotations
 from dataclasses import replace
 
 from geotlm_lm.answering.answer import GOES_BY, Answer, Encoded
-from geotlm_lm.answering.hearing import AMOUNT_QUESTION, OPEN_QUESTION, hear
-from geotlm_lm.answering.measuring import NO_LENGTH, answer_measured, weighed_amounts
-from geotlm_lm.answering.replying import from_open_answer, in_words
+from geotlm_lm.answering.hearing import (
+    AMOUNT_QUESTION,
+    OPEN_QUESTION,
+    RATE_QUESTION,
+    Heard,
+    hear,
+    spent,
+)
+from geotlm_lm.answering.measuring import NO_LENGTH, weighed_amounts
+from geotlm_lm.answering.one_way import as_told, told_motion
+from geotlm_lm.answering.replying import answer_amount, from_open_answer
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.claims import claimed
-from geotlm_lm.conversation.stated_amounts import StatedAmount, without_amount
+from geotlm_lm.conversation.stated_amounts import Stated, without_amount
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.evaluation.answers import RELATIVE_TOLERANCE
 
 
 def judged_amount(
-    bundle: Bundle, encoded: Encoded, question: str, claim: StatedAmount, frame: FrameSpec
+    bundle: Bundle, encoded: Encoded, question: str, claim: Stated, frame: FrameSpec
 ) -> Answer:
-    """Measure how far it went and judge the claim by the probabilities of all amounts.
+    """Measure how far or how fast it went and judge the claim by the probabilities of all amounts.
 
     The way it goes is judged first, where the question claims one: what slid left has not turned by
     any number of degrees. An amount counts as the one claimed within the tolerance of an answer.
@@ -30,39 +38,52 @@ def judged_amount(
         claim: The amount it claims.
         frame: In which to tell.
     """
+    opened = hear(bundle, encoded, OPEN_QUESTION)
     claims = claimed(without_amount(question))
-    if claims is not None:
-        opened = hear(bundle, encoded, OPEN_QUESTION)
-        motion = opened.slots and opened.slots.direction
-        if motion is not None and frame.tell(motion) not in claims:
-            rest = without_amount(question)
-            return from_open_answer(bundle, encoded, rest, "verify", frame, opened)
-    if claim.unit == "px":
+    motion = opened.slots and opened.slots.direction
+    if claims is not None and motion is not None and frame.tell(motion) not in claims:
+        rest = without_amount(question)
+        return from_open_answer(bundle, encoded, rest, "verify", frame, opened)
+    unit = claim.unit.removesuffix("/s")
+    if unit == "px":
         frame = replace(frame, mm_per_px=None)  # judged in the unit it is claimed in
-    heard = hear(bundle, encoded, AMOUNT_QUESTION)
-    if heard.slots is None or heard.slots.unit is None:
-        answer = in_words(bundle, encoded, AMOUNT_QUESTION, frame)
-    else:
-        answer = answer_measured(bundle, encoded, AMOUNT_QUESTION, heard, frame)
+    kind = "rate" if claim.is_speed else "magnitude"
+    known = RATE_QUESTION if claim.is_speed else AMOUNT_QUESTION
+    heard = hear(bundle, encoded, known)
+    heard = replace(heard, timing_ms=spent(heard, opened))
+    heard = as_told(heard, kind, told_motion(opened), opened.options)
+    answer = answer_amount(bundle, encoded, known, heard, opened, kind, frame)
     if answer.amount is None:
         return answer if answer.abstained else replace(answer, decided="no", told_by="rule")
-    said = f"{answer.text[:1].lower()}{answer.text[1:]}"
-    if claim.unit == "mm" and answer.amount.unit == "px":
-        text = f"I cannot judge millimetres: {said}{NO_LENGTH}"
+    if unit == "mm" and answer.amount.unit.startswith("px"):
+        text = f"I cannot judge millimetres: {_lowered(answer.text)}{NO_LENGTH}"
         return replace(answer, text=text, abstained=True, confidence=0.0, decided=None)
-    weighed = weighed_amounts(bundle, encoded, heard.slots.unit, frame)
-    goes = heard.options[GOES_BY[heard.slots.unit]]
-    share = 1.0 - goes
-    if weighed.unit == claim.unit:
-        tolerance = max(weighed.tolerance, RELATIVE_TOLERANCE * claim.value)
-        held = [claim.holds(amount, tolerance) for amount in weighed.amounts]
-        share = goes * float(weighed.shares[held].sum())
+    share = _share(bundle, encoded, claim, heard, frame)
     is_so = share >= 0.5
     return replace(
         answer,
-        text=f"{'Yes' if is_so else 'No'}, {said}",
+        text=f"{'Yes' if is_so else 'No'}, {_lowered(answer.text)}",
         confidence=share if is_so else 1.0 - share,
         options={"yes": share, "no": 1.0 - share},
         decided="yes" if is_so else "no",
         told_by="rule",
     )
+
+
+def _share(
+    bundle: Bundle, encoded: Encoded, claim: Stated, heard: Heard, frame: FrameSpec
+) -> float:
+    """Return the probability of the claim; of one in another unit, that it goes no way at all."""
+    weighed = weighed_amounts(bundle, encoded, heard.slots.unit, frame)
+    goes = heard.options[GOES_BY[heard.slots.unit]]
+    if weighed.unit != claim.unit.removesuffix("/s"):
+        return 1.0 - goes
+    seconds = encoded.seconds if claim.is_speed else 1.0
+    least = weighed.tolerance / seconds
+    tolerances = [max(least, RELATIVE_TOLERANCE * end) for end in claim.ends]
+    held = [claim.holds(amount / seconds, *tolerances) for amount in weighed.amounts]
+    return goes * float(weighed.shares[held].sum())
+
+
+def _lowered(text: str) -> str:
+    return f"{text[:1].lower()}{text[1:]}"

@@ -26,7 +26,7 @@ POINTS_A_CELL = 8
 """Amounts that stand for all of those in a cell, which is half of a tolerance wide."""
 
 _WORD = re.compile(r"([\d.]+) (deg|px|mm)")
-_NAMES = {
+NAMES = {
     "deg": ("degree", "degrees", "turning"),
     "px": ("pixel", "pixels", "sliding"),
     "mm": ("millimetre", "millimetres", "sliding"),
@@ -69,12 +69,24 @@ class Amount:
     def sentence(self, where: str = "") -> str:
         """Return the amount and its span as a sentence, `where` in the recording it is of."""
         unit, *rest = self.unit.split("/")
-        one, many, moving = _NAMES[unit]
+        one, many, moving = NAMES[unit]
         what = one if self.value == 1 else many
         told = f"About {_written(self.value)} {what}"
         told += " per second on average" if rest else f" of {moving}"
         told += where and f" {where}"
         return f"{told}, likely {_written(self.low)} to {_written(self.high)}."
+
+    def also(self, factor: float, name: str) -> str:
+        """Return the amount in another unit, as a sentence.
+
+        Args:
+            factor: How many of that unit are one of `unit`.
+            name: Of that unit.
+        """
+        value, low, high = (
+            _written(_two_digits(one * factor)) for one in (self.value, self.low, self.high)
+        )
+        return f"That is {value} {name}, likely {low} to {high}."
 
 
 def amount_in(word: str | None) -> tuple[float, str] | None:

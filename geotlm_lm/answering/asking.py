@@ -11,8 +11,10 @@ from typing import Any
 
 from geotlm_lm.answering.amount_verdicts import judged_amount
 from geotlm_lm.answering.answer import Answer, Encoded, evidence
+from geotlm_lm.answering.joining import both
 from geotlm_lm.answering.leaning import with_lean
-from geotlm_lm.answering.replying import by_rule, in_words
+from geotlm_lm.answering.presumed_amounts import with_amount
+from geotlm_lm.answering.replying import UNTRAINED, by_rule, in_words
 from geotlm_lm.answering.streaming import Listener, StandingWords
 from geotlm_lm.answering.withholding import plain, too_little_contact
 from geotlm_lm.checkpoint import Bundle
@@ -26,7 +28,11 @@ from geotlm_lm.conversation.place import place_in_picture
 from geotlm_lm.conversation.reasons import contact_place
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.spelling import spelt
-from geotlm_lm.conversation.stated_amounts import stated_amount
+from geotlm_lm.conversation.stated_amounts import (
+    UNJUDGED,
+    claimed_amount,
+    claims_unread_amount,
+)
 from geotlm_lm.conversation.statements import UNREAD, states_more
 from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.conversation.two_parts import two_parts
@@ -64,7 +70,7 @@ def answer_question(
     asked, frame = without_opposites(without_adverbs(spelt(stated.rest))), stated.frame
     parts = two_parts(asked)
     if parts is not None:
-        return _both(*(answer_question(bundle, encoded, part, frame) for part in parts))
+        return both(*(answer_question(bundle, encoded, part, frame) for part in parts))
     answer = _at_once(bundle, encoded, asked, frame)
     if answer is not None:
         return answer
@@ -74,6 +80,7 @@ def answer_question(
     else:
         words = listen and StandingWords(bundle, encoded, asked, frame, listen)
         answer = in_words(bundle, encoded, asked, frame, words)
+    answer = with_amount(bundle, encoded, asked, answer)
     return with_lean(bundle, encoded, asked, answer)
 
 
@@ -87,10 +94,14 @@ def _at_once(bundle: Bundle, encoded: Encoded, asked: str, frame: FrameSpec) -> 
         return plain(encoded, said, "refusal", frame)
     if kind in (None, "magnitude") and asks_place(asked):
         return _place(bundle, encoded)
-    claim = stated_amount(asked)
-    if claim is not None and "magnitude" in bundle.grammar.kinds:
-        return judged_amount(bundle, encoded, asked, claim, frame)
-    return None
+    claim = claimed_amount(asked)
+    if claim is None:
+        is_unread = claims_unread_amount(asked)
+        return plain(encoded, UNJUDGED, "magnitude", frame) if is_unread else None
+    asks_for = "rate" if claim.is_speed else "magnitude"
+    if asks_for not in bundle.grammar.kinds:
+        return plain(encoded, UNTRAINED[asks_for], asks_for, frame)
+    return judged_amount(bundle, encoded, asked, claim, frame)
 
 
 def _of_recording(encoded: Encoded, topic: Topic, frame: FrameSpec) -> Answer:
@@ -122,25 +133,4 @@ def _place_in_words(encoded: Encoded, seen: dict[str, Any]) -> str:
         f"In the {place_in_picture(x / columns, y / rows)} of the camera image: its middle is "
         f"around {x:.0f} px from the left and {y:.0f} px from the top of {columns} x {rows}, and "
         f"it covers about {share:.0%} of the image."
-    )
-
-
-def _both(first: Answer, second: Answer) -> Answer:
-    """Return two answers as one: of a direction and an amount both fields are filled."""
-    timing = {
-        stage: first.timing_ms.get(stage, 0.0) + second.timing_ms.get(stage, 0.0)
-        for stage in first.timing_ms | second.timing_ms
-    }
-    kept = second if first.abstained else first
-    told = [one.confidence for one in (first, second) if not one.abstained]
-    notes = (*first.notes, *(note for note in second.notes if note not in first.notes))
-    return replace(
-        kept,
-        text=f"{first.text} {second.text}",
-        direction=second.direction if first.direction is None else first.direction,
-        confidence=min(told, default=0.0),
-        notes=notes,
-        timing_ms=timing,
-        amount=first.amount or second.amount,
-        told_by="rule",
     )

@@ -8,6 +8,7 @@ from geotlm_lm.answering.answer import Answer, Encoded
 from geotlm_lm.answering.asking import answer_question
 from geotlm_lm.answering.hearing import AMOUNT_QUESTION, OPEN_QUESTION, RATE_QUESTION, hear
 from geotlm_lm.answering.measuring import measured
+from geotlm_lm.answering.one_way import as_told
 from geotlm_lm.answering.replying import UNTRAINED
 from geotlm_lm.answering.several import (
     Comparison,
@@ -85,7 +86,11 @@ def _compare_amounts(
 ) -> Comparison:
     if "magnitude" not in bundle.grammar.kinds:
         return Comparison(UNTRAINED["magnitude"], "unknown", 0.0, True, *answers)
-    found = [measured(bundle, one, hear(bundle, one, AMOUNT_QUESTION), frame) for one in clips]
+    heard = [
+        as_told(hear(bundle, one, AMOUNT_QUESTION), "magnitude", open_.direction, open_.options)
+        for one, open_ in zip(clips, answers, strict=True)
+    ]
+    found = [measured(bundle, one, said, frame) for one, said in zip(clips, heard, strict=True)]
     sizes = {one.clip.frames.shape[1:3] for one in clips}
     seconds = [one.seconds for one in clips]
     return compare_amounts(question, found, seconds, answers, is_same_size=len(sizes) == 1)

@@ -110,6 +110,12 @@ def hear(
     return Heard(slots, text, options, timing)
 
 
+def spent(*heard: Heard) -> dict[str, float]:
+    """Return the milliseconds of each stage, of several passes together."""
+    stages = {stage for one in heard for stage in one.timing_ms}
+    return {stage: sum(one.timing_ms.get(stage, 0.0) for one in heard) for stage in stages}
+
+
 def is_doubtful(kind: str | None, word: str | None, options: Mapping[str, float]) -> bool:
     """Tell whether an answer is to be withheld for want of certainty.
 

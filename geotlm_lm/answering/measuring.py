@@ -11,12 +11,13 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from geotlm_lm.answering.amounts import Amount, most_probably_right
+from geotlm_lm.answering.amounts import NAMES, Amount, most_probably_right
 from geotlm_lm.answering.answer import GOES_BY, Answer, Encoded, deciding_word
 from geotlm_lm.answering.hearing import Heard, is_doubtful
 from geotlm_lm.answering.withholding import plain, too_little_contact, unsure_text
 from geotlm_lm.backbone.stem import look
 from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.asked_units import asked_unit, asks_per_frame
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import camera_size, filled_size, pixel_aspect
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
@@ -60,7 +61,7 @@ def answer_measured(
     timing = heard.timing_ms | {"measure": 1e3 * (time.perf_counter() - started)}
     if kind == "rate":
         amount = whole.per_second(encoded.seconds)
-    text, notes = amount.sentence(_where(encoded)), ()
+    text, notes = amount.sentence(_where(encoded)) + _in_other_units(encoded, question, amount), ()
     if whole.unit == "px":
         rows, columns = encoded.clip.frames.shape[1:3]
         notes = (PIXELS_NOTE.format(columns, rows),)
@@ -106,6 +107,16 @@ def _where(encoded: Encoded) -> str:
     """Return between which frames an amount is, if they are a part of the recording."""
     numbers = encoded.clip.frame_numbers
     return f"between frames {min(numbers)} and {max(numbers)}" if encoded.is_part else ""
+
+
+def _in_other_units(encoded: Encoded, question: str, amount: Amount) -> str:
+    """Return the amount in the unit that the question names, if it is told in another one."""
+    numbers = encoded.clip.frame_numbers
+    steps = max(numbers) - min(numbers)
+    if asks_per_frame(question) and "/" not in amount.unit and steps:
+        return f" {amount.also(1 / steps, f'{NAMES[amount.unit][1]} per frame on average')}"
+    asked = asked_unit(question, amount.unit)
+    return "" if asked is None else f" {amount.also(asked[1], asked[0])}"
 
 
 @dataclass(frozen=True, eq=False)

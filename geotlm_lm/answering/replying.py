@@ -22,8 +22,10 @@ from geotlm_lm.answering.hearing import (
     hear,
     hear_likeliest,
     score,
+    spent,
 )
 from geotlm_lm.answering.measuring import answer_measured
+from geotlm_lm.answering.one_way import MEASURED, as_told, told_motion
 from geotlm_lm.answering.overruling import (
     CHECKED,
     answers_what_it_cannot,
@@ -34,19 +36,22 @@ from geotlm_lm.answering.overruling import (
 )
 from geotlm_lm.answering.withholding import plain, unless_withheld
 from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.claims import presumed_class
 from geotlm_lm.conversation.kinds import LATER_KINDS, asked_kind, is_ruled_out
 from geotlm_lm.conversation.reasons import halves
 from geotlm_lm.conversation.retell import (
     ALWAYS_RETOLD,
     CAMERA,
     RETOLD,
+    VERDICTS,
     Felt,
     Told,
     retell,
 )
+from geotlm_lm.conversation.wording import clause
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import Motion
-from geotlm_lm.language.parse_answer import Slots
+from geotlm_lm.core.labels import Motion, motion_class
+from geotlm_lm.language.parse_answer import Kind, Slots
 
 NOT_UNDERSTOOD = "I found no words for that; ask how the touched object moves."
 """Said in place of words that are none of the answers: half-right words must not look like one."""
@@ -117,7 +122,7 @@ def in_words(
         return _from_open_question(bundle, encoded, question, slots.kind, frame, heard)
     if slots.kind in CHECKED:
         opened = hear(bundle, encoded, OPEN_QUESTION)
-        heard = replace(heard, timing_ms=_spent(heard, opened))
+        heard = replace(heard, timing_ms=spent(heard, opened))
         if denies_the_open_answer(slots, opened.slots, question, frame):
             opened = replace(opened, timing_ms=heard.timing_ms)
             return from_open_answer(bundle, encoded, question, slots.kind, frame, opened)
@@ -126,8 +131,54 @@ def in_words(
         return _retold(bundle, encoded, question, heard, frame)
     if slots.kind in RETOLD and not is_as_seen(frame):
         return _retold(bundle, encoded, question, heard, frame)
-    if slots.unit is not None:
-        return answer_measured(bundle, encoded, question, heard, frame)
+    if slots.kind in MEASURED:
+        opened = hear(bundle, encoded, OPEN_QUESTION)
+        heard = replace(heard, timing_ms=spent(heard, opened))
+        return answer_amount(bundle, encoded, question, heard, opened, slots.kind, frame)
+    return _as_said(bundle, encoded, heard, frame)
+
+
+def answer_amount(
+    bundle: Bundle,
+    encoded: Encoded,
+    question: str,
+    heard: Heard,
+    opened: Heard,
+    kind: Kind,
+    frame: FrameSpec,
+) -> Answer:
+    """Answer how far it went, or how fast, of the turn or slide that the open answer tells.
+
+    Where the question takes a turn for granted and it slides, or the other way round, that is said
+    first.
+
+    Args:
+        bundle: The model.
+        encoded: The clip.
+        question: What was asked.
+        heard: To it, or to one of that kind.
+        opened: To the open question.
+        kind: Of the question.
+        frame: In which to tell.
+    """
+    motion = told_motion(opened)
+    heard = as_told(heard, kind, motion, opened.options)
+    if heard.slots is None:
+        return plain(encoded, NOT_UNDERSTOOD, None, frame, heard.timing_ms)
+    if heard.slots.unit is None:
+        return _as_said(bundle, encoded, heard, frame)
+    answer = answer_measured(bundle, encoded, question, heard, frame)
+    presumed = presumed_class(question)
+    if motion is None or presumed in (None, motion_class(motion)) or answer.abstained:
+        return answer
+    _, denial, *_ = VERDICTS["premise"]
+    denial = denial.format(clause(frame.tell(motion), frame))
+    return replace(answer, text=f"{denial} {answer.text}")
+
+
+def _as_said(bundle: Bundle, encoded: Encoded, heard: Heard, frame: FrameSpec) -> Answer:
+    """Answer in the model's own words, unless they are withheld."""
+    slots = heard.slots
     told = Told(
         text=heard.text,
         direction=slots.direction,
@@ -156,13 +207,7 @@ def _heard_again(
         if not offered_letters(question):
             kinds -= {"choice"}
         again = hear_likeliest(bundle, encoded, question, kinds)
-    return replace(again, timing_ms=_spent(heard, again))
-
-
-def _spent(*heard: Heard) -> dict[str, float]:
-    """Return the milliseconds of each stage, of several passes together."""
-    stages = {stage for one in heard for stage in one.timing_ms}
-    return {stage: sum(one.timing_ms.get(stage, 0.0) for one in heard) for stage in stages}
+    return replace(again, timing_ms=spent(heard, again))
 
 
 def by_rule(bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: FrameSpec) -> Answer:
@@ -195,7 +240,7 @@ def _from_open_question(
     """Answer a question of `kind` by rule from the open one; `before` took its time as well."""
     opened = hear(bundle, encoded, OPEN_QUESTION)
     if before is not None:
-        opened = replace(opened, timing_ms=_spent(before, opened))
+        opened = replace(opened, timing_ms=spent(before, opened))
     return from_open_answer(bundle, encoded, question, kind, frame, opened)
 
 

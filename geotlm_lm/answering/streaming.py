@@ -22,6 +22,7 @@ from geotlm_lm.answering.hearing import (
     hear,
     is_doubtful,
 )
+from geotlm_lm.answering.one_way import MEASURED, goes_another_way, told_motion
 from geotlm_lm.answering.overruling import (
     CHECKED,
     answers_what_it_cannot,
@@ -58,7 +59,7 @@ class StandingWords:
     ) -> None:
         self._tell, self._told = tell, ""
         self._question, self._frame = question, frame
-        self._opened = cache(lambda: hear(bundle, encoded, OPEN_QUESTION).slots)
+        self._opened = cache(lambda: hear(bundle, encoded, OPEN_QUESTION))
         self._stands = {
             sentence: slots if stands(bundle, encoded, question, frame, slots) else None
             for kind in bundle.grammar.kinds
@@ -73,14 +74,18 @@ class StandingWords:
             return
         if len({slots.kind for slots in possible}) > 1:
             return  # to weigh the answers of several kinds takes longer than the next word
-        if possible[0].kind in CHECKED and any(
-            denies_the_open_answer(slots, self._opened(), self._question, self._frame)
-            for slots in possible
-        ):
+        if any(self._denies_the_open_answer(slots) for slots in possible):
             return
         if not any(_is_withheld(slots, scores) for slots in possible):
             self._tell(text[len(self._told) :])
             self._told = text
+
+    def _denies_the_open_answer(self, slots: Slots) -> bool:
+        if slots.kind in MEASURED:
+            return goes_another_way(slots, told_motion(self._opened()))
+        if slots.kind not in CHECKED:
+            return False
+        return denies_the_open_answer(slots, self._opened().slots, self._question, self._frame)
 
 
 def _is_withheld(slots: Slots, scores: Scores) -> bool:

@@ -16,6 +16,10 @@ from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered
 _GO = r"(?:go|goes|move|moves|moved|turn|turns|turned|slide|slides|slid|went)"
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 _MEASURES = r"(?:degrees?|deg|mm|millimet(?:re|er)s?|pixels?|px)"
+_COUNTED = (
+    rf"(?:{_MEASURES}|radians?|rads?|cm|centimet(?:re|er)s?|um|microns?|micromet(?:re|er)s?"
+    r"|inch(?:es)?|turns|revolutions?|rotations?)"
+)
 _HOLDER = rf"(?:{_GEL}|finger|gripper|robot(?:'?s)?(?: arm| hand)?)"
 """What moves the sensor, and the sensor with it."""
 
@@ -148,7 +152,8 @@ RULES: dict[str, tuple[str, ...]] = {
     "rate": (
         r"\bhow (?:fast|quick|quickly|slowly)\b",
         r"\b(?:speed|rate|velocity)\b",
-        r"\bper second\b",
+        r"\bper (?:second|minute|hour)\b",
+        rf"\b(?:rpm|rps|{_COUNTED} ?/ ?(?:s|sec|min))\b",
         r"\b(?:speeding up|slowing down|accelerat\w*|decelerat\w*)\b",
         r"\b(?:fast|slow|slowly|quick|quickly) or (?:fast|slow|slowly|quick|quickly)\b",
     ),
@@ -156,7 +161,8 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\bhow (?:far|large|big|small)\b(?! or)",
         r"\b(?:by )?how much\b",
         r"\b(?:amount|extent|displacement)\b",
-        rf"\bhow many {_MEASURES}\b",
+        rf"\bhow many {_COUNTED}\b",
+        rf"^(?:and )?in {_COUNTED}\W*$",
         rf"\b(?:more|less) than \S+ {_MEASURES}\b",
         rf"\b{_MEASURES} or\b",
         r"\b(?:angle or distance|distance or angle)\b",
@@ -179,8 +185,8 @@ _NEGATION = re.compile(r"\b(?:not|never|isn'?t|wasn'?t|doesn'?t|didn'?t)\b")
 _NO_NEGATION = re.compile(r"\bor not\b|\bnot (?:the direction|touching|in contact)\b")
 _PREMISE = re.compile(
     r"\bhow (?:fast|far|long|much|quick|quickly|slowly|firmly|firm|steadily|steady|smoothly|evenly"
-    r"|often|many times|hard)\b|\b(?:by how much|at what speed|at which rate|since when)\b"
-    r"|\b(?:when|where) did\b|\bwhat (?:keeps|kept)\b|\b(?:stop|start|begin|keep) "
+    rf"|often|many times|many {_COUNTED}|hard)\b|\b(?:by how much|at what speed|at which rate)\b"
+    r"|\bsince when\b|\b(?:when|where) did\b|\bwhat (?:keeps|kept)\b|\b(?:stop|start|begin|keep) "
 )
 
 
@@ -221,6 +227,12 @@ def asks_whether_moving(question: str) -> bool:
     A model that has never read "budge" takes it for something touch cannot tell.
     """
     return bool(_WHETHER_MOVING.search(" ".join(question.lower().split())))
+
+
+def asked_amount(question: str) -> str | None:
+    """Return "rate" or "magnitude" where `question` asks how fast or how far, whatever besides."""
+    text = " ".join(question.lower().split())
+    return next((kind for kind in ("rate", "magnitude") if _RULES[kind].search(text)), None)
 
 
 def is_ruled_out(question: str, kind: str | None) -> bool:

@@ -1,4 +1,4 @@
-"""Amounts that a yes-or-no question claims: "did it turn 45 degrees?", "more than 3 mm?"."""
+"""Amounts that a yes-or-no question claims: "did it turn 45 degrees?", "faster than 3 mm/s?"."""
 
 from __future__ import annotations
 
@@ -6,9 +6,19 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
+from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.claims import asks_yes_or_no
+from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.number_words import NUMBER
+from geotlm_lm.conversation.quantities import Quantity, quantities, without_quantities
 
 Bound = Literal["about", "more", "less"]
+
+UNJUDGED = (
+    "I cannot judge that number: I judge how far or how fast it turned or slid, one amount or one "
+    "range at a time; ask for example 'did it turn 10 to 20 degrees?'."
+)
+"""Said in place of a yes or no that would pass over the number."""
 
 
 @dataclass(frozen=True)
@@ -17,13 +27,23 @@ class StatedAmount:
 
     Args:
         value: In `unit`.
-        unit: "deg", "px" or "mm".
+        unit: "deg", "px" or "mm"; "deg/s" and so on of a speed.
         bound: Whether it went about so far, further, or less far.
     """
 
     value: float
     unit: str
     bound: Bound
+
+    @property
+    def is_speed(self) -> bool:
+        """Whether it is one per second."""
+        return "/" in self.unit
+
+    @property
+    def ends(self) -> tuple[float, ...]:
+        """What a tolerance is of."""
+        return (self.value,)
 
     def holds(self, amount: float, tolerance: float) -> bool:
         """Tell whether the claim is true of an amount, both in the same unit.
@@ -37,80 +57,195 @@ class StatedAmount:
         return (amount > self.value) == (self.bound == "more")
 
 
-_COMPARES = re.compile(r"^(?:more|less|over|under)\b")
+@dataclass(frozen=True)
+class StatedRange:
+    """A range that a question claims the amount to lie in.
+
+    Args:
+        low: In `unit`.
+        high: Likewise.
+        unit: As of a `StatedAmount`.
+    """
+
+    low: float
+    high: float
+    unit: str
+
+    @property
+    def is_speed(self) -> bool:
+        """Whether it is one per second."""
+        return "/" in self.unit
+
+    @property
+    def ends(self) -> tuple[float, ...]:
+        """What the tolerances are of."""
+        return self.low, self.high
+
+    def holds(self, amount: float, below: float, above: float) -> bool:
+        """Tell whether the claim is true of an amount, both in the same unit.
+
+        Args:
+            amount: How far it went.
+            below: How far under the range an amount may be to count as in it.
+            above: How far over it.
+        """
+        return self.low - below <= amount <= self.high + above
+
+
+Stated = StatedAmount | StatedRange
+
+_COMPARES = re.compile(r"^(?:by |at )?(?:more|less|over|under|faster|slower|at least|at most)\b")
 """A question of which only the comparison is left: "more than 10 degrees?"."""
 
-_MEASURED = re.compile(
-    r"(?<![\w.])(?P<number>\d+(?:\.\d+)?|\.\d+|half an?) ?"
-    r"(?P<unit>degrees?\b|deg\b|°|mm\b|millimet(?:er|re)s?\b|px\b|pixels?\b)"
-    r"(?! ?(?:/|per\b|an? |each\b|every\b|in (?:a|one) second\b|or\b))"
+_NOTHING_ELSE = re.compile(
+    r"(?:\b(?:and|so|or|was|is|wasn't|isn't|it|that|this|by|at|in all|about|around|roughly|exactly"
+    r"|really|only|just|from|between|than|more|less|over|under|the|turn|slide|rotation|speed|amount"
+    r"|distance|angle)\b|[\W_])*"
 )
-_TURNS = (
-    (r"\bthree[ -]quarters? (?:of a |of one )?(?:turn|revolution|rotation|circle)\b", 270.0),
-    (r"\b(?:a )?quarter (?:of a |of one )?(?:turn|revolution|rotation|circle)\b", 90.0),
-    (r"\b(?:a )?half (?:of )?(?:a |one )?(?:turn|revolution|rotation|circle)\b", 180.0),
-    (
-        r"\b(?:(?:one|a|the) )?(?:full|whole|complete|entire) (?:turn|revolution|rotation|circle)\b"
-        r"|\ball the way (?:a)?round\b",
-        360.0,
-    ),
+"""What may stand before an amount that is all of a question: "and about 12 px?"."""
+
+_TELLS = re.compile(
+    r"^(?:so,? |and |then )?(?:it|this|that|(?:the|my) \w+)(?:'s| has| is| was)? \w+ .*\?\W*$"
+    r"|\b(?:tell|say|know|check|see|sure)(?: me| us)? (?:if|whether) "
+)
+"""A statement with a question mark, or a question put into another one."""
+
+_MORE, _LESS = (
+    r"(?:no|not) (?:less|fewer) than|at least|more than|over|above|beyond|exceed(?:s|ed|ing)?"
+    r"|(?:further|farther|faster) than",
+    r"(?:no|not) (?:more|faster) than|not (?:over|above)|at most|up to|less than|fewer than"
+    r"|slower than|under|below|within",
 )
 _BOUND = re.compile(
-    r"\b(?:(?P<more>(?:no|not) (?:less|fewer) than|at least|more than|over|above|beyond"
-    r"|exceed(?:s|ed|ing)?|(?:further|farther) than)"
-    r"|(?P<less>(?:no|not) more than|not (?:over|above)|at most|up to|less than|fewer than|under"
-    r"|below|within))(?: (?:about|around|roughly|some))? $"
+    rf"(?:\b(?:(?P<more>{_MORE})|(?P<less>{_LESS}))(?: (?:about|around|roughly|some))? "
+    r"|(?:(?P<above>>|\u2265)|(?P<beneath><|\u2264))=? ?)$"
 )
 """What stands right before an amount and says on which side of it the truth is claimed to lie."""
 
-_RANGE = re.compile(r"\d(?: ?(?:-|\u2013) ?| (?:to|or|and) )$")
+_BOUND_AFTER = re.compile(
+    r"^,? ?(?:(?P<more>or (?:more|further|farther|faster|above|over)|at (?:the )?least)"
+    r"|(?P<less>or (?:less|fewer|slower|below|under)|at (?:the )?most|tops|max(?:imum)?))\b"
+)
 
 _OF_MOTION = re.compile(
     r"\b(?:turn|rotat|twist|spin|spun|swivel|revol|slid|slip|mov|travel|shift|drag|creep|drift|cover"
-    r"|displac)\w*|\b(?:go|goes|gone|went|made?)\b"
+    r"|displac|exceed|reach)\w*|\b(?:go|goes|gone|going|went|made?|making|makes?)\b"
 )
 _OF_ANOTHER_THING = re.compile(
     r"\b(?:wide|width|thick\w*|long|deep|high|tall|large|big|celsius|fahrenheit|diameter|radius"
-    r"|press\w*|faster|slower|speed|from the (?:edge|border)|will|would|can|could)\b"
+    r"|press\w*|from the (?:edge|border)|will|would|can(?! you\b)|could(?! you\b))\b"
 )
+_OF_SPEED = re.compile(r"\b(?:faster|slower|speed|velocity|rate)\b")
+"""Words of what is claimed per second alone."""
+
+_BARE = re.compile(
+    rf"\b(?:by|about|than|over|under|least|most|between|turn\w*|rotat\w*|mov\w+|slid\w*)"
+    rf" (?:{NUMBER})(?:(?: (?:and|to|or) |-)(?:{NUMBER}))?\W*$"
+)
+"""A number that ends a question, without a unit."""
+
+_OF_TIME = re.compile(rf"\b(?:for|in|within) (?:{NUMBER}) ?(?:s|ms|secs?|seconds?|frames?)\b")
+
+_UNCOUNTED = ("comparison", "order", "confidence")
+"""Kinds that are of several clips or of an answer before, whatever number they name."""
+
+
+def claimed_amount(question: str) -> Stated | None:
+    """Return how far, or how fast, a yes-or-no question claims that it went; None if it does not.
+
+    None too where it claims several amounts, or one of another thing than a motion.
+    """
+    return stated_amount(question) or stated_range(question) or stated_speed(question)
 
 
 def stated_amount(question: str) -> StatedAmount | None:
-    """Return how far a yes-or-no question claims that it went; None where it claims no amount.
+    """Return the one amount that a question claims in all; None where it claims none such."""
+    stated = _stated(question)
+    is_one = isinstance(stated, StatedAmount) and not stated.is_speed
+    return stated if is_one else None
 
-    None too where it claims several, or an amount of another thing than a motion.
-    """
-    text = " ".join(question.lower().split())
-    is_of_motion = asks_yes_or_no(text) and _OF_MOTION.search(text)
-    if not (is_of_motion or _COMPARES.match(text)) or _OF_ANOTHER_THING.search(text):
-        return None
-    found = [
-        (said.start(), _number(said["number"]), _unit(said["unit"]))
-        for said in _MEASURED.finditer(text)
-    ]
-    turns = ((re.search(words, text), turn) for words, turn in _TURNS)
-    found = found or [(said.start(), turn, "deg") for said, turn in turns if said]
-    if len(found) != 1 or _RANGE.search(text[: found[0][0]]):
-        return None
-    start, value, unit = found[0]
-    said = _BOUND.search(text[:start])
-    bound: Bound = "about" if said is None else "more" if said["more"] else "less"
-    return StatedAmount(value, unit, bound)
+
+def stated_range(question: str) -> StatedRange | None:
+    """Return the range in which a question claims an amount or a speed; None if in none."""
+    stated = _stated(question)
+    return stated if isinstance(stated, StatedRange) else None
+
+
+def stated_speed(question: str) -> StatedAmount | None:
+    """Return the one speed that a question claims; None where it claims none."""
+    stated = _stated(question)
+    is_one = isinstance(stated, StatedAmount) and stated.is_speed
+    return stated if is_one else None
+
+
+def claims_unread_amount(question: str) -> bool:
+    """Tell whether a yes-or-no question claims a number that is no `claimed_amount`."""
+    text = _text(question)
+    if claimed_amount(question) is not None or asked_kind(question) in _UNCOUNTED:
+        return False
+    named = quantities(text) or _BARE.search(text) or _OF_TIME.search(text)
+    if asks_beyond_touch(text) or not named:
+        return False
+    return _asks(text) or bool(_COMPARES.match(text))
 
 
 def without_amount(question: str) -> str:
     """Return a question without the amounts it states, which name no motion."""
-    text = _MEASURED.sub(" ", question.lower())
-    for words, _ in _TURNS:
-        text = re.sub(words, " ", text)
-    return text
+    return without_quantities(_text(question))
 
 
-def _number(word: str) -> float:
-    return 0.5 if word.startswith("half") else float(word)
+def _text(question: str) -> str:
+    text = " ".join(question.lower().replace("\u2019", "'").replace("\u2212", "-").split())
+    return text.replace("\u00bd", "1/2")
 
 
-def _unit(word: str) -> str:
-    if word.startswith(("deg", "°")):
-        return "deg"
-    return "px" if word.startswith("p") else "mm"
+def _asks(text: str) -> bool:
+    return asks_yes_or_no(text) or bool(_TELLS.search(text)) or _is_fragment(text)
+
+
+def _is_fragment(text: str) -> bool:
+    """Tell whether an amount is all that is asked: "about 12 px?"."""
+    found = quantities(text)
+    is_asked = text.endswith("?") and bool(found)
+    return is_asked and bool(_NOTHING_ELSE.fullmatch(text[: found[0].start]))
+
+
+def _stated(question: str) -> Stated | None:
+    text = _text(question)
+    found = quantities(text)
+    if not found or not all(one.values for one in found) or _OF_ANOTHER_THING.search(text):
+        return None
+    rest = without_quantities(text)
+    is_speed = all("/" in one.unit for one in found)
+    if _OF_SPEED.search(text) and not is_speed:
+        return None
+    is_of_motion = is_speed or _OF_MOTION.search(rest)
+    is_asked = asks_yes_or_no(text) or _TELLS.search(text)
+    is_left = _is_fragment(text) or _COMPARES.match(text)
+    if not ((is_asked and is_of_motion) or is_left) or _OF_TIME.search(text):
+        return None
+    return _together([_bounded(text, one) for one in found])
+
+
+def _bounded(text: str, one: Quantity) -> Stated:
+    if len(one.values) == 2:
+        return StatedRange(*one.values, one.unit)
+    before, after = _BOUND.search(text[: one.start]), _BOUND_AFTER.search(text[one.end :])
+    bound: Bound = "about"
+    if before is not None:
+        bound = "more" if before["more"] or before["above"] else "less"
+    elif after is not None:
+        bound = "more" if after["more"] else "less"
+    return StatedAmount(one.values[0], one.unit, bound)
+
+
+def _together(stated: list[Stated]) -> Stated | None:
+    """Return one claim alone, or the range of a lower and an upper bound; None of others."""
+    if len(stated) == 1:
+        return stated[0]
+    bounds = {one.bound: one for one in stated if isinstance(one, StatedAmount)}
+    if len(stated) > 2 or bounds.keys() != {"more", "less"}:
+        return None
+    low, high = bounds["more"], bounds["less"]
+    is_range = low.unit == high.unit and low.value < high.value
+    return StatedRange(low.value, high.value, low.unit) if is_range else None

@@ -6,6 +6,7 @@ import numpy as np
 import torch
 
 from geotlm_lm.answering import OPEN_QUESTION, Answerer
+from geotlm_lm.answering.hearing import AMOUNT_QUESTION, RATE_QUESTION
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
@@ -89,6 +90,17 @@ def feeling(bundle, motion, **calibration):
     grammar = first_kinds_of(bundle.grammar)
     said = grammar.sentence(Slots("direction", Motion(motion)))
     return answerer_saying(bundle, {"*": said, OPEN_QUESTION: said}, grammar=grammar, **calibration)
+
+
+def measuring(bundle, motion, unit, **measures):
+    """An answerer that tells `motion` when asked openly and measures an amount of `unit`."""
+    said = {
+        "*": bundle.grammar.sentence(Slots("direction", motion)),
+        "how far?": (amount := bundle.grammar.sentence(Slots("magnitude", unit=unit))),
+        AMOUNT_QUESTION: amount,
+        RATE_QUESTION: bundle.grammar.sentence(Slots("rate", unit=unit)),
+    }
+    return answerer_saying(bundle, said, measures=measures, temperature=0.1)
 
 
 def recording(frames=4, fps=None, seed=1, size=(48, 64)):

@@ -16,16 +16,7 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.model import Perception
-from tests.answering.scripted import answerer_saying, recording
-
-
-def measuring(bundle, motion, unit, **measures):
-    said = {
-        "*": bundle.grammar.sentence(Slots("direction", motion)),
-        "how far?": (amount := bundle.grammar.sentence(Slots("magnitude", unit=unit))),
-        AMOUNT_QUESTION: amount,
-    }
-    return answerer_saying(bundle, said, measures=measures, temperature=0.1)
+from tests.answering.scripted import answerer_saying, measuring, recording
 
 
 @pytest.mark.parametrize(
@@ -250,3 +241,13 @@ def test_a_recording_without_a_frame_rate_says_so(bundle):
     answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
     answer = answerer.ask(answerer.encode(recording()), "What is the frame rate?")
     assert answer.text == "The recording gives no frame rate; give it by fps."
+
+
+@pytest.mark.parametrize(
+    "question", ["Which way and how fast?", "How fast? Which way does it turn?"]
+)
+def test_of_two_answers_one_that_is_withheld_makes_both_abstain(bundle, question):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert "I cannot tell the speed: " in answer.text
+    assert (answer.abstained, answer.direction) == (True, Motion.CLOCKWISE)

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered_options
-from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
+from geotlm_lm.conversation.kinds import (
+    asked_amount,
+    asked_kind,
+    asks_direction,
+    asks_whether_moving,
+)
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 from geotlm_lm.data.templates import load_templates
@@ -150,3 +155,21 @@ def test_no_question_of_another_kind_asks_whether_anything_moves():
         if asks_whether_moving(one.question)
     }
     assert kinds == {"moving"}
+
+
+@pytest.mark.parametrize(
+    ("question", "kind", "amount"),
+    [
+        ("How many degrees clockwise did it turn?", "premise", "magnitude"),
+        ("How many mm did it slide to the left?", "premise", "magnitude"),
+        ("How fast does it turn clockwise?", "premise", "rate"),
+        ("How many radians?", "magnitude", "magnitude"),
+        ("How many turns did it make?", "magnitude", "magnitude"),
+        ("and in radians?", "magnitude", "magnitude"),
+        ("How many px/s?", "rate", "rate"),
+        ("How many degrees per minute?", "rate", "rate"),
+        ("Since when does it turn clockwise?", "premise", None),
+    ],
+)
+def test_an_amount_is_asked_for_beside_a_motion_taken_for_granted(question, kind, amount):
+    assert (asked_kind(question), asked_amount(question)) == (kind, amount)

@@ -1,8 +1,22 @@
 """Amounts that a question claims, and what holds of them."""
 
+import numpy as np
 import pytest
 
-from geotlm_lm.conversation.stated_amounts import StatedAmount, stated_amount, without_amount
+from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.conversation.stated_amounts import (
+    StatedAmount,
+    StatedRange,
+    claimed_amount,
+    claims_unread_amount,
+    stated_amount,
+    stated_range,
+    stated_speed,
+    without_amount,
+)
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
+from geotlm_lm.data.questions import questions_for
 
 
 @pytest.mark.parametrize(
@@ -56,3 +70,109 @@ def test_a_claim_holds_within_its_bound(bound, amount, holds):
 def test_what_is_left_of_a_question_claims_its_motion_alone():
     assert without_amount("Did it slide 3 mm right?").split() == ["did", "it", "slide", "right?"]
     assert "turn" not in without_amount("Was it half a turn?")
+
+
+@pytest.mark.parametrize(
+    ("question", "stated"),
+    [
+        ("Did it turn ninety degrees?", StatedAmount(90.0, "deg", "about")),
+        ("Did it slide 0.5 cm or more?", StatedAmount(5.0, "mm", "more")),
+        ("did it turn > 10 degrees?", StatedAmount(10.0, "deg", "more")),
+        ("It turned 45 degrees, right?", StatedAmount(45.0, "deg", "about")),
+        ("Can you tell me if it turned 45 degrees?", StatedAmount(45.0, "deg", "about")),
+        ("a hundred pixels?", StatedAmount(100.0, "px", "about")),
+        ("Did the 10 mm nut turn 20 degrees?", StatedAmount(20.0, "deg", "about")),
+        ("Did it turn 10 degrees or not?", StatedAmount(10.0, "deg", "about")),
+        ("Is it 10 mm wide?", None),
+        ("Did the 10 mm nut turn?", None),
+    ],
+)
+def test_an_amount_is_read_however_it_is_written(question, stated):
+    assert stated_amount(question) == stated
+
+
+@pytest.mark.parametrize(
+    ("question", "stated"),
+    [
+        ("Did it turn between 50 and 80 degrees?", StatedRange(50.0, 80.0, "deg")),
+        ("Did it slide from 5 to 10 px?", StatedRange(5.0, 10.0, "px")),
+        ("5-10 mm?", StatedRange(5.0, 10.0, "mm")),
+        ("Did it turn more than 10 but less than 20 degrees?", StatedRange(10.0, 20.0, "deg")),
+        ("Did it go over 10 px and under 20 px?", StatedRange(10.0, 20.0, "px")),
+        ("Is it turning at 10 to 20 deg/s?", StatedRange(10.0, 20.0, "deg/s")),
+        ("Did it turn 20 degrees?", None),
+    ],
+)
+def test_a_range_is_read_where_a_question_claims_one(question, stated):
+    assert stated_range(question) == stated
+
+
+@pytest.mark.parametrize(
+    ("question", "stated"),
+    [
+        ("faster than 100 degrees per second?", StatedAmount(100.0, "deg/s", "more")),
+        ("at 5 rpm?", StatedAmount(30.0, "deg/s", "about")),
+        ("Is it slower than 10 px/s?", StatedAmount(10.0, "px/s", "less")),
+        ("Does it slide at 2 mm per second?", StatedAmount(2.0, "mm/s", "about")),
+        ("Is its speed 30 degrees per second?", StatedAmount(30.0, "deg/s", "about")),
+        ("faster than 10 px?", None),
+        ("Did it turn 10 degrees?", None),
+    ],
+)
+def test_a_speed_is_read_where_a_question_claims_one(question, stated):
+    assert stated_speed(question) == stated
+
+
+@pytest.mark.parametrize(
+    ("amount", "holds"), [(7.9, False), (8.1, True), (15.0, True), (23.9, True), (24.1, False)]
+)
+def test_a_range_holds_within_its_ends_and_their_tolerances(amount, holds):
+    assert StatedRange(10.0, 20.0, "deg").holds(amount, 2.0, 4.0) is holds
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Did it turn a few degrees?",
+        "did it turn 10 or 20 degrees?",
+        "did it turn 45?",
+        "Did it turn 5 degrees per frame?",
+        "Did it turn -20 degrees?",
+        "Did it slide 5 mm in 2 seconds?",
+        "Did it turn by pi radians?",
+        "Did it press 2 mm deep?",
+        "Is this a 10 mm nut?",
+        "faster than 10 px?",
+    ],
+)
+def test_a_number_that_cannot_be_judged_is_known_as_claimed(question):
+    assert claimed_amount(question) is None
+    assert claims_unread_amount(question)
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Did it turn 45 degrees?",
+        "How many degrees?",
+        "Is it 20 degrees Celsius?",
+        "Did the 10 mm nut turn?",
+        "Did bolt 3 turn?",
+        "Which of the two turned more than 10 degrees?",
+        "I turned it 45 degrees",
+        "A) left B) right 2) up",
+    ],
+)
+def test_what_is_judged_or_claims_no_number_is_not_declined(question):
+    assert not claims_unread_amount(question)
+
+
+@pytest.mark.parametrize("wordings", ["seen", "held_out"])
+def test_no_question_of_the_templates_claims_an_amount(wordings):
+    rng = np.random.default_rng(4)
+    for motion in Motion:
+        label = MotionLabel(motion, rotation_deg=12.0 if motion in ROTATIONS else 0.0)
+        for asked in questions_for(label, rng, wordings=wordings, per_type=8):
+            question = read_facts(asked.question, FrameSpec()).rest
+            assert claimed_amount(question) is None, asked
+            assert not claims_unread_amount(question), asked

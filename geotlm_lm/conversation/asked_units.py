@@ -1,0 +1,39 @@
+"""The unit that an amount is asked for in, where it is none that amounts are told in."""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.conversation.quantities import PER, SECONDS, UNIT, unit_of
+
+_ASKED = re.compile(rf"\b(?:how many|number of|in) (?P<unit>{UNIT})(?:{PER})?")
+_PER_FRAME = re.compile(r"\b(?:per|an?|each|every) frame\b|/ ?frame\b|\bfrom frame to frame\b")
+_TIMES = {1.0: "second", 60.0: "minute", 3600.0: "hour"}
+
+
+def asked_unit(question: str, told: str) -> tuple[str, float] | None:
+    """Return the unit that `question` asks for and how many of it are one of the unit `told`.
+
+    None where it names none, the one told anyway, or one of another thing.
+
+    Args:
+        question: What was asked.
+        told: "deg", "px" or "mm"; "deg/s" and so on of a speed.
+    """
+    said = _ASKED.search(" ".join(question.lower().split()))
+    if said is None:
+        return None
+    unit, factor = unit_of(said["unit"])
+    if unit == told:
+        return None if factor == 1 else (said["unit"], 1 / factor)
+    if f"{unit}/s" != told:
+        return None
+    seconds = next((s for words, s in SECONDS if re.fullmatch(words, said["time"] or "s")), None)
+    if seconds is None or (factor, seconds) == (1.0, 1.0):
+        return None
+    return f"{said['unit']} per {_TIMES[seconds]}", seconds / factor
+
+
+def asks_per_frame(question: str) -> bool:
+    """Tell whether `question` asks how far it goes from one frame to the next."""
+    return bool(_PER_FRAME.search(question.lower()))

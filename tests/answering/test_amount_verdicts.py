@@ -1,0 +1,106 @@
+"""Ranges, numbers in words, other units and speeds, judged by what is measured."""
+
+import pytest
+
+from geotlm_lm.answering import OPEN_QUESTION
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
+from tests.answering.scripted import feeling, measuring, recording
+
+
+@pytest.mark.parametrize(
+    ("question", "decided"),
+    [
+        ("Did it turn between 10 and 20 degrees?", "yes"),
+        ("Did it turn 14 to 20 degrees?", "yes"),  # 12.3 lies within a fifth of 14
+        ("Did it turn 50 to 80 degrees?", "no"),
+        ("Did it turn 2 to 5 degrees?", "no"),
+        ("Did it turn ninety degrees?", "no"),
+        ("Did it turn twelve degrees?", "yes"),
+        ("Did it turn 0.21 rad?", "yes"),
+        ("Did it turn half a radian?", "no"),
+        ("Did it turn more than 10 but less than 20 degrees?", "yes"),
+        ("Did it slide two inches?", "no"),
+    ],
+)
+def test_a_claim_is_judged_however_its_number_is_written(bundle, question, decided):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert (answer.decided, answer.told_by, answer.abstained) == (decided, "rule", False)
+
+
+@pytest.mark.parametrize(
+    ("question", "decided"),
+    [
+        # 12.3 degrees in the 0.12 s between the first and the last of four frames: 103 a second.
+        ("faster than 90 degrees per second?", "yes"),
+        ("faster than 120 degrees per second?", "no"),
+        ("Is it slower than 110 degrees per second?", "yes"),
+        ("Does it turn at 17 rpm?", "yes"),
+        ("at 5 rpm?", "no"),
+        ("Does it turn at 90 to 120 deg/s?", "yes"),
+        ("faster than 10 px/s?", "no"),
+    ],
+)
+def test_a_speed_is_judged_by_the_measured_one(bundle, question, decided):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    answer = answerer.ask(answerer.encode(recording(fps=25.0)), question)
+    measured = "Yes, about " if decided == "yes" else "No, about "
+    assert answer.text.startswith(measured)
+    assert "degrees per second on average" in answer.text
+    assert (answer.decided, answer.kind, answer.amount.unit) == (decided, "rate", "deg/s")
+
+
+def test_a_speed_is_declined_where_no_time_is_known(bundle):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    answer = answerer.ask(answerer.encode(recording()), "faster than 100 degrees per second?")
+    assert answer.text.startswith("I cannot tell the speed: ")
+    assert (answer.abstained, answer.decided) == (True, None)
+
+
+def test_a_speed_in_millimetres_takes_the_size_of_a_pixel(bundle):
+    answerer = measuring(bundle, Motion.LEFT, "px", px=14.0)
+    encoded = answerer.encode(recording(fps=25.0))
+    unknown = answerer.ask(encoded, "Does it slide faster than 2 mm/s?")
+    assert unknown.abstained
+    assert unknown.text.startswith("I cannot judge millimetres: about ")
+    asked = "Does it slide faster than 2 mm/s, at 0.06 mm per pixel?"
+    known = answerer.ask(encoded, asked, frame=FrameSpec(mm_per_px=0.06))
+    assert (known.decided, known.amount.unit) == ("no", "mm/s")
+
+
+def test_a_number_that_cannot_be_judged_is_declined_without_a_model_run(bundle):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    answer = answerer.ask(answerer.encode(recording()), "Did it turn a few degrees?")
+    assert answer.text == (
+        "I cannot judge that number: I judge how far or how fast it turned or slid, one amount or "
+        "one range at a time; ask for example 'did it turn 10 to 20 degrees?'."
+    )
+    assert (answer.abstained, answer.decided) == (True, None)
+    assert answerer.bundle.speaker.heard == []
+
+
+@pytest.mark.parametrize(
+    ("question", "text"),
+    [
+        ("Did it turn 45 degrees?", "I cannot tell how far it moved: this model was not trained"),
+        ("at 5 rpm?", "I cannot tell how fast it moved: this model was not trained"),
+    ],
+)
+def test_a_model_without_amounts_judges_none(bundle, question, text):
+    answerer = feeling(bundle, "clockwise")
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert answer.text.startswith(text)
+    assert answer.abstained
+
+
+def test_a_verdict_hears_the_open_question_once(bundle, monkeypatch):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    asked, weigh = [], answerer.bundle.speaker.weigh
+    monkeypatch.setattr(
+        answerer.bundle.speaker,
+        "weigh",
+        lambda token, question, options: asked.append(question) or weigh(token, question, options),
+    )
+    answerer.ask(answerer.encode(recording()), "Did it turn 12 degrees clockwise?")
+    assert asked.count(OPEN_QUESTION) == 1
