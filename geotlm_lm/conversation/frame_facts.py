@@ -12,133 +12,19 @@ import re
 from dataclasses import dataclass, replace
 from typing import Any
 
+from geotlm_lm.conversation.fact_words import (
+    FACTS,
+    HALF_TURN,
+    IMAGE,
+    LOOK,
+    MOUNTED,
+    ON_ITS_HEAD,
+    UPRIGHT,
+)
 from geotlm_lm.conversation.scale import read_scale, scale_beside
 from geotlm_lm.conversation.statements import states_more
 from geotlm_lm.conversation.turned_image import read_turn
 from geotlm_lm.core.frame_spec import FrameSpec
-
-_IMAGE = (
-    r"(?:the |my )?(?:(?:camera|recorded|tactile) )?(?:image|picture|video|clip|recording|camera)"
-)
-_SENSOR = r"(?:the |my )?(?:sensor|gel|pad|camera|gripper|robot(?: arm)?|finger)"
-_STAYED = (
-    r"(?:stayed|stays|stood|was held|is held|is|was) (?:still|fixed|in place|put|clamped|at rest)"
-    r"|(?:did not|didn't|does not|doesn't)(?: move)?|stood still"
-)
-_OTHER_SIDE = (
-    r"(?:the )?(?:objects?'?s?|object's|other|opposite) (?:side|viewpoint|point of view|view)"
-)
-_LOOK = r"(?:(?:i|we)(?:'m| am|'re| are)? |as )?(?:look|looking|see|seen|view|viewing|viewed|told)"
-_MOVED = r"(?:moved|moves|turned|turns|slid|slides|is moving|was moving)"
-_THING = r"(?!(?:sensor|gel|pad|camera|gripper|robot|finger)\b)\w+"
-_I_MOVED = rf"(?:{_SENSOR} {_MOVED}|(?:i|we) (?:moved?|turned?|rotated?) {_SENSOR})"
-_TOUCHES = r"(?:touch|touches|touched|is on|is at|presses on|sees|see|looks at|look at|holds|grips)"
-_THREADED = r"(?:thread|threads|screw|bolt|nut|threaded)"
-
-_HALF_TURN = r"(?:by )?180 ?(?:degrees|deg|°)(?: (?:counter)?clockwise)?"
-_ON_ITS_HEAD = (
-    r"(?:(?:(?:turned|flipped|rotated|put|mounted|installed|held) )?(?:upside[ -]down|on its head)"
-    rf"|(?:turned|rotated|mounted|installed) {_HALF_TURN})"
-)
-_MOUNTED = r"(?:the |my )?sensor (?:{}) (?:mounted|installed)"
-"""A sensor held upside down for once shows the same image; one that is mounted so does not."""
-
-_NOUN = r"(?!image\b|picture\b|video\b|clip\b|camera\b|sensor\b)\w+"
-_IT_IS = r"(?:(?:it is|it's|it has|this is|i have|we have) )?"
-_HAND = (
-    rf"(?:(?:it is|it's|it has|this is|the thread is|(?:the|my) {_NOUN} (?:is|has)) )?"
-    rf"(?:a )?{{}}(?: {_THREADED})?"
-)
-
-_SIDE = (
-    rf"(?:{_SENSOR}|i|we) {_TOUCHES} (?:the|its) {{0}}(?: of (?:the|my) \w+)?"
-    r"|(?:it is |it's )?(?:touched|gripped|held) (?:at|by|from|on) (?:the|its) {0}(?: side)?"
-    rf"|(?:{_LOOK} )?(?:from|at) (?:the|its) {{0}}(?: side)?|(?:the )?{{0}} side"
-)
-
-_UPSIDE_DOWN, _UPRIGHT = FrameSpec.fields_of_turn(180), FrameSpec.fields_of_turn(0)
-
-FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
-    (
-        rf"{_IMAGE} (?:is|was) (?:mirrored|flipped)(?: left[ -]to[ -]right| horizontally)?",
-        {"image_mirrored": True},
-    ),
-    (
-        rf"{_IMAGE} (?:is|was) (?:mirrored|flipped) (?:vertically|top[ -]to[ -]bottom)",
-        {"image_mirrored": True, **_UPSIDE_DOWN},
-    ),
-    (r"(?:a )?mirrored (?:image|camera|video|clip|recording)", {"image_mirrored": True}),
-    (r"there(?:'s| is) a mirror in the (?:optics|camera|sensor)", {"image_mirrored": True}),
-    (
-        rf"{_IMAGE} (?:is|was)(?: not|n't) (?:mirrored|flipped)(?: left[ -]to[ -]right)?",
-        {"image_mirrored": False},
-    ),
-    (r"there(?:'s| is) no mirror(?: in the (?:optics|camera|sensor))?", {"image_mirrored": False}),
-    (
-        rf"{_IMAGE} (?:is|was) {_ON_ITS_HEAD}"
-        rf"|{_MOUNTED.format('is|was')} (?:upside[ -]down|on its head)"
-        r"|(?:an )?upside[ -]down (?:image|camera|video|clip|recording)",
-        _UPSIDE_DOWN,
-    ),
-    (
-        rf"{_IMAGE} (?:is|was)(?: not|n't) {_ON_ITS_HEAD}"
-        rf"|{_MOUNTED.format('is not|was not|isn.t|wasn.t')} (?:upside[ -]down|on its head)",
-        {"image_upside_down": False},
-    ),
-    (
-        rf"(?:{_IMAGE} (?:is|was)|{_MOUNTED.format('is|was')}) (?:upright|right side up)",
-        _UPRIGHT,
-    ),
-    (
-        rf"{_IMAGE} (?:is|was) (?:(?:mirrored|flipped) and upside[ -]down"
-        r"|upside[ -]down and (?:mirrored|flipped))",
-        {"image_mirrored": True, **_UPSIDE_DOWN},
-    ),
-    (rf"(?:{_LOOK}(?: it)? )?from (?:{_OTHER_SIDE}|behind|the object)", {"viewpoint": "object"}),
-    (rf"(?:i am|i'm|i stand|i sit) (?:on|at) {_OTHER_SIDE}", {"viewpoint": "object"}),
-    (
-        rf"(?:{_LOOK}(?: it| at it)? )?(?:from (?:behind )?{_SENSOR}(?:'s (?:side|view|viewpoint))?"
-        rf"|through {_SENSOR})",
-        {"viewpoint": "sensor"},
-    ),
-    (
-        rf"{_SENSOR} {_MOVED}(?:,? (?:and )?not (?:the|my) {_THING}|,? (?:and|while) the {_THING} "
-        r"(?:stayed|stays|is fixed|was fixed|stood still|is clamped))?",
-        {"actor": "sensor"},
-    ),
-    (
-        rf"{_SENSOR} {_MOVED},? (?:and |but |while )?(?:the|my) {_THING} (?:{_STAYED})",
-        {"actor": "sensor"},
-    ),
-    (rf"(?:the|my) {_THING} (?:{_STAYED}),? (?:and |but |while )?{_I_MOVED}", {"actor": "sensor"}),
-    (rf"(?:i|we) moved? {_SENSOR}(?:,? (?:and )?not (?:the|my) \w+)?", {"actor": "sensor"}),
-    (r"(?:the|my) object (?:is|was)(?: held)? (?:fixed|clamped)", {"actor": "sensor"}),
-    (
-        rf"(?:the|my) \w+ {_MOVED},? (?:and )?not {_SENSOR}",
-        {"actor": "object"},
-    ),
-    (rf"{_SENSOR} (?:is|was) (?:fixed|clamped|mounted)", {"actor": "object"}),
-    (_SIDE.format("head"), {"contact_side": "head"}),
-    (_SIDE.format("(?:shank|tip)"), {"contact_side": "shank"}),
-    (_SIDE.format("side") + r"|(?:a )?side grip", {"contact_side": "side"}),
-    (_HAND.format(r"left[ -]?hand(?:ed)?"), {"thread": "left"}),
-    (rf"{_IT_IS}(?:a )?reversed? {_THREADED}", {"thread": "left"}),
-    (_HAND.format(r"right[ -]?hand(?:ed)?"), {"thread": "right"}),
-    (rf"{_IT_IS}(?:a )?(?:normal|standard|ordinary) {_THREADED}", {"thread": "right"}),
-    (
-        r"(?:reset|forget) (?:the frame|all that|what i said)",
-        {
-            "image_mirrored": False,
-            "viewpoint": "sensor",
-            "actor": "object",
-            "contact_side": None,
-            "thread": None,
-            "mm_per_px": None,
-            **_UPRIGHT,
-        },
-    ),
-)
-"""What may be said, to the letter, and the fields of `FrameSpec` it sets."""
 
 OF_THE_TELLING = ("viewpoint", "actor")
 """Fields that only say how to tell: put before a question by a comma they hold for it alone. The
@@ -146,11 +32,11 @@ others are facts of the world and last."""
 
 _SUPPOSED = re.compile(
     r",?\s*\b(?:(?:if|suppose|supposing|imagine) (?:"
-    rf"(?P<turns>(?:i|we|you|one) (?:had )?(?:turn|rotate|flip|put|turned|rotated|flipped) {_IMAGE}"
-    rf" (?:upside[ -]down|on its head|{_HALF_TURN}))"
-    rf"|{_IMAGE} (?:is|was|were|had been) {_ON_ITS_HEAD}"
-    rf"|{_MOUNTED.format('is|was|were')} (?:upside[ -]down|on its head))"
-    rf"|had {_IMAGE} been {_ON_ITS_HEAD})\b\s*[,:;.]?",
+    rf"(?P<turns>(?:i|we|you|one) (?:had )?(?:turn|rotate|flip|put|turned|rotated|flipped) {IMAGE}"
+    rf" (?:upside[ -]down|on its head|{HALF_TURN}))"
+    rf"|{IMAGE} (?:is|was|were|had been) {ON_ITS_HEAD}"
+    rf"|{MOUNTED.format('is|was|were')} (?:upside[ -]down|on its head))"
+    rf"|had {IMAGE} been {ON_ITS_HEAD})\b\s*[,:;.]?",
     re.IGNORECASE,
 )
 """An image that is turned for the length of a question."""
@@ -163,7 +49,7 @@ _NO_SUPPOSITION = re.compile(
 """Words before an "if" that ask whether it is so."""
 
 _AS_SEEN = re.compile(
-    rf"(?P<side>\b(?:as |when )?(?:{_LOOK}(?: it)? )?"
+    rf"(?P<side>\b(?:as |when )?(?:{LOOK}(?: it)? )?"
     r"(?<!away )(?<!off )from (?:behind )?(?:the |my )?(?:sensor|camera)"
     r"(?:'s (?:side|view|viewpoint|point of view)|(?= *(?:[,:?.!]|$)))|\bas the camera sees it\b)"
     r"|\b(?:in|on) the (?:(?:camera|recorded|tactile) )?(?:image|picture)\b",
@@ -298,7 +184,7 @@ def _fields(text: str) -> dict[str, Any]:
 
 def _turns_otherwise(fields: dict[str, Any], found: dict[str, Any]) -> bool:
     """Tell whether both turn the image, and not alike."""
-    one, other = ([turns.get(name) for name in _UPRIGHT] for turns in (fields, found))
+    one, other = ([turns.get(name) for name in UPRIGHT] for turns in (fields, found))
     return any(one) and any(other) and one != other
 
 
