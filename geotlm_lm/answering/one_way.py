@@ -42,10 +42,10 @@ def as_told(heard: Heard, kind: Kind, motion: Motion | None, shares: Mapping[str
     Args:
         heard: To a question about an amount.
         kind: Of that question.
-        motion: What the open question is answered with, if it goes any way.
+        motion: What the open question is answered with; only a turn or a slide makes a difference.
         shares: Probability of each motion, by its word.
     """
-    if motion is None or (heard.slots and not goes_another_way(heard.slots, motion)):
+    if motion not in DIRECTED or (heard.slots and not goes_another_way(heard.slots, motion)):
         return heard
     options: dict[str, float] = {}
     for word, share in shares.items():

@@ -154,7 +154,7 @@ class Session:
     def _said_again(self, question: str) -> Reply | None:
         """Return the last answer again where the question doubts it or asks for it; else None."""
         last, words = self.last, question.lower().replace("\u2019", "'")
-        if last is None:
+        if last is None or (len(self.clips) > 1 and asks_of_one(question) is not None):
             return None
         if _AGAIN.fullmatch(words):
             return last

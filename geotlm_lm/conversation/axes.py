@@ -6,14 +6,18 @@ import re
 
 from geotlm_lm.core.labels import Motion
 
+_MOTION = r"(?:motion|movement|slide|slip|shift|direction)"
+_TURNING = re.compile(r"\b(?:turn|rotat|twist|spin|swivel)")
+
 _AXES = (
     (
         frozenset({Motion.LEFT, Motion.RIGHT}),
-        r"\b(?:horizontal(?:ly)?|sideways|sidewards?|(?:from )?side to side|along (?:the )?x)\b",
+        r"\b(?:horizontally|sideways|sidewards?|(?:from )?side to side|along (?:the )?x"
+        rf"|horizontal {_MOTION})\b",
     ),
     (
         frozenset({Motion.UP, Motion.DOWN}),
-        r"\b(?:vertical(?:ly)?|up and down|along (?:the )?y)\b",
+        rf"\b(?:vertically|up and down|along (?:the )?y|vertical {_MOTION})\b",
     ),
 )
 
@@ -24,5 +28,7 @@ def claimed_axis(text: str) -> frozenset[Motion]:
     Args:
         text: In lower case.
     """
+    if _TURNING.search(text):
+        return frozenset()  # "turning about a vertical axis"
     named = [motions for motions, words in _AXES if re.search(words, text)]
     return named[0] if len(named) == 1 else frozenset()

@@ -4,34 +4,38 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import motions_named, offered_options
-from geotlm_lm.core.labels import Motion
-
 _REST = r"(?:still|stationary|static|at rest|motionless|immobile|at a standstill|not moving)"
 _MOTION = r"(?:moving|in motion|in movement|dynamic|mobile)"
-_MOVING_OR_NOT = re.compile(rf"\b(?:{_MOTION},? or (?:is it )?{_REST}|{_REST},? or {_MOTION})\b")
-
 _TOUCH = r"(?:touching|touched|in contact|contact)"
-_NO_TOUCH = r"(?:not (?:touching|touched|in contact)|no contact|untouched|free)"
-_TOUCHING_OR_NOT = re.compile(rf"\b(?:{_TOUCH},? or {_NO_TOUCH}|{_NO_TOUCH},? or {_TOUCH})\b")
+_NO_TOUCH = r"(?:not (?:touching|touched|in contact)|no contact|untouched)"
+_ACROSS, _ALONG = (r"(?:horizontal(?:ly)?|sideways)", r"(?:vertical(?:ly)?|up and down)")
+_OPENS = (
+    r"(?:(?:and|so|ok|now)[, ]+)?(?:(?:is|was|does|did) (?:it|(?:the|my) (?!sensor|gel|camera|robot"
+    r"|gripper|finger)\w+) (?:(?:now|moving|sliding|going|move|slide|go) )?)?"
+)
+
+
+def _either(one: str, other: str) -> re.Pattern[str]:
+    """Return what matches a whole question that offers both, in either order."""
+    then = r",? or (?:is it |was it )?"
+    return re.compile(rf"\W*{_OPENS}(?:{one}{then}{other}|{other}{then}{one})\W*")
+
 
 _MOVES_HOW = "Which way is it moving?"
 _IS_TOUCHED = "Is anything touching the gel?"
+
+_OPPOSITES = (
+    (_either(_MOTION, _REST), _MOVES_HOW),
+    (_either(_ACROSS, _ALONG), _MOVES_HOW),
+    (_either(_TOUCH, _NO_TOUCH), _IS_TOUCHED),
+)
 
 
 def without_opposites(question: str) -> str:
     """Return a question that asks openly where `question` offers a state and its opposite.
 
     "Is it moving or stationary?" is answered by how it moves; a verdict, as to a claim, would leave
-    open on which of the two it is.
+    open on which of the two it is. What asks anything besides stays as it is.
     """
     text = " ".join(question.lower().split())
-    if offered_options(question):
-        return question
-    for words, asked, opposite in (
-        (_MOVING_OR_NOT, _MOVES_HOW, Motion.STILL),
-        (_TOUCHING_OR_NOT, _IS_TOUCHED, Motion.NONE),
-    ):
-        if words.search(text) and set(motions_named(text)) <= {opposite}:
-            return asked
-    return question
+    return next((asked for words, asked in _OPPOSITES if words.fullmatch(text)), question)

@@ -38,6 +38,7 @@ def spelt(question: str) -> str:
 
 def _meant(word: str) -> str:
     lower = word.lower()
-    if lower in _MEANT or _OTHERS.fullmatch(lower):
+    # "unmoving" and "removing" are words of their own.
+    if lower.endswith(_MEANT) or _OTHERS.fullmatch(lower):
         return word
     return next(iter(get_close_matches(lower, _MEANT, 1, _ALIKE)), word)

@@ -15,10 +15,12 @@ _MOTION = re.compile(
     r"|\b(?:mov|rotat|turn|twist|spin|spun|slid|slip|drag|glid|travel|shift|head)\w*"
 )
 _RELATION = re.compile(
-    r"\b(?:same|opposites?|differ\w*|compar\w*|alike|similar\w*|identical\w*|equal\w*)\b"
+    r"\b(?:same|opposites?|differ\w*|compar\w*|alike|similar\w*|identical\w*|equal\w*"
+    r"|match(?:es|ed|ing)?|agree[sd]?|disagree[sd]?|related?|in sync)\b"
 )
 _SAME_WAY = re.compile(
-    rf"\b(?:same|opposite|different|similar|identical|equal) {_MOTION_NOUN}\b"
+    r"\b(?:same|opposite|different|similar|identical|equal) (?:\w+ ){0,2}"
+    rf"(?:{_MOTION_NOUN}|spins?|twists?|thing)\b"
     rf"|\b(?:differ\w*|comparison|compare) (?:in|between|of)?(?: the(?:ir)?)? ?{_MOTION_NOUN}\b"
 )
 _NO_NOUN = (
@@ -34,10 +36,17 @@ _EACH_AMOUNT = re.compile(r"\bhow (?:far|much|fast|quick(?:ly)?|slow(?:ly)?)\b")
 _EACH_RATE = re.compile(r"\b(?:fast|quick|quickly|slow|slowly)\b")
 
 _VERB = r"(?:go|mov|turn|rotat|twist|spin|slid|slip|head|travel|press|lift|touch|still)\w*"
+_GOES = (
+    r"(?:goes|going|went|still|headed|(?:mov|rotat)(?:es|ed|ing)|slid(?:es|ing)?|spun"
+    r"|(?:turn|twist|spin|slip|head|travel|press|lift|touch)(?:n|p)?(?:s|es|ed|ing))\b"
+)
+"""Verbs that are no nouns: "the first turn" is no clip."""
+
 _CLIP = r"(?:one|clip|recording|video)"
 _ONE = re.compile(
     rf"\b(?:(?:the )?{_CLIP} (?:number )?(?P<number>1|2|one|two)"
-    rf"|the (?P<place>first|1st|second|2nd)(?: {_CLIP}\b|(?= {_VERB})|(?=\W*$)))(?P<own>'s\b)?"
+    rf"|the (?P<place>first|1st|second|2nd)(?: {_CLIP}\b|(?= {_GOES})|(?=\W*$))"
+    rf"|(?<=does )the (?P<asked>first|1st|second|2nd)(?= {_VERB}))(?P<own>'s\b)?"
 )
 _OF_BOTH = re.compile(
     r"\b(?:than|further|farther|more|less|larger|smaller|faster|slower|they|them|both|these|two"
@@ -82,7 +91,7 @@ def asks_of_one(question: str) -> tuple[int, str] | None:
     if _OF_BOTH.search(text[: one.start()] + text[one.end() :]):
         return None
     asked = f"{text[: one.start()]}{'its' if one['own'] else 'it'}{text[one.end() :]}"
-    is_first = (one["number"] or one["place"]) in _FIRST
+    is_first = (one["number"] or one["place"] or one["asked"]) in _FIRST
     return int(not is_first), "" if _NOTHING_ASKED.fullmatch(asked) else asked
 
 

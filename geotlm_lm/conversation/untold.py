@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.claims import motions_named
+from geotlm_lm.conversation.kinds import asks_direction
 
 _WHEN = (
     "I tell how it moves between the frames used, not when: `geotlm-lm watch` tells when each "
@@ -55,35 +56,41 @@ _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
     ),
 )
 
+_ACT = (
+    r"(?:close|open|grip|grasp|regrasp|hold|squeeze|push|pull|lift|let go|release|stop|wait|retry"
+    r"|slow down|speed up|increase|decrease|reduce|continue|proceed|go on|move on|pick|drop)\b"
+)
+
 _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
     (
         re.compile(
-            r"\b(?:accelerat|decelerat)\w*|\b(?:speed(?:s|ing)?|slow(?:s|ed|ing)?) (?:up|down)\b"
-            r"|\b(?:faster|slower) (?:at|near|towards?|in) the (?:end|start|beginning|middle)\b"
-            r"|\b(?:speed|rate|velocity) (?:\w+ ){0,2}(?:constant|steady|even|uniform|chang\w+)\b"
-            r"|\b(?:constant|steady|uniform) (?:speed|rate|velocity)\b"
+            r"\b(?:accelerat|decelerat)(?:es?|ed|ing)\b|\b(?:speeding up|slowing down)\b"
+            r"|\b(?:speeds? up|slows? down)\W*$"
+            r"|\b(?:faster|slower) (?:at|near|towards?) the (?:end|start|beginning)\b"
+            r"|\b(?:speed|rate|velocity) (?:\w+ ){0,2}(?:constant|steady|even|uniform)\b"
+            r"|\bconstant (?:speed|rate|velocity)\b"
         ),
         _MEAN_SPEED,
     ),
     (
         re.compile(
-            r"^\W*(?:(?:and|so|ok|but)[, ]+)?(?:should|shall|must|do) "
-            r"(?:i|we|the (?:robot|gripper))\b (?:(?:have|need) to )?"
-            r"(?!feel|sense|see|have|touch|get|make|turn|rotate|unscrew|screw|trust|rely|believe)"
-            r"|\bis it (?:safe|ok|okay|fine|time|wise) to\b"
+            r"^\W*(?:(?:and|so|ok|but)[, ]+)?"
+            r"(?:(?:should|shall|must) (?:i|we|the (?:robot|gripper))|do (?:i|we) (?:have|need) to)"
+            rf" (?:now |better )?{_ACT}"
+            rf"|\bis it (?:safe|ok|okay|fine|time|wise) to {_ACT}"
         ),
         _ADVICE,
     ),
     (
         re.compile(
-            r"\b(?:is|was|does|did|has) (?:the |this |that |its )?(?:contact|touch|imprint)"
-            r"(?: area)? (?:been )?(?:get\w* )?(?:grow|shrink|increas|decreas|spread|bigger|larger"
-            r"|smaller|round|square|gentle|firm|soft|hard|light|strong|weak|stable|good|flat|sharp)"
-            r"\w*"
+            r"^\W*(?:is|was|does|did|has) (?:the |this |that |its )?(?:contact|touch|imprint)"
+            r"(?: area)? (?:been )?(?:get(?:ting|s)? )?(?:growing|grow|shrinking|shrink"
+            r"|increas(?:e|ing)|decreas(?:e|ing)|bigger|larger|smaller|round|square|gentle|firm"
+            r"|soft|hard|light|strong|weak|stable|flat|sharp)\W*$"
         ),
         _QUALITY,
     ),
-    (re.compile(r"\bdiagonal(?:ly)?\b"), _NEAREST),
+    (re.compile(r"\bdiagonal(?:ly)?\W*$"), _NEAREST),
 )
 """Asked in words that a rule or the model would take for another question."""
 
@@ -122,6 +129,8 @@ def untold(question: str) -> str | None:
 def never_told(question: str) -> str | None:
     """Return what to say to a question whose words pass for another one's; None to any else."""
     text = " ".join(question.lower().replace("\u2019", "'").split())
+    if asks_direction(text.rpartition(". ")[2]):
+        return None  # "the video is slowed down. Which way does it move?"
     return next((said for words, said in _NEVER if words.search(text)), None)
 
 

@@ -50,7 +50,8 @@ fifth as bright five; of undamaged ones none."""
 
 EXAMPLES_VERSION = 4
 """Raised when what is stored of the same clips changes: labels know the size of a pixel since 2;
-since 3 the stem subtracts the idle gel first and ends its refinement at 0.04 px."""
+since 3 the stem subtracts the idle gel first and ends its refinement at 0.04 px; since 4 it finds
+lights on other sides."""
 
 _ARRAYS = ("inputs", "displacement_px", "contact", "depth_mm")
 

@@ -61,3 +61,36 @@ def test_a_session_tells_the_first_of_two_clips_when_it_is_asked_about(two_turns
     for question in ("Which way does the first one go?", "Which way does the first go?"):
         assert session.ask(question).text == "Of the first: Clockwise, in the camera image."
     assert session.ask("Are they the same object?").abstained
+
+
+@pytest.mark.parametrize(
+    "said", ["It is pressing in.", "It is still: touching but not moving.", "It is lifting off."]
+)
+@pytest.mark.parametrize("question", ["Which one goes further?", "Which is faster?"])
+def test_what_goes_no_way_has_no_amount_to_compare(bundle, said, question):
+    answerer = answerer_saying(bundle, {"*": said}, temperature=0.1)
+    clips = [answerer.encode(recording(seed=seed)) for seed in (1, 2)]
+    compared = answerer.compare(*clips, question)
+    assert compared.text.startswith("I cannot compare them: not both of them turn or slide.")
+    assert (compared.relation, compared.abstained) == ("unknown", True)
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Do they match?",
+        "Do both clips do the same thing?",
+        "Do they go in the same general direction?",
+    ],
+)
+def test_other_words_for_the_same_way_compare(two_turns, question):
+    answerer, clips = two_turns
+    assert answerer.compare(*clips, question).relation == "same"
+
+
+def test_a_doubt_about_one_of_two_clips_is_of_that_clip(two_turns):
+    answerer, (first, second) = two_turns
+    session = answerer.session(first)
+    session.add_clip(second)
+    session.ask("and the second?")
+    assert session.ask("How sure are you of the first?").text.startswith("Of the first: ")

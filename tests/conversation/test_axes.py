@@ -19,6 +19,10 @@ ALONG = frozenset({Motion.UP, Motion.DOWN})
         ("is it sliding along y?", ALONG),
         ("horizontally or vertically?", frozenset()),
         ("is it moving?", frozenset()),
+        ("is it a horizontal slide?", ACROSS),
+        ("does it turn about a vertical axis?", frozenset()),
+        ("is a horizontal cap turning?", frozenset()),
+        ("does the vertical sensor show a slide?", frozenset()),
     ],
 )
 def test_an_axis_stands_for_both_ways_along_it(text, motions):

@@ -16,6 +16,7 @@ from geotlm_lm.data.questions import questions_for
         "Is the cable static or dynamic",
         "is it in motion, or is it at rest?",
         "Is it still or moving?",
+        "Does it move horizontally or vertically?",
     ],
 )
 def test_moving_or_at_rest_asks_how_it_moves(question):
@@ -37,6 +38,12 @@ def test_touching_or_not_asks_for_contact(question):
         "A) moving or still B) pressing",
         "Sliding or turning?",
         "Is it turning or is it still?",
+        "Is the sensor moving or stationary?",
+        "How sure are you that it is moving or still?",
+        "Played backwards, is it moving or still?",
+        "Is it touching, or not touching, and which way does it go?",
+        "Which clip is moving or still?",
+        "Is it moving or still touching?",
     ],
 )
 def test_other_questions_stay_as_they_are(question):

@@ -33,6 +33,9 @@ def test_a_mistyped_motion_is_put_right(text, meant):
         "is it returning?",
         "Is it thinning?",
         "during the touch",
+        "Is it unmoving?",
+        "Is it removing the object?",
+        "is it untwisting",
     ],
 )
 def test_other_words_stay(text):
