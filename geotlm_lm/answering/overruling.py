@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from geotlm_lm.answering.answer import offered_letters
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.claims import (
@@ -65,6 +67,28 @@ def denies_the_open_answer(
     ):
         return False
     return slots.direction != opened.direction
+
+
+def shares_of_the_claim(
+    slots: Slots, shares: Mapping[str, float], question: str, frame: FrameSpec
+) -> dict[str, float]:
+    """Return how probable a yes and a no to a claim are, by the shares of the open answer.
+
+    The model's own shares may contradict these: a clip that slides to the right at 0.97 slid at
+    0.64. Nothing where the question claims no motion or the shares speak against the verdict.
+
+    Args:
+        slots: Of the model's verdict.
+        shares: Probability of each motion, by its word.
+        question: What was asked.
+        frame: The frame it was asked in.
+    """
+    claims = claimed(question)
+    if slots.kind != "verify" or claims is None or not set(shares) <= set(Motion):
+        return {}
+    share = sum(odds for word, odds in shares.items() if frame.tell(Motion(word)) in claims)
+    share = min(share, 1.0)
+    return {"yes": share, "no": 1.0 - share} if (share >= 0.5) == slots.verdict else {}
 
 
 def denies_nothing(slots: Slots, question: str) -> bool:

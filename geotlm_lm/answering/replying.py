@@ -33,6 +33,7 @@ from geotlm_lm.answering.overruling import (
     contradicts_itself,
     denies_the_open_answer,
     passes_over_moving,
+    shares_of_the_claim,
 )
 from geotlm_lm.answering.withholding import plain, unless_withheld
 from geotlm_lm.checkpoint import Bundle
@@ -126,6 +127,8 @@ def in_words(
         if denies_the_open_answer(slots, opened.slots, question, frame):
             opened = replace(opened, timing_ms=heard.timing_ms)
             return from_open_answer(bundle, encoded, question, slots.kind, frame, opened)
+        shares = shares_of_the_claim(slots, opened.options, question, frame)
+        heard = replace(heard, options=shares or heard.options)
     if contradicts_itself(slots, question):
         heard = replace(heard, slots=replace(slots, verdict=None))
         return _retold(bundle, encoded, question, heard, frame)

@@ -1,9 +1,13 @@
 """Yes and no: what a verdict is on, and that it agrees with the motion told with it."""
 
+from dataclasses import replace
+
 import pytest
 
 from geotlm_lm.answering import OPEN_QUESTION
 from geotlm_lm.answering.hearing import MOVING_QUESTION
+from geotlm_lm.answering.overruling import shares_of_the_claim
+from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
 from tests.answering.scripted import answerer_saying, recording
@@ -198,3 +202,16 @@ def test_two_ways_without_letters_are_no_claim(bundle):
     answerer = answerer_saying(bundle, said)
     answer = answerer.ask(answerer.encode(recording()), "cw/ccw?")
     assert (answer.text, answer.decided) == ("Left, in the camera image.", "left")
+
+
+@pytest.mark.parametrize(
+    ("question", "sure"), [("Is it sliding?", 0.95), ("Is it sliding left?", 0.9)]
+)
+def test_a_claim_is_as_probable_as_the_motions_it_would_be_true_of(question, sure):
+    shares = {"left": 0.9, "up": 0.05, "clockwise": 0.03, "still": 0.02}
+    yes = Slots("verify", Motion.LEFT, verdict=True)
+    found = shares_of_the_claim(yes, shares, question, CAMERA)
+    assert found == pytest.approx({"yes": sure, "no": 1 - sure})
+    assert shares_of_the_claim(replace(yes, verdict=False), shares, question, CAMERA) == {}
+    assert shares_of_the_claim(yes, {"yes": 0.7, "no": 0.3}, question, CAMERA) == {}
+    assert shares_of_the_claim(yes, shares, "Is it fine?", CAMERA) == {}
