@@ -149,8 +149,8 @@ class FrameSpec:
 
     def sentence(self) -> str:
         """Return the frame in words, as answers state it."""
-        image = "mirrored camera image" if self.image_mirrored else "camera image"
-        image += f" {self.turning()}" if self.turning() else ""
+        image = f"camera image {self.turning()}".rstrip()
+        image += " with the mirror undone" if self.image_mirrored else ""
         side = "looking out of the sensor" if self.viewpoint == "sensor" else "seen from the object"
         whose = "object relative to sensor" if self.actor == "object" else "sensor past the object"
         return f"{image}, {side}, {whose}"

@@ -196,7 +196,7 @@ def test_a_question_in_another_language_is_refused_before_the_model_runs(bundle)
 def test_a_fact_alone_is_noted_and_claims_nothing(bundle):
     answerer = feeling(bundle, "clockwise")
     answer = answerer.ask(answerer.encode(recording()), "The image is mirrored.")
-    assert answer.text.startswith("Noted: mirrored camera image")
+    assert answer.text.startswith("Noted: camera image with the mirror undone")
     assert (answer.kind, answer.direction, answer.abstained) == ("frame", None, False)
     assert answer.frame == FrameSpec(image_mirrored=True)
 
@@ -250,7 +250,7 @@ def test_reasons_of_an_answer_in_another_frame_say_where_their_own_ways_are_seen
     _, measured, sums, frame, conclusion = answerer.why(encoded, answer).steps
     assert measured.startswith("In the camera image the whole contact ")
     assert "wise in the camera image" in sums
-    assert frame.startswith("The answer is told in this frame: mirrored camera image")
+    assert frame.startswith("The answer is told in this frame: camera image with the mirror undone")
     assert conclusion.startswith("Therefore: Counterclockwise, ")
 
 

@@ -163,8 +163,8 @@ def test_every_frame_has_its_own_sentence_and_survives_json():
 def test_the_sentence_says_which_way_a_turned_image_is_turned_back():
     frame = FrameSpec(image_mirrored=True, image_quarter_turn="clockwise")
     assert frame.sentence() == (
-        "mirrored camera image turned back by 90 degrees counterclockwise, looking out of the "
-        "sensor, object relative to sensor"
+        "camera image turned back by 90 degrees counterclockwise with the mirror undone, looking "
+        "out of the sensor, object relative to sensor"
     )
 
 
