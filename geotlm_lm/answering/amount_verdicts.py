@@ -18,9 +18,12 @@ from geotlm_lm.answering.one_way import as_told, told_motion
 from geotlm_lm.answering.replying import answer_amount, from_open_answer
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.claims import claimed
-from geotlm_lm.conversation.stated_amounts import Stated, without_amount
+from geotlm_lm.conversation.stated_amounts import Stated, denies_amount, without_amount
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.evaluation.answers import RELATIVE_TOLERANCE
+
+_DENIALS = {True: "Yes, that is so: ", False: "No, that is not so: "}
+"""Before the amount, where a question denies one: a bare "no" could be read either way."""
 
 
 def judged_amount(
@@ -39,7 +42,8 @@ def judged_amount(
         frame: In which to tell.
     """
     opened = hear(bundle, encoded, OPEN_QUESTION)
-    claims = claimed(without_amount(question))
+    is_denied = denies_amount(question)
+    claims = None if is_denied else claimed(without_amount(question))
     motion = opened.slots and opened.slots.direction
     if claims is not None and motion is not None and frame.tell(motion) not in claims:
         rest = without_amount(question)
@@ -54,15 +58,18 @@ def judged_amount(
     heard = as_told(heard, kind, told_motion(opened), opened.options)
     answer = answer_amount(bundle, encoded, known, heard, opened, kind, frame)
     if answer.amount is None:
-        return answer if answer.abstained else replace(answer, decided="no", told_by="rule")
+        decided = "yes" if is_denied else "no"
+        return answer if answer.abstained else replace(answer, decided=decided, told_by="rule")
     if unit == "mm" and answer.amount.unit.startswith("px"):
         text = f"I cannot judge millimetres: {_lowered(answer.text)}{NO_LENGTH}"
         return replace(answer, text=text, abstained=True, confidence=0.0, decided=None)
     share = _share(bundle, encoded, claim, heard, frame)
+    share = 1.0 - share if is_denied else share
     is_so = share >= 0.5
+    verdict = _DENIALS[is_so] if is_denied else ("Yes, " if is_so else "No, ")
     return replace(
         answer,
-        text=f"{'Yes' if is_so else 'No'}, {_lowered(answer.text)}",
+        text=f"{verdict}{_lowered(answer.text)}",
         confidence=share if is_so else 1.0 - share,
         options={"yes": share, "no": 1.0 - share},
         decided="yes" if is_so else "no",

@@ -36,10 +36,12 @@ SECONDS: tuple[tuple[str, float], ...] = (
     (r"(?:min|minutes?)\b", 60.0),
     (r"(?:h|hours?)\b", 3600.0),
 )
-PER = (
-    r"(?: ?/ ?| per | an? | each | every | in (?:a|one) )"
-    r"(?P<time>(?:s|secs?|seconds?|min|minutes?|h|hours?|frames?|pixels?|px)\b)"
-)
+_EACH = r"(?: ?/ ?| per | an? | each | every | in (?:a|one) )"
+_TIME = r"(?:s|secs?|seconds?|min|minutes?|h|hours?|frames?|pixels?|px)\b"
+PER = rf"{_EACH}(?P<time>{_TIME})"
+_ONE_TURN = rf"(?:full |whole |complete |entire )?(?:turn|circle)(?={_EACH}{_TIME})"
+"""A turn is a unit by itself only of a speed: "does one turn left?" counts nothing."""
+
 _JOIN = (
     r" ?(?P<join>-|\u2013|\bto\b|\band\b|\bor\b|\u00b1|\+/?-|\bplus or minus\b"
     r"|\b(?:but|and) (?:less than|fewer than|under|below|at most)\b) ?"
@@ -49,7 +51,7 @@ _SOME = r"(?:a few|a couple of|several|some|many|a lot of|(?:ten|dozen|hundred)s
 
 _QUANTITY = re.compile(
     rf"{_STANDS_ALONE}(?:(?:(?P<low>{NUMBER})(?: ?-?(?P<first>{UNIT}))?{_JOIN})?"
-    rf"(?P<number>-?(?:{NUMBER}))|(?P<vague>{_SOME})) ?-?(?P<unit>{UNIT})(?:{PER})?"
+    rf"(?P<number>-?(?:{NUMBER}))|(?P<vague>{_SOME})) ?-?(?P<unit>{UNIT}|{_ONE_TURN})(?:{PER})?"
 )
 _PART_OF_A_TURN = re.compile(
     rf"\b(?:(?P<share>{SHARE}) |(?:(?:one|a|the) )?(?:full|whole|complete|entire) )"
@@ -57,16 +59,21 @@ _PART_OF_A_TURN = re.compile(
     r"|(?:(?<=than )|(?<=least )|(?<=most ))(?:one|an?) (?:turn|revolution|rotation|circle)\b"
     r"|(?:(?<=made )|(?<=make )|(?<=about )|(?<=by ))one turn\b|\ball the way (?:a)?round\b"
 )
+_A_KIND = r"(?:(?:just|only|one|an?|simple|pure) )*(?:slide|slip|translation|press|push|shift|drag)"
+_OR_A_KIND = re.compile(rf" or {_A_KIND}")
+_A_KIND_OR = re.compile(rf"\b{_A_KIND},? or (?:just |only )?$")
 _OF_A_THING = re.compile(
     r"^(?!.*\b(?:is|was) (?:it|this|that|(?:the|my) \w+) an? $)"  # there the size is claimed
     r".*\b(?:the|this|that|an?|my|your)(?: \w+)? $"
 )
-_MOTION_NOUN = (
+MOTION_NOUN = (
     r"(?:turns?|rotation|twist|spin|slide|slip|shift|move|motion|movement|displacement|drift"
     r"|in|to|towards?|or|and|but|per|at|by|on|of|over|within|during|from|max|tops|clock\w*|counter"
     r"|anti|c?cw|left|right|up|down|please|then|so|not|apart|further|farther|altogether|total)"
 )
-_THING = re.compile(rf" (?!{_MOTION_NOUN}\w*\b)[a-z]")
+"""What an amount may stand before and still be of a motion."""
+
+_THING = re.compile(rf" (?!{MOTION_NOUN}\w*\b)[a-z]")
 
 
 @dataclass(frozen=True)
@@ -101,7 +108,7 @@ def without_quantities(text: str) -> str:
 def _found(text: str) -> Iterator[Quantity]:
     ends = 0
     for said in sorted(_said(text), key=lambda said: (said.start(), -said.end())):
-        if said.start() < ends or _names_a_motion(said):
+        if said.start() < ends or _names_a_motion(said, text):
             continue
         ends = said.end()
         if said.re is _PART_OF_A_TURN:
@@ -110,10 +117,13 @@ def _found(text: str) -> Iterator[Quantity]:
             yield _read(said, text)
 
 
-def _names_a_motion(said: re.Match[str]) -> bool:
-    """Tell whether nothing is counted, as in "is it a rotation?"."""
+def _names_a_motion(said: re.Match[str], text: str) -> bool:
+    """Tell whether nothing is counted: "is it a rotation?", "is it one rotation or a slide?"."""
     named = said.groupdict()
-    return named.get("number") in ("a", "an") and bool(re.fullmatch(_TURNS, named["unit"]))
+    if named.get("time") or not re.fullmatch(_TURNS, named.get("unit") or ""):
+        return False
+    is_offered = _OR_A_KIND.match(text[said.end() :]) or _A_KIND_OR.search(text[: said.start()])
+    return named["number"] in ("a", "an") or (named["number"] == "one" and bool(is_offered))
 
 
 def _said(text: str) -> Iterator[re.Match[str]]:
@@ -126,7 +136,7 @@ def _part_of_a_turn(said: re.Match[str]) -> float:
 
 
 def _read(said: re.Match[str], text: str) -> Quantity:
-    unit, factor = unit_of(said["unit"])
+    unit, factor = unit_of(_plural(said["unit"]))
     if said["time"] is not None:
         each = [s for words, s in SECONDS if re.fullmatch(words, said["time"])]
         unit, factor = f"{unit}/s", factor / each[0] if each else math.nan
@@ -144,7 +154,7 @@ def _ends(
     said: re.Match[str], low: float | None, high: float | None, factor: float, text: str
 ) -> tuple[float | None, ...]:
     """Return both ends of a range, in the unit of its last number; (None,) where it is none."""
-    join, unit = said["join"], unit_of(said["unit"])[0]
+    join, unit = said["join"], unit_of(_plural(said["unit"]))[0]
     if join == "and" and not text[: said.start()].endswith("between "):
         return (number(f"{said['low']} and {said['number']}"),)  # "one and a half", or None
     if low is None or high is None or join == "or":
@@ -155,6 +165,10 @@ def _ends(
         first, of_one = unit_of(said["first"])
         return (low * of_one / factor, high) if first == unit else (None,)
     return (low, high)
+
+
+def _plural(unit: str) -> str:
+    return f"{unit}s" if unit.endswith(("turn", "circle")) else unit
 
 
 def unit_of(words: str) -> tuple[str, float]:

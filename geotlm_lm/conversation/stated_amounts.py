@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
-from geotlm_lm.conversation.claims import asks_yes_or_no
+from geotlm_lm.conversation.claims import asks_yes_or_no, motions_named
 from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.number_words import NUMBER
 from geotlm_lm.conversation.quantities import Quantity, quantities, without_quantities
+from geotlm_lm.conversation.thing_sizes import without_sizes
 
 Bound = Literal["about", "more", "less"]
 
@@ -129,7 +130,9 @@ _BOUND_AFTER = re.compile(
 
 _OF_MOTION = re.compile(
     r"\b(?:turn|rotat|twist|spin|spun|swivel|revol|slid|slip|mov|travel|shift|drag|creep|drift|cover"
-    r"|displac|exceed|reach)\w*|\b(?:go|goes|gone|going|went|made?|making|makes?)\b"
+    r"|displac|exceed|reach)\w*|\b(?:go|goes|gone|going|went|made?|making|makes?|done)\b"
+    r"|\b(?:do|does|did)(?:n't)? (?:it|this|that|(?:the|my) \w+) (?:not |really )?do\b"
+    r"|\b(?:it|this|that|(?:the|my) \w+) (?:did|does)(?! not\b| \w+ing\b)\b"
 )
 _OF_ANOTHER_THING = re.compile(
     r"\b(?:wide|width|thick\w*|long|deep|high|tall|large|big|celsius|fahrenheit|diameter|radius"
@@ -139,12 +142,24 @@ _OF_SPEED = re.compile(r"\b(?:faster|slower|speed|velocity|rate)\b")
 """Words of what is claimed per second alone."""
 
 _BARE = re.compile(
-    rf"\b(?:by|about|than|over|under|least|most|between|turn\w*|rotat\w*|mov\w+|slid\w*)"
+    r"\b(?:by|about|around|through|roughly|approximately|nearly|almost|exactly|full|than|over|under"
+    r"|least|most|between|turn\w*|rotat\w*|mov\w+|slid\w*)"
     rf" (?:{NUMBER})(?:(?: (?:and|to|or) |-)(?:{NUMBER}))?\W*$"
 )
 """A number that ends a question, without a unit."""
 
 _OF_TIME = re.compile(rf"\b(?:for|in|within) (?:{NUMBER}) ?(?:s|ms|secs?|seconds?|frames?)\b")
+
+_OF_A_PIXEL = re.compile(
+    r"(?:mm|millimet(?:er|re)s?|um|microns?)(?: ?/ ?| per | an? )(?:px|pixel)\b"
+)
+_SUBJECT = r"(?:it|this|that|(?:the|my) \w+)"
+_DENIAL = re.compile(
+    rf"\b{_SUBJECT} (?:did|does|has|had|is|was)(?: not|n't)"
+    r"(?! (?:more|less|fewer|over|above|faster|slower|further|farther)\b)"
+    rf"|\b{_SUBJECT}(?: has| had|'s)? never\b|\b(?:is|was) it (?:false|wrong|untrue) that\b"
+)
+"""Says of what comes after it that it is not so; "didn't it turn?" is no denial."""
 
 _UNCOUNTED = ("comparison", "order", "confidence")
 """Kinds that are of several clips or of an answer before, whatever number they name."""
@@ -183,10 +198,18 @@ def claims_unread_amount(question: str) -> bool:
     text = _text(question)
     if claimed_amount(question) is not None or asked_kind(question) in _UNCOUNTED:
         return False
-    named = quantities(text) or _BARE.search(text) or _OF_TIME.search(text)
-    if asks_beyond_touch(text) or not named:
+    is_of_motion = _OF_MOTION.search(text) or _COMPARES.match(text)
+    named = quantities(text) or (is_of_motion and _BARE.search(text))
+    if asks_beyond_touch(text) or not named or (_OF_A_PIXEL.search(text) and not is_of_motion):
         return False
     return _asks(text) or bool(_COMPARES.match(text))
+
+
+def denies_amount(question: str) -> bool:
+    """Tell whether what a question claims of its amount is that it did not go so far."""
+    text = _text(question)
+    found = quantities(text)
+    return bool(found) and len(_DENIAL.findall(text[: found[0].start])) % 2 == 1
 
 
 def without_amount(question: str) -> str:
@@ -196,7 +219,7 @@ def without_amount(question: str) -> str:
 
 def _text(question: str) -> str:
     text = " ".join(question.lower().replace("\u2019", "'").replace("\u2212", "-").split())
-    return text.replace("\u00bd", "1/2")
+    return without_sizes(text.replace("\u00bd", "1/2"))
 
 
 def _asks(text: str) -> bool:
@@ -219,6 +242,8 @@ def _stated(question: str) -> Stated | None:
     is_speed = all("/" in one.unit for one in found)
     if _OF_SPEED.search(text) and not is_speed:
         return None
+    if denies_amount(question) and motions_named(rest):
+        return None  # which of the two is denied is left open
     is_of_motion = is_speed or _OF_MOTION.search(rest)
     is_asked = asks_yes_or_no(text) or _TELLS.search(text)
     is_left = _is_fragment(text) or _COMPARES.match(text)

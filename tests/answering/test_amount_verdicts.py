@@ -51,6 +51,23 @@ def test_a_speed_is_judged_by_the_measured_one(bundle, question, decided):
     assert (answer.decided, answer.kind, answer.amount.unit) == (decided, "rate", "deg/s")
 
 
+@pytest.mark.parametrize(
+    ("question", "decided", "text"),
+    [
+        ("It did not turn 90 degrees, right?", "yes", "Yes, that is so: about 13 degrees"),
+        ("It did not turn 12 degrees, right?", "no", "No, that is not so: about 13 degrees"),
+        ("It never turned more than 90 degrees, right?", "yes", "Yes, that is so: about 13"),
+        ("It did not slide 30 px, right?", "yes", "Yes, that is so: about 13 degrees"),
+        ("Didn't it turn 90 degrees?", "no", "No, about 13 degrees"),
+    ],
+)
+def test_a_denied_amount_is_judged_as_it_is_denied(bundle, question, decided, text):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert answer.text.startswith(text)
+    assert (answer.decided, answer.abstained) == (decided, False)
+
+
 def test_a_speed_is_declined_where_no_time_is_known(bundle):
     answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
     answer = answerer.ask(answerer.encode(recording()), "faster than 100 degrees per second?")

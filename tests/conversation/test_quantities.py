@@ -27,6 +27,9 @@ from geotlm_lm.conversation.quantities import quantities, without_quantities
         ("ten degrees a second", (10.0,), "deg/s"),
         ("120 degrees per minute", (2.0,), "deg/s"),
         ("5 rpm", (30.0,), "deg/s"),
+        ("1 turn per minute", (6.0,), "deg/s"),
+        ("half a turn per second", (180.0,), "deg/s"),
+        ("one rotation", (360.0,), "deg"),
         ("2 revolutions per second", (720.0,), "deg/s"),
         # Named, and not read as any number.
         ("a few degrees", (), "deg"),
@@ -51,6 +54,8 @@ def test_a_quantity_is_read_in_the_unit_it_is_told_in(text, values, unit):
         "does one turn left?",
         "the m8 bolt",
         "left (2)",
+        "is it one rotation or a slide?",
+        "is it a slide or one rotation?",
     ],
 )
 def test_what_counts_no_amount_is_none(text):

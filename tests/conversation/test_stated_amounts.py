@@ -9,6 +9,7 @@ from geotlm_lm.conversation.stated_amounts import (
     StatedRange,
     claimed_amount,
     claims_unread_amount,
+    denies_amount,
     stated_amount,
     stated_range,
     stated_speed,
@@ -83,6 +84,11 @@ def test_what_is_left_of_a_question_claims_its_motion_alone():
         ("a hundred pixels?", StatedAmount(100.0, "px", "about")),
         ("Did the 10 mm nut turn 20 degrees?", StatedAmount(20.0, "deg", "about")),
         ("Did it turn 10 degrees or not?", StatedAmount(10.0, "deg", "about")),
+        ("Did it do half a turn?", StatedAmount(180.0, "deg", "about")),
+        ("It has done half a turn, right?", StatedAmount(180.0, "deg", "about")),
+        ("Did the nut (10 mm) turn 20 degrees?", StatedAmount(20.0, "deg", "about")),
+        ("Did the cap, 28 mm wide, turn 20 degrees?", StatedAmount(20.0, "deg", "about")),
+        ("Did the bead of 2 mm slide 1 mm?", StatedAmount(1.0, "mm", "about")),
         ("Is it 10 mm wide?", None),
         ("Did the 10 mm nut turn?", None),
     ],
@@ -115,6 +121,9 @@ def test_a_range_is_read_where_a_question_claims_one(question, stated):
         ("Is it slower than 10 px/s?", StatedAmount(10.0, "px/s", "less")),
         ("Does it slide at 2 mm per second?", StatedAmount(2.0, "mm/s", "about")),
         ("Is its speed 30 degrees per second?", StatedAmount(30.0, "deg/s", "about")),
+        ("Is it slower than 1 turn per minute?", StatedAmount(6.0, "deg/s", "less")),
+        ("faster than one revolution per minute?", StatedAmount(6.0, "deg/s", "more")),
+        ("faster than a rotation a second?", StatedAmount(360.0, "deg/s", "more")),
         ("faster than 10 px?", None),
         ("Did it turn 10 degrees?", None),
     ],
@@ -143,6 +152,12 @@ def test_a_range_holds_within_its_ends_and_their_tolerances(amount, holds):
         "Did it press 2 mm deep?",
         "Is this a 10 mm nut?",
         "faster than 10 px?",
+        "Does it rotate through 30?",
+        "Did it turn around 90?",
+        "more than 10?",
+        "Did it slide 5 mm within 2 seconds?",
+        "It did not turn 20 degrees clockwise, right?",
+        "Is it 28 mm wide?",
     ],
 )
 def test_a_number_that_cannot_be_judged_is_known_as_claimed(question):
@@ -161,10 +176,39 @@ def test_a_number_that_cannot_be_judged_is_known_as_claimed(question):
         "Which of the two turned more than 10 degrees?",
         "I turned it 45 degrees",
         "A) left B) right 2) up",
+        "Does the cap, 28 mm wide, turn clockwise?",
+        "Is the cap 28 mm in diameter turning?",
+        "Is the nut (13 mm) turning clockwise?",
+        "Do 28 mm caps turn clockwise?",
+        "Is the bolt of 10 mm moving?",
+        "Does the cap with a diameter of 28 mm turn?",
+        "Did it turn within 2 seconds?",
+        "Does it turn in 4 frames?",
+        "Is there more than one?",
+        "Is the scale 0.06 mm per pixel?",
+        "Is it one rotation or a slide?",
     ],
 )
 def test_what_is_judged_or_claims_no_number_is_not_declined(question):
     assert not claims_unread_amount(question)
+
+
+@pytest.mark.parametrize(
+    ("question", "denies"),
+    [
+        ("It did not turn 90 degrees, right?", True),
+        ("It never turned more than 90 degrees, right?", True),
+        ("Is it true that it didn't turn 90 degrees?", True),
+        ("Is it false that it turned 90 degrees?", True),
+        ("Is it false that it did not turn 90 degrees?", False),
+        ("It turned 90 degrees, didn't it?", False),
+        ("Didn't it turn 90 degrees?", False),
+        ("It is not more than 5 degrees, right?", False),
+        ("It did not turn, right?", False),
+    ],
+)
+def test_an_amount_is_denied_where_a_statement_says_that_it_is_not_so(question, denies):
+    assert denies_amount(question) is denies
 
 
 @pytest.mark.parametrize("wordings", ["seen", "held_out"])
