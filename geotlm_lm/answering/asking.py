@@ -27,6 +27,7 @@ from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.place import place_in_picture
 from geotlm_lm.conversation.reasons import contact_place
 from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.conversation.scale import asks_scale, told_scale
 from geotlm_lm.conversation.spelling import spelt
 from geotlm_lm.conversation.stated_amounts import (
     UNJUDGED,
@@ -63,7 +64,7 @@ def answer_question(
     if not stated.rest:
         noted = plain(encoded, f"Noted: {known(stated.frame)}.", "frame", stated.frame)
         return replace(noted, abstained=False, confidence=1.0)
-    if (missing := unclear_turn(stated.rest)) is not None:
+    if (missing := unclear_turn(stated.rest, question)) is not None:
         return plain(encoded, missing, "frame", stated.frame)
     if not stated.is_stated and states_more(stated.rest):
         return plain(encoded, UNREAD, "frame", frame)
@@ -88,6 +89,10 @@ def _at_once(bundle: Bundle, encoded: Encoded, asked: str, frame: FrameSpec) -> 
     """Return the answer to what no model is asked, or not in these words; None to anything else."""
     if (topic := asked_of_recording(asked)) is not None:
         return _of_recording(encoded, topic, frame)
+    if asks_scale(asked):
+        said = plain(encoded, told_scale(frame.mm_per_px), "frame", frame)
+        is_known = frame.mm_per_px is not None
+        return replace(said, abstained=False, confidence=1.0) if is_known else said
     kind = asked_kind(asked)
     said = never_told(asked) or (untold(asked) if kind is None else None)
     if said is not None:

@@ -21,9 +21,9 @@ from geotlm_lm.conversation.fact_words import (
     ON_ITS_HEAD,
     UPRIGHT,
 )
-from geotlm_lm.conversation.scale import read_scale, scale_beside
+from geotlm_lm.conversation.scale import is_courtesy, read_scale, scale_beside
 from geotlm_lm.conversation.statements import states_more
-from geotlm_lm.conversation.turned_image import read_turn
+from geotlm_lm.conversation.turned_image import asks_whether_clip_turned, read_turn
 from geotlm_lm.core.frame_spec import FrameSpec
 
 OF_THE_TELLING = ("viewpoint", "actor")
@@ -40,6 +40,10 @@ _SUPPOSED = re.compile(
     re.IGNORECASE,
 )
 """An image that is turned for the length of a question."""
+
+_SUPPOSED_FACTS = re.compile(
+    r"(?:if|suppose|supposing|assuming|assume|imagine)(?: that)? ", re.IGNORECASE
+)
 
 _NO_SUPPOSITION = re.compile(
     r"\b(?:know|tell|sure|certain|check|say|see|matters?|wonder|ask|asks|depends?|care|on|or)"
@@ -103,12 +107,16 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
         frame: What was known before.
     """
     text = text.replace("\u2019", "'").strip()
-    beside = scale_beside(text)
+    supposed = _supposed_scale(text, frame)
+    beside = scale_beside(text) if supposed is None else None
+    if beside is not None and is_courtesy(beside.rest) and not beside.is_supposed:
+        told = replace(frame, **beside.fields)
+        return Stated(told, told, "", True)
     if beside is not None and _asks(beside.rest):
         stated = read_facts(beside.rest, replace(frame, **beside.fields))
         kept = {"mm_per_px": frame.mm_per_px} if beside.is_supposed else {}
         return replace(stated, lasting=replace(stated.lasting, **kept), is_stated=True)
-    stated = _read(text, frame)
+    stated = supposed or _read(text, frame)
     seen = _AS_SEEN.search(stated.rest)
     if seen is None or (stated.frame.viewpoint == "sensor" and not seen["side"]):
         return stated
@@ -118,6 +126,18 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
 
 def _asks(text: str) -> bool:
     return not states_more(text) and not _NOTHING_ASKED.fullmatch(text)
+
+
+def _supposed_scale(text: str, frame: FrameSpec) -> Stated | None:
+    """Return a question before which the size of a pixel is supposed beside other facts."""
+    supposed = _SUPPOSED_FACTS.match(text)
+    commas = list(re.finditer(r",\s+", text))[:MOST_CLAUSES] if supposed else []
+    for comma in reversed(commas):
+        fields = _fields(text[supposed.end() : comma.start()].replace(", and ", " and "))
+        rest = text[comma.end() :].strip()
+        if fields.keys() > {"mm_per_px"} and rest and _asks(rest):
+            return Stated(replace(frame, **fields), frame, rest, True)
+    return None
 
 
 def _read(text: str, frame: FrameSpec) -> Stated:
@@ -133,7 +153,7 @@ def _read(text: str, frame: FrameSpec) -> Stated:
     for end in sorted((match.start() for match in _ENDS.finditer(text)), reverse=True):
         rest = text[end + 1 :].strip()
         fields = _fields(text[:end])
-        if rest and fields:
+        if rest and fields and not asks_whether_clip_turned(text[:end], text[end:]):
             lasts = text[end] in ".!;\n"
             kept = {k: v for k, v in fields.items() if lasts or k not in OF_THE_TELLING}
             kept |= _fields(text[: text.rfind(". ", 0, end) + 1])  # sentences of their own

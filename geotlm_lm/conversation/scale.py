@@ -14,13 +14,13 @@ _PIXEL = r"(?:px|pixels?)"
 _PER = r" ?(?:per|a|/) ?"
 _SCALE_IS = r"(?:(?:(?:(?:the|a) )?(?:scale|resolution) (?:is|of)|it is|it's|at) )?"
 _PIXEL_IS = (
-    rf"(?:(?:a|one|1|each|every) {_PIXEL}|(?:the )?(?:pixel size|size of (?:a|one) {_PIXEL})|"
+    rf"(?:(?:a|one|1|each|every) {_PIXEL}|(?:(?:the|a) )?(?:pixel size|size of (?:a|one) {_PIXEL})|"
     rf"(?:the |my )?pixels)"
 )
 
 _SIZES = (
     rf"{_SCALE_IS}{_NUMBER} ?{_LENGTH}{_PER}{_PIXEL}",
-    rf"{_PIXEL_IS} (?:is|are|was|were|measures?|=) {_NUMBER} ?{_LENGTH}"
+    rf"{_PIXEL_IS} (?:is|are|was|were|measures?|of|=) {_NUMBER} ?{_LENGTH}"
     rf"(?: wide| long|{_PER}{_PIXEL})?",
     rf"mm[_ ]per[_ ]{_PIXEL} ?(?:is|=|:)? ?{_NUMBER}",
 )
@@ -33,8 +33,22 @@ _CLAUSE = rf"(?P<supposed>{_SUPPOSED})?(?:{_GIVEN})?(?P<clause>.+?)"
 _AFTER = re.compile(
     rf"(?:[?!;:,]\s*|\.\s+|\s*\(|\s(?={_SUPPOSED}|{_GIVEN})){_CLAUSE}[\s?!.)]*$", re.IGNORECASE
 )
-_BEFORE = re.compile(rf"^(?P<supposed>{_SUPPOSED})(?P<clause>[^,]+),\s+", re.IGNORECASE)
-"""A size said after what is asked, and one supposed before it."""
+_BEFORE = re.compile(
+    rf"^(?:(?P<supposed>{_SUPPOSED})|(?:{_GIVEN}))(?P<clause>[^,]+),\s+", re.IGNORECASE
+)
+"""A size said after what is asked, and one given or supposed before it."""
+
+_COURTESY = re.compile(
+    r"(?:\b(?:ok|okay|thanks|thank you|thx|great|good|fine|nice|perfect|cool|right|alright"
+    r"|all right|sure|yes|no|well|hi|hello|hey|please|very much|a lot|then|now|also"
+    r"|by the way|fyi)\b|\W)+",
+    re.IGNORECASE,
+)
+_ASKED = re.compile(
+    r"(?:is|are|was|were) (?:(?:the|a) )?"
+    rf"(?:(?:scale|resolution|pixel size|it)|(?:one |each )?{_PIXEL}"
+    rf"|size of (?:a|one) {_PIXEL}) {_NUMBER} ?{_LENGTH}(?P<per>{_PER}{_PIXEL})?(?: wide| long)?"
+)
 
 
 @dataclass(frozen=True)
@@ -53,7 +67,7 @@ class SaidScale:
 
 
 def scale_beside(text: str) -> SaidScale | None:
-    """Return the size of a pixel that is said after a question, or supposed before it."""
+    """Return the size of a pixel that is said after a question, or given or supposed before it."""
     first = _BEFORE.match(text)
     found = [] if first is None else [(first, text[first.end() :])]
     at = 0
@@ -66,6 +80,24 @@ def scale_beside(text: str) -> SaidScale | None:
         if fields is not None and re.search(r"\w", rest):
             return SaidScale(fields, rest.strip(), said["supposed"] is not None)
     return None
+
+
+def is_courtesy(text: str) -> bool:
+    """Tell whether `text` says no more than a thanks or an "ok" before something else."""
+    return bool(_COURTESY.fullmatch(text))
+
+
+def asks_scale(question: str) -> bool:
+    """Tell whether a question asks if a pixel is so large: "is the scale 0.06 mm per pixel?"."""
+    said = _ASKED.fullmatch(" ".join(question.lower().split()).strip(" ?!."))
+    return said is not None and (said["per"] is not None or " it " not in said[0])
+
+
+def told_scale(mm_per_px: float | None) -> str:
+    """Return what is known of the size of a pixel; the recording tells none."""
+    if mm_per_px is None:
+        return "Nothing tells me how large a pixel is: say for example 'a pixel is 0.06 mm'."
+    return f"As it was said, a pixel is {mm_per_px:g} mm wide on the gel."
 
 
 def read_scale(clause: str) -> dict[str, Any] | None:

@@ -19,6 +19,8 @@ from geotlm_lm.core.frame_spec import FrameSpec
 
 _THE = r"(?:(?:the|my|our|this) )?"
 _IMAGE = rf"{_THE}(?:(?:camera|recorded|tactile) )?(?:image|picture|video|clip|recording|footage)s?"
+_PICTURE = rf"{_THE}(?:(?:camera|recorded|tactile) )?(?:image|picture|video)s?"
+"""What turns only as a picture does; a clip that "turned" may show a thing that did."""
 _CAMERA = rf"{_THE}camera"
 _HOLDER = rf"{_THE}(?:tactile )?(?:sensor|gripper|finger|gel|pad)"
 
@@ -94,7 +96,14 @@ _BEFORE = (
     r"(?P<before>^|[.,;:!?(] *|\b(?:and|but|so|because|since|as|though|although|while|when|if"
     r"|suppose|supposing|imagine|that|given|with|for|in|had|no|well|actually|note) )"
 )
-_BE = rf"(?:{_IS}| been)(?: (?:also|actually|slightly|recorded|held|(?:mirrored|flipped) and))*"
+_ON_HEAD = (
+    rf"(?:(?:turned |rotated |flipped )?(?:upside[ -]down|on its head)|(?:flipped|mirrored)"
+    rf" (?:vertically|top[ -]to[ -]bottom)|{_TURNED} (?:by )?180 ?{_DEGREES})"
+)
+_BE = (
+    rf"(?:{_IS}| been)"
+    rf"(?: (?:also|actually|slightly|recorded|held|(?:mirrored|flipped|{_ON_HEAD}) and))*"
+)
 _OBLIQUE = r"(?:turned|rotated|tilted|skewed)"
 _ENDS = r"(?=[ )]*(?:$|[.,;:!?])| (?:and|but|so|which|what|how|where|does|did)\b)"
 _SO_FAR = rf" (?:{_TURN}|{_ASIDE})"
@@ -108,7 +117,8 @@ _MENTIONS = tuple(
         rf"(?:{_IMAGE}|{_CAMERA}){_BE}{_SOMEHOW}",
         rf"{_WHOSE}{_BE} {_MOUNTED}(?: {_OBLIQUE})?{_SO_FAR}",
         rf"{_HOLDER} is(?: held| fixed)?(?: {_TURNED} {_TURN}| {_ASIDE})",
-        rf"(?:{_IMAGE}|(?<=with ){_CAMERA}) {_OBLIQUE}{_SO_FAR}",
+        rf"(?:{_PICTURE}|(?<=with )(?:{_IMAGE}|{_CAMERA})) {_OBLIQUE}{_SO_FAR}",
+        rf"(?:please )?(?:turn|rotate) {_IMAGE}{_SO_FAR}",
         rf"(?<!when ){_TURN_IT} (?:{_IMAGE}|{_CAMERA}){_SO_FAR}",
         rf"(?:{_I} )?{_MOUNTED}(?: it| {_WHOSE})?(?: {_OBLIQUE})?{_SO_FAR}",
         rf"{_WHOSE} has (?:been )?an? (?:{_SIZE}(?: {_WAY})? rotation|rotation of {_SIZE})",
@@ -119,9 +129,16 @@ _MENTIONS = tuple(
 _SAYS_NO_TURN = re.compile(
     r"\b(?:know|tell|sure|certain|check|say|see|wonder|ask)(?: me| us)? (?:if|that) $"
     r"|\b(?:has|have|had)\b.* in $"
+    r"|(?:^|[.!?;:,] *|\b(?:and|so|but) )(?:is|was|are|were|does|do|did|has|have|can|could)"
+    r"(?:n't)? (?!you\b)[^.!?;]*(?<!given )(?<!provided )(?<!suppose )(?<!note )\bthat $"
 )
 """Words before that ask whether it is so, or tell of something in the image."""
 
+_TAG = re.compile(
+    r"[^.,;:!?]*, ?(?:right|correct|true|yes|no|eh|(?:is|was|has|did|does)(?:n't)? it"
+    r"|is(?:n't)? that so) ?\?$"
+)
+_OF_A_CLIP = re.compile(rf"\b{_THE}(?:clip|recording|footage)\b")
 _OF_AN_IMAGE = re.compile(rf"\b{_IMAGE}\b")
 _EXAMPLES = (
     "the image is turned by 90 degrees clockwise",
@@ -144,32 +161,56 @@ _SAY_IT_FIRST = (
     "I turn an image back only where it is said before the question that it was recorded so, such "
     "as '{}'."
 )
+_ONE_TURN = (
+    "I turn an image back only where it is said before the question by one turn: upside down and "
+    "turned by 90 degrees are two; give one of the two, or both taken together, such as '{}'."
+)
+_TWO_TURNS = re.compile(rf"\b{_ON_HEAD}")
+_ON_HEAD_AND = re.compile(rf"\b{_ON_HEAD} and ")
 
 
-def unclear_turn(text: str) -> str | None:
+def unclear_turn(text: str, typed: str = "") -> str | None:
     """Return what is missing in a turn of the image that `text` tells; None where it tells none.
 
     Args:
         text: What is left once the facts that could be read are taken out. A question whether the
             image is turned tells no turn; one that supposes it does.
+        typed: All that was typed, with the facts.
     """
     text = " ".join(text.lower().replace("\u2019", "'").split())
     for words in _MENTIONS:
         said = words.search(text)
-        if said is not None and not _SAYS_NO_TURN.search(text[: said.end("before")]):
-            return _missing(said[0])
+        if said is None or _SAYS_NO_TURN.search(text[: said.end("before")]):
+            continue
+        if asks_whether_clip_turned(said[0], text[said.end() :]):
+            continue
+        return _missing(said[0], f"{text} {typed.lower()}")
     return None
 
 
-def _missing(said: str) -> str:
+def asks_whether_clip_turned(said: str, after: str) -> bool:
+    """Tell whether a clip is said to have turned so far only to ask whether what it shows did.
+
+    Args:
+        said: What is said of the clip.
+        after: What follows: a tag such as ", right?".
+    """
+    is_of_clip = _OF_A_CLIP.search(said.lower()) and re.search(r"\d", said)
+    return bool(is_of_clip and _TAG.fullmatch(after.lower()))
+
+
+def _missing(said: str, text: str) -> str:
     example = _EXAMPLES[_OF_AN_IMAGE.search(said) is None]
-    degrees = _degrees(said)
-    if degrees is None and re.search(_ASIDE, said):
+    told = _ON_HEAD_AND.sub("", said)
+    degrees = _degrees(told)
+    if degrees is None and re.search(_ASIDE, told):
         degrees = 90.0
     if degrees is None:
         return _SAY_SIZE.format(example)
     if degrees not in (90, 180, 270):
         return _OTHER_SIZE.format(degrees)
-    if degrees != 180 and _SENSE.search(said) is None:
+    if degrees != 180 and _SENSE.search(told) is None:
         return _SAY_SENSE.format(example)
+    if degrees != 180 and _TWO_TURNS.search(text):
+        return _ONE_TURN.format(example)
     return _SAY_IT_FIRST.format(example)

@@ -3,6 +3,7 @@
 import pytest
 
 from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.conversation.scale import asks_scale, told_scale
 from geotlm_lm.core.frame_spec import FrameSpec
 
 CAMERA, SCALED = FrameSpec(), FrameSpec(mm_per_px=0.06)
@@ -17,6 +18,8 @@ CAMERA, SCALED = FrameSpec(), FrameSpec(mm_per_px=0.06)
         ("How far in mm (0.06 mm/px)?", "How far in mm"),
         ("how far with a scale of 60 microns per pixel", "how far"),
         ("how far is it, when each pixel is 60 microns?", "how far is it"),
+        ("With 0.06 mm per px, how far does it slide?", "how far does it slide?"),
+        ("With a pixel of 0.06 mm, how far?", "how far?"),
     ],
 )
 def test_the_size_of_a_pixel_said_after_a_question_lasts(text, rest):
@@ -56,3 +59,49 @@ def test_a_fact_before_a_question_and_a_size_after_it_are_both_read():
 )
 def test_a_size_beside_no_question_or_that_no_camera_has_is_not_read(text):
     assert not read_facts(text, CAMERA).is_stated
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Thanks! A pixel is 0.06 mm.",
+        "OK, and a pixel is 0.06 mm",
+        "Great, thank you. The scale is 0.06 mm per pixel",
+    ],
+)
+def test_a_size_after_a_courtesy_is_a_fact_alone(text):
+    stated = read_facts(text, CAMERA)
+    assert (stated.lasting, stated.rest, stated.is_stated) == (SCALED, "", True)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Suppose the image is mirrored and a pixel is 0.06 mm, how far?",
+        "If a pixel is 0.06 mm, and the image is mirrored, how far?",
+    ],
+)
+def test_a_size_supposed_beside_another_fact_holds_with_it_for_its_question_alone(text):
+    stated = read_facts(text, CAMERA)
+    assert stated.frame == FrameSpec(image_mirrored=True, mm_per_px=0.06)
+    assert (stated.lasting, stated.rest) == (CAMERA, "how far?")
+
+
+@pytest.mark.parametrize(
+    ("text", "asks"),
+    [
+        ("Is the scale 0.06 mm per pixel?", True),
+        ("Is one pixel 0.06 mm wide?", True),
+        ("Is it 0.06 mm/px?", True),
+        ("Is it 10 mm wide?", False),
+        ("Is the pixel moving 1 mm?", False),
+        ("The scale is 0.06 mm per pixel", False),
+    ],
+)
+def test_a_question_for_the_size_of_a_pixel_is_known(text, asks):
+    assert asks_scale(text) is asks
+
+
+def test_the_size_of_a_pixel_is_told_as_it_was_said_or_asked_for():
+    assert told_scale(0.06) == "As it was said, a pixel is 0.06 mm wide on the gel."
+    assert told_scale(None).startswith("Nothing tells me how large a pixel is: say ")

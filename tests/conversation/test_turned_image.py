@@ -207,6 +207,8 @@ def test_another_angle_is_declined(text, degrees):
         "If I rotated the image by 90 degrees clockwise, where would it go?",
         "The image is turned 90 degrees clockwise relative to the gripper. Which way?",
         "The sensor is rotated by 90 degrees clockwise. Which way?",
+        "Rotate the image by 90 degrees clockwise. Which way does it slide?",
+        "Does it slide right, given that the image turned by 90 degrees clockwise?",
     ],
 )
 def test_a_turn_that_is_told_elsewhere_or_supposed_is_not_passed_over(text):
@@ -234,11 +236,35 @@ def test_a_turn_that_is_told_elsewhere_or_supposed_is_not_passed_over(text):
         "I turned the cap by 90 degrees. Which way?",
         "The object was mounted on its side. Which way?",
         "the image is upside down and blue",
+        "The clip turned 90 degrees clockwise, right?",
+        "The clip is rotated 90 degrees clockwise, right?",
+        "Is it true that the sensor is turned by 30 degrees?",
+        "Does the clip show that the sensor is turned 30 degrees?",
         "",
     ],
 )
 def test_other_words_tell_no_turn_of_the_image(text):
     assert unclear_turn(text) is None
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "The image is upside down and rotated by 90 degrees clockwise. Which way does it go?",
+        "The image is rotated by 90 degrees clockwise and upside down. Which way does it go?",
+        "The image is upside down. The image is rotated by 90 degrees clockwise. Which way?",
+    ],
+)
+def test_of_two_turns_one_is_asked_for(text):
+    stated = read_facts(text, FrameSpec())
+    assert "give one of the two" in unclear_turn(stated.rest, text)
+
+
+def test_a_clip_that_is_asked_to_have_turned_states_no_fact():
+    asked = "The clip is rotated 90 degrees clockwise, right?"
+    assert read_facts(asked, FrameSpec()).rest == asked
+    stated = read_facts("The clip is rotated 90 degrees clockwise. Up, right?", FrameSpec())
+    assert (stated.frame, stated.rest) == (CLOCKWISE, "Up, right?")
 
 
 @pytest.mark.parametrize("type_id", sorted(load_templates().types))
