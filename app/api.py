@@ -6,9 +6,10 @@ import inspect
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from . import handlers
+from . import handlers, opening
 from .results import Answered, Compared, Field, Told
 from .simulating import simulate as simulate_and_ask
+from .simulating import touch_of
 from .told import MODEL, gradio, told
 from .uploads import Upload, Uploads
 
@@ -141,8 +142,6 @@ class Api:
             Which way it goes and how far, in words; the true motion, and the true amounts, the ones
             in the learned shear, and their error.
         """
-        from geotlm_lm import Touch
-
         numbers = {
             "depth_mm": depth_mm,
             "twist_deg": twist_deg,
@@ -150,11 +149,10 @@ class Api:
             "slide_y_mm": slide_y_mm,
             "thickness_mm": thickness_mm,
         }
-        touch = Touch(str(object_name), **{k: float(v) for k, v in numbers.items()}, seed=int(seed))
-        return simulate_and_ask(self._answerer, touch).facts
+        return simulate_and_ask(self._answerer, touch_of(object_name, numbers, seed)).facts
 
-    def _shown(self, clip: Any) -> handlers.Shown:
-        return handlers.show_clip(self._answerer, self._uploads.path_of(clip))
+    def _shown(self, clip: Any) -> opening.Shown:
+        return opening.show_clip(self._answerer, self._uploads.path_of(clip))
 
 
 def build(answerer: Answerer) -> None:

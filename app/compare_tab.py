@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from . import handlers
-from .ask_tab import BUTTONS, SUFFIXES
+from .clip_side import BUTTONS
+from .opening import SUFFIXES, show_clip
 from .told import MODEL, gradio, told
 
 if TYPE_CHECKING:
@@ -29,13 +31,20 @@ def build(answerer: Answerer) -> None:
     verdict, details = gr.Markdown(), gr.JSON(label="Both answers", open=False)
 
     # Not `compare`: an event takes its function's name, and that one is the programs'.
-    def compare_both(first: str | None, second: str | None) -> tuple[Any, ...]:
-        shown = [handlers.show_clip(answerer, path) if path else None for path in (first, second)]
-        result = handlers.compare(answerer, *shown)
+    def compare_both(first: str | None, second: str | None) -> Iterator[tuple[Any, ...]]:
+        try:
+            shown = [show_clip(answerer, path) if path else None for path in (first, second)]
+            result = handlers.compare(answerer, *shown)
+        except Exception:
+            yield None, None, "", "", "", None  # what was said of the recordings before
+            raise
         pictures = [handlers.draw(one, "arrows", 4) for one in shown]
         texts = [result["first"]["text"], result["second"]["text"]]
-        return (*pictures, *texts, f"### {result['text']}", result)
+        yield (*pictures, *texts, f"### {result['text']}", result)
 
     (first, first_picture, first_text), (second, second_picture, second_text) = sides
     outputs = [first_picture, second_picture, first_text, second_text, verdict, details]
     go.click(told(compare_both), [first, second], outputs, api_visibility="private", **MODEL)
+    for path, picture, text in sides:
+        emptied = [picture, text, verdict, details]
+        path.change(lambda: (None, "", "", None), None, emptied, api_visibility="private", **MODEL)

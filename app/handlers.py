@@ -2,31 +2,22 @@
 
 from __future__ import annotations
 
-import shutil
-import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from geotlm_lm import (
     FrameSpec,
     GeoTLMError,
     Motion,
-    Seen,
     picture,
-    read_clip,
-    second_opinions,
-    views_of,
 )
+
+from .opening import Image, Shown
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
-
-Image = NDArray[np.uint8]
 
 SUGGESTED_QUESTIONS = {
     "direction": "Which way is the object turning?",
@@ -51,26 +42,6 @@ NAMES_MOTION = ("direction", "viewpoint", "actor")
 EXAMPLE_CLIPS = sorted(str(path) for path in (Path(__file__).parent / "examples").glob("*.npz"))
 
 
-@dataclass(frozen=True, eq=False)
-class Shown:
-    """A clip that was read and perceived, ready for questions and pictures.
-
-    `session` is the conversation about it, which remembers its turns and its frame of reference.
-    """
-
-    encoded: Any
-    seen: Seen
-    opinions: dict[str, Any]
-    frames: list[tuple[Image, str]]
-    notes: str
-    session: Any
-
-    @property
-    def views(self) -> tuple[str, ...]:
-        """The pictures that can be drawn of it."""
-        return views_of(self.seen)
-
-
 @dataclass(frozen=True)
 class Reply:
     """One answer in the parts the page shows; `motion` is what it says in the camera image."""
@@ -83,61 +54,6 @@ class Reply:
     regions: list[list[Any]]
     verdicts: list[list[Any]]
     timing: str
-
-
-def show_clip(
-    answerer: Answerer,
-    path: str | list[str] | None,
-    first: float | None = None,
-    last: float | None = None,
-) -> Shown:
-    """Read the recording at `path`, choose its frames, and perceive it once.
-
-    Args:
-        answerer: The model.
-        path: Of the recording, or of several images of it; None when nothing was given yet.
-        first: First frame to use; None to have the frames chosen.
-        last: Last frame to use.
-
-    Raises:
-        GeoTLMError: If there is no recording, or it cannot be used, in one sentence.
-    """
-    if not path:
-        raise GeoTLMError("No recording was given; upload a clip first.")
-    if (first is None) != (last is None):
-        raise GeoTLMError("Only one end of the span was given; give both frame numbers or none.")
-    span = None if first is None else (int(first), int(last))
-    return perceive(answerer, _read(path), span=span)
-
-
-def perceive(
-    answerer: Answerer,
-    recording: Any,
-    *,
-    span: tuple[int, int] | None = None,
-    depth_mm: NDArray[np.float32] | None = None,
-) -> Shown:
-    """Perceive a recording once, and draw and judge it by other means beside.
-
-    Args:
-        answerer: The model.
-        recording: A `Clip` of two frames or more.
-        span: First and last frame to use; None to have them chosen.
-        depth_mm: True indentation of each frame, where it was simulated.
-    """
-    encoded = answerer.encode(recording, span=span)
-    clip = encoded.clip
-    geometry = encoded.perception.geometry
-    field, mask = (np.asarray(x[0], np.float32) for x in (geometry.shear_change, geometry.mask))
-    captions = [f"frame {number}" for number in clip.frame_numbers]
-    return Shown(
-        encoded=encoded,
-        seen=Seen(clip.frames, clip.background, field, mask, encoded.view, depth_mm),
-        opinions=second_opinions(answerer, encoded).to_dict(),
-        frames=list(zip(clip.frames, captions, strict=True)),
-        notes="\n".join(f"- {note}" for note in clip.notes),
-        session=answerer.session(encoded),
-    )
 
 
 def draw(shown: Shown | None, view: str, number: float) -> Image | None:
@@ -201,7 +117,7 @@ def _reply(answerer: Answerer, shown: Shown, answer: Any) -> Reply:
         details=details | {"second_opinions": shown.opinions},
         band=_band(answerer, details),
         regions=region_rows(details.get("evidence", {})),
-        verdicts=_verdicts(answer.text, details, shown.opinions),
+        verdicts=_verdicts(answer, shown.opinions),
         timing=" · ".join(f"{name} {value:.1f} ms" for name, value in timing.items()),
     )
 
@@ -252,18 +168,37 @@ def region_rows(evidence: dict[str, Any]) -> list[list[Any]]:
     ]
 
 
-def _verdicts(text: str, details: dict[str, Any], opinions: dict[str, Any]) -> list[list[Any]]:
+def _verdicts(answer: Any, opinions: dict[str, Any]) -> list[list[Any]]:
+    """Return the motion that each method reads, all of them told in the answer's frame."""
     probe, flow = opinions["probe"], opinions["optical_flow"]
-    said = details.get("direction") or "-"
-    moved = (
-        f"{flow['rotation_deg']:+.1f} degrees, {flow['slide_x_px']:+.1f} px right, "
-        f"{flow['slide_y_px']:+.1f} px down"
-    )
+    said = answer.to_dict().get("direction") or "-"
+    sure = f"{100 * probe['probability']:.0f} % (not calibrated)"
     return [
-        ["language model", said, text],
-        ["linear probe", probe["motion"], f"{100 * probe['probability']:.0f} % (not calibrated)"],
-        ["optical flow", flow["motion"], moved],
+        ["language model", said, answer.text],
+        ["linear probe", answer.frame.tell(Motion(probe["motion"])).value, sure],
+        [
+            "optical flow",
+            answer.frame.tell(Motion(flow["motion"])).value,
+            _moved(flow, answer.frame),
+        ],
     ]
+
+
+_STEPS = {Motion.RIGHT: (1, 0), Motion.LEFT: (-1, 0), Motion.DOWN: (0, 1), Motion.UP: (0, -1)}
+
+
+def _moved(flow: dict[str, Any], frame: FrameSpec) -> str:
+    """Return how far it went as a frame tells it; 0.0 has no sign of its own."""
+    across, along = (_STEPS[frame.tell(motion)] for motion in (Motion.RIGHT, Motion.DOWN))
+    right, down = (
+        flow["slide_x_px"] * one + flow["slide_y_px"] * other
+        for one, other in zip(across, along, strict=True)
+    )
+    turn = 1 if frame.tell(Motion.CLOCKWISE) is Motion.CLOCKWISE else -1
+    return (
+        f"{turn * flow['rotation_deg'] + 0.0:+.1f} degrees, {right + 0.0:+.1f} px right, "
+        f"{down + 0.0:+.1f} px down"
+    )
 
 
 def _band(answerer: Answerer, details: dict[str, Any]) -> str:
@@ -278,22 +213,3 @@ def _band(answerer: Answerer, details: dict[str, Any]) -> str:
         f"verdict or choice that is less than {LEAST_SURE:.0%} sure, nor that nothing touches a "
         f"gel that has changed: this answer is **{side}**."
     )
-
-
-def _read(path: str | list[str]) -> Any:
-    """Return the recording in one file, or in several images."""
-    paths = [path] if isinstance(path, str) else list(path)
-    if len(paths) == 1:
-        return _read_one(paths[0], hidden=f"{Path(paths[0]).parent}/")
-    with tempfile.TemporaryDirectory() as folder:
-        for one in paths:
-            shutil.copy(one, Path(folder) / Path(one).name)
-        return _read_one(folder, hidden=f"{folder}/")
-
-
-def _read_one(path: str, *, hidden: str) -> Any:
-    try:
-        return read_clip(path)
-    except GeoTLMError as error:
-        # Uploads lie in a temporary folder whose name means nothing to the person who uploaded.
-        raise type(error)(str(error).replace(hidden, "")) from error

@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +20,8 @@ from geotlm_lm import (
     picture,
 )
 
-from .ask_tab import BUTTONS
+from .clip_side import BUTTONS
+from .opening import by_its_name
 from .told import MODEL, gradio, told
 
 if TYPE_CHECKING:
@@ -73,6 +75,8 @@ def build(answerer: Answerer) -> None:
     private = {"api_visibility": "private"}
     watch = told(partial(watch_recording, answerer))
     go.click(watch, path, [seen, events, account], **private, **MODEL)
+    nothing = (None, [], "")
+    path.change(lambda: nothing, None, [seen, events, account], **private, **MODEL)
     camera.stream(
         told(partial(follow, answerer)),
         [camera, following],
@@ -91,6 +95,15 @@ def watch_recording(answerer: Answerer, path: str | None) -> Iterator[tuple[Any,
     """
     if not path:
         raise GeoTLMError("No recording was given; upload one first.")
+    try:
+        with by_its_name(Path(path).parent):
+            yield from _watched(answerer, path)
+    except Exception:
+        yield None, [], ""  # what was said of the recording before
+        raise
+
+
+def _watched(answerer: Answerer, path: str) -> Iterator[tuple[Any, list, str]]:
     watcher, rows, shown_s = Watcher(model_reader(answerer)), [], float("-inf")
     image = None
     for frame in open_source(path):

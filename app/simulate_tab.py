@@ -5,15 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from . import handlers
-from .ask_tab import BUTTONS
+from .clip_side import BUTTONS
 from .playing import add_play_button
-from .simulating import OBJECTS, simulate
+from .simulating import OBJECTS, simulate, touch_of
 from .told import MODEL, gradio, told
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
 VIEWS = ["raw", "difference", "contact", "arrows", "depth"]
+
+LENGTHS = ("depth_mm", "twist_deg", "slide_x_mm", "slide_y_mm", "thickness_mm", "friction")
+"""Fields of a `Touch`, in the order of the sliders."""
 
 
 def build(answerer: Answerer) -> None:
@@ -37,15 +40,13 @@ def build(answerer: Answerer) -> None:
                 truth = gr.Image(label="True displacement", interactive=False, buttons=BUTTONS)
                 read = gr.Image(label="Learned shear change", interactive=False, buttons=BUTTONS)
 
-    def run(name: str, *numbers: float) -> tuple[Any, ...]:
-        from geotlm_lm import Touch
-
+    def run(seen: str, place: float, name: str, *numbers: float | None) -> tuple[Any, ...]:
         *lengths, seed = numbers
-        made = simulate(answerer, Touch(name, *map(float, lengths), seed=int(seed)))
+        made = simulate(answerer, touch_of(name, dict(zip(LENGTHS, lengths, strict=True)), seed))
         right = "right" if made.facts["is_right"] else f"wrong: {made.facts['true_motion']}"
         return (
             made.shown,
-            handlers.draw(made.shown, "raw", 4),
+            handlers.draw(made.shown, seen, place),
             made.truth_picture,
             made.read_picture,
             f"### {made.facts['answer']}  ({right})",
@@ -53,7 +54,7 @@ def build(answerer: Answerer) -> None:
         )
 
     outputs = [shown, picture, truth, read, sentence, facts]
-    go.click(told(run), sliders, outputs, api_visibility="private", **MODEL)
+    go.click(told(run), [view, number, *sliders], outputs, api_visibility="private", **MODEL)
     for control in (view, number):
         control.change(handlers.draw, [shown, view, number], picture, api_visibility="private")
 

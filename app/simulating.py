@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm import Seen, learned_motion, picture
+from geotlm_lm import GeoTLMError, Seen, learned_motion, picture
 
-from .handlers import AMOUNT_QUESTION, DIRECTION_QUESTION, Image, Shown, perceive
+from .handlers import AMOUNT_QUESTION, DIRECTION_QUESTION
+from .opening import Image, Shown, perceive
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer, Touch
@@ -39,6 +41,35 @@ class Simulated:
     truth_picture: Image
     read_picture: Image
     facts: dict[str, Any]
+
+
+def touch_of(name: Any, numbers: Mapping[str, Any], seed: Any) -> Touch:
+    """Return the touch that was asked for.
+
+    Args:
+        name: Of the shape.
+        numbers: Lengths, angles and friction, by the names of the touch's fields.
+        seed: A whole number.
+
+    Raises:
+        GeoTLMError: If a number is missing or none, in one sentence.
+    """
+    from geotlm_lm import Touch
+
+    given = {field: _number(field, value) for field, value in numbers.items()}
+    whole = _number("seed", seed)
+    if not whole.is_integer():
+        raise GeoTLMError(f"seed is {whole:g}, expected a whole number from 0.")
+    return Touch("" if name is None else str(name), **given, seed=int(whole))
+
+
+def _number(field: str, value: Any) -> float:
+    if value is None or value == "":
+        raise GeoTLMError(f"{field} was left empty; give a number.")
+    try:
+        return float(value)
+    except (TypeError, ValueError) as error:
+        raise GeoTLMError(f"{field} is {str(value)[:40]!r}, expected a number.") from error
 
 
 def simulate(answerer: Answerer, touch: Touch) -> Simulated:

@@ -91,7 +91,7 @@ def test_twenty_people_at_the_page_never_see_each_others_clips(address, clips):
         person = Visitor(address, f"person-{level}")
         together.wait(timeout=120)
         # A state's own place in what is sent stays empty: it never leaves the server.
-        person.do("open_clip", [person.upload(clips[level])], None, None, "raw", 4, [], 0, None)
+        person.do("open_clip", [person.upload(clips[level])], "raw", 4, [], 0, None)
         together.wait(timeout=120)
         return person.do("generate", None, f"Question {level}?", [], [], 0)
 

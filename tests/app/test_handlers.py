@@ -4,7 +4,9 @@ import cv2
 import numpy as np
 import pytest
 
-from app import ask_tab, handlers, ui
+from app import facts as page_facts
+from app import handlers, ui
+from app.opening import show_clip
 from geotlm_lm import FrameSpec, GeoTLMError, Motion
 from geotlm_lm.core.errors import MissingDependency
 from tests.app.fakes import TURNING, FakeAnswerer
@@ -22,14 +24,14 @@ def path(tmp_path):
 
 
 def test_a_clip_is_shown_as_its_four_frames_with_notes(path):
-    shown = handlers.show_clip(FakeAnswerer(), path, 3, 9)
+    shown = show_clip(FakeAnswerer(), path, 3, 9)
     assert [caption for _, caption in shown.frames] == ["frame 3", "frame 5", "frame 7", "frame 9"]
     assert "- Frames 3, 5, 7, 9 are used." in shown.notes
 
 
 def test_an_answer_is_shown_with_its_probabilities(path):
     answerer = FakeAnswerer()
-    reply = handlers.ask(answerer, handlers.show_clip(answerer, path, None, None), "Which way?")
+    reply = handlers.ask(answerer, show_clip(answerer, path, None, None), "Which way?")
     assert reply.sentence.startswith("To the right, at ")
     assert reply.sentence.endswith(".  (97 % sure)")
     assert reply.probabilities == {"right": 0.97, "left": 0.03}
@@ -37,7 +39,7 @@ def test_an_answer_is_shown_with_its_probabilities(path):
 
 def test_what_an_answer_leans_to_stands_behind_it(path):
     answerer = FakeAnswerer()
-    shown = handlers.show_clip(answerer, path)
+    shown = show_clip(answerer, path)
     reply = handlers.ask(answerer, shown, TURNING)
     assert reply.sentence.endswith(".  (97 % sure) If it turns at all, it goes clockwise.")
     *_, streamed = handlers.converse(answerer, shown, TURNING, {})
@@ -46,7 +48,7 @@ def test_what_an_answer_leans_to_stands_behind_it(path):
 
 def test_words_come_as_they_are_generated_and_last_the_whole_reply(path):
     answerer = FakeAnswerer()
-    shown = handlers.show_clip(answerer, path)
+    shown = show_clip(answerer, path)
     *pieces, reply = handlers.converse(answerer, shown, "Which way?", {})
     assert pieces[:3] == ["To ", "the ", "right, "]
     assert reply.sentence == f"{''.join(pieces)}  (97 % sure)"
@@ -55,14 +57,14 @@ def test_words_come_as_they_are_generated_and_last_the_whole_reply(path):
 
 def test_facts_hold_for_the_turns_that_follow_and_show_in_the_page(path):
     answerer = FakeAnswerer()
-    shown = handlers.show_clip(answerer, path)
+    shown = show_clip(answerer, path)
     *_, checked = handlers.converse(answerer, shown, "Which way?", {"image_mirrored": True})
     assert checked.sentence.startswith("To the left, ")
     assert checked.motion is Motion.RIGHT  # in the camera image, as before
     *_, stated = handlers.converse(answerer, shown, "I look from the object's side.", {})
     *_, both = handlers.converse(answerer, shown, "Which way?", {})
     assert both.sentence.startswith("To the right, ")
-    assert ask_tab._facts(shown.session.frame) == [ask_tab.MIRRORED, ask_tab.OTHER_SIDE]
+    assert page_facts.facts_of(shown.session.frame) == [page_facts.MIRRORED, page_facts.OTHER_SIDE]
 
 
 @pytest.mark.parametrize("is_mirrored", [False, True])
@@ -74,20 +76,20 @@ def test_every_frame_that_can_be_checked_is_shown_as_it_was_checked(
 ):
     turned = FrameSpec.fields_of_turn(degrees)
     frame = FrameSpec(is_mirrored, viewpoint, actor, **turned)
-    assert FrameSpec(**ask_tab._fields(ask_tab._facts(frame))) == frame
+    assert FrameSpec(**page_facts.fields_of(page_facts.facts_of(frame))) == frame
 
 
 def test_turns_that_are_checked_together_add_up():
-    half_and_quarter = ask_tab._fields([ask_tab.UPSIDE_DOWN, ask_tab.CLOCKWISE])
+    half_and_quarter = page_facts.fields_of([page_facts.UPSIDE_DOWN, page_facts.CLOCKWISE])
     assert FrameSpec(**half_and_quarter) == FrameSpec(image_quarter_turn="counterclockwise")
-    there_and_back = ask_tab._fields([ask_tab.CLOCKWISE, ask_tab.COUNTERCLOCKWISE])
+    there_and_back = page_facts.fields_of([page_facts.CLOCKWISE, page_facts.COUNTERCLOCKWISE])
     assert FrameSpec(**there_and_back) == FrameSpec()
 
 
 def test_what_a_turned_image_shows_is_found_again_from_what_is_told(path):
     answerer = FakeAnswerer()
-    shown = handlers.show_clip(answerer, path)
-    facts = ask_tab._fields([ask_tab.CLOCKWISE])
+    shown = show_clip(answerer, path)
+    facts = page_facts.fields_of([page_facts.CLOCKWISE])
     *_, checked = handlers.converse(answerer, shown, "Which way?", facts)
     assert checked.sentence.startswith("To the up, ")
     assert checked.motion is Motion.RIGHT
@@ -96,7 +98,7 @@ def test_what_a_turned_image_shows_is_found_again_from_what_is_told(path):
 
 def test_doubt_is_answered_from_the_conversation(path):
     answerer = FakeAnswerer()
-    shown = handlers.show_clip(answerer, path)
+    shown = show_clip(answerer, path)
     *_, first = handlers.converse(answerer, shown, "Which way?", {})
     *_, again = handlers.converse(answerer, shown, "Are you sure?", {})
     assert again.sentence == f"I stay with it, 97%: {first.sentence}"
@@ -104,7 +106,7 @@ def test_doubt_is_answered_from_the_conversation(path):
 
 def test_an_answer_stands_beside_the_probe_the_flow_and_the_regions(path):
     answerer = FakeAnswerer()
-    reply = handlers.ask(answerer, handlers.show_clip(answerer, path), "Which way?")
+    reply = handlers.ask(answerer, show_clip(answerer, path), "Which way?")
     readers = [row[0] for row in reply.verdicts]
     assert readers == ["language model", "linear probe", "optical flow"]
     assert [row[1] for row in reply.verdicts[:2]] == ["right", "right"]
@@ -123,7 +125,7 @@ def test_an_answer_stands_beside_the_probe_the_flow_and_the_regions(path):
 
 
 def test_arrows_are_drawn_only_where_there_is_contact(path):
-    shown = handlers.show_clip(FakeAnswerer(), path, 3, 9)
+    shown = show_clip(FakeAnswerer(), path, 3, 9)
     raw, drawn = (handlers.draw(shown, view, 4).astype(int) for view in ("raw", "arrows"))
     changed = np.abs(drawn - raw).sum(axis=-1) > 30
     assert changed[:, :224].sum() > 500
@@ -131,7 +133,7 @@ def test_arrows_are_drawn_only_where_there_is_contact(path):
 
 
 def test_a_view_that_is_not_known_of_a_clip_falls_back_to_the_frame(path):
-    shown = handlers.show_clip(FakeAnswerer(), path)
+    shown = show_clip(FakeAnswerer(), path)
     assert shown.views == ("raw", "difference", "contact", "arrows")
     assert np.array_equal(handlers.draw(shown, "depth", 2), handlers.draw(shown, "raw", 2))
     assert handlers.draw(None, "raw", 1) is None
@@ -142,7 +144,7 @@ def test_several_images_are_one_recording(tmp_path):
     for number in range(4):
         paths.append(str(tmp_path / f"{number}.png"))
         cv2.imwrite(paths[-1], np.full((40, 50, 3), 40 * number, np.uint8))
-    shown = handlers.show_clip(FakeAnswerer(), paths)
+    shown = show_clip(FakeAnswerer(), paths)
     assert [int(frame.mean()) for frame, _ in shown.frames] == [0, 40, 80, 120]
 
 
@@ -152,9 +154,7 @@ def test_several_images_are_one_recording(tmp_path):
 )
 def test_two_clips_are_compared_by_their_directions(tmp_path, tops, relation):
     answerer = FakeAnswerer()
-    shown = [
-        handlers.show_clip(answerer, saved(tmp_path, f"{k}.npy", top)) for k, top in enumerate(tops)
-    ]
+    shown = [show_clip(answerer, saved(tmp_path, f"{k}.npy", top)) for k, top in enumerate(tops)]
     result = handlers.compare(answerer, *shown)
     assert result["relation"] == relation
     told = {"same": "The same: ", "opposite": "Opposite: ", "unknown": "I cannot compare them; "}
@@ -164,7 +164,7 @@ def test_two_clips_are_compared_by_their_directions(tmp_path, tops, relation):
 def test_a_comparison_of_one_clip_is_told(path):
     answerer = FakeAnswerer()
     with pytest.raises(GeoTLMError, match="^A comparison needs two recordings; upload both.$"):
-        handlers.compare(answerer, handlers.show_clip(answerer, path), None)
+        handlers.compare(answerer, show_clip(answerer, path), None)
 
 
 def test_a_direction_is_told_again_for_another_frame():
@@ -175,18 +175,18 @@ def test_a_direction_is_told_again_for_another_frame():
 
 def test_nothing_uploaded_is_told():
     with pytest.raises(GeoTLMError, match="^No recording was given; upload a clip first.$"):
-        handlers.show_clip(FakeAnswerer(), None, None, None)
+        show_clip(FakeAnswerer(), None, None, None)
 
 
 def test_an_unreadable_upload_is_told_by_its_own_name(tmp_path):
     (tmp_path / "text.npy").write_text("no array")
     with pytest.raises(GeoTLMError, match="^text.npy: is cut off or is no numpy file"):
-        handlers.show_clip(FakeAnswerer(), str(tmp_path / "text.npy"), None, None)
+        show_clip(FakeAnswerer(), str(tmp_path / "text.npy"), None, None)
 
 
 def test_half_a_span_is_told(path):
     with pytest.raises(GeoTLMError, match="^Only one end of the span was given"):
-        handlers.show_clip(FakeAnswerer(), path, 3, None)
+        show_clip(FakeAnswerer(), path, 3, None)
 
 
 def test_a_question_without_a_clip_is_told():

@@ -1,0 +1,55 @@
+"""The facts about a recording that can be checked in the page, and the frame they stand for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from geotlm_lm import FrameSpec, Motion, draw_viewpoint
+
+from . import handlers
+
+MIRRORED, UPSIDE_DOWN = "image is mirrored", "image is upside down"
+CLOCKWISE = "image is turned 90° clockwise"
+COUNTERCLOCKWISE = "image is turned 90° counterclockwise"
+TURNS = {UPSIDE_DOWN: 180, CLOCKWISE: 90, COUNTERCLOCKWISE: 270}
+OTHER_SIDE, SENSOR_MOVES = "seen from the object", "sensor moves"
+
+
+def fields_of(facts: list[str]) -> dict[str, Any]:
+    """Return the fields of a `FrameSpec` that the checked facts stand for; turns add up."""
+    turned = sum(degrees for fact, degrees in TURNS.items() if fact in facts)
+    return FrameSpec.fields_of_turn(turned) | {
+        "image_mirrored": MIRRORED in facts,
+        "viewpoint": "object" if OTHER_SIDE in facts else "sensor",
+        "actor": "sensor" if SENSOR_MOVES in facts else "object",
+    }
+
+
+def facts_of(frame: FrameSpec) -> list[str]:
+    """Return the facts to check for a frame: what the conversation said of it shows in the page."""
+    is_so = {
+        MIRRORED: frame.image_mirrored,
+        UPSIDE_DOWN: frame.image_upside_down,
+        CLOCKWISE: frame.image_quarter_turn == "clockwise",
+        COUNTERCLOCKWISE: frame.image_quarter_turn == "counterclockwise",
+        OTHER_SIDE: frame.viewpoint == "object",
+        SENSOR_MOVES: frame.actor == "sensor",
+    }
+    return [fact for fact, is_true in is_so.items() if is_true]
+
+
+def told_for(facts: list[str], direction: str | None) -> tuple:
+    """Return the picture of the frame the facts stand for, and the last direction told for it."""
+    frame = FrameSpec(**fields_of(facts))
+    motion = None if direction is None else Motion(direction)
+    return draw_viewpoint(frame), handlers.told_in(frame, motion)
+
+
+def checked(facts: list[str], direction: str | None) -> tuple:
+    """Return the facts as they hold after the last was checked, and what `told_for` returns.
+
+    An image is turned by a quarter one way or the other: of both the one checked last holds.
+    """
+    quarters = [fact for fact in facts if fact in (CLOCKWISE, COUNTERCLOCKWISE)]
+    held = [fact for fact in facts if fact not in quarters[:-1]]
+    return held, *told_for(held, direction)
