@@ -124,6 +124,34 @@ def test_an_answer_stands_beside_the_probe_the_flow_and_the_regions(path):
     )
 
 
+@pytest.mark.parametrize(
+    ("facts", "told", "moved"),
+    [
+        ([], "right", "+2.0 degrees, +3.0 px right, +1.0 px down"),
+        ([page_facts.MIRRORED], "left", "-2.0 degrees, -3.0 px right, +1.0 px down"),
+        ([page_facts.CLOCKWISE], "up", "+2.0 degrees, +1.0 px right, -3.0 px down"),
+        ([page_facts.SENSOR_MOVES], "left", "-2.0 degrees, -3.0 px right, -1.0 px down"),
+    ],
+)
+def test_all_verdicts_are_told_in_the_frame_of_the_answer(path, facts, told, moved):
+    answerer = FakeAnswerer()
+    shown = show_clip(answerer, path)
+    flow = {"motion": "right", "rotation_deg": 2.0, "slide_x_px": 3.0, "slide_y_px": 1.0}
+    shown.opinions["optical_flow"] = flow
+    fields = page_facts.fields_of(facts)
+    *_, reply = handlers.converse(answerer, shown, "Which way?", fields)
+    assert [row[1] for row in reply.verdicts] == [told] * 3
+    assert reply.verdicts[2][2] == moved
+
+
+def test_of_both_quarters_the_one_checked_last_holds():
+    both = [page_facts.CLOCKWISE, page_facts.MIRRORED, page_facts.COUNTERCLOCKWISE]
+    held, _, told = page_facts.checked(both, "right")
+    assert held == both[1:]
+    assert told.endswith(f"that is **{page_facts.told_for(held, 'right')[1].split('**')[1]}**.")
+    assert page_facts.checked([page_facts.UPSIDE_DOWN], None)[0] == [page_facts.UPSIDE_DOWN]
+
+
 def test_arrows_are_drawn_only_where_there_is_contact(path):
     shown = show_clip(FakeAnswerer(), path, 3, 9)
     raw, drawn = (handlers.draw(shown, view, 4).astype(int) for view in ("raw", "arrows"))

@@ -65,3 +65,13 @@ def test_a_camera_of_another_size_is_followed_from_its_beginning(frames):
 def test_watching_nothing_is_told():
     with pytest.raises(GeoTLMError, match="^No recording was given; upload one first.$"):
         next(live_tab.watch_recording(FakeAnswerer(), None))
+
+
+def test_a_recording_that_fails_is_told_by_its_own_name_and_nothing_stays_of_the_one_before(
+    tmp_path,
+):
+    (tmp_path / "broken.npy").write_bytes(b"no recording")
+    steps = live_tab.watch_recording(FakeAnswerer(), str(tmp_path / "broken.npy"))
+    assert next(steps) == (None, [], "")
+    with pytest.raises(GeoTLMError, match="^broken.npy: "):
+        next(steps)

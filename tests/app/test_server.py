@@ -79,6 +79,8 @@ def test_a_mistake_is_one_sentence_and_no_trace(client, tmp_path):
     assert "Traceback" not in str(caught.value)
     with pytest.raises(AppError, match="There is no shape 'unicorn'"):
         client.predict("unicorn", 0.6, 0.0, 1.0, 0.0, 4.0, 1, api_name="/simulate")
+    with pytest.raises(AppError, match="seed was left empty; give a number"):
+        client.predict("key", 0.6, 0.0, 1.0, 0.0, 4.0, None, api_name="/simulate")
 
 
 def test_every_function_is_typed_and_documented(client):

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.simulating import OBJECTS, simulate
-from geotlm_lm import Touch
+from app.simulating import OBJECTS, simulate, touch_of
+from geotlm_lm import GeoTLMError, Touch
 from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
 from tests.app.fakes import FakeAnswerer
@@ -51,3 +51,25 @@ def test_the_depth_is_shown(made):
 
 def test_the_shapes_on_offer_are_the_everyday_ones():
     assert set(OBJECTS) == set(EVERYDAY_OBJECTS)
+
+
+def test_a_touch_is_made_of_numbers():
+    assert touch_of("key", {"depth_mm": 1}, 2.0) == Touch("key", depth_mm=1.0, seed=2)
+
+
+@pytest.mark.parametrize(
+    ("name", "depth", "seed", "sentence"),
+    [
+        ("key", 0.6, None, "seed was left empty; give a number."),
+        ("key", 0.6, "", "seed was left empty; give a number."),
+        ("key", 0.6, 1.5, "seed is 1.5, expected a whole number from 0."),
+        ("key", 0.6, float("nan"), "seed is nan, expected a whole number from 0."),
+        ("key", None, 0, "depth_mm was left empty; give a number."),
+        ("key", "deep", 0, "depth_mm is 'deep', expected a number."),
+        (None, 0.6, 0, "There is no shape ''"),
+    ],
+)
+def test_a_touch_that_is_not_whole_is_told_in_a_sentence(name, depth, seed, sentence):
+    with pytest.raises(GeoTLMError) as caught:
+        touch_of(name, {"depth_mm": depth}, seed)
+    assert str(caught.value).startswith(sentence)
