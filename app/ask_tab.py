@@ -69,6 +69,7 @@ def _talk_side(gr: Any) -> dict[str, Any]:
 
 
 def _connect_talk(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: dict) -> None:
+    gr = gradio()
     answer = told(partial(_answer, answerer))
     again = told(partial(_retry, answerer))
     framed = [clip["viewpoint"], clip["told"]]
@@ -84,7 +85,15 @@ def _connect_talk(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: d
     running.append(talk["retry"].click(again, asked, outputs, **private, **MODEL))
     talk["stop"].click(None, None, None, cancels=running, api_visibility="private")
     talk["suggested"].input(lambda text: text or "", talk["suggested"], talk["question"], **private)
-    clip["frame"].input(checked, [clip["frame"], last], [clip["frame"], *framed], **private)
+
+    def check(facts: list[str], direction: str | None, event: gr.SelectData) -> tuple:
+        held, *framing = checked(facts, direction, event.value, event.selected)
+        # Boxes that stand as they should are left alone: others may be checked meanwhile.
+        return gr.skip() if set(held) == set(facts) else held, *framing
+
+    # Postponed annotations are text, and the toolkit looks for the event's type itself.
+    check.__annotations__["event"] = gr.SelectData
+    clip["frame"].select(check, [clip["frame"], last], [clip["frame"], *framed], **private)
 
 
 def _answer(

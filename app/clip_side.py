@@ -87,7 +87,7 @@ def connect(answerer: Answerer, shown: Any, clip: dict[str, Any], stale: list[An
     pixel, span = clip["mm_per_px"], [clip["first"], clip["last"]]
     outputs = [shown, source, clip["picture"], clip["notes"], clip["told"], pixel, *stale]
     looked_at = [*(clip[name] for name in ("view", "number", "frame")), pixel, shown]
-    nothing = [None] * len(stale)
+    nothing = [[], *[None] * (len(stale) - 1)]
 
     def read_again(path: Any, first: str, until: str, *looked: Any) -> Iterator[tuple]:
         # A mistake is told only after the clip before is closed: it must not answer for this one.

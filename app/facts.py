@@ -45,11 +45,12 @@ def told_for(facts: list[str], direction: str | None) -> tuple:
     return draw_viewpoint(frame), handlers.told_in(frame, motion)
 
 
-def checked(facts: list[str], direction: str | None) -> tuple:
-    """Return the facts as they hold after the last was checked, and what `told_for` returns.
+def checked(facts: list[str], direction: str | None, fact: str, is_checked: bool) -> tuple:
+    """Return the facts as they hold once one was checked or not, and what `told_for` returns.
 
     An image is turned by a quarter one way or the other: of both the one checked last holds.
     """
-    quarters = [fact for fact in facts if fact in (CLOCKWISE, COUNTERCLOCKWISE)]
-    held = [fact for fact in facts if fact not in quarters[:-1]]
+    quarters = (CLOCKWISE, COUNTERCLOCKWISE)
+    replaced = quarters if is_checked and fact in quarters else (fact,)
+    held = [one for one in facts if one not in replaced] + [fact] * is_checked
     return held, *told_for(held, direction)

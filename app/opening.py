@@ -28,7 +28,7 @@ SUFFIXES = [".npy", ".npz", ".mp4", ".avi", ".mov", ".mkv", *IMAGES]
 ADVICE = {
     "pass --layout THW": "save frames[..., None], or use the command line with --layout THW",
     "or, with --layout THW, (T,H,W)": "or, on the command line with --layout THW, (T,H,W)",
-    "pass --layout TCHW": "use the command line with --layout TCHW",
+    "pass --layout": "use the command line with --layout",
 }
 """What is said to a person at the command line, and to one who has none."""
 

@@ -261,13 +261,17 @@ def test_what_is_shown_is_read_again_and_not_what_was_uploaded_before(browser, r
     browser.wait_for(f"{PICTURE} != null")
     browser.run("document.querySelector('.thumbnail-item').click()")
     browser.wait_for(f"!{TEXT}.includes('dark')")
+    browser.wait_for(f"{PICTURE} != null")
     browser.click("Frames and notes")
+    time.sleep(1)
     browser.fill("First frame", "0")
     browser.fill("Last frame", "1.5")
+    time.sleep(1)  # until the page has taken the fields in
     browser.click("Read again with this span")
     browser.wait_for(f"{TEXT}.includes('The span was 0 to 1.5, expected two whole numbers')")
     browser.wait_for(NO_PICTURE)
     browser.fill("Last frame", "3")
+    time.sleep(1)
     browser.click("Read again with this span")
     browser.wait_for(f"{TEXT}.includes('Frames 0, 1, 2, 3 are used.')")
     browser.upload("Recording", recordings["bright"])
@@ -285,8 +289,9 @@ def field(label):
 def test_an_image_is_turned_one_way_or_the_other(browser):
     for way in ("90° counterclockwise", "90° clockwise", "90° counterclockwise"):
         box = f"image is turned {way}"
-        browser.run(f"document.querySelector('input[name={box!r}]').click()")
+        browser.run(f"document.querySelector('input[name=\"{box}\"]').click()")
         browser.wait_for(f"{CHECKED}.join() == {box!r}")
+        time.sleep(1)
 
 
 def test_a_comparison_is_emptied_with_its_recordings(browser, recordings, tmp_path):
@@ -331,6 +336,7 @@ def test_a_touch_is_simulated_and_asked_about(browser):
 def test_a_touch_without_a_seed_is_one_sentence(browser):
     browser.click("Simulate", "button[role=tab]")
     browser.fill("Seed", "")
+    time.sleep(1)  # until the page has taken the field in
     browser.click("Simulate and ask", "button.primary")
     browser.wait_for(f"{TEXT}.includes('seed was left empty; give a number.')")
 

@@ -145,11 +145,15 @@ def test_all_verdicts_are_told_in_the_frame_of_the_answer(path, facts, told, mov
 
 
 def test_of_both_quarters_the_one_checked_last_holds():
-    both = [page_facts.CLOCKWISE, page_facts.MIRRORED, page_facts.COUNTERCLOCKWISE]
-    held, _, told = page_facts.checked(both, "right")
-    assert held == both[1:]
-    assert told.endswith(f"that is **{page_facts.told_for(held, 'right')[1].split('**')[1]}**.")
-    assert page_facts.checked([page_facts.UPSIDE_DOWN], None)[0] == [page_facts.UPSIDE_DOWN]
+    before = [page_facts.CLOCKWISE, page_facts.MIRRORED]
+    held, _, told = page_facts.checked(before, "right", page_facts.COUNTERCLOCKWISE, True)
+    assert held == [page_facts.MIRRORED, page_facts.COUNTERCLOCKWISE]
+    assert told == page_facts.told_for(held, "right")[1]
+    assert page_facts.checked(held, None, page_facts.MIRRORED, False)[0] == held[1:]
+    assert page_facts.checked(before, None, page_facts.UPSIDE_DOWN, True)[0] == [
+        *before,
+        page_facts.UPSIDE_DOWN,
+    ]
 
 
 def test_arrows_are_drawn_only_where_there_is_contact(path):
