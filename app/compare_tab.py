@@ -47,4 +47,7 @@ def build(answerer: Answerer) -> None:
     go.click(told(compare_both), [first, second], outputs, api_visibility="private", **MODEL)
     for path, picture, text in sides:
         emptied = [picture, text, verdict, details]
-        path.change(lambda: (None, "", "", None), None, emptied, api_visibility="private", **MODEL)
+        # Not queued: it would empty what a click right after the upload has told.
+        path.change(
+            lambda: (None, "", "", None), None, emptied, api_visibility="private", queue=False
+        )

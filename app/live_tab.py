@@ -76,7 +76,7 @@ def build(answerer: Answerer) -> None:
     watch = told(partial(watch_recording, answerer))
     go.click(watch, path, [seen, events, account], **private, **MODEL)
     nothing = (None, [], "")
-    path.change(lambda: nothing, None, [seen, events, account], **private, **MODEL)
+    path.change(lambda: nothing, None, [seen, events, account], **private, queue=False)
     camera.stream(
         told(partial(follow, answerer)),
         [camera, following],
