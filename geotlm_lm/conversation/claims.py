@@ -216,7 +216,7 @@ def claimed(question: str) -> frozenset[Motion] | None:
     if claims_end(question):
         return _left_at_the_end(" ".join(question.lower().split()))
     axis = claimed_axis(question.lower())
-    if axis:
+    if axis and motions_named(question) <= axis:  # no choice: "up, down, sideways?"
         return axis
     motion, kind = claimed_motion(question), claimed_class(question)
     named = {motion} - {None} or {one for one in Motion if motion_class(one) == kind}

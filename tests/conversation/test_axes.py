@@ -29,6 +29,11 @@ def test_an_axis_stands_for_both_ways_along_it(text, motions):
     assert claimed_axis(text) == motions
 
 
+@pytest.mark.parametrize("text", ["Up, down, sideways, what is it?", "sideways or up?"])
+def test_a_choice_among_ways_claims_no_axis(text):
+    assert claimed(text) != ACROSS
+
+
 @pytest.mark.parametrize("text", ["Is it moving horizontally?", "moving sideways?"])
 def test_an_axis_is_a_claim(text):
     assert claims_motion(text)
