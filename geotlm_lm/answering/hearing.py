@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 
-from geotlm_lm.answering.answer import Encoded, deciding_word, offered_letters
+from geotlm_lm.answering.answer import Answer, Encoded, deciding_word, offered_letters
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.core.labels import Motion
@@ -110,10 +110,10 @@ def hear(
     return Heard(slots, text, options, timing)
 
 
-def spent(*heard: Heard) -> dict[str, float]:
+def spent(*passes: Heard | Answer) -> dict[str, float]:
     """Return the milliseconds of each stage, of several passes together."""
-    stages = {stage for one in heard for stage in one.timing_ms}
-    return {stage: sum(one.timing_ms.get(stage, 0.0) for one in heard) for stage in stages}
+    stages = {stage for one in passes for stage in one.timing_ms}
+    return {stage: sum(one.timing_ms.get(stage, 0.0) for one in passes) for stage in stages}
 
 
 def is_doubtful(kind: str | None, word: str | None, options: Mapping[str, float]) -> bool:

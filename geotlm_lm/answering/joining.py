@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from geotlm_lm.answering.answer import Answer
+from geotlm_lm.answering.hearing import spent
 
 
 def both(first: Answer, second: Answer) -> Answer:
@@ -12,10 +13,6 @@ def both(first: Answer, second: Answer) -> Answer:
 
     It abstains where either does.
     """
-    timing = {
-        stage: first.timing_ms.get(stage, 0.0) + second.timing_ms.get(stage, 0.0)
-        for stage in first.timing_ms | second.timing_ms
-    }
     kept = second if first.abstained else first
     told = [one.confidence for one in (first, second) if not one.abstained]
     notes = (*first.notes, *(note for note in second.notes if note not in first.notes))
@@ -26,7 +23,7 @@ def both(first: Answer, second: Answer) -> Answer:
         abstained=first.abstained or second.abstained,
         confidence=min(told, default=0.0),
         notes=notes,
-        timing_ms=timing,
+        timing_ms=spent(first, second),
         amount=first.amount or second.amount,
         told_by="rule",
     )

@@ -188,9 +188,9 @@ def tell_one(which: int, answer: Answer, answers: Sequence[Answer]) -> Compariso
         answer: The answer about it.
         answers: Which way each goes.
     """
-    name: Relation = ("first", "second")[which]
-    relation = "unknown" if answer.abstained else name
-    text = f"Of the {name}: {answer.text}"
+    asked: Relation = ("first", "second")[which]
+    relation = "unknown" if answer.abstained else asked
+    text = f"Of the {asked}: {answer.text}"
     return Comparison(text, relation, answer.confidence, answer.abstained, *answers)
 
 

@@ -105,8 +105,8 @@ def as_of_one_light(residual: Floats) -> Floats:
     """Return what a grey picture is in colours, its shades those of slopes towards one light.
 
     That light is taken to stand in the upper right; of slopes across it a grey picture tells
-    nothing. Without colours there is no relief at all, and how far it went is told wrong and for
-    sure: of 0.24 of 134 semi-real slides in grey, and of none as of one light.
+    nothing. Without colours there is no relief at all, and how far it went is told wrong, at 0.9 or
+    more, of 0.24 of 134 semi-real slides in grey; with these colours of none.
 
     Args:
         residual: Frame less the idle gel, float32 (rows, columns, 3), RGB grey levels.

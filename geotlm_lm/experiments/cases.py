@@ -130,46 +130,46 @@ class RealCases:
 
 
 @dataclass(frozen=True)
-class StartingInContact:
-    """The four-frame windows of labelled recordings as a clip that shows no idle gel anywhere.
+class _FourFrames:
+    """The four-frame windows of labelled recordings, both ways, as something else shows them.
+
+    Args:
+        recordings: One folder of labelled recordings.
+    """
+
+    recordings: LabelledRecordings
+
+    def __len__(self) -> int:
+        return 2 * len(self.recordings.rows)
+
+    def __iter__(self) -> Iterator[Case]:
+        for window in self.recordings.windows(frames=("four",), backwards=True):
+            (clip, motion), row = self._shown(window.clip, window.motion), window.row
+            yield Case(clip, motion, row.object_id, row.object_family, {})
+
+    def _shown(self, clip: Clip, motion: Motion) -> tuple[Clip, Motion]:
+        raise NotImplementedError
+
+
+class StartingInContact(_FourFrames):
+    """The windows as clips that show no idle gel anywhere.
 
     The recordings' own idle frames are withheld: each method guesses the background from the four
     frames, as it must where a user's clip starts in contact.
-
-    Args:
-        recordings: One folder of labelled recordings.
     """
 
-    recordings: LabelledRecordings
-
-    def __len__(self) -> int:
-        return 2 * len(self.recordings.rows)
-
-    def __iter__(self) -> Iterator[Case]:
-        for window in self.recordings.windows(frames=("four",), backwards=True):
-            clip, row = replace(window.clip, background=None), window.row
-            yield Case(clip, window.motion, row.object_id, row.object_family, {})
+    def _shown(self, clip: Clip, motion: Motion) -> tuple[Clip, Motion]:
+        return replace(clip, background=None), motion
 
 
-@dataclass(frozen=True)
-class QuarterTurned:
-    """The four-frame windows of labelled recordings as a sensor held across records them.
+class QuarterTurned(_FourFrames):
+    """The windows as a sensor held across records them.
 
     Turned by 90 degrees counterclockwise, lights and all: 320 x 240 pictures become 240 x 320.
-
-    Args:
-        recordings: One folder of labelled recordings.
     """
 
-    recordings: LabelledRecordings
-
-    def __len__(self) -> int:
-        return 2 * len(self.recordings.rows)
-
-    def __iter__(self) -> Iterator[Case]:
-        for window in self.recordings.windows(frames=("four",), backwards=True):
-            row, motion = window.row, turn_by_quarter(window.motion)
-            yield Case(turned_by_quarter(window.clip), motion, row.object_id, row.object_family, {})
+    def _shown(self, clip: Clip, motion: Motion) -> tuple[Clip, Motion]:
+        return turned_by_quarter(clip), turn_by_quarter(motion)
 
 
 def turned_by_quarter(clip: Clip) -> Clip:
