@@ -8,8 +8,7 @@ of 0.99 of the turns and the way of 0.97 of the slides, without anything learned
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -19,13 +18,11 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from geotlm_lm.backbone.rigid import MIDDLE, SIDE, Rigid, warped
 from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE
 from geotlm_lm.core.ranked import ranked
 
 Floats = NDArray[np.float32]
-
-SIDE = 56
-"""Side of the images that are aligned; finer ones gained nothing and took three times as long."""
 
 CHANNELS = 6
 """Displacement x and y, laid on the first frame; the same summed over the steps; gain of the last
@@ -70,58 +67,6 @@ ERROR_FLOOR = 0.003
 """Squared error, in units of the images, that noise alone leaves behind."""
 
 _PADDED = 64  # a fast length with room for shifts beyond the border
-_MIDDLE = (SIDE - 1) / 2
-
-
-@dataclass(frozen=True)
-class Rigid:
-    """A turn about the middle of the view, then a shift.
-
-    Args:
-        turn_rad: Positive clockwise as drawn.
-        x_px: Shift to the right, pixels of the aligned images.
-        y_px: Shift down.
-        aspect: Width of a pixel over its height; a turn is rigid on the gel, not in an image that
-            was squashed to a square.
-    """
-
-    turn_rad: float = 0.0
-    x_px: float = 0.0
-    y_px: float = 0.0
-    aspect: float = 1.0
-
-    @property
-    def matrix(self) -> NDArray[np.float64]:
-        """The turn in pixels, (2, 2)."""
-        cos, sin = math.cos(self.turn_rad), math.sin(self.turn_rad)
-        return np.array([[cos, -sin / self.aspect], [sin * self.aspect, cos]])
-
-    def after(self, first: Rigid) -> Rigid:
-        """Return `first` followed by this motion."""
-        (a, b), (c, d) = self.matrix.tolist()
-        x = a * first.x_px + b * first.y_px + self.x_px
-        y = c * first.x_px + d * first.y_px + self.y_px
-        return Rigid(self.turn_rad + first.turn_rad, x, y, self.aspect)
-
-    def way_back(self) -> NDArray[np.float64]:
-        """Return where each pixel after the motion came from, an affine map (2, 3)."""
-        (a, b), (c, d) = self._back().tolist()
-        x, y = _MIDDLE + self.x_px, _MIDDLE + self.y_px
-        return np.array([[a, b, _MIDDLE - a * x - b * y], [c, d, _MIDDLE - c * x - d * y]])
-
-    def moved(self, image: Floats) -> Floats:
-        """Return a square image of side `SIDE` after the motion; zero comes in from outside."""
-        return _warped(image, self.way_back())
-
-    def displacement(self) -> Floats:
-        """Return how far the point now under each patch centre has come, (14, 14, 2), pixels."""
-        centres = np.stack(_patch_centres(), axis=-1)
-        return centres - (centres - np.float32([self.x_px, self.y_px])) @ self._back().T
-
-    def _back(self) -> NDArray[np.float32]:
-        """Return the turn back, (2, 2)."""
-        cos, sin = math.cos(self.turn_rad), math.sin(self.turn_rad)
-        return np.array([[cos, sin / self.aspect], [-sin * self.aspect, cos]], np.float32)
 
 
 def alignment(reliefs: Sequence[Floats], greens: Sequence[Floats], aspect: float = 1.0) -> Floats:
@@ -142,24 +87,54 @@ def alignment(reliefs: Sequence[Floats], greens: Sequence[Floats], aspect: float
         log of how many times larger the patch's squared error is without the last step's motion;
         correlation after that step.
     """
-    reliefs, greens = ([_small(image) for image in images] for images in (reliefs, greens))
-    at_rest = np.zeros((GRID_SIDE, GRID_SIDE, CHANNELS), np.float32)
-    at_rest[..., -1] = 1
-    frames = [np.concatenate([at_rest, at_rest], axis=-1)]
-    direct = [Rigid(aspect=aspect)] * 2
-    summed = [Rigid(aspect=aspect)] * 2
-    for k in range(1, len(reliefs)):
-        start, parts = None, []
-        for place, images in enumerate((reliefs, greens)):
-            before, after = images[k - 1], images[k]
-            step = start = align(before, after, start, aspect=aspect)
-            summed[place] = direct[place] = step.after(summed[place])
-            if k > 1:
-                direct[place] = align(images[0], after, direct[place], aspect=aspect)
-            totals = (direct[place], summed[place])
-            parts.append(_channels(before, after, step, totals))
+    sequences = [[small(image) for image in images] for images in (reliefs, greens)]
+    at_rest = np.zeros((GRID_SIDE, GRID_SIDE, 2 * CHANNELS), np.float32)
+    at_rest[..., CHANNELS - 1 :: CHANNELS] = 1
+    frames = [at_rest]
+    for k, found in enumerate(align_in_turn(sequences, aspect), start=1):
+        parts = [
+            _channels(images[k - 1], images[k], one)
+            for images, one in zip(sequences, found, strict=True)
+        ]
         frames.append(np.concatenate(parts, axis=-1))
     return np.stack(frames)
+
+
+@dataclass(frozen=True)
+class Aligned:
+    """How one image of a sequence is laid on those before it.
+
+    Args:
+        step: From the image before.
+        direct: From the first image, found on the two themselves.
+        summed: From the first image, the steps one after the other.
+    """
+
+    step: Rigid
+    direct: Rigid
+    summed: Rigid
+
+
+def align_in_turn(
+    sequences: Sequence[Sequence[Floats]], aspect: float = 1.0
+) -> Iterator[list[Aligned]]:
+    """Yield how each image but the first is laid on those before it, of every sequence.
+
+    Args:
+        sequences: The same frames seen by other means, images as `small` makes them. Where one
+            sequence moved to is where the search in the next begins.
+        aspect: Width of a pixel over its height.
+    """
+    summed = [Rigid(aspect=aspect)] * len(sequences)
+    for k in range(1, len(sequences[0])):
+        step, found = None, []
+        for place, images in enumerate(sequences):
+            step = align(images[k - 1], images[k], step, aspect=aspect)
+            summed[place] = direct = step.after(summed[place])
+            if k > 1:
+                direct = align(images[0], images[k], direct, aspect=aspect)
+            found.append(Aligned(step, direct, summed[place]))
+        yield found
 
 
 def align(
@@ -182,7 +157,7 @@ def _search(before: Floats, after: Floats, aspect: float) -> Rigid:
     """Return the turn and whole-pixel shift of highest correlation, short ways preferred."""
     turned = np.zeros((len(TURNS_RAD), _PADDED, _PADDED), np.float32)
     for image, back in zip(turned, _turns_back(aspect), strict=True):
-        image[:SIDE, :SIDE] = _warped(before, back)
+        image[:SIDE, :SIDE] = warped(before, back)
     target = np.zeros((_PADDED, _PADDED), np.float32)
     target[:SIDE, :SIDE] = after
     norm = np.sqrt(np.square(turned).sum(axis=(1, 2)) * np.square(target).sum()) + 1e-6
@@ -247,33 +222,35 @@ def _counted(changed: Floats) -> NDArray[np.intp] | slice:
     return moving if len(moving) > FEWEST_CHANGED else slice(None)
 
 
-def _channels(before: Floats, after: Floats, step: Rigid, totals: Sequence[Rigid]) -> Floats:
-    moved = step.moved(before)
+def _channels(before: Floats, after: Floats, found: Aligned) -> Floats:
+    moved = found.step.moved(before)
     errors = [np.square(after - image) for image in (before, moved)]
     rest, aligned = (
         cv2.resize(one, (GRID_SIDE,) * 2, interpolation=cv2.INTER_AREA) for one in errors
     )
     gain = np.log((rest + ERROR_FLOOR) / (aligned + ERROR_FLOOR))
-    scale = np.sqrt(np.square(moved).sum() * np.square(after).sum()) + 1e-6
-    correlation = np.full_like(gain, (moved * after).sum() / scale)
-    moves = [total.displacement() * (IMAGE_SIDE / SIDE) for total in totals]
-    return np.concatenate([*moves, gain[..., None], correlation[..., None]], axis=-1)
+    alike = np.full_like(gain, correlation(moved, after))
+    scale = IMAGE_SIDE / SIDE
+    moves = [total.displacement() * scale for total in (found.direct, found.summed)]
+    return np.concatenate([*moves, gain[..., None], alike[..., None]], axis=-1)
 
 
-def _warped(image: Floats, back: NDArray[np.float64]) -> Floats:
-    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    return cv2.warpAffine(image, back, (SIDE, SIDE), flags=flags)
+def correlation(first: Floats, second: Floats) -> float:
+    """Return how much alike two images are, 1 where they are equal but for a factor."""
+    scale = np.sqrt(np.square(first).sum() * np.square(second).sum()) + 1e-6
+    return float((first * second).sum() / scale)
 
 
-def _small(image: Floats) -> Floats:
-    small = cv2.resize(image, (SIDE, SIDE), interpolation=cv2.INTER_AREA)
-    return small - small.mean()
+def small(image: Floats) -> Floats:
+    """Return a square image at the side that is aligned, its mean at zero."""
+    shrunk = cv2.resize(image, (SIDE, SIDE), interpolation=cv2.INTER_AREA)
+    return shrunk - shrunk.mean()
 
 
 @lru_cache(maxsize=8)
 def _levers(aspect: float) -> tuple[Floats, Floats]:
     """Return what a turn's path at each pixel is proportional to, each (SIDE * SIDE,)."""
-    axis = np.arange(SIDE, dtype=np.float32) - np.float32(_MIDDLE)
+    axis = np.arange(SIDE, dtype=np.float32) - np.float32(MIDDLE)
     x, y = np.meshgrid(axis, axis)
     return (x * np.float32(aspect)).ravel(), (y / np.float32(aspect)).ravel()
 
@@ -281,12 +258,6 @@ def _levers(aspect: float) -> tuple[Floats, Floats]:
 @lru_cache(maxsize=8)
 def _turns_back(aspect: float) -> list[NDArray[np.float64]]:
     return [Rigid(float(turn), aspect=aspect).way_back() for turn in TURNS_RAD]
-
-
-@lru_cache(maxsize=1)
-def _patch_centres() -> tuple[Floats, Floats]:
-    axis = ((np.arange(GRID_SIDE) + 0.5) * SIDE / GRID_SIDE - SIDE / 2).astype(np.float32)
-    return np.meshgrid(axis, axis)
 
 
 @lru_cache(maxsize=1)

@@ -8,44 +8,29 @@ it turns; and the one rigid motion of the whole imprint, for both. It has no lea
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-from itertools import pairwise
-from typing import Any
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.backbone.alignment import CHANNELS as ALIGNMENT_CHANNELS
 from geotlm_lm.backbone.alignment import alignment
-from geotlm_lm.backbone.lights import (
-    as_of_one_light,
-    lights_of,
-    turned_by_a_half,
-    turned_by_a_quarter,
+from geotlm_lm.backbone.imprint import (
+    RESIDUAL_SCALE_GREY,
+    Imprint,
+    area_means,
+    gradients,
+    green_image,
+    imprint_of,
 )
-from geotlm_lm.backbone.relief import RELIEF_SCALE, RELIEF_SIDE, as_image, is_inside_out, reliefs
-from geotlm_lm.backbone.square import in_square
-from geotlm_lm.backbone.view import CONTRAST_FLOOR_GREY2, VIEW_CELL_PX, View, contact_view
+from geotlm_lm.backbone.relief import RELIEF_SCALE, as_image
+from geotlm_lm.backbone.view import CONTRAST_FLOOR_GREY2, View
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.geometry import (
-    FRAME_COUNT,
-    GRID_SIDE,
-    IMAGE_SIDE,
-    TIME_BIN_COUNT,
-    TUBE_FRAMES,
-    filled_size,
-    pixel_aspect,
-)
+from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE, TIME_BIN_COUNT, TUBE_FRAMES
 
 Floats = NDArray[np.float32]
 
 CELLS = 4
 """Cells per patch side at which the residual is kept: 4 x 4 cells of 4 x 4 pixels."""
-
-RESIDUAL_SCALE_GREY = 24.0
-"""Grey levels mapped to 1: about one standard deviation of a real contact's residual (21-43)."""
 
 FLOW_SCALE_PX = 4.0
 """Pixels of accumulated flow mapped to 1."""
@@ -99,84 +84,25 @@ def look(clip: Clip) -> tuple[Floats, View]:
     Raises:
         ValueError: If the clip is not four frames with a background.
     """
-    if len(clip) != FRAME_COUNT or clip.background is None:
-        raise ValueError(f"the stem reads {FRAME_COUNT} frames and a background, found {len(clip)}")
-    frames, places = _distinct(clip.frames)
-    rows, columns = clip.frames.shape[1:3]
-    filled, aspect = filled_size(rows, columns), pixel_aspect(rows, columns)
-    whole = [in_square(frame, clip.background, filled) for frame in frames]
-    view = contact_view([_energy(_green(image)) for image in whole])
-    residual = [view.cut(image) for image in whole]
-    residual, half, relief = _under_usual_lights(residual, aspect)
+    imprint = imprint_of(clip)
+    half, relief = imprint.half, imprint.relief
     parts = [
         np.stack([_cells(image) for image in half]) / RESIDUAL_SCALE_GREY,
-        _motion([_green(image) for image in residual], RESIDUAL_PATCH_PX),
+        _motion([green_image(image) for image in imprint.residual], RESIDUAL_PATCH_PX),
         _motion([as_image(frame) for frame in relief], RELIEF_PATCH_PX),
-        np.stack([_area_means(frame, GRID_SIDE) for frame in relief])[..., None] / RELIEF_SCALE,
-        np.full((len(frames), GRID_SIDE, GRID_SIDE, 1), np.log(IMAGE_SIDE / view.side_px)),
-        _alignment(half, relief, aspect),
+        np.stack([area_means(frame, GRID_SIDE) for frame in relief])[..., None] / RELIEF_SCALE,
+        np.full((len(relief), GRID_SIDE, GRID_SIDE, 1), np.log(IMAGE_SIDE / imprint.view.side_px)),
+        _alignment(imprint),
     ]
-    view = replace(view, picture_height_px=filled[0], picture_width_px=filled[1])
-    return _time_bins(np.concatenate(parts, axis=-1, dtype=np.float32), places), view
-
-
-def _distinct(frames: NDArray[np.uint8]) -> tuple[list[NDArray[np.uint8]], list[int]]:
-    """Return the frames that differ from the one before, and which of them stands at each place.
-
-    A pair is fed as a, a, b, b, and an untouched gel as its idle frame alone: none is looked at
-    twice.
-    """
-    distinct, places = [frames[0]], [0]
-    for before, after in pairwise(frames):
-        if not np.array_equal(before, after):
-            distinct.append(after)
-        places.append(len(distinct) - 1)
-    return distinct, places
-
-
-def _under_usual_lights(
-    residual: list[Floats], aspect: float
-) -> tuple[list[Floats], list[Floats], Floats]:
-    """Return pictures as under a GelSight Mini's lights, shrunk to the relief's side, and reliefs.
-
-    Without it a recording turned by a quarter, whose lights come from where no training clip had
-    them, is told worse: of 271 real turns 242 for 261.
-    """
-    half = [_area_means(image, RELIEF_SIDE) for image in residual]
-    lights = lights_of(half, aspect)
-    if lights.are_one:
-        residual, half = (list(map(as_of_one_light, images)) for images in (residual, half))
-    elif lights.are_turned:
-        residual, half = (list(map(turned_by_a_quarter, images)) for images in (residual, half))
-    relief = reliefs(half, aspect, are_lights_mirrored=lights.are_mirrored)
-    if is_inside_out(relief):
-        residual, half = (list(map(turned_by_a_half, images)) for images in (residual, half))
-        relief = -relief
-    return residual, half, relief
-
-
-def _green(residual: Floats) -> NDArray[np.uint8]:
-    """Return the green residual as an 8-bit image around 128, doubled: flow needs the contrast.
-
-    Red and blue lights shine from opposite sides, so their residuals largely cancel in a grey mean
-    (correlation -0.77 to -0.80 on real contacts); and video codecs keep most detail in green.
-    """
-    green = cv2.extractChannel(residual, 1)
-    # OpenCV rounds where it converts.
-    return cv2.addWeighted(green, 2.0, green, 0.0, 127.5, dtype=cv2.CV_8U)
+    inputs = _time_bins(np.concatenate(parts, axis=-1, dtype=np.float32), imprint.places)
+    return inputs, imprint.view
 
 
 def _cells(residual: Floats) -> Floats:
     """Average (side, side, 3), a multiple of 56, to (14, 14, 48): 4 x 4 cells of RGB per patch."""
-    cells = _area_means(residual, GRID_SIDE * CELLS)
+    cells = area_means(residual, GRID_SIDE * CELLS)
     cells = cells.reshape(GRID_SIDE, CELLS, GRID_SIDE, CELLS, 3)  # gh cell gw cell rgb
     return cells.transpose(0, 2, 1, 3, 4).reshape(GRID_SIDE, GRID_SIDE, -1)
-
-
-def _area_means(values: NDArray[Any], side: int) -> NDArray[Any]:
-    """Average a square image to `side` pixels, each a whole number of its own; keeps the type."""
-    # Measured 15 times faster than a numpy mean over two axes of the reshaped image.
-    return cv2.resize(values, (side, side), interpolation=cv2.INTER_AREA)
 
 
 def _time_bins(inputs: Floats, places: list[int]) -> Floats:
@@ -201,27 +127,13 @@ def _structure(green: NDArray[np.uint8]) -> Floats:
 
     In grey^2 per px^2.
     """
-    gx, gy = _gradients(green)
-    return cv2.merge([_area_means(one, FLOW_SIDE) for one in (gx * gx, gx * gy, gy * gy)])
-
-
-def _energy(green: NDArray[np.uint8]) -> Floats:
-    """Return the mean squared gradient in cells of `VIEW_CELL_PX`, grey^2 per px^2, (28, 28)."""
-    gx, gy = _gradients(green)
-    return _area_means(gx * gx + gy * gy, IMAGE_SIDE // VIEW_CELL_PX)
-
-
-def _gradients(green: NDArray[np.uint8]) -> tuple[Floats, Floats]:
-    """Return the slopes of a smoothed image towards right and down, grey levels per pixel."""
-    image = cv2.GaussianBlur(green, (5, 5), 0)
-    gx = cv2.Sobel(image, cv2.CV_32F, 1, 0, scale=1 / 8)
-    gy = cv2.Sobel(image, cv2.CV_32F, 0, 1, scale=1 / 8)
-    return gx, gy
+    gx, gy = gradients(green)
+    return cv2.merge([area_means(one, FLOW_SIDE) for one in (gx * gx, gx * gy, gy * gy)])
 
 
 def _orientation(structure: Floats) -> Floats:
     """Return log contrast and the normalised structure of each patch, shape (14, 14, 4)."""
-    mean = _area_means(structure, GRID_SIDE)
+    mean = area_means(structure, GRID_SIDE)
     energy = mean[..., :1] + mean[..., 2:]
     log_contrast = np.log1p(energy / CONTRAST_FLOOR_GREY2)
     return np.concatenate([log_contrast, mean / (energy + CONTRAST_FLOOR_GREY2)], axis=-1)
@@ -249,13 +161,9 @@ def _motion(images: list[NDArray[np.uint8]], patch_px: int) -> Floats:
     return np.concatenate([flow, orientation], axis=-1)
 
 
-def _alignment(residual: Sequence[Floats], relief: Sequence[Floats], aspect: float) -> Floats:
+def _alignment(imprint: Imprint) -> Floats:
     """Return the alignment channels of each patch, (frames, 14, 14, 12)."""
-    frames = alignment(
-        [frame / RELIEF_SCALE for frame in relief],
-        [image[..., 1] / RESIDUAL_SCALE_GREY for image in residual],
-        aspect,
-    )
+    frames = alignment(*imprint.aligned_by, imprint.aspect)
     for start in range(0, frames.shape[-1], ALIGNMENT_CHANNELS):
         moved = frames[..., start : start + 4]
         # Far from the middle a wrong turn moves a patch right out of the view.
@@ -273,7 +181,7 @@ def _accumulated_flow(
     solver = _solver(patch_px)
     # Shrunk once here: the solver would shrink both images of every pair, and spread its flow over
     # all their pixels again.
-    small = [_area_means(image, FLOW_SIDE) for image in images]
+    small = [area_means(image, FLOW_SIDE) for image in images]
     # As far as patches reach on one side and on the other: a mirror must not change the flow.
     margin = -(FLOW_SIDE - patch_px) % (patch_px // 2) // 2
     inside = slice(margin, margin + FLOW_SIDE)
@@ -282,6 +190,6 @@ def _accumulated_flow(
     for before, after, products in zip(small[:-1], small[1:], structure[1:], strict=True):
         weight = products[..., 0] + products[..., 2] + np.float32(1e-3)
         flow = solver.calc(before, after, None)[inside, inside] * weight[..., None]
-        step = _area_means(flow, GRID_SIDE) / _area_means(weight, GRID_SIDE)[..., None]
+        step = area_means(flow, GRID_SIDE) / area_means(weight, GRID_SIDE)[..., None]
         total.append(total[-1] + step * np.float32(IMAGE_SIDE / FLOW_SIDE))
     return total

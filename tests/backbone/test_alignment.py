@@ -7,12 +7,12 @@ import pytest
 from geotlm_lm.backbone.alignment import (
     CHANNELS,
     LEAST_WEIGHT,
-    SIDE,
-    Rigid,
     align,
+    align_in_turn,
     alignment,
     changed_weight,
 )
+from geotlm_lm.backbone.rigid import SIDE, Rigid
 
 AXIS = np.arange(SIDE) - (SIDE - 1) / 2
 X, Y = np.meshgrid(AXIS, AXIS)
@@ -109,6 +109,23 @@ def test_channels_tell_the_motion_from_the_first_frame_and_what_it_explains():
             assert told[2, ..., found] == pytest.approx(np.full((14, 14), 4.0 * 4), abs=0.5)
         assert told[1:, 4:10, 4:10, start + 4].mean() > 0.3
         assert told[1:, ..., start + 5].min() > 0.98
+
+
+def test_steps_add_up_to_what_is_laid_on_the_first_frame_directly():
+    frames = [Rigid(0.0, 1.0 * k, -0.5 * k).moved(IMPRINT) for k in range(4)]
+    before = Rigid()
+    for k, [found] in enumerate(align_in_turn([frames]), start=1):
+        assert found.summed == found.step.after(before)
+        for total in (found.direct, found.summed):
+            assert (total.x_px, total.y_px) == pytest.approx((k, -0.5 * k), abs=0.2)
+        before = found.summed
+
+
+def test_what_is_now_at_a_point_came_from_where_the_motion_began():
+    motion = Rigid(np.pi / 2, 3.0, 1.0)
+    # The middle turns about itself and is carried along; what was right of it is now below.
+    assert motion.way_to(np.float32([3.0, 1.0])) == pytest.approx([3.0, 1.0], abs=1e-5)
+    assert motion.way_to(np.float32([3.0, 11.0])) == pytest.approx([-7.0, 11.0], abs=1e-5)
 
 
 @pytest.mark.parametrize("level", [0.0, 1e-20, 1e4])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.backbone import stem
+from geotlm_lm.backbone import imprint
 from geotlm_lm.backbone.mirror import Mirror, mirrored_field, mirrored_inputs
 from geotlm_lm.backbone.stem import CELLS, FLOW_CHANNELS, look
 from geotlm_lm.simulation.series import simulate_series
@@ -46,8 +46,8 @@ def clips():
 @pytest.fixture(autouse=True)
 def usual_lights(monkeypatch):
     """Grey shading is not taken for that of one light."""
-    found = stem.lights_of
-    monkeypatch.setattr(stem, "lights_of", lambda *seen: replace(found(*seen), are_one=False))
+    found = imprint.lights_of
+    monkeypatch.setattr(imprint, "lights_of", lambda *seen: replace(found(*seen), are_one=False))
 
 
 @pytest.mark.parametrize("mirror", Mirror)

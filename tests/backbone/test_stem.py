@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.backbone import stem
+from geotlm_lm.backbone import imprint
 from geotlm_lm.backbone.lights import SHADE_X, SHADE_Y
 from geotlm_lm.backbone.stem import (
     ALIGNED_AT,
@@ -74,11 +74,11 @@ def test_repeated_frames_carry_no_flow():
 def test_a_repeated_frame_is_looked_at_once_and_tells_the_same(numbers, monkeypatch):
     clip = moving_clip((4.0, 1.0), turn_deg=6.0).select(numbers)
     squares = []
-    square = stem.in_square
-    monkeypatch.setattr(stem, "in_square", lambda *one: squares.append(one) or square(*one))
+    square = imprint.in_square
+    monkeypatch.setattr(imprint, "in_square", lambda *one: squares.append(one) or square(*one))
     inputs, view = look(clip)
     assert len(squares) == len(set(numbers))
-    monkeypatch.setattr(stem, "_distinct", lambda frames: (list(frames), [0, 1, 2, 3]))
+    monkeypatch.setattr(imprint, "_distinct", lambda frames: (list(frames), [0, 1, 2, 3]))
     expected, other = look(clip)
     assert len(squares) == len(set(numbers)) + 4
     assert view == other
@@ -91,7 +91,7 @@ def test_the_idle_gel_tells_the_same_however_often_it_is_looked_at(monkeypatch):
     idle = np.random.default_rng(0).integers(90, 130, (224, 224, 3)).astype(np.uint8)
     clip = Clip(np.stack([idle] * 4), background=idle)
     inputs, _ = look(clip)
-    monkeypatch.setattr(stem, "_distinct", lambda frames: (list(frames), [0, 1, 2, 3]))
+    monkeypatch.setattr(imprint, "_distinct", lambda frames: (list(frames), [0, 1, 2, 3]))
     np.testing.assert_array_equal(inputs, look(clip)[0])
 
 

@@ -10,7 +10,7 @@ import torch
 
 import geotlm_lm
 from geotlm_lm.answering import Answerer
-from geotlm_lm.backbone import stem
+from geotlm_lm.backbone import imprint
 from geotlm_lm.backbone.lights import Lights
 from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, look
 from geotlm_lm.checkpoint import embedded_bundle_dir
@@ -90,10 +90,12 @@ def test_a_clip_played_backwards_goes_the_other_way(answerer, touches):
 def test_the_example_clips_are_seen_as_they_come(path, monkeypatch):
     """Their lights stand where a GelSight Mini has them."""
     found = []
-    lights_of = stem.lights_of
-    monkeypatch.setattr(stem, "lights_of", lambda *a: found.append(lights_of(*a)) or found[-1])
-    inside_out = stem.is_inside_out
-    monkeypatch.setattr(stem, "is_inside_out", lambda *a: found.append(inside_out(*a)) or found[-1])
+    lights_of = imprint.lights_of
+    monkeypatch.setattr(imprint, "lights_of", lambda *a: found.append(lights_of(*a)) or found[-1])
+    inside_out = imprint.is_inside_out
+    monkeypatch.setattr(
+        imprint, "is_inside_out", lambda *a: found.append(inside_out(*a)) or found[-1]
+    )
     look(read_clip(path))
     assert found == [Lights(), False]
 
