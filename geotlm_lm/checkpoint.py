@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from geotlm_lm.language.parse_answer import AnswerGrammar
     from geotlm_lm.language.speak import Speaker
 
-BUNDLE_FORMAT = 3
+BUNDLE_FORMAT = 4
 CONFIG_FILE = "config.json"
 PERCEPTION_FILE = "perception.safetensors"
 LANGUAGE_DIR = "language"

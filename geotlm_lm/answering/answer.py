@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import re
 from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
 from typing import Any, Literal
 
+import torch
+from torch import Tensor
+
 from geotlm_lm.answering.amounts import Amount
+from geotlm_lm.backbone.evened import evened_motions
+from geotlm_lm.backbone.stem import look
 from geotlm_lm.backbone.view import View
 from geotlm_lm.conversation.retell import VERDICTS
 from geotlm_lm.core.clip import Clip
@@ -60,6 +66,8 @@ class Encoded:
             than an untouched gel may: a touch held still and no touch then look alike.
         is_part: Whether the frames used were chosen inside a longer recording, or inside the span
             that was asked for: how far it went in the whole is then not known.
+        given_evened: How its evened images are taken to have moved, (1, *EVENED_SHAPE); None where
+            that is measured, once, when it is first asked for.
     """
 
     clip: Clip
@@ -71,11 +79,25 @@ class Encoded:
     is_cut_off: bool = False
     is_static: bool = False
     is_part: bool = False
+    given_evened: Tensor | None = None
 
     @property
     def view(self) -> View | None:
         """The square of the image that the geometry's grid covers; None where it is no square."""
         return self.perception.views[0]
+
+    @cached_property
+    def stem_inputs(self) -> Tensor:
+        """What the stem makes of the clip, whichever backbone perceived it."""
+        inputs = self.perception.inputs
+        return torch.from_numpy(look(self.clip)[0][None]) if inputs is None else inputs
+
+    @cached_property
+    def evened(self) -> Tensor:
+        """How the evened images move: a closer look, taken only where it is asked how far."""
+        if self.given_evened is not None:
+            return self.given_evened
+        return torch.from_numpy(evened_motions(self.clip)[None])
 
     @property
     def doubt(self) -> float:

@@ -8,14 +8,12 @@ import time
 from dataclasses import astuple, dataclass, replace
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 
 from geotlm_lm.answering.amounts import NAMES, Amount, most_probably_right
 from geotlm_lm.answering.answer import GOES_BY, Answer, Encoded, deciding_word
 from geotlm_lm.answering.hearing import Heard, is_doubtful
 from geotlm_lm.answering.withholding import plain, too_little_contact, unsure_text
-from geotlm_lm.backbone.stem import look
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.asked_units import asked_unit, asks_per_frame
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -147,10 +145,8 @@ def weighed_amounts(
         read: "deg" of what turned, "px" of what slid.
         frame: Tells the size of a pixel, if anybody does.
     """
-    told, scale, inputs = read, 1.0, _inputs(encoded)
-    if read == "px":
-        told, scale = _slide_scale(encoded, inputs, frame)
-    shares = _weighed(bundle, encoded, inputs, read) ** (1 / encoded.doubt)
+    told, scale = (read, 1.0) if read == "deg" else _slide_scale(encoded, frame)
+    shares = _weighed(bundle, encoded, read) ** (1 / encoded.doubt)
     weighed = tuple((amounts(read) * scale).tolist())
     return WeighedAmounts(weighed, shares / shares.sum(), told, TOLERANCES[read] * scale)
 
@@ -168,37 +164,30 @@ def travelled(
     """
     if motion not in DIRECTED:
         return None
-    unit, inputs = "deg" if motion in ROTATIONS else "px", _inputs(encoded)
-    shares = _weighed(bundle, encoded, inputs, unit)
+    unit = "deg" if motion in ROTATIONS else "px"
+    shares = _weighed(bundle, encoded, unit)
     far = math.exp(float(shares @ amounts(unit).log().numpy()))
     if unit == "deg":
         return (far if motion is Motion.CLOCKWISE else -far), 0.0, 0.0
-    (right, down), (across, along) = way_of_slide(inputs), _own_pixels(encoded)
+    (right, down), (across, along) = way_of_slide(encoded.stem_inputs), _own_pixels(encoded)
     return 0.0, far * right * across, far * down * along
 
 
-def _inputs(encoded: Encoded) -> torch.Tensor:
-    """Return what the stem makes of a clip, whichever backbone perceived it."""
-    inputs = encoded.perception.inputs
-    return torch.from_numpy(look(encoded.clip)[0][None]) if inputs is None else inputs
-
-
-def _weighed(
-    bundle: Bundle, encoded: Encoded, inputs: torch.Tensor, unit: str
-) -> NDArray[np.float64]:
+def _weighed(bundle: Bundle, encoded: Encoded, unit: str) -> NDArray[np.float64]:
     """Return the probability of each of `amounts(unit)`."""
     aspect = pixel_aspect(*encoded.clip.frames.shape[1:3])
-    moved = movement(inputs, encoded.perception.geometry, aspect)
+    seen, geometry = encoded.stem_inputs, encoded.perception.geometry
+    moved = movement(seen, geometry, encoded.evened, aspect)
     shares = bundle.odometer.read(moved, unit)[0].double().numpy()
     return shares / shares.sum()
 
 
-def _slide_scale(encoded: Encoded, inputs: torch.Tensor, frame: FrameSpec) -> tuple[str, float]:
+def _slide_scale(encoded: Encoded, frame: FrameSpec) -> tuple[str, float]:
     """Return the unit slides are told in, and how much of it a pixel of the 224-pixel image is.
 
     The frames' pixels may be of another size across than down: the way of the slide decides.
     """
-    (right, down), (wide, high) = way_of_slide(inputs), _own_pixels(encoded)
+    (right, down), (wide, high) = way_of_slide(encoded.stem_inputs), _own_pixels(encoded)
     across, along = right * wide, down * high
     if frame.mm_per_px is None:
         return "px", math.hypot(across, along)

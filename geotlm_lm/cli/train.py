@@ -18,12 +18,22 @@ def train(
     ] = "default",
     seed: Seed = 0,
     workers: Annotated[int, typer.Option(min=1, help="Processes that simulate.")] = 2,
+    keep: Annotated[
+        Path | None,
+        typer.Option(help="Bundle of which all but the odometer is kept; only that is trained."),
+    ] = None,
 ) -> None:
     """Train a model bundle; its folder is printed at the end, progress goes to stderr.
 
     Example: geotlm-lm train --preset smoke --out runs/smoke
     """
     require_writable(out, "--out")
+    if keep is not None:
+        from geotlm_lm.training.anew import train_odometer_anew
+
+        print(f"training the odometer of {keep} into {out}", file=sys.stderr)
+        print(train_odometer_anew(keep, out, seed, workers))
+        return
     from geotlm_lm.training.train import train as train_bundle
 
     print(f"training preset {preset} into {out}", file=sys.stderr)

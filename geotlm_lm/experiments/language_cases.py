@@ -115,8 +115,8 @@ def mirrored(clip: Clip) -> Clip:
 def blind(touches: list[Touched]) -> Encoded:
     """Return the mean clip: what a model sees that is told nothing of the clip asked about.
 
-    Fused token, geometry and inputs are the means over `touches`; its frames are those of the first
-    clip that is touched.
+    Fused token, geometry, inputs and evened motions are the means over `touches`; its frames are
+    those of the first clip that is touched.
     """
     touched = next((one for one in touches if one.motion is not Motion.NONE), touches[0])
     seen = [one.encoded.perception for one in touches]
@@ -133,7 +133,8 @@ def blind(touches: list[Touched]) -> Encoded:
         geometry=replace(geometry, **means),
         inputs=None if any(one is None for one in inputs) else torch.stack(inputs).mean(dim=0),
     )
-    return replace(touched.encoded, perception=perception)
+    evened = torch.stack([one.encoded.evened for one in touches]).mean(dim=0)
+    return replace(touched.encoded, perception=perception, given_evened=evened)
 
 
 def true_regions(encoded: Encoded, made: SimulatedClip) -> Regions | None:

@@ -5,9 +5,12 @@ Only sizes are kept, no directions: a clip and its mirror image moved as far.
 
 from __future__ import annotations
 
+import math
+
 import torch
 from torch import Tensor
 
+from geotlm_lm.backbone.evened import EVENED_SHAPE
 from geotlm_lm.backbone.stem import (
     ALIGNED_AT,
     CELLS,
@@ -34,16 +37,20 @@ FLOOR = 0.3
 SQUARE_ASPECT = pixel_aspect(IMAGE_SIDE, IMAGE_SIDE)
 """Of the simulator's pictures."""
 
-MOVEMENT_DIM = 2 * (1 + 2 * len(ALIGNMENTS) + len(FLOWS)) + 2 * len(LAST_STEP) + 2
+_EVENED_DIM = math.prod(EVENED_SHAPE[:-1]) * 3
+MOVEMENT_DIM = 2 * (1 + 2 * len(ALIGNMENTS) + len(FLOWS)) + 2 * len(LAST_STEP) + 2 + _EVENED_DIM
 """Numbers that describe how far a clip's imprint moved."""
 
 
-def movement(inputs: Tensor, geometry: Geometry, aspect: float = SQUARE_ASPECT) -> Tensor:
+def movement(
+    inputs: Tensor, geometry: Geometry, evened: Tensor, aspect: float = SQUARE_ASPECT
+) -> Tensor:
     """Describe how far each clip's imprint moved, (b, MOVEMENT_DIM).
 
     First the logarithms of turn and travel of every rigid motion, the learned shear's first, in
     degrees and pixels of the 224-pixel image; then how well the alignments fit, the logarithm of
-    the view's side, relative to the image's, and the contact mass.
+    the view's side, relative to the image's, and the contact mass; last turn, travel and fit of
+    the evened images' alignments.
 
     Early time-bins are among them: what is told is the way to the last frame, a bin is a mean of
     two, and frames do not follow each other evenly. Without these and the sums over the steps 0.83
@@ -53,6 +60,7 @@ def movement(inputs: Tensor, geometry: Geometry, aspect: float = SQUARE_ASPECT) 
     Args:
         inputs: What the stem made of the clips, (b, 2, 14, 14, PATCH_INPUT_DIM).
         geometry: What DGR made of their tokens.
+        evened: How their evened images are laid on each other, (b, *EVENED_SHAPE).
         aspect: Width of a pixel over its height.
     """
     inputs = inputs.float()
@@ -73,7 +81,18 @@ def movement(inputs: Tensor, geometry: Geometry, aspect: float = SQUARE_ASPECT) 
     fits = [inputs[..., place].mean(dim=(2, 3)) for place in LAST_STEP]
     mass = geometry.region_mass[:, REGIONS.index("global")].float()
     whole = torch.stack([side.log(), mass], dim=1)
-    return torch.cat([(FLOOR + sizes).log(), *fits, whole], dim=1)
+    return torch.cat([_log(sizes), *fits, whole, _evened_sizes(evened.float())], dim=1)
+
+
+def _evened_sizes(evened: Tensor) -> Tensor:
+    turn_rad, way_px, fit = evened.split([1, 2, 1], dim=-1)
+    travel_px = way_px.norm(dim=-1, keepdim=True)
+    sizes = [_log(turn_rad.rad2deg().abs()), _log(travel_px), fit]
+    return torch.cat(sizes, dim=-1).flatten(1)
+
+
+def _log(sizes: Tensor) -> Tensor:
+    return (FLOOR + sizes).log()
 
 
 def way_of_slide(inputs: Tensor) -> tuple[float, float]:

@@ -63,7 +63,7 @@ with markers, {WORN_SHARE:.0%} damaged by compression, a dim or drifting camera 
   at the epoch that was best on them; `grounded` is stored unless `paper` leads by more than
   {EQUAL_ACCURACY:g}.
 - Odometer: how far it turned or slid, {parameters:,} weights on the rigid motions of shear, flow
-  and alignments.
+  and alignments{_odometer_made(made)}.
 - Language model: trained from random weights, {preset["language_steps"]:,} steps of
   {preset["language_batch"]} questions.
 - Command: `{made["command"]}`, {seconds / 60:.0f} min on {machine["processor"]}
@@ -100,6 +100,17 @@ One contact, one motion per clip. Directions are told in the camera image, objec
 sensor. A smooth ball turning about its own axis does not change a markerless
 image and cannot be read.
 """
+
+
+def _odometer_made(made: dict[str, Any]) -> str:
+    """Say how an odometer was trained that is not of the same run as the rest."""
+    if "odometer" not in made:
+        return ""
+    own = made["odometer"]
+    return (
+        f"; trained anew by `{own['command']}`,\n  {own['seconds'] / 60:.0f} min, "
+        f"commit {own['commit'] or 'unknown'}"
+    )
 
 
 def _task_rows(scores: dict[str, Any]) -> str:

@@ -18,6 +18,7 @@ from numpy.lib.format import open_memmap
 from numpy.typing import NDArray
 from torch import Tensor
 
+from geotlm_lm.backbone.evened import EVENED_SHAPE, evened_motions
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM, look
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.atomic import write_text_atomically
@@ -44,12 +45,14 @@ class EncodedClips:
         tokens: Global tokens in float32, patch tokens in float16, on disk.
         inputs: What our own stem makes of each clip, float16, on disk, (n, 2, 14, 14, dim): how far
             an imprint moved is measured with it, whatever the encoder.
+        evened: How the evened images of each clip move, likewise, (n, *EVENED_SHAPE).
         labels: The truth of each clip.
         objects: Name of the touched object of each clip.
     """
 
     tokens: Tokens
     inputs: Tensor
+    evened: Tensor
     labels: tuple[MotionLabel, ...]
     objects: tuple[str, ...]
 
@@ -124,7 +127,8 @@ def _write(
             f"found, expected below 65504; the file's weights are not those of a trained encoder."
         )
     inputs = np.stack([look(one.clip)[0] for _, one in batch])
-    made = tokens.global_token.numpy(), patches.numpy(), inputs
+    evened = np.stack([evened_motions(one.clip) for _, one in batch])
+    made = tokens.global_token.numpy(), patches.numpy(), inputs, evened
     for array, values in zip(arrays, made, strict=True):
         array[rows] = values
     for array in arrays:
@@ -132,30 +136,33 @@ def _write(
 
 
 def _paths(folder: Path, wanted: ExampleSet) -> list[Path]:
-    return [folder / f"{wanted.stage}_{name}.npy" for name in ("global", "patches", "inputs")]
+    names = ("global", "patches", "inputs", "evened")
+    return [folder / f"{wanted.stage}_{name}.npy" for name in names]
 
 
 def _arrays(
     encoder: ReleasedEncoder, folder: Path, wanted: ExampleSet, *, is_new: bool
 ) -> tuple[NDArray, ...]:
     inputs = (TIME_BIN_COUNT, GRID_SIDE, GRID_SIDE, PATCH_INPUT_DIM)
-    shapes = [(wanted.count, *one) for one in ((encoder.width,), encoder.patch_shape, inputs)]
+    each = ((encoder.width,), encoder.patch_shape, inputs, EVENED_SHAPE)
+    shapes = [(wanted.count, *one) for one in each]
     return tuple(
         open_memmap(path, "w+", kind, shape) if is_new else open_memmap(path, "r+")
         for path, kind, shape in zip(
-            _paths(folder, wanted), (np.float32, np.float16, np.float16), shapes, strict=True
+            _paths(folder, wanted), (np.float32, *[np.float16] * 3), shapes, strict=True
         )
     )
 
 
 def _read(folder: Path, wanted: ExampleSet, about: list) -> EncodedClips:
     # Copy-on-write, so that torch need not warn of memory it may not write.
-    plain, patches, inputs = (
+    plain, patches, inputs, evened = (
         torch.from_numpy(np.load(path, mmap_mode="c")) for path in _paths(folder, wanted)
     )
     return EncodedClips(
         tokens=Tokens(plain, patches),
         inputs=inputs,
+        evened=evened,
         labels=tuple(MotionLabel.from_dict(label) for _, label in about),
         objects=tuple(name for name, _ in about),
     )

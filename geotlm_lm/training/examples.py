@@ -48,12 +48,12 @@ WORN_SHARE = 0.2
 quality 20 nine were told wrong, of as many that grow 5 % brighter on the way six, and of as many a
 fifth as bright five; of undamaged ones none."""
 
-EXAMPLES_VERSION = 4
+EXAMPLES_VERSION = 5
 """Raised when what is stored of the same clips changes: labels know the size of a pixel since 2;
 since 3 the stem subtracts the idle gel first and ends its refinement at 0.04 px; since 4 it finds
-lights on other sides."""
+lights on other sides; since 5 there are the motions of evened images."""
 
-_ARRAYS = ("inputs", "displacement_px", "contact", "depth_mm")
+_ARRAYS = ("inputs", "evened", "displacement_px", "contact", "depth_mm")
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +62,7 @@ class Examples:
 
     Args:
         inputs: Patch inputs, float16, shape (n, 2, 14, 14, dim).
+        evened: How the evened images move, float16, shape (n, *EVENED_SHAPE).
         displacement_px: True displacement since the first frame, mean per time-bin, float16,
             shape (n, 2, 14, 14, 2), pixels of the square image.
         contact: Share of each patch in contact per time-bin, float16, shape (n, 2, 14, 14).
@@ -71,6 +72,7 @@ class Examples:
     """
 
     inputs: NDArray[np.float16]
+    evened: NDArray[np.float16]
     displacement_px: NDArray[np.float16]
     contact: NDArray[np.float16]
     depth_mm: NDArray[np.float16]
@@ -214,11 +216,13 @@ def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
 
 def _example(recorded: Recorded) -> tuple[NDArray, ...]:
     """Return the arrays of one example, in the order of `_ARRAYS`."""
+    from geotlm_lm.backbone.evened import evened_motions
     from geotlm_lm.backbone.stem import look
 
     inputs, view = look(recorded.clip)
+    evened = evened_motions(recorded.clip)
     truth = truth_in(view, recorded.truth)
-    return inputs, *(bin_means(values[recorded.order]) for values in truth)
+    return inputs, evened, *(bin_means(values[recorded.order]) for values in truth)
 
 
 def _read_chunk(path: Path) -> Examples:

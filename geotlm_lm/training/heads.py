@@ -145,7 +145,7 @@ def _perceived(model: GeoTLM, clips: EncodedClips) -> ClipSet:
         fused.append(perception.fused_token)
         plain.append(perception.global_token)
         contact.append(perception.geometry.region_mass[:, -1])
-        moved.append(movement(clips.inputs[rows], perception.geometry))
+        moved.append(movement(clips.inputs[rows], perception.geometry, clips.evened[rows]))
     return ClipSet(
         fused_tokens=torch.cat(fused),
         global_tokens=torch.cat(plain),

@@ -77,12 +77,12 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
         UsageError: If the preset is unknown or the folder holds another run.
     """
     settings = preset_named(preset)
-    _claim(out, settings, seed)
+    claim_examples(out, settings, seed)
     torch.set_num_threads(max(workers, 1))
     cv2.setNumThreads(1)
     device = "cuda" if torch.cuda.is_available() else "cpu"
     examples, sets = out / "examples", example_sets(settings)
-    with _clock(out) as seconds:
+    with clock(out) as seconds:
         simulate_examples(examples, list(sets.values()), seed=seed, workers=workers)
         learned = read_examples(examples, sets["heads"], sets["pretraining"])
         backbone, read_outs = pretrain(
@@ -152,7 +152,8 @@ def perceive_examples(model: GeoTLM, examples: Examples) -> ClipSet:
         fused.append(perception.fused_token)
         plain.append(perception.global_token)
         contact.append(perception.geometry.region_mass[:, -1])
-        moved.append(movement(inputs, perception.geometry))
+        evened = torch.from_numpy(examples.evened[start : start + ENCODE_BATCH])
+        moved.append(movement(inputs, perception.geometry, evened))
         progress.show(min(start + ENCODE_BATCH, len(examples)))
     return ClipSet(
         fused_tokens=torch.cat(fused),
@@ -164,7 +165,7 @@ def perceive_examples(model: GeoTLM, examples: Examples) -> ClipSet:
     )
 
 
-def _claim(out: Path, settings: TrainingPreset, seed: int) -> None:
+def claim_examples(out: Path, settings: TrainingPreset, seed: int) -> None:
     """Mark `out` as the folder of this run, or refuse a folder of another."""
     about = {"preset": settings.to_dict(), "seed": seed}
     about |= {"series": SERIES_VERSION, "inputs": PATCH_INPUT_DIM, "worn": WORN_SHARE}
@@ -188,7 +189,7 @@ def claim_folder(out: Path, about: dict[str, Any]) -> None:
 
 
 @contextmanager
-def _clock(out: Path) -> Iterator[Callable[[], float]]:
+def clock(out: Path) -> Iterator[Callable[[], float]]:
     """Give the seconds this run has taken, those before an interruption included."""
     path, started = out / SECONDS_FILE, time.monotonic()
     before = float(path.read_text()) if path.exists() else 0.0

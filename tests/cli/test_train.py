@@ -29,3 +29,20 @@ def test_options_reach_the_seam_and_the_bundle_is_named(calls, capsys):
     assert exit_info.value.code == 0
     assert calls == [("smoke", Path("runs/a"), 3, 1)]
     assert capsys.readouterr().out == "runs/a/bundle\n"
+
+
+def test_a_bundle_to_keep_reaches_the_other_seam(monkeypatch, capsys):
+    made = []
+
+    def train_odometer_anew(kept, out, seed, workers):
+        made.append((kept, out, seed, workers))
+        return out / "bundle"
+
+    module = ModuleType("geotlm_lm.training.anew")
+    module.train_odometer_anew = train_odometer_anew
+    monkeypatch.setitem(sys.modules, "geotlm_lm.training.anew", module)
+    with pytest.raises(SystemExit) as exit_info:
+        main(["train", "--keep", "runs/a/bundle", "--out", "runs/b", "--workers", "1"])
+    assert exit_info.value.code == 0
+    assert made == [(Path("runs/a/bundle"), Path("runs/b"), 0, 1)]
+    assert capsys.readouterr().out == "runs/b/bundle\n"

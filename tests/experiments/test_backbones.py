@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import torch
 
+from geotlm_lm.backbone.evened import EVENED_SHAPE
 from geotlm_lm.backbone.stem import FLOW_SCALE_PX, PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.cli.main import main
@@ -90,6 +91,7 @@ def test_what_is_told_is_held_against_the_truth(share_told, missed, amount):
     displacement = rng.normal(0, 4, (2, 2, 14, 14, 2))
     clips = Examples(
         inputs=np.zeros((2, 2, 14, 14, PATCH_INPUT_DIM), np.float16),
+        evened=np.zeros((2, *EVENED_SHAPE), np.float16),
         displacement_px=displacement.astype(np.float16),
         contact=np.ones((2, 2, 14, 14), np.float16),
         depth_mm=np.zeros((2, 2, 14, 14), np.float16),

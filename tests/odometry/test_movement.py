@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import torch
 
+from geotlm_lm.backbone.evened import EVENED_SHAPE
 from geotlm_lm.backbone.mirror import Mirror, mirrored_inputs
 from geotlm_lm.backbone.stem import ALIGNED_AT, FLOW_SCALE_PX, MAGNIFICATION_AT, PATCH_INPUT_DIM
 from geotlm_lm.core.geometry import IMAGE_SIDE
@@ -27,6 +28,9 @@ def turned(degrees, x_px=0.0, y_px=0.0, aspect=SQUARE_ASPECT):
     moved_x, moved_y = (cos - 1) * x - sin * y, sin * x + (cos - 1) * y
     field = np.stack([moved_x / aspect + x_px, moved_y + y_px], axis=-1)
     return torch.from_numpy(field / FLOW_SCALE_PX).float()
+
+
+STILL = torch.zeros(1, *EVENED_SHAPE)
 
 
 def geometry(field, mask=None):
@@ -77,16 +81,16 @@ def inputs(field, magnification=1.0):
 
 
 def test_the_first_numbers_are_the_shears_turn_and_travel_in_the_whole_image():
-    found = movement(inputs(turned(0.0)), geometry(turned(12.0, 6.0, 8.0)))[0]
+    found = movement(inputs(turned(0.0)), geometry(turned(12.0, 6.0, 8.0)), STILL)[0]
     assert found.shape == (MOVEMENT_DIM,)
     assert (found[:2].exp() - FLOOR).tolist() == pytest.approx([12.0, 10.0], abs=1e-2)
     # In a view magnified twice, the same field is half as far on the image.
-    near = movement(inputs(turned(0.0), 2.0), geometry(turned(12.0, 6.0, 8.0)))[0]
+    near = movement(inputs(turned(0.0), 2.0), geometry(turned(12.0, 6.0, 8.0)), STILL)[0]
     assert (near[:2].exp() - FLOOR).tolist() == pytest.approx([12.0, 5.0], abs=1e-2)
 
 
 def test_the_reliefs_alignment_follows():
-    found = movement(inputs(turned(9.0, 3.0, 4.0)), geometry(turned(0.0)))[0]
+    found = movement(inputs(turned(9.0, 3.0, 4.0)), geometry(turned(0.0)), STILL)[0]
     assert (found[2:4].exp() - FLOOR).tolist() == pytest.approx([9.0, 5.0], abs=1e-2)
 
 
@@ -97,6 +101,17 @@ def test_a_mirror_image_moves_as_far(mirror):
     made[..., MAGNIFICATION_AT] = 0.3
     still = geometry(turned(0.0))
     flipped = mirrored_inputs(made, mirror)
-    assert movement(flipped, still)[0].tolist() == pytest.approx(
-        movement(made, still)[0].tolist(), abs=1e-4
+    evened = torch.rand(1, *EVENED_SHAPE, generator=rng)
+    # Turned the other way round, and left and right exchanged.
+    opposite = evened * torch.tensor([-1.0, -1.0, 1.0, 1.0])
+    assert movement(flipped, still, opposite)[0].tolist() == pytest.approx(
+        movement(made, still, evened)[0].tolist(), abs=1e-4
     )
+
+
+def test_the_last_numbers_are_turn_travel_and_fit_of_the_evened_images():
+    evened = torch.zeros(1, *EVENED_SHAPE)
+    evened[0, -1, -1, -1] = torch.tensor([np.radians(-25.0), 3.0, -4.0, 0.9])
+    found = movement(inputs(turned(0.0)), geometry(turned(0.0)), evened)[0]
+    assert (found[-3:-1].exp() - FLOOR).tolist() == pytest.approx([25.0, 5.0], abs=1e-2)
+    assert found[-1].item() == pytest.approx(0.9)

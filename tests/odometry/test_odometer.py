@@ -43,7 +43,7 @@ def clips(count, seed=0, scale=(0.1, 0.1)):
 
 @pytest.fixture(scope="module")
 def odometer():
-    return train_odometer(clips(1500), seed=0)
+    return train_odometer(clips(4000), seed=0)
 
 
 def test_it_learns_how_far_unseen_clips_went(odometer):

@@ -5,6 +5,7 @@ import re
 import shutil
 from dataclasses import replace
 from functools import partial
+from operator import attrgetter
 
 import numpy as np
 import pytest
@@ -16,7 +17,8 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import ROTATIONS, SLIDES
 from geotlm_lm.language.decoder import LanguageSize
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
-from geotlm_lm.training import config, examples, language, train
+from geotlm_lm.training import config, examples, language, odometry, train
+from geotlm_lm.training.anew import train_odometer_anew
 from geotlm_lm.training.examples import read_examples
 from geotlm_lm.training.language import LanguageTraining
 from tests.training.in_process import InProcess
@@ -145,3 +147,29 @@ def test_clips_of_objects_kept_for_another_set_are_refused(finished):
     wanted = examples.ExampleSet("validation", 20, objects=("ball",))
     with pytest.raises(UsageError, match="the validation clips touch .*, expected only objects"):
         examples.read_examples(folder, wanted)
+
+
+def test_only_the_odometer_of_a_bundle_is_trained_anew(finished, tmp_path, monkeypatch):
+    shutil.copytree(finished / "examples", tmp_path / "examples")
+    monkeypatch.setattr(odometry, "EPOCHS", odometry.EPOCHS + 1)
+    folder = train_odometer_anew(finished / "bundle", tmp_path, seed=3, workers=1)
+    before, after = load_bundle(finished / "bundle"), load_bundle(folder)
+    for kept in ("model.backbone.vit", "model.dgr", "model.probe", "speaker.model"):
+        once, again = (attrgetter(kept)(one).state_dict() for one in (before, after))
+        assert all(torch.equal(again[name], value) for name, value in once.items()), kept
+    weights = "layers.0.weight"
+    assert not torch.equal(*(one.odometer.state_dict()[weights] for one in (before, after)))
+    card = " ".join((folder / "README.md").read_text().split())
+    command = "geotlm-lm train --keep BUNDLE --seed 3 --workers 1 --out RUN_FOLDER"
+    assert f"trained anew by `{command}`" in card
+    assert "`geotlm-lm train --preset tiny --seed 3 --workers 1 --out RUN_FOLDER`" in card
+
+
+def test_a_bundle_that_does_not_say_its_preset_is_not_trained_anew(finished, tmp_path):
+    shutil.copytree(finished / "bundle", tmp_path / "bundle")
+    path = tmp_path / "bundle" / "config.json"
+    config = json.loads(path.read_text())
+    del config["provenance"]["preset"]
+    path.write_text(json.dumps(config))
+    with pytest.raises(UsageError, match="does not say by which preset it was trained"):
+        train_odometer_anew(tmp_path / "bundle", tmp_path / "run", seed=0, workers=1)

@@ -1,0 +1,84 @@
+"""Alignments of evened images: how far the faint inside of an imprint went, not its bright rim.
+
+The rim of a round imprint stands still while its face turns, and holds the fit of one rigid motion
+back. Where local contrast is evened out, a faint cross counts as much as the rim around it: laid
+on the first frame directly, the relief alone then tells 0.85 of 300 simulated turns within their
+tolerance, 0.76 as it is, and 0.89 of as many slides for 0.86.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.backbone.alignment import align_in_turn, changed_weight, correlation, small
+from geotlm_lm.backbone.imprint import imprint_of
+from geotlm_lm.backbone.rigid import MIDDLE, SIDE
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.geometry import FRAME_COUNT
+
+Floats = NDArray[np.float32]
+
+EVENED_SHAPE = (FRAME_COUNT - 1, 2, 2, 4)
+"""Frames but the first; relief, green residual; laid on the first frame directly, and as a sum of
+steps; turn in rad, positive clockwise as drawn, way to the right and down in pixels of the
+224-pixel image, and how much alike the two images then are (of a sum, those of its last step)."""
+
+NEIGHBOURHOOD_PX = 7.0
+"""Deviation of the Gauss bell over which contrast is evened out, pixels of the aligned images: a
+rim and the face inside it lie farther apart."""
+
+CONTRAST = 0.5
+"""What is left of any contrast, in units of the images."""
+
+FAINTEST = 0.15
+"""Contrast that is halved to that: what is far fainter is noise."""
+
+
+def evened(image: Floats) -> Floats:
+    """Return an image whose contrast is alike everywhere: local contrast normalisation.
+
+    Args:
+        image: As `alignment.small` makes it, (SIDE, SIDE).
+    """
+    detail = image - _mean_around(image)
+    contrast = np.sqrt(_mean_around(np.square(detail)))
+    return small(CONTRAST * detail / (contrast + FAINTEST))
+
+
+def evened_motions(clip: Clip) -> Floats:
+    """Return how each frame is laid on those before it where contrast is evened out.
+
+    Args:
+        clip: Exactly four frames with a known or estimated background, any size.
+
+    Returns:
+        `EVENED_SHAPE`; a frame that repeats the one before has its motion, the first none.
+
+    Raises:
+        ValueError: If the clip is not four frames with a background.
+    """
+    imprint = imprint_of(clip)
+    sequences = [[evened(small(image)) for image in images] for images in imprint.aligned_by]
+    centre = _centre(changed_weight(sequences[0][0], sequences[0][-1]))
+    per_px = imprint.view.side_px / SIDE
+    found = np.zeros((len(imprint.relief), *EVENED_SHAPE[1:]), np.float32)
+    for k, aligned in enumerate(align_in_turn(sequences, imprint.aspect), start=1):
+        for place, (images, one) in enumerate(zip(sequences, aligned, strict=True)):
+            laid = ((one.direct, one.direct, images[0]), (one.summed, one.step, images[k - 1]))
+            for kind, (motion, last, before) in enumerate(laid):
+                way = motion.way_to(centre) * per_px
+                alike = correlation(last.moved(before), images[k])
+                found[k, place, kind] = motion.turn_rad, *way, alike
+    return found[imprint.places[1:]]
+
+
+def _mean_around(image: Floats) -> Floats:
+    return cv2.GaussianBlur(image, (0, 0), NEIGHBOURHOOD_PX)
+
+
+def _centre(weight: Floats) -> Floats:
+    """Return the middle of what changed, (x, y) in pixels from the image's middle."""
+    down, right = ((np.indices(weight.shape) - MIDDLE) * weight).sum(axis=(1, 2)) / weight.sum()
+    return np.float32([right, down])

@@ -1,0 +1,73 @@
+"""Motions of evened images: the face inside a rim counts as much as the rim."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.backbone.alignment import align, small
+from geotlm_lm.backbone.evened import EVENED_SHAPE, evened, evened_motions
+from geotlm_lm.backbone.rigid import SIDE, Rigid
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
+from geotlm_lm.simulation.series import simulate_series
+
+AXIS = np.arange(SIDE) - (SIDE - 1) / 2
+X, Y = np.meshgrid(AXIS, AXIS)
+RADIUS = np.hypot(X, Y)
+RIM = np.exp(-((RADIUS - 18) ** 2) / 8).astype(np.float32)
+RIM[Y < 0] *= 0.7  # as lights on one side shade it, which does not turn either
+CROSS = ((np.minimum(abs(X), abs(Y)) < 2) * (RADIUS < 12) * (X + Y > -6)).astype(np.float32)
+
+
+def test_contrast_is_alike_where_it_was_not():
+    rng = np.random.default_rng(0)
+    texture = rng.normal(0, 3, size=(SIDE, SIDE)).astype(np.float32)
+    texture[:, SIDE // 2 :] *= 8
+    left, right = np.split(evened(small(texture)), 2, axis=1)
+    assert right[:, 18:].std() / left[:, :-18].std() == pytest.approx(1, abs=0.3)
+
+
+@pytest.mark.parametrize("turn_deg", [-15.0, 8.0, 20.0])
+def test_a_face_that_turns_inside_a_rim_that_does_not_is_found(turn_deg):
+    turned = Rigid(np.radians(turn_deg)).moved(0.3 * CROSS)
+    rng = np.random.default_rng(0)
+    before, after = (
+        small(2 * RIM + face + rng.normal(0, 0.02, RIM.shape).astype(np.float32))
+        for face in (0.3 * CROSS, turned)
+    )
+    found = np.degrees(align(evened(before), evened(after)).turn_rad)
+    assert found == pytest.approx(turn_deg, rel=0.25)
+    assert abs(found - turn_deg) < abs(np.degrees(align(before, after).turn_rad) - turn_deg)
+
+
+def test_what_is_far_fainter_than_an_imprint_stays_faint():
+    noise = np.random.default_rng(0).normal(0, 0.01, (SIDE, SIDE)).astype(np.float32)
+    assert evened(noise).std() < 0.05
+
+
+@pytest.mark.parametrize("level", [0.0, 1e-20, 1e4])
+def test_blank_and_extreme_images_stay_finite(level):
+    image = level * np.random.default_rng(0).normal(size=(SIDE, SIDE)).astype(np.float32)
+    assert np.isfinite(evened(image)).all()
+
+
+def test_simulated_turns_are_measured_and_pairs_repeat_what_they_repeat():
+    made = next(iter(simulate_series(3, 1, objects=EVERYDAY_OBJECTS, motions=[Motion.CLOCKWISE])))
+    clip = made.clip.select([0, 1, 2, 3])
+    found = evened_motions(clip)
+    assert found.shape == EVENED_SHAPE
+    turns = np.degrees(found[-1, :, :, 0])
+    assert np.median(turns) == pytest.approx(made.label.rotation_deg, rel=0.3)
+    pair = evened_motions(clip.select([0, 0, 3, 3]))
+    assert not pair[0].any()
+    np.testing.assert_array_equal(pair[1], pair[2])
+
+
+def test_an_untouched_gel_does_not_move():
+    gel = np.full((4, 224, 224, 3), 110, np.uint8)
+    assert not evened_motions(Clip(gel, background=gel[0])).any()
+
+
+def test_a_clip_without_its_background_is_refused():
+    with pytest.raises(ValueError, match="4 frames and a background"):
+        evened_motions(Clip(np.zeros((4, 224, 224, 3), np.uint8)))
