@@ -177,7 +177,7 @@ def _tidied(before: str, after: str) -> str:
 def _fields(text: str) -> dict[str, Any]:
     """Return the fields that every clause of `text` together sets.
 
-    None if one clause is unknown, or if two turn the image by something else each.
+    None of them if one clause is unknown, or if two turn the image by something else each.
     """
     text = " ".join(text.lower().split()).rstrip(".!, ")
     while (shorter := _LEAD.sub("", text)) != text:

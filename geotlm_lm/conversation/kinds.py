@@ -12,6 +12,15 @@ import re
 
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered_options
+from geotlm_lm.conversation.kind_words import (
+    ALONE,
+    EXTENT_OF,
+    FILM,
+    LEADS,
+    MOMENT,
+    PICTURE,
+    SUPPOSED,
+)
 
 _GO = r"(?:go|goes|move|moves|moved|turn|turns|turned|slide|slides|slid|went)"
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
@@ -30,16 +39,19 @@ _MOVES_OR_END = (
 
 RULES: dict[str, tuple[str, ...]] = {
     "thread": (
-        r"\b(?:un)?screw(?:s|ed|ing)\b",
+        r"\b(?:un)?screw(?:ed|ing)\b|\bunscrews?\b|\b(?:it|this|that|he|she|one) screws\b",
+        r"\bscrews (?:it|in|out)\b",
         r"\bthe thread (?:turned|turning)\b",
         r"\bout of the thread\b",
-        r"\bunscrew\b",
-        r"\b(?:tight|loos)(?:en|ens|ened|ening|er|e)?\b",
+        r"\b(?:tight|loos)(?:en|ens|ened|ening|er)\b|\b(?:tight or loose|loose or tight)\b",
+        r"\b(?:com(?:e|es|ing)|g[eo]t(?:s|ting)?|work(?:s|ed|ing)?) (?:tight|loose)\b",
         r"\b(?:righty|lefty|tighty|loosey)\b",
     ),
     "undo": (
         r"\b(?:undo|undoes|undone|revert|reverts|restore|restores|cancel)\b",
-        r"\b(?:puts?|brings?|gets?|go|going) (?:\S+ ){0,3}back\b(?! into)",
+        r"\b(?:puts?|brings?|gets?) (?:\S+ ){0,3}back\b(?! into)",
+        r"(?:(?<!going )\bto|\b(?:how|which way) (?:do|can|could|would|must|should) \S+(?: \S+)?"
+        r"|\bdo i) go (?:\S+ ){0,3}back\b(?! into| and forth| (?:to the )?(?:left|right|up|down))",
         r"\b(?:turn|rotate|twist|move|slide|push|pull|drag) (?:it|this|that|(?:the|my) \S+) back\b",
         r"\b(?:compensat|counteract)\w*",
         r"\bto return\b",
@@ -47,10 +59,11 @@ RULES: dict[str, tuple[str, ...]] = {
     ),
     "mirrored": (
         r"\bmirror\w*\b",
-        r"\bflip(?:s|ped)? the (?:clip|image|video|recording)\b",
-        r"\bflipped\b",
-        r"\bflip\?*$",
-        r"\b(?:a|after a|left[ -](?:to[ -])?right) flip\b",
+        rf"\bflip(?:s|ped)? (?:(?:a|the|this|my) )?{PICTURE}\b",
+        rf"\b{PICTURE} (?:\w+ ){{0,2}}flipped\b",
+        rf"{LEADS}flip(?:ped)?{ALONE}",
+        rf"{SUPPOSED}flipped\b|\bthe flipped direction\b",
+        r"\b(?:after|in|with) (?:a|the) (?:left[ -](?:to[ -])?right )?flip\b",
     ),
     "order": (
         r"\bnames? the events\b",
@@ -65,7 +78,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\bslide before\b",
         r"\bturn before\b",
         r"\bhow many (?:motions|events|steps)\b",
-        r"\bsequence\b",
+        r"(?<!\bin this )(?<!\bin that )(?<!\bin the )\bsequence\b",
         r"\b(?:do|does|did) (?:first|last|after that|at the (?:end|start))\b",
         r"(?:^|[:,!] |so |and |ok |hey )(?:and then|then what|what then|what next then)\b",
         r"\b(?:steps|events|motions) (?:happened|are there|did you feel)\b",
@@ -73,8 +86,13 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\bevents\b",
     ),
     "reversed": (
-        r"\bbackwards?\b",
-        r"\b(?:in )?reversed?\b",
+        r"\b(?:play(?:s|ed|ing)?|shown?|watch(?:ed|ing)?|in|when|if)(?: it)?"
+        r" (?:backwards?|reversed?)\b",
+        rf"{LEADS}(?:backwards?|reversed?){ALONE}",
+        rf"\b{FILM} (?:\w+ ){{0,2}}(?:backwards?|reversed?)\b",
+        rf"\breversed? (?:(?:the|this|that|my) )?{FILM}\b",
+        rf"{SUPPOSED}(?:run )?(?:backwards?|reversed?)\b",
+        r"\bthe reversed? direction\b|\bbackwards? in time\b",
         r"\brew(?:ind|ound)\b",
         r"\blast frame first\b",
         r"\bfrom (?:the )?(?:end|last) to (?:the )?(?:start|beginning|first)\b",
@@ -100,7 +118,7 @@ RULES: dict[str, tuple[str, ...]] = {
     ),
     "comparison": (
         r"\b(?:the two|these two|two|both) (?:clips?|motions|of them)\b",
-        r"\bcompared?\b",
+        rf"\bcompared?\b(?! (?:to|with) (?:the|its) (?:\w+ )?{MOMENT}\b)",
         r"\bdiffer\w*\b",
         r"\bthe (?:first|second|other|last) (?:one|clip)\b",
         r"\bfirst or (?:the )?second\b",
@@ -143,8 +161,9 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\bdoes the object see\b",
     ),
     "actor": (
-        rf"\b(?:did|does|was|is|if|only|moved|but|about|(?<!out )(?<!off )of) the {_HOLDER}"
-        rf"(?: itself)?{_MOVES_OR_END}",
+        rf"\b(?:did|does|was|is|if|only|moved|but|about"
+        r"|(?:motion|movement|direction|rotation|turn|slide|travel|path) of)"
+        rf" the {_HOLDER}(?: itself)?{_MOVES_OR_END}",
         rf"(?:^|[:,!] )(?:and|so|now) the {_GEL}(?: itself)?{_MOVES_OR_END}",
         rf"^(?:\W*\w+\W+){{0,4}}the {_GEL} itself\b",
         rf"\b(?:how|where|which way) the {_HOLDER} {_GO}\b",
@@ -158,7 +177,9 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\b(?:fast|slow|slowly|quick|quickly) or (?:fast|slow|slowly|quick|quickly)\b",
     ),
     "magnitude": (
-        r"\bhow (?:far|large|big|small)\b(?! or)",
+        r"\bhow far\b(?! or)",
+        rf"\bhow (?:large|big|small) (?:(?:is|was|are|were) )?{EXTENT_OF}",
+        r"^(?:and |so |now )?how (?:large|big|small)\W*$",
         r"\b(?:by )?how much\b",
         r"\b(?:amount|extent|displacement)\b",
         rf"\bhow many {_COUNTED}\b",
@@ -166,9 +187,9 @@ RULES: dict[str, tuple[str, ...]] = {
         rf"\b(?:more|less) than \S+ {_MEASURES}\b",
         rf"\b{_MEASURES} or\b",
         r"\b(?:angle or distance|distance or angle)\b",
-        r"\bsize of\b",
+        rf"\bsize of {EXTENT_OF}",
         r"\b(?:measure|estimate) (?:the motion|the movement|how)\b",
-        r"\b(?:the|what is the|what's the) size\b",
+        r"\bthe size\b(?! of\b)",
     ),
 }
 """Words that tell each kind, in the order the kinds are tried."""
@@ -177,7 +198,8 @@ LATER_KINDS = frozenset(RULES) | {"negation", "premise"}
 """Kinds the rules know by their words."""
 
 _SEVERAL = ("comparison", "order")
-"""Kinds whose words are common ones ("the same", "in order"): they need the model's word too."""
+"""Kinds whose words are common ones ("the same", "in order"): alone they overrule no answer of a
+kind that every model holds, and none of a later kind whose words the question has as well."""
 
 _RULES = {kind: re.compile("|".join(words)) for kind, words in RULES.items()}
 
@@ -204,7 +226,8 @@ _WHETHER_MOVING = re.compile(
 )
 _MORE_THAN_DIRECTION = re.compile(
     r"\b(?:will|would|should|who|whose|why|when|and|or|if|not|price|tomorrow|next|later"
-    r"|kind|type|class|category|sort|some|any|gel|sensor)\b"
+    r"|kind|type|class|category|sort|some|any|(?<!across the )(?<!over the )(?<!on the )"
+    r"(?<!along the )(?<!surface of the )(?:gel|sensor))\b"
 )
 
 
@@ -247,14 +270,17 @@ def is_ruled_out(question: str, kind: str | None) -> bool:
         kind: What the answer is to; None where it is none.
     """
     told = asked_kind(question)
-    if told is None or told in _SEVERAL:
-        return kind in LATER_KINDS and kind != told
+    if told in _SEVERAL:
+        text = _plain(question)
+        return kind in LATER_KINDS and not (kind in _RULES and _RULES[kind].search(text))
+    if told is None:
+        return kind in LATER_KINDS
     return kind != told
 
 
 def asked_kind(question: str) -> str | None:
     """Return the kind of `question` if its words tell one of the later kinds; else None."""
-    text = " ".join(question.lower().replace("\u2019", "'").split())
+    text = _plain(question)
     if asks_beyond_touch(text):
         return None
     if claimed_motion(text) is not None:
@@ -263,3 +289,7 @@ def asked_kind(question: str) -> str | None:
         if _NEGATION.search(_NO_NEGATION.sub(" ", text)):
             return "negation"
     return next((kind for kind, words in _RULES.items() if words.search(text)), None)
+
+
+def _plain(question: str) -> str:
+    return " ".join(question.lower().replace("\u2019", "'").split())

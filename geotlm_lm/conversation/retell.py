@@ -147,7 +147,8 @@ _MISSING = {
     "thread": "whether the thread is right-hand or left-hand",
 }
 _WOULD = re.compile(
-    r"\b(?:what|which|how)\b.*\b(?:would|will|must|should|to|do i|can i)\b.*\b(tight|loos|unscrew)"
+    r"\b(?:what|which|how)\b(?:.*\b(?:would|will|must|should|do (?:i|you|we)|can i)\b.*|.*\bto"
+    r"| (?:way|direction|turn|motion|rotation)) \b(tight|loos|unscrew)"
 )
 
 

@@ -9,6 +9,7 @@ from geotlm_lm.conversation.kinds import (
     asked_kind,
     asks_direction,
     asks_whether_moving,
+    is_ruled_out,
 )
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
@@ -112,6 +113,114 @@ def test_words_of_motion_in_another_sense_name_no_motion(text, named):
 )
 def test_questions_nobody_wrote_a_template_for_find_their_kind(question, kind):
     assert asked_kind(question) == kind
+
+
+@pytest.mark.parametrize(
+    ("question", "kind"),
+    [
+        # The sensor's own motion, and a place on the sensor.
+        ("Which way does it move across the surface of the gel?", None),
+        ("Does it slide towards the middle of the sensor?", None),
+        ("Is the contact at the edge of the gel?", None),
+        ("Which way does it slide in front of the gripper?", None),
+        ("Does it turn about the centre of the pad?", None),
+        ("Is it near the border of the sensor?", None),
+        ("What touches the tip of the finger?", None),
+        ("Direction of the gel?", "actor"),
+        ("What is the rotation of the gripper?", "actor"),
+        # A clip played backwards, and a motion the other way.
+        ("Is the part slipping backwards?", None),
+        ("Does it reverse direction?", None),
+        ("Did the motion reverse?", None),
+        ("Is it a reverse thread?", None),
+        ("Does the nut slide backwards a bit?", None),
+        ("Was the rotation reversed?", None),
+        ("Has the cap moved backwards?", None),
+        ("And if it were reversed?", "reversed"),
+        ("Suppose it ran backwards: which way?", "reversed"),
+        ("Which way would it be when played in reverse?", "reversed"),
+        ("so backwards?", "reversed"),
+        # What undoes a motion, and one that comes back.
+        ("Is it going back and forth?", None),
+        ("Does it go back to the left?", None),
+        ("Did the cap go back?", None),
+        ("Is it going to go back?", None),
+        ("Has the nut been going back?", None),
+        ("Which way did it go back?", None),
+        ("Which way must I go to go back?", "undo"),
+        ("How can it go back to the start?", "undo"),
+        ("Which way do I go back?", "undo"),
+        # A thread, and things that are screws or loose.
+        ("Which way do the screws turn?", None),
+        ("Which way does the loose cap turn?", None),
+        ("Is the grip tight?", None),
+        ("Is the connector loose?", None),
+        ("How are the screws moving?", None),
+        ("Which way does the tight lid slide?", None),
+        ("Which way screws it in?", "thread"),
+        ("Is the nut working loose?", "thread"),
+        ("Did he unscrew it?", "thread"),
+        # A mirrored clip, and a thing that is flipped.
+        ("Did the part flip?", None),
+        ("Was the box flipped?", None),
+        ("Has the coin flipped over?", None),
+        ("Does the pancake flip?", None),
+        ("Did you flip it?", None),
+        ("What if the video were flipped?", "mirrored"),
+        ("and if it were flipped?", "mirrored"),
+        ("After the flip, which way?", "mirrored"),
+        # An amount of motion, and the size of a thing.
+        ("How big is the screw?", None),
+        ("What is the size of the object?", None),
+        ("How large is the imprint?", None),
+        ("How small are the parts?", None),
+        ("How big is the turn?", "magnitude"),
+        ("How large was its displacement?", "magnitude"),
+        ("How large is it?", "magnitude"),
+        ("What is the size of the slide?", "magnitude"),
+        # Two clips, and one beside its first frame.
+        ("How far did it move compared to the first frame?", "magnitude"),
+        ("How far does it slide in this sequence?", "magnitude"),
+        ("How much did it turn compared with the start?", "magnitude"),
+        ("How fast does it go in the sequence?", "rate"),
+        ("How is it compared to the other clip?", "comparison"),
+        ("What is the sequence of events?", "order"),
+    ],
+)
+def test_a_kind_is_told_by_phrases_and_not_by_a_word_of_them(question, kind):
+    assert asked_kind(question) == kind
+
+
+@pytest.mark.parametrize(
+    ("question", "kind", "is_out"),
+    [
+        ("How much do they differ?", "magnitude", False),
+        ("How much do they differ?", "rate", True),
+        ("How fast is the second one?", "rate", False),
+        ("How fast is the second one?", "comparison", False),
+        ("Do they go the same way?", "comparison", False),
+        ("Do they go the same way?", "mirrored", True),
+        ("Do they go the same way?", "direction", False),
+    ],
+)
+def test_words_of_several_clips_leave_an_answer_of_which_the_other_words_tell(
+    question, kind, is_out
+):
+    assert is_ruled_out(question, kind) is is_out
+
+
+@pytest.mark.parametrize(
+    ("question", "is_open"),
+    [
+        ("Which way does it move across the surface of the gel?", True),
+        ("Which way is it going on the sensor?", True),
+        ("What direction does it take over the gel?", True),
+        ("Which way is the gel moving?", False),
+        ("Which way does the sensor see it?", False),
+    ],
+)
+def test_a_motion_over_the_gel_is_the_objects(question, is_open):
+    assert asks_direction(question) is is_open
 
 
 def test_only_open_questions_about_direction_are_surely_those():

@@ -287,3 +287,21 @@ def test_rest_is_told_in_the_words_of_the_templates():
         assert grammar.parse(text) == Slots("direction", motion)
     for motion in DIRECTED:
         assert grammar.parse(sentence(motion, CAMERA)) == Slots("direction", motion)
+
+
+@pytest.mark.parametrize(
+    ("question", "asks_how"),
+    [
+        ("Which direction tightens it?", True),
+        ("Which way loosens the lid?", True),
+        ("What turn unscrews it?", True),
+        ("Which way do I turn it to loosen it?", True),
+        ("How do you tighten it?", True),
+        ("What is happening to the lid, is it loosening?", False),
+        ("What happens to it, does it tighten?", False),
+        ("Which of the lids is loosening?", False),
+    ],
+)
+def test_what_would_tighten_is_told_from_what_tightens_now(question, asks_how):
+    told = felt("thread", LEFT, SCREW, question)
+    assert (told.decided != "neither") is asks_how
