@@ -37,7 +37,7 @@ from geotlm_lm.conversation.stated_amounts import (
 from geotlm_lm.conversation.statements import UNREAD, states_more
 from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.conversation.two_parts import two_parts
-from geotlm_lm.conversation.untold import asks_place, never_told, untold
+from geotlm_lm.conversation.untold import asks_frame, asks_place, never_told, untold
 from geotlm_lm.conversation.wording import known
 from geotlm_lm.core.frame_spec import FrameSpec
 
@@ -93,11 +93,14 @@ def _at_once(bundle: Bundle, encoded: Encoded, asked: str, frame: FrameSpec) -> 
         said = plain(encoded, told_scale(frame.mm_per_px), "frame", frame)
         is_known = frame.mm_per_px is not None
         return replace(said, abstained=False, confidence=1.0) if is_known else said
+    if asks_frame(asked):
+        said = plain(encoded, f"Told in this frame: {known(frame)}.", "frame", frame)
+        return replace(said, abstained=False, confidence=1.0)
     kind = asked_kind(asked)
     said = never_told(asked) or (untold(asked) if kind is None else None)
     if said is not None:
         return plain(encoded, said, "refusal", frame)
-    if kind in (None, "magnitude") and asks_place(asked):
+    if kind in (None, "magnitude", "evidence") and asks_place(asked):
         return _place(bundle, encoded)
     claim = claimed_amount(asked)
     if claim is None:

@@ -7,17 +7,18 @@ import re
 from geotlm_lm.core.labels import Motion
 
 _MOTION = r"(?:motion|movement|slide|slip|shift|direction)"
+_ALONG = r"(?:along|in|on)(?: the)?"
 _TURNING = re.compile(r"\b(?:turn|rotat|twist|spin|swivel)")
 
 _AXES = (
     (
         frozenset({Motion.LEFT, Motion.RIGHT}),
-        r"\b(?:horizontally|sideways|sidewards?|(?:from )?side to side|along (?:the )?x"
+        rf"\b(?:horizontally|sideways|sidewards?|(?:from )?side to side|{_ALONG} x"
         rf"|horizontal {_MOTION})\b",
     ),
     (
         frozenset({Motion.UP, Motion.DOWN}),
-        rf"\b(?:vertically|up and down|along (?:the )?y|vertical {_MOTION})\b",
+        rf"\b(?:vertically|up and down|{_ALONG} (?:x (?:and|or) )?y|vertical {_MOTION})\b",
     ),
 )
 

@@ -1,13 +1,16 @@
 """Questions that no touch answers, known by the words for what they ask.
 
 A model learns refusals from wordings of its own and may take others for questions about motion.
-What names a colour, a price or an owner is refused whatever it says. Motion questions hold nouns
-such as "glass" and "paper", so that a material counts only where the question is of it.
+What names a colour, a price or an owner is refused whatever it says, unless it asks which way or
+how far. Motion questions hold nouns such as "glass", "weight" and "noise", so that a material
+counts only where the question is of it, and "weight" only where no motion is asked or claimed.
 """
 
 from __future__ import annotations
 
 import re
+
+from geotlm_lm.conversation.claims import claims_end, claims_motion
 
 _IS = r"(?:is|was|are|were|isn't|wasn't)"
 _MATERIAL = (
@@ -24,23 +27,29 @@ _FELT_OTHERWISE = (
 )
 _ADJECTIVE = rf"(?:{_LOOKS}|{_FELT_OTHERWISE}|(?:made (?:of|from) )?{_MATERIAL})"
 
+_MADE_BY_TOUCH = (
+    r"(?:contact|turns?|motions?|movements?|rotations?|slides?) (?:\w+ ){0,3}made\b(?! of)"
+)
+"""What is made on the gel, and of no material."""
+
 _NO_ARTICLE = r"(?<!\bthe )(?<!\ba )(?<!\bthis )(?<!\bthat )(?<!\bmy )(?<!\bheld )"
 _END = r"(?=\W*$|[?.!,]| (?:please|thanks|thank you)\b)"
 
 _TOPICS = re.compile(
     "|".join(
         (
-            r"\b(?:colou?rs?|prices?|costs?|weighs?|weight|(?<!contact )mass|grams|temperature"
-            r"|celsius|fahrenheit"
-            r"|tastes?|smells?|noise|brand|manufacturer|material|owner|owns|owned|whose|weather"
-            r"|voltage|serial number|age|scratch|scratches|scratched|rust|rusty|stains?)\b",
+            r"\b(?:colou?rs?|prices?|costs?|weighs?|grams|temperature|celsius|fahrenheit"
+            r"|tastes?|smells?|brand|manufacturer|owner|owns|owned|whose|weather"
+            r"|voltage|serial number|age)\b",
             r"(?:^|[:,.!] )(?:and |so |now )?who\b",
             r"\bhow (?:old|heavy|light|warm|hot|cold|cool|loud|expensive|pretty|nice|clean|dirty"
             r"|new|dark|bright|tall|tasty) (?:is|was|are|were|does|did|do)\b",
             r"\bhow (?:(?:big|large|small) )?(?:is|was|does|did|do) (?:\S+ ){1,4}?"
             r"(?:look|sound|feel about)\b",
             r"\bwhat (?:does|did|do) (?:\S+ ){1,4}?(?:look|sound|cost|weigh)\b",
-            r"\b(?:made|sold|built|bought|painted|printed) (?:of|from|by|in|on|with)\b",
+            r"\b(?:sold|built|bought|painted|printed) (?:of|from|by|in|on|with)\b",
+            rf"^(?!.*\b{_MADE_BY_TOUCH}).*\bmade (?:of|from|by|in)\b",
+            r"\ban? (?:reversed?|(?:left|right)[- ]hand(?:ed)?|standard) (?:thread|screw|bolt)\W*$",
             r"\bwhat (?:size|model|make|kind of (?:wrench|tool|key|screwdriver|bit))\b",
             r"\bwhich (?:size|model|make) (?:of |is |was |do |does )?",
             rf"\b{_IS} (?:\S+ ){{1,3}}?{_NO_ARTICLE}{_ADJECTIVE}(?: or {_ADJECTIVE})?{_END}",
@@ -55,6 +64,16 @@ _TOPICS = re.compile(
     )
 )
 
+_PROPERTIES = re.compile(
+    r"\b(?:weight|(?<!contact )mass|noise|material|scratch|scratches|scratched|rust|rusty"
+    r"|stains?)\b"
+)
+"""Nouns and adjectives of a thing that a question about its motion may name as well."""
+
+_ANOTHER_TIME = re.compile(r"\b(?:will|tomorrow|next|later|going to|about to|who|whose)\b")
+_ASKS_MOTION = re.compile(r"\b(?:which|what) (?:way|direction)\b|\bhow (?:far|fast)\b")
+_COUNTS_MOTION = re.compile(r"\bhow many (?:degrees|turns|revolutions|rotations|pixels)\b")
+
 
 def asks_beyond_touch(question: str) -> bool:
     """Tell whether `question` surely asks for what no touch sensor feels.
@@ -62,4 +81,10 @@ def asks_beyond_touch(question: str) -> bool:
     Of 15,000 questions from the templates that touch can answer none passes for one; of those it
     cannot, in wordings held out of training, 0.99. The list was written knowing all of them.
     """
-    return bool(_TOPICS.search(" ".join(question.lower().replace("\u2019", "'").split())))
+    text = " ".join(question.lower().replace("\u2019", "'").split())
+    if claims_end(text) and "contact" in text:
+        return False  # "is the contact broken?"
+    if _TOPICS.search(text):
+        return not _ASKS_MOTION.search(text) or bool(_ANOTHER_TIME.search(text))
+    is_of_motion = _ASKS_MOTION.search(text) or _COUNTS_MOTION.search(text) or claims_motion(text)
+    return bool(_PROPERTIES.search(text)) and not is_of_motion

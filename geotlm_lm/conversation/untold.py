@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.axes import claimed_axis
 from geotlm_lm.conversation.claims import motions_named
+from geotlm_lm.conversation.kind_words import PICTURE
 from geotlm_lm.conversation.kinds import asks_direction
 
 _WHEN = (
@@ -23,10 +25,14 @@ _AXIS = (
     "I tell turns as drawn in the camera image, not by a sign: clockwise there is positive about "
     "an axis that points from the sensor into the object."
 )
+_SIZE = "I tell how far it turns or slides and how much of the image it touches, not its size."
+_FLIP = "I tell how it turns, slides, presses and lifts against the gel, not whether it flips over."
 _TALK = (
     "Ask how the touched object moves: which way it turns or slides, how far, how fast, whether it "
     "touches at all, and why I say so."
 )
+
+_TURN_SIGN = re.compile(r"\bright[ -]hand rule\b|\b[xyz][ -]axis\b")
 
 _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
     (
@@ -45,7 +51,7 @@ _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
         ),
         _FORCE,
     ),
-    (re.compile(r"\bright[ -]hand rule\b|\b[xyz][ -]axis\b"), _AXIS),
+    (_TURN_SIGN, _AXIS),
     (
         re.compile(
             r"(?:(?:hi|hello|hey|ok|okay|thanks?|thank you|thx|cool|great|nice|bye|goodbye|help"
@@ -54,6 +60,13 @@ _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
         ),
         _TALK,
     ),
+)
+
+_LOAD = r"(?:\w+ )?(?:forces?|torque|newtons?|pressure)(?! (?:point|sensor|gauge|plate))"
+_A_THING = (
+    r"(?:the|this|that|these|those|my|its|your) (?:\w+ )?"
+    rf"(?!{PICTURE}|(?:contact|touch|imprint|pixel|frame|view|turn|slide|slip|shift|motion|movement"
+    r"|rotation|displacement|angle|distance|step|path|error|amount|change)s?\b)\w+"
 )
 
 _ACT = (
@@ -90,25 +103,64 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
         ),
         _QUALITY,
     ),
+    (
+        re.compile(r"^\W*(?:is|was) (?:the |this |that |its |my )?\w+ (?:tight|loose|secure)\W*$"),
+        _QUALITY,
+    ),
     (re.compile(r"\bdiagonal(?:ly)?\W*$"), _NEAREST),
+    (
+        re.compile(
+            rf"\b(?:how much|how many|what|which)(?: is| was)?(?: the)? {_LOAD}\b"
+            rf"|\bhow (?:large|big|high|great|strong) (?:is|was) the {_LOAD}\b"
+            rf"|\bamount of {_LOAD}\b"
+        ),
+        _FORCE,
+    ),
+    (
+        re.compile(
+            rf"\bhow (?:large|big|small|wide|tall|thick) (?:is|was|are|were) {_A_THING}\W*$"
+            rf"|\b(?:size|diameter|width|length|height|radius) of {_A_THING}\W*$"
+        ),
+        _SIZE,
+    ),
+    (
+        re.compile(
+            rf"\b(?:did|does|has) (?:the|this|that|my) (?!{PICTURE})(?:\w+ ){{1,2}}"
+            r"(?:flip|flipped|topple|tip over|roll over)(?: over)?\W*$"
+            rf"|\bwas (?:the|my) (?!{PICTURE})\w+ flipped(?: over)?\W*$"
+        ),
+        _FLIP,
+    ),
 )
 """Asked in words that a rule or the model would take for another question."""
 
 _PLACE = re.compile(
     r"\bwhere(?: is|'s| was) (?:the |its )?(?:contact|touch|imprint)\b"
     r"|\bwhere (?:does|did|do) (?:\S+ ){1,3}touch\b|\bwhere (?:am i|are you|is it) touching\b"
-    r"|\b(?:is|was) the (?:contact|touch|imprint) (?:at|on|in|near) (?:the|my) (?!move\b)"
+    r"|\b(?:is|was) the (?:contact|touch|imprint) (?:(?:only|just|mostly|mainly|all) )?"
+    r"(?:at|on|in|near) (?:the|my) (?!move\b)"
     r"|\b(?:what|which|where) (?:is |was )?(?:the )?contact (?:place|position|location|point)\b"
     r"|^(?:the )?contact (?:place|position|location|area|size)\W*$"
     r"|\b(?:touch(?:es|ing|ed)?|contact) (?:on|at|in|near) (?:the |my )?(?:left|right|upper|lower"
     r"|top|bottom|middle|centre|center|corner|edge|border)\b"
     r"|\bwhere (?:in|on|at) the (?:\S+ ){1,5}(?:touch|contact)\w*\b"
-    r"|\b(?:which|what) (?:part|side|area|region|spot) of (?:\S+ ){1,3}touch\w*\b"
-    r"|\bhow (?:much|large|big|wide) (?:\S+ ){1,4}(?:touch(?:ed|ing)|(?<!of )contact)\b"
+    r"|\b(?:which|what) (?:part|side|area|region|spot|half) of (?:\S+ ){1,3}touch\w*\b"
+    r"|\b(?:which|what) (?:part|side|area|region|spot|half) (?:is|was) (?:being )?touch(?:ed|ing)\b"
+    r"|\bhow (?:much|large|big|wide) (?:\S+ ){1,4}(?:touch(?:ed|ing)|(?<!of )(?:contact|imprint))\b"
     r"|\b(?:size|area) of the (?:contact|touch|imprint)\b|\bcontact area\b"
 )
 _OF_A_MOTION = re.compile(
     r"\b(?:mov|motion|head|slid|slip|turn|travel|shift|rest|grow|larg|small|chang)\w*|\bgo(?:es|ing)?\b"
+)
+_HOW_LARGE = re.compile(r"^(?:\W*(?:and|so|ok) )?how (?:large|small)\b")
+
+_FRAME = re.compile(
+    r"(?:(?:and|so|ok|but)[, ]+)?(?:(?:in|relative to|with respect to) )?(?:what|which)(?:'s| is)?"
+    r"(?: (?:the|your))? (?:frame of reference|(?:reference|coordinate) (?:frame|system)"
+    r"|frame(?= (?:is|are|was|were|do|did) (?:this|that|it|the|your|you|directions?|they)\b"
+    r"(?: (?:answer|directions?|motion|answers))?"
+    r"(?: (?:told|given|named|meant|in|use|used|speak in|tell it in))?\W*$))"
+    r"(?: (?:is|are|was|were|do|did|does) .*| of .*)?\W*"
 )
 
 
@@ -123,6 +175,8 @@ def untold(question: str) -> str | None:
         return talk[1]
     if motions_named(text):
         return None
+    if claimed_axis(text):
+        asking = [row for row in asking if row[0] is not _TURN_SIGN]
     return next((said for words, said in asking if words.search(text)), None)
 
 
@@ -137,4 +191,9 @@ def never_told(question: str) -> str | None:
 def asks_place(question: str) -> bool:
     """Tell whether `question` asks where on the gel the contact is."""
     text = " ".join(question.lower().replace("\u2019", "'").split())
-    return bool(_PLACE.search(text)) and not _OF_A_MOTION.search(text)
+    return bool(_PLACE.search(text)) and not _OF_A_MOTION.search(_HOW_LARGE.sub("", text))
+
+
+def asks_frame(question: str) -> bool:
+    """Tell whether `question` asks in which frame of reference directions are told."""
+    return bool(_FRAME.fullmatch(" ".join(question.lower().replace("\u2019", "'").split())))

@@ -251,3 +251,24 @@ def test_of_two_answers_one_that_is_withheld_makes_both_abstain(bundle, question
     answer = answerer.ask(answerer.encode(recording()), question)
     assert "I cannot tell the speed: " in answer.text
     assert (answer.abstained, answer.direction) == (True, Motion.CLOCKWISE)
+
+
+@pytest.mark.parametrize(
+    ("question", "text", "kind"),
+    [
+        ("Which half is touched?", "In the middle of the camera image: ", "contact"),
+        (
+            "In which frame is that told?",
+            "Told in this frame: camera image, seen from the",
+            "frame",
+        ),
+        ("How much force is there?", "I cannot tell force or depth;", "refusal"),
+        ("How big is the nut?", "I tell how far it turns or slides and how much", "refusal"),
+    ],
+)
+def test_what_no_model_is_asked_is_said_whatever_kind_it_passes_for(bundle, question, text, kind):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."}, contact_threshold=0.0)
+    frame = FrameSpec(viewpoint="object")
+    answer = answerer.ask(answerer.encode(recording()), question, frame=frame)
+    assert (answer.text[: len(text)], answer.kind) == (text, kind)
+    assert answerer.bundle.speaker.heard == []

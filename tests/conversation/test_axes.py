@@ -18,6 +18,13 @@ ALONG = frozenset({Motion.UP, Motion.DOWN})
         ("moving vertically?", ALONG),
         ("is it sliding along y?", ALONG),
         ("horizontally or vertically?", frozenset()),
+        ("does it slide along the x axis?", ACROSS),
+        ("is it moving in the y-axis?", ALONG),
+        ("does it go in x?", ACROSS),
+        ("is it sliding in y direction?", ALONG),
+        ("does it move in x and y?", frozenset()),
+        ("does it move in xenon?", frozenset()),
+        ("does it turn about the x axis?", frozenset()),
         ("is it moving?", frozenset()),
         ("is it a horizontal slide?", ACROSS),
         ("does it turn about a vertical axis?", frozenset()),
@@ -34,7 +41,11 @@ def test_a_choice_among_ways_claims_no_axis(text):
     assert claimed(text) != ACROSS
 
 
-@pytest.mark.parametrize("text", ["Is it moving horizontally?", "moving sideways?"])
+@pytest.mark.parametrize(
+    "text",
+    ["Is it moving horizontally?", "moving sideways?", "Does it slide along the x axis?"]
+    + ["Is it moving in the x-axis?", "Did it move along x?"],
+)
 def test_an_axis_is_a_claim(text):
     assert claims_motion(text)
     assert claimed(text) == ACROSS

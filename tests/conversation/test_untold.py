@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.conversation.untold import asks_place, never_told, untold
+from geotlm_lm.conversation.untold import asks_frame, asks_place, never_told, untold
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 
@@ -16,6 +16,8 @@ from geotlm_lm.data.questions import questions_for
         ("how deep is the indentation?", "depth"),
         ("In which direction is the force?", "force"),
         ("Is the rotation about the z axis positive?", "axis"),
+        ("Does it turn about the x axis?", "axis"),
+        ("What is its y-axis?", "axis"),
         ("help", "Ask how"),
         ("thanks!", "Ask how"),
         ("What can you do?", "Ask how"),
@@ -31,6 +33,9 @@ def test_what_is_never_told_is_declined_with_what_is(text, word):
     + [
         "When touched, which way does it move?",
         "Is pressure increasing?",
+        "Does it slide along the x axis?",
+        "Is it moving in the y-axis?",
+        "Did it go along the y axis?",
         "Under pressure, where?",
     ],
 )
@@ -58,6 +63,15 @@ def test_other_questions_are_left_to_the_model(text):
         ("size of the contact?", True),
         ("How much is it out of contact?", False),
         ("how big is the turn after contact?", False),
+        ("Is the contact only in the left half?", True),
+        ("Is the touch mostly at the top?", True),
+        ("Which half is touched?", True),
+        ("What part was being touched?", True),
+        ("Which half of the gel is touched?", True),
+        ("How large is the imprint?", True),
+        ("How big is the contact?", True),
+        ("Which half moves?", False),
+        ("Which half is it touching as it slides?", False),
     ],
 )
 def test_who_asks_for_the_place_of_the_contact_is_understood(text, asks):
@@ -76,6 +90,20 @@ def test_who_asks_for_the_place_of_the_contact_is_understood(text, asks):
         ("Is the contact growing?", "how firm"),
         ("Is the touch gentle?", "how firm"),
         ("is it moving diagonally?", "nearest"),
+        ("How much force is applied?", "force"),
+        ("How much pressure is there?", "force"),
+        ("How much torque does it take?", "force"),
+        ("How many newtons?", "force"),
+        ("How large is the shear force?", "force"),
+        ("How big is the screw?", "size"),
+        ("What is the size of the object?", "size"),
+        ("How wide is my bottle cap?", "size"),
+        ("the diameter of the nut?", "size"),
+        ("Is the grip tight?", "how firm"),
+        ("Is the connector loose?", "how firm"),
+        ("Did the part flip?", "flips over"),
+        ("Was the box flipped?", "flips over"),
+        ("Has the pancake flipped over?", "flips over"),
     ],
 )
 def test_what_passes_for_another_question_is_declined(text, word):
@@ -104,6 +132,19 @@ def test_what_passes_for_another_question_is_declined(text, word):
         "The video is slowed down. Which way does it move?",
         "Which way does it go, faster at the end?",
         "Does it slide diagonally or to the right?",
+        "Under a steady force, how far did it slide?",
+        "Which pressure point moves left?",
+        "How big is the turn?",
+        "How large is the displacement of the nut?",
+        "What is the size of the slide?",
+        "How large is the contact?",
+        "How big is it?",
+        "How large are the frames?",
+        "How big is the clip?",
+        "Is the loose cap turning?",
+        "Was the image flipped?",
+        "Did the clip flip?",
+        "And flipped?",
     ],
 )
 def test_what_can_be_told_is_not_declined(text):
@@ -117,3 +158,23 @@ def test_no_question_of_the_templates_is_never_told(wordings):
         label = MotionLabel(motion, rotation_deg=12.0 if motion in ROTATIONS else 0.0)
         for asked in questions_for(label, rng, wordings=wordings, per_type=8):
             assert never_told(asked.question) is None or asked.type_id == "T17", asked
+
+
+@pytest.mark.parametrize(
+    ("text", "asks"),
+    [
+        ("In which frame is that direction told?", True),
+        ("What is the frame of reference?", True),
+        ("in what frame is it?", True),
+        ("Which reference frame do you use?", True),
+        ("In what frame of reference is the answer given?", True),
+        ("and which frame is that?", True),
+        ("In which frame is it moving?", False),
+        ("In which frame does it begin to turn?", False),
+        ("Which frame is sharpest?", False),
+        ("Which way does it turn in the frame of reference of the camera?", False),
+        ("Which frames did you use?", False),
+    ],
+)
+def test_who_asks_for_the_frame_of_reference_is_understood(text, asks):
+    assert asks_frame(text) is asks
