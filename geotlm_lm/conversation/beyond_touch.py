@@ -57,6 +57,7 @@ _TOPICS = re.compile(
             rf"^\W*{_MATERIAL} or {_MATERIAL}\W*$",
             rf"^\W*{_LOOKS} or {_LOOKS}\W*$",
             r"\bwhat will (?:\S+ ){1,4}?(?:next|tomorrow|later)\b",
+            r"\bpick(?:ed|s)? up\b",
             r"\b(?:tomorrow|in an hour|in the future)\b",
             r"\b(?:is|was|it's|are) (?:\S+ ){0,3}about to (?!the\b|\d)\w+",
             r"\bgoing to (?:fall|drop|break|slip)\b",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from difflib import get_close_matches
 
+from geotlm_lm.conversation.asides import ONE_OF_TWO, STILL_SO, UP_TO_AN_END
 from geotlm_lm.conversation.axes import claimed_axis
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class
 
@@ -27,8 +28,8 @@ _NO_MOTION = re.compile(
     r"|, right\b|\b(?:upper|lower|left|right|both) hal(?:f|ves)|(?:left|right)[ -]hand\w*"
     r"|left[ -](?:to[ -])?right|up to\b|upside[ -]down|speed\w* up|slow\w* down|screw\w* in"
     r"|\bwithout (?:los|break)ing (?:the )?contact\b"
-    r"|\bstill (?=(?!during\b)\w+ing\b)"
     r"|\b(?:from|along|off|at) the (?:left|right|top|bottom|upper|lower)\b"
+    rf"|{STILL_SO}|{UP_TO_AN_END}|{ONE_OF_TWO}"
 )
 """Words of motion in another sense; taken out before motions are looked for."""
 
@@ -159,7 +160,7 @@ _LETTER = r"(?:(?<![A-Z])[A-D](?=[).:])|(?<![\d.])[1-4](?=\)))"
 _OPTION = re.compile(rf"\(?({_LETTER})[).:]\s*(.*?)(?=[,;]?\s*\(?{_LETTER}|$)")
 _OPTION_BEFORE = re.compile(r"([^()]*)\(([A-D1-4])\)")
 
-_STILL_GOING = re.compile(r"\bstill (?=(?!during\b)\w+ing\b|in contact\b)", re.IGNORECASE)
+_STILL_GOING = re.compile(rf"{STILL_SO}|\bstill (?=in contact\b)", re.IGNORECASE)
 
 
 def motions_named(text: str) -> set[Motion]:
@@ -181,7 +182,7 @@ def claimed_motion(text: str) -> Motion | None:
 
 def nearly_named(text: str) -> bool:
     """Tell whether a word of `text` may be a mistyped motion, such as "clokwise"."""
-    words = re.findall(r"[a-z]+", text.lower())
+    words = re.findall(r"[a-z]+", _NO_MOTION.sub(" ", text.lower()))
     return any(get_close_matches(word, _OFTEN_MISTYPED, 1, ALIKE) for word in words)
 
 

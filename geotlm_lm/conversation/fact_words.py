@@ -42,8 +42,10 @@ _HAND = (
 _SIDE = (
     rf"(?:{_SENSOR}|i|we) {_TOUCHES} (?:the|its) {{0}}(?: of (?:the|my) \w+)?"
     r"|(?:it is |it's )?(?:touched|gripped|held) (?:at|by|from|on) (?:the|its) {0}(?: side)?"
-    rf"|(?:{LOOK} )?(?:from|at) (?:the|its) {{0}}(?: side)?|(?:the )?{{0}} side"
+    r"|(?:the )?{0} side"
 )
+_SEEN_AT = rf"|(?:{LOOK} )?(?:from|at) (?:the|its) {{}}(?: side)?"
+"""Of a head and a shank alone: who looks from the side looks at no side of a bolt."""
 
 _UPSIDE_DOWN, UPRIGHT = FrameSpec.fields_of_turn(180), FrameSpec.fields_of_turn(0)
 
@@ -107,8 +109,8 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
         {"actor": "object"},
     ),
     (rf"{_SENSOR} (?:is|was) (?:fixed|clamped|mounted)", {"actor": "object"}),
-    (_SIDE.format("head"), {"contact_side": "head"}),
-    (_SIDE.format("(?:shank|tip)"), {"contact_side": "shank"}),
+    (_SIDE.format("head") + _SEEN_AT.format("head"), {"contact_side": "head"}),
+    (_SIDE.format("(?:shank|tip)") + _SEEN_AT.format("(?:shank|tip)"), {"contact_side": "shank"}),
     (_SIDE.format("side") + r"|(?:a )?side grip", {"contact_side": "side"}),
     (_HAND.format(r"left[ -]?hand(?:ed)?"), {"thread": "left"}),
     (rf"{_IT_IS}(?:a )?reversed? {_THREADED}", {"thread": "left"}),

@@ -52,6 +52,8 @@ _OF_BOTH = re.compile(
     r"\b(?:than|further|farther|more|less|larger|smaller|faster|slower|they|them|both|these|two"
     r"|other|this|that|like|it)\b"
 )
+_WITHIN = re.compile(r"(?:^| )in $")
+_IT = re.compile(r"\bit\b")
 _FIRST = ("first", "1st", "1", "one")
 _NOTHING_ASKED = re.compile(r"\W*(?:and|so|ok|now|what|how|about|of|[ ,])*\bits?\b\W*")
 
@@ -88,9 +90,13 @@ def asks_of_one(question: str) -> tuple[int, str] | None:
     if len(found) != 1 or _RELATION.search(text):
         return None
     (one,) = found
-    if _OF_BOTH.search(text[: one.start()] + text[one.end() :]):
+    before, after = text[: one.start()], text[one.end() :]
+    is_place = _WITHIN.search(before) and _IT.search(before + after) and not one["own"]
+    if is_place:  # "which way does it turn in the second clip?"
+        before, after = _WITHIN.sub("", before), after.lstrip(" ,")
+    if _OF_BOTH.search(_IT.sub("", before + after) if is_place else before + after):
         return None
-    asked = f"{text[: one.start()]}{'its' if one['own'] else 'it'}{text[one.end() :]}"
+    asked = f"{before}{'' if is_place else 'its' if one['own'] else 'it'}{after}"
     is_first = (one["number"] or one["place"] or one["asked"]) in _FIRST
     return int(not is_first), "" if _NOTHING_ASKED.fullmatch(asked) else asked
 

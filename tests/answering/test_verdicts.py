@@ -19,6 +19,7 @@ from tests.answering.scripted import answerer_saying, recording
         ("rotation sense pls", "Clockwise, in the camera image.", "clockwise"),
         ("Is the thing slipping?", "No, it goes clockwise in the camera image.", "no"),
         ("Would it be spinning?", "Yes, it goes clockwise in the camera image.", "yes"),
+        ("Is the right cap turning?", "Yes, it goes clockwise in the camera image.", "yes"),
     ],
 )
 def test_a_no_to_nothing_that_was_claimed_is_not_said(bundle, question, text, decided):

@@ -28,6 +28,7 @@ TYPES = load_templates().types
         "Is my key rusty or shiny?",
         "What is the weight of the cap?",
         "Any noise?",
+        "Was the object picked up?",
         "material?",
         "Is there rust on it?",
         "Was it made in Spain?",

@@ -45,6 +45,11 @@ def test_other_words_are_no_mistyped_motions(text):
     assert not nearly_named(text)
 
 
+@pytest.mark.parametrize("text", ["Is the right cap turning?", "is my left thumb slipping"])
+def test_a_thing_by_its_place_is_no_mistyped_motion(text):
+    assert not nearly_named(text)
+
+
 def test_upside_down_names_no_motion_and_resting_is_still():
     assert motions_named("if the picture is upside down?") == set()
     assert motions_named("is the coin just resting there?") == {Motion.STILL}
@@ -117,6 +122,25 @@ def test_an_edge_is_a_motion_only_where_one_goes_to_it(question, kind):
         ("Does it slide left along the bottom edge?", {Motion.LEFT}),
         ("Is it still?", {Motion.STILL}),
         ("Does it go to the lower border?", {Motion.DOWN}),
+        ("Is the right cap turning?", set()),
+        ("Is the left finger slipping?", set()),
+        ("How far did the left cap turn?", set()),
+        ("Does my left thumb press?", {Motion.PRESS}),
+        ("Is its right jaw moving left?", {Motion.LEFT}),
+        ("Does it slide to the right quickly?", {Motion.RIGHT}),
+        ("Is it going to the left now?", {Motion.LEFT}),
+        ("Did it slide towards the right jaw?", {Motion.RIGHT}),
+        ("Is the direction the left or the right?", {Motion.LEFT, Motion.RIGHT}),
+        ("Is it the left direction?", {Motion.LEFT}),
+        ("Does it go to the right edge?", {Motion.RIGHT}),
+        ("Is the part still held?", set()),
+        ("Is it still there?", set()),
+        ("Is the cap still attached?", set()),
+        ("Is the part held still?", {Motion.STILL}),
+        ("Was the object picked up?", set()),
+        ("Does it end up left?", {Motion.LEFT}),
+        ("Is it set up?", set()),
+        ("Did it go up?", {Motion.UP}),
     ],
 )
 def test_where_it_comes_from_is_no_motion(text, named):

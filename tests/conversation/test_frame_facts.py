@@ -272,3 +272,30 @@ def test_the_cameras_own_view_is_read_within_a_question(text, rest):
 
 def test_away_from_the_sensor_is_no_view():
     assert read_facts("is it away from the sensor?", FrameSpec()).rest.endswith("the sensor?")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Seen from the side, which way does it turn?",
+        "From the side: which way?",
+        "Looking at its side, does it turn?",
+        "Viewed from the side, is it moving?",
+    ],
+)
+def test_who_looks_from_the_side_says_nothing_of_what_is_touched(text):
+    stated = read_facts(text, FrameSpec())
+    assert (stated.lasting.contact_side, stated.rest) == (None, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "side"),
+    [
+        ("Held at its side.", "side"),
+        ("A side grip.", "side"),
+        ("The sensor touches the side.", "side"),
+        ("Seen from the head.", "head"),
+    ],
+)
+def test_the_side_that_is_touched_is_told(text, side):
+    assert read_facts(text, FrameSpec()).lasting.contact_side == side
