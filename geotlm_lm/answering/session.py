@@ -16,6 +16,7 @@ from geotlm_lm.answering.answer import Answer, Encoded
 from geotlm_lm.answering.expected import require_encoded, require_frame
 from geotlm_lm.answering.several import Comparison, Order
 from geotlm_lm.answering.streaming import Listener, pieces
+from geotlm_lm.conversation.doubts import doubted
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.conversation.question import check_question
@@ -44,6 +45,9 @@ _AGAIN = re.compile(
     r"(?:(?:please )?(?:repeat|say) (?:that|it)(?: again)?|again|repeat|pardon)[?!. ]*"
 )
 
+OF_THE_CLIP_BEFORE = "Of the clip before:"
+"""Said where an answer is repeated, or reasoned for, after another clip was given."""
+
 _STANCE = {
     "high": "I stay with it",
     "medium": "I lean to it",
@@ -60,12 +64,14 @@ class Turn:
         answer: What was said to it.
         is_repeated: Whether it is an earlier answer said again.
         frame: The frame of reference before it.
+        encoded: The clip that questions were about.
     """
 
     question: str
     answer: Reply
     is_repeated: bool = False
     frame: FrameSpec = CAMERA
+    encoded: Encoded | None = None
 
 
 class Session:
@@ -96,10 +102,15 @@ class Session:
     @property
     def last(self) -> Reply | None:
         """The last answer of its own, about a clip: neither about the frame nor a reason."""
-        said = (turn.answer for turn in reversed(self.history) if not turn.is_repeated)
-        return next(
-            (one for one in said if getattr(one, "kind", "") not in ("frame", "evidence")), None
-        )
+        turn = self.last_turn
+        return None if turn is None else turn.answer
+
+    @property
+    def last_turn(self) -> Turn | None:
+        """The turn of `last`: its clip need not be the one that questions are about now."""
+        own = (turn for turn in reversed(self.history) if not turn.is_repeated)
+        kinds = ("frame", "evidence")
+        return next((one for one in own if getattr(one.answer, "kind", "") not in kinds), None)
 
     def add_clip(self, encoded: Encoded) -> None:
         """Make another clip the one that questions are about; comparisons look back at the last.
@@ -128,7 +139,7 @@ class Session:
         question = corrected(typed, self.frame)
         repeated = self._said_again(question)
         answer = repeated or self._reply(question, listen)
-        self.history.append(Turn(typed, answer, repeated is not None, self.frame))
+        self.history.append(Turn(typed, answer, repeated is not None, self.frame, self.encoded))
         self.frame = read_facts(question, self.frame).lasting
         return answer
 
@@ -153,14 +164,21 @@ class Session:
 
     def _said_again(self, question: str) -> Reply | None:
         """Return the last answer again where the question doubts it or asks for it; else None."""
-        last, words = self.last, question.lower().replace("\u2019", "'")
+        last, words = self._last_said(), question.lower().replace("\u2019", "'")
         if last is None or (len(self.clips) > 1 and asks_of_one(question) is not None):
             return None
         if _AGAIN.fullmatch(words):
             return last
         asks_surety = asked_kind(question) == "confidence" and two_parts(question) is None
-        is_doubt = _is_doubt(words) or asks_surety
+        is_doubt = _is_doubt(words) or (asks_surety and doubted(question) is None)
         return _steadfast(last) if is_doubt else None
+
+    def _last_said(self) -> Reply | None:
+        """Return the last answer; where it is of a clip before, its text says so."""
+        turn = self.last_turn
+        if turn is None or turn.encoded is self.encoded or not isinstance(turn.answer, Answer):
+            return turn and turn.answer
+        return replace(turn.answer, text=f"{OF_THE_CLIP_BEFORE} {turn.answer.text}")
 
     def _reply(self, question: str, listen: Listener | None) -> Reply:
         stated = read_facts(question, self.frame)

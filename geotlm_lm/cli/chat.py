@@ -63,7 +63,7 @@ def chat(
 
     answerer = Answerer.load(model, precision=precision)
     encoded = answerer.encode(recording, span=span)
-    Conversation(answerer, encoded, frame).run()
+    Conversation(answerer, encoded, frame, layout=layout, fps=fps).run()
 
 
 _SAID_PLAINLY = {"quit": "/quit", "exit": "/quit", "bye": "/quit", "help": "/help"}
@@ -77,14 +77,23 @@ class Conversation:
         answerer: The model.
         encoded: The clip it begins with.
         frame: The frame of reference it begins with.
+        layout: Axes of every array that is read later; None to guess.
+        fps: Frames per second of every recording that is read later; None to take what it says.
     """
 
     def __init__(
-        self, answerer: Answerer, encoded: Encoded, frame: FrameSpec | None = None
+        self,
+        answerer: Answerer,
+        encoded: Encoded,
+        frame: FrameSpec | None = None,
+        *,
+        layout: str | None = None,
+        fps: float | None = None,
     ) -> None:
         self.answerer = answerer
         self.session: Session = answerer.session(encoded, frame or FrameSpec())
         self.is_json = False
+        self._reading = {"layout": layout, "fps": fps}
         self._tell_notes(encoded.clip.notes)
 
     def run(self) -> None:
@@ -156,7 +165,7 @@ class Conversation:
             return
         from geotlm_lm.recordings.read import read_clip
 
-        encoded = self.answerer.encode(read_clip(Path(path)))
+        encoded = self.answerer.encode(read_clip(Path(path), **self._reading))
         self.session.add_clip(encoded)
         self._tell_notes(encoded.clip.notes)
         print(f"Looking at {path}; {len(self.session.clips)} clips are open.")
@@ -180,11 +189,15 @@ class Conversation:
         print(f"Frame: {known(self.session.frame)}.")
 
     def _why(self, _: str) -> None:
-        last = self.session.last
-        if getattr(last, "evidence", None) is None:
+        from geotlm_lm.answering.session import OF_THE_CLIP_BEFORE
+
+        turn = self.session.last_turn
+        if getattr(turn and turn.answer, "evidence", None) is None:
             print("there is no answer about one clip yet; ask a question first.", file=sys.stderr)
             return
-        reasons = self.answerer.why(self.session.encoded, last)
+        reasons = self.answerer.why(turn.encoded, turn.answer)
+        if turn.encoded is not self.session.encoded:
+            print(OF_THE_CLIP_BEFORE)
         print("\n".join(reasons.steps))
         print(f"note: told {reasons.source}", file=sys.stderr)
 

@@ -20,6 +20,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from geotlm_lm.conversation.claims import claimed, offered_options
+from geotlm_lm.conversation.doubts import doubted
 from geotlm_lm.conversation.wording import KIND_SENTENCES, clause, level, name, place, sentence
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import (
@@ -258,6 +259,14 @@ def _class(felt: Felt) -> Told:
 
 def _confidence(felt: Felt) -> Told:
     told = felt.frame.tell(felt.motion)
+    claims = doubted(felt.question)
+    if claims is not None:
+        is_true = told in claims
+        shares = felt.probabilities.items()
+        share = min(sum(odds for motion, odds in shares if felt.frame.tell(motion) in claims), 1.0)
+        text = f"The probability of that is {share:.0%}: {clause(told, felt.frame)}."
+        options = {"yes": share, "no": 1.0 - share}
+        return Told(text, told, felt.frame, options, "yes" if is_true else "no")
     share = felt.probabilities.get(felt.motion, 0.0)
     text = f"My confidence is {level(share)}: {share:.0%} that {clause(told, felt.frame)}."
     return _directed(felt, felt.frame, lambda _: text)

@@ -182,3 +182,35 @@ def test_a_trained_model_hears_what_is_asked_and_then_the_open_question(bundle):
     session = answerer.session(answerer.encode(recording()))
     assert session.ask("And played backwards?").direction is Motion.RIGHT
     assert answerer.bundle.speaker.heard == ["And played backwards?", OPEN_QUESTION]
+
+
+@pytest.mark.parametrize(
+    ("asked", "text"),
+    [
+        ("Is it likely that it turns clockwise?", "The probability of that is 55%: it goes clock"),
+        ("What is the probability that it slips?", "The probability of that is 20%: it goes clock"),
+        ("How sure are you that it goes left?", "The probability of that is 5%: it goes clockwise"),
+        ("Are you certain about the rotation?", "The probability of that is 60%: it goes clock"),
+    ],
+)
+def test_how_likely_a_motion_is_is_asked_of_that_motion(session, asked, text):
+    session.ask("Is anything touching?")
+    assert session.ask(asked).text.startswith(text)
+
+
+@pytest.mark.parametrize(
+    "doubt", ["What is the probability?", "How likely is that?", "Are you sure it is not turning?"]
+)
+def test_how_likely_without_a_motion_is_of_the_answer_before(session, doubt):
+    session.ask("Which way?")
+    assert session.ask(doubt).text.endswith("likeliest, 55%: Clockwise, in the camera image.")
+
+
+@pytest.mark.parametrize("again", ["Are you sure?", "Say that again?", "Really?"])
+def test_an_answer_said_again_after_another_clip_names_the_clip_before(session, again):
+    session.ask("Which way?")
+    session.add_clip(session.answerer.encode(recording(seed=2)))
+    said = session.ask(again).text
+    assert said.endswith("Of the clip before: Clockwise, in the camera image.")
+    session.ask("Which way?")
+    assert "before" not in session.ask(again).text

@@ -167,3 +167,27 @@ def test_the_number_format_reaches_the_loader(talk):
 def test_the_size_of_a_pixel_given_at_the_start_is_part_of_the_frame(talk):
     out, _ = talk("/frame", options=("--mm-per-px", "0.06"))
     assert "0.06 mm per pixel" in out[0]
+
+
+def test_reasons_and_a_doubt_after_another_clip_are_of_the_clip_before(talk, clip_path, tmp_path):
+    talk.calibration["temperature"] = 0.1
+    other = tmp_path / "other.npy"
+    np.save(other, np.load(clip_path)[:, ::-1])
+    before = talk("which way?", "/why")[0][1:]
+    out, _ = talk("which way?", f"/clip {other}", "/why", "are you sure?", "which way?", "/why")
+    assert out[2] == "Of the clip before:"
+    assert out[3 : 3 + len(before)] == before
+    doubt, again, *after = out[3 + len(before) :]
+    assert doubt.endswith(f": Of the clip before: {DIRECTION}")
+    assert again == DIRECTION
+    assert "Of the clip before:" not in after
+
+
+def test_another_clip_is_read_as_the_first_was_asked_to_be(talk, tmp_path, clip_path):
+    frames = np.random.default_rng(1).integers(80, 130, (4, 3, 24, 32)).astype(np.uint8)
+    np.save(tmp_path / "planes.npy", frames)
+    options = ("--layout", "THWC", "--fps", "7")
+    out, err = talk(f"/clip {clip_path}", "what is the frame rate?", options=options)
+    assert out[-1] == "The recording has 7 frames per second."
+    _, err = talk(f"/clip {tmp_path / 'planes.npy'}", options=options)
+    assert "THWC" in err[-1]
