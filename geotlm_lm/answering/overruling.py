@@ -15,7 +15,7 @@ from geotlm_lm.conversation.claims import (
     nearly_named,
     offered_options,
 )
-from geotlm_lm.conversation.kinds import asked_kind, asks_whether_moving
+from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
 from geotlm_lm.conversation.retell import VERDICTS
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, motion_class
@@ -38,6 +38,8 @@ def asked_openly(slots: Slots | None, question: str) -> str | None:
         return "verify"
     if passes_over_a_choice(slots, question):
         return "choice"
+    if slots is not None and slots.kind == "class" and asks_direction(question):
+        return "direction"
     if slots is not None and (slots.kind == "confidence" or denies_nothing(slots, question)):
         return slots.kind
     return None

@@ -217,7 +217,7 @@ def _is_doubt(words: str) -> bool:
 
 def _steadfast(last: Reply) -> Reply:
     """Return the answer again, with how sure it is."""
-    if last.abstained:
+    if last.abstained or getattr(last, "kind", None) == "confidence":
         return last
     sure = _STANCE[level(last.confidence)]
     return replace(last, text=f"{sure}, {last.confidence:.0%}: {last.text}")

@@ -63,6 +63,21 @@ def test_an_amount_in_new_words_is_asked_for_again_in_words_the_model_knows(bund
     assert answer.told_by == "rule"
 
 
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Which way does it move across the surface of the gel?",
+        "Which way?",
+        "What direction is it?",
+    ],
+)
+def test_who_surely_asks_which_way_is_told_more_than_the_kind_of_motion(bundle, question):
+    said = {question: "A rotation.", OPEN_QUESTION: "Clockwise, in the camera image."}
+    answerer = answerer_saying(bundle, said, temperature=0.1)
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert (answer.text, answer.decided) == ("Clockwise, in the camera image.", "clockwise")
+
+
 def test_words_of_several_clips_need_the_models_word_too(bundle):
     answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
     asked = "In order to grip it: which way does it go?"

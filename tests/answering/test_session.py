@@ -198,6 +198,11 @@ def test_how_likely_a_motion_is_is_asked_of_that_motion(session, asked, text):
     assert session.ask(asked).text.startswith(text)
 
 
+def test_a_probability_is_said_again_as_it_is(session):
+    first = session.ask("Is it likely that it slips?")
+    assert session.ask("Are you sure?") == first
+
+
 @pytest.mark.parametrize(
     "doubt", ["What is the probability?", "How likely is that?", "Are you sure it is not turning?"]
 )
