@@ -179,7 +179,7 @@ RULES: dict[str, tuple[str, ...]] = {
     "magnitude": (
         r"\bhow far\b(?! or)",
         rf"\bhow (?:large|big|small) (?:(?:is|was|are|were) )?{EXTENT_OF}",
-        r"^(?:and |so |now )?how (?:large|big|small)\W*$",
+        r"\bhow (?:large|big|small)(?: (?:is|was) (?:this|that))?\W*$",
         r"\b(?:by )?how much\b",
         r"\b(?:amount|extent|displacement)\b",
         rf"\bhow many {_COUNTED}\b",

@@ -177,6 +177,8 @@ def test_questions_nobody_wrote_a_template_for_find_their_kind(question, kind):
         ("How big is the turn?", "magnitude"),
         ("How large was its displacement?", "magnitude"),
         ("How large is it?", "magnitude"),
+        ("How big was that?", "magnitude"),
+        ("How big is that nut?", None),
         ("What is the size of the slide?", "magnitude"),
         # Two clips, and one beside its first frame.
         ("How far did it move compared to the first frame?", "magnitude"),
