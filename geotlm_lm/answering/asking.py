@@ -13,8 +13,9 @@ from geotlm_lm.answering.amount_verdicts import judged_amount
 from geotlm_lm.answering.answer import Answer, Encoded, evidence
 from geotlm_lm.answering.joining import both
 from geotlm_lm.answering.leaning import with_lean
+from geotlm_lm.answering.overruling import read_by_rule
 from geotlm_lm.answering.presumed_amounts import with_amount
-from geotlm_lm.answering.replying import UNTRAINED, by_rule, in_words
+from geotlm_lm.answering.replying import UNTRAINED, by_rule, from_open_question, in_words
 from geotlm_lm.answering.streaming import Listener, StandingWords
 from geotlm_lm.answering.withholding import plain, too_little_contact
 from geotlm_lm.checkpoint import Bundle
@@ -24,6 +25,7 @@ from geotlm_lm.conversation.either_or import without_opposites
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.option_meanings import initials_spelt_out
 from geotlm_lm.conversation.place import place_in_picture
 from geotlm_lm.conversation.reasons import contact_place
 from geotlm_lm.conversation.retell import CAMERA
@@ -68,15 +70,20 @@ def answer_question(
         return plain(encoded, missing, "frame", stated.frame)
     if not stated.is_stated and states_more(stated.rest):
         return plain(encoded, UNREAD, "frame", frame)
-    asked, frame = without_opposites(without_adverbs(spelt(stated.rest))), stated.frame
+    asked, frame = (
+        without_opposites(without_adverbs(spelt(initials_spelt_out(stated.rest)))),
+        stated.frame,
+    )
     parts = two_parts(asked)
     if parts is not None:
         return both(*(answer_question(bundle, encoded, part, frame) for part in parts))
     answer = _at_once(bundle, encoded, asked, frame)
     if answer is not None:
         return answer
-    kind = asked_kind(asked)
-    if kind is not None and kind not in bundle.grammar.kinds:
+    kind, read = asked_kind(asked), read_by_rule(asked)
+    if read is not None:
+        answer = from_open_question(bundle, encoded, asked, read, frame)
+    elif kind is not None and kind not in bundle.grammar.kinds:
         answer = by_rule(bundle, encoded, asked, kind, frame)
     else:
         words = listen and StandingWords(bundle, encoded, asked, frame, listen)

@@ -15,8 +15,11 @@ from geotlm_lm.conversation.claims import (
     nearly_named,
     offered_options,
 )
+from geotlm_lm.conversation.half_ways import asked_half, claimed_half
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
+from geotlm_lm.conversation.option_meanings import offers_neither, option_sets
 from geotlm_lm.conversation.retell import VERDICTS
+from geotlm_lm.conversation.whole_claims import whole_claim
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, motion_class
 from geotlm_lm.language.parse_answer import Slots
@@ -43,6 +46,22 @@ def asked_openly(slots: Slots | None, question: str) -> str | None:
     if slots is not None and (slots.kind == "confidence" or denies_nothing(slots, question)):
         return slots.kind
     return None
+
+
+def read_by_rule(question: str) -> str | None:
+    """Return as which kind a question is answered whatever a model makes of its words.
+
+    None where the model is asked: no question of the templates is taken from it.
+    """
+    kind = asked_kind(question)
+    if kind in (None, "negation") and whole_claim(question) is not None:
+        return "verify"
+    if kind in (None, "evidence") and claimed_half(question) is not None:
+        return "verify"
+    if kind is None and asked_half(question) is not None:
+        return "direction"
+    is_choice = option_sets(question) is not None or offers_neither(question)
+    return "choice" if kind in (None, "negation") and is_choice else None
 
 
 def denies_the_open_answer(

@@ -104,7 +104,7 @@ def in_words(
     if is_ruled_out(question, heard.slots and heard.slots.kind):
         kind = asked_kind(question)
         if kind in RETOLD:
-            return _from_open_question(bundle, encoded, question, kind, frame, heard)
+            return from_open_question(bundle, encoded, question, kind, frame, heard)
         heard = _heard_again(bundle, encoded, question, heard, kind)
     if passes_over_moving(heard.slots, question):
         heard = _heard_again(bundle, encoded, question, heard, "moving")
@@ -113,14 +113,14 @@ def in_words(
         text = bundle.grammar.sentence(Slots("refusal"))
         return plain(encoded, text, "refusal", frame, heard.timing_ms)
     if (kind := asked_openly(slots, question)) is not None:
-        return _from_open_question(bundle, encoded, question, kind, frame, heard)
+        return from_open_question(bundle, encoded, question, kind, frame, heard)
     if slots is None:
         answer = plain(encoded, NOT_UNDERSTOOD, None, frame, heard.timing_ms)
         return replace(answer, options=heard.options)
     if slots.kind in NEEDS_MORE:
         return plain(encoded, NEEDS_MORE[slots.kind], slots.kind, frame, heard.timing_ms)
     if slots.kind in ALWAYS_RETOLD:
-        return _from_open_question(bundle, encoded, question, slots.kind, frame, heard)
+        return from_open_question(bundle, encoded, question, slots.kind, frame, heard)
     if slots.kind in CHECKED:
         opened = hear(bundle, encoded, OPEN_QUESTION)
         heard = replace(heard, timing_ms=spent(heard, opened))
@@ -223,7 +223,7 @@ def by_rule(bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: F
         answer = plain(encoded, text, kind, CAMERA)
         notes = (*answer.notes, FROM_GEOMETRY)
         return replace(answer, abstained=False, confidence=1.0, notes=notes)
-    answer = _from_open_question(bundle, encoded, question, kind, frame)
+    answer = from_open_question(bundle, encoded, question, kind, frame)
     return replace(answer, notes=(*answer.notes, FROM_DIRECTION.format(_ASKED_ABOUT[kind])))
 
 
@@ -232,7 +232,7 @@ def is_as_seen(frame: FrameSpec) -> bool:
     return replace(frame, contact_side=None, thread=None, mm_per_px=None) == CAMERA
 
 
-def _from_open_question(
+def from_open_question(
     bundle: Bundle,
     encoded: Encoded,
     question: str,
@@ -240,7 +240,16 @@ def _from_open_question(
     frame: FrameSpec,
     before: Heard | None = None,
 ) -> Answer:
-    """Answer a question of `kind` by rule from the open one; `before` took its time as well."""
+    """Answer a question of `kind` by rule from the open one.
+
+    Args:
+        bundle: The model.
+        encoded: The clip.
+        question: What was asked.
+        kind: What it is answered as.
+        frame: In which to tell.
+        before: What was heard before, which took its time as well.
+    """
     opened = hear(bundle, encoded, OPEN_QUESTION)
     if before is not None:
         opened = replace(opened, timing_ms=spent(before, opened))

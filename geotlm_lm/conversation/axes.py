@@ -14,11 +14,12 @@ _AXES = (
     (
         frozenset({Motion.LEFT, Motion.RIGHT}),
         rf"\b(?:horizontally|sideways|sidewards?|(?:from )?side to side|{_ALONG} x"
-        rf"|horizontal {_MOTION})\b",
+        rf"|horizontal {_MOTION}|{_MOTION} (?:\w+ )?(?:horizontal|sideways))\b",
     ),
     (
         frozenset({Motion.UP, Motion.DOWN}),
-        rf"\b(?:vertically|up and down|{_ALONG} (?:x (?:and|or) )?y|vertical {_MOTION})\b",
+        rf"\b(?:vertically|up and down|{_ALONG} (?:x (?:and|or) )?y|vertical {_MOTION}"
+        rf"|{_MOTION} (?:\w+ )?vertical)\b",
     ),
 )
 

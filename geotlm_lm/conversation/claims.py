@@ -7,6 +7,7 @@ from difflib import get_close_matches
 
 from geotlm_lm.conversation.asides import ONE_OF_TWO, STILL_SO, UP_TO_AN_END
 from geotlm_lm.conversation.axes import claimed_axis
+from geotlm_lm.conversation.option_labels import labelled
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class
 
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
@@ -25,7 +26,8 @@ _LOST_CONTACT = (
 _NO_MOTION = re.compile(
     r"am i right|(?:what|which|option|answer|letter|one) is right|(?:is|was|sounds?) that right"
     r"|(?:are|be) right|right (?:or wrong|that|to say|now)"
-    r"|, right\b|\b(?:upper|lower|left|right|both) hal(?:f|ves)|(?:left|right)[ -]hand\w*"
+    r"|, right\b(?!,? (?:\w+,? )?or\b)|\b(?:upper|lower|left|right|both) hal(?:f|ves)"
+    r"|(?:left|right)[ -]hand\w*"
     r"|left[ -](?:to[ -])?right|up to\b|upside[ -]down|speed\w* up|slow\w* down|screw\w* in"
     r"|\bwithout (?:los|break)ing (?:the )?contact\b"
     r"|\b(?:from|along|off|at) the (?:left|right|top|bottom|upper|lower)\b"
@@ -156,10 +158,6 @@ ALIKE = 0.85
 """Similarity from which a word may be a mistyped other one: of "pressing" without an s it is 0.93,
 of "shifting" and "lifting" 0.80."""
 
-_LETTER = r"(?:(?<![A-Z])[A-D](?=[).:])|(?<![\d.])[1-4](?=\)))"
-_OPTION = re.compile(rf"\(?({_LETTER})[).:]\s*(.*?)(?=[,;]?\s*\(?{_LETTER}|$)")
-_OPTION_BEFORE = re.compile(r"([^()]*)\(([A-D1-4])\)")
-
 _STILL_GOING = re.compile(rf"{STILL_SO}|\bstill (?=in contact\b)", re.IGNORECASE)
 
 
@@ -285,10 +283,7 @@ def offered_options(question: str) -> dict[str, Motion]:
     Each stands before its option, "A) left", or in brackets behind it, "left (A)". Options that are
     not understood are left out.
     """
-    text = question.strip().upper()
-    found = _OPTION.findall(text)
-    if found and not motions_named(found[-1][1]):
-        found = [(letter, option) for option, letter in _OPTION_BEFORE.findall(text)]
+    found = labelled(question.strip().upper(), lambda option: bool(motions_named(option)))
     named = {letter: claimed_motion(option) for letter, option in found}
     return {letter: motion for letter, motion in named.items() if motion is not None}
 

@@ -21,6 +21,7 @@ from geotlm_lm.conversation.fact_words import (
     ON_ITS_HEAD,
     UPRIGHT,
 )
+from geotlm_lm.conversation.kinds import HOLDER
 from geotlm_lm.conversation.scale import is_courtesy, read_scale, scale_beside
 from geotlm_lm.conversation.statements import states_more
 from geotlm_lm.conversation.turned_image import asks_whether_clip_turned, read_turn
@@ -30,16 +31,20 @@ OF_THE_TELLING = ("viewpoint", "actor")
 """Fields that only say how to tell: put before a question by a comma they hold for it alone. The
 others are facts of the world and last."""
 
+_HOLDER = rf"(?:the |my )?{HOLDER}"
+
 _SUPPOSED = re.compile(
     r",?\s*\b(?:(?:if|suppose|supposing|imagine) (?:"
     rf"(?P<turns>(?:i|we|you|one) (?:had )?(?:turn|rotate|flip|put|turned|rotated|flipped) {IMAGE}"
-    rf" (?:upside[ -]down|on its head|{HALF_TURN}))"
+    rf" (?:upside[ -]down|on its head|{HALF_TURN})"
+    rf"|(?:i|we|you|one) (?:had )?(?:turn|rotate|turned|rotated) {_HOLDER} {HALF_TURN}"
+    rf"|{_HOLDER} (?:was|were|had been) (?:turned|rotated) {HALF_TURN})"
     rf"|{IMAGE} (?:is|was|were|had been) {ON_ITS_HEAD}"
     rf"|{MOUNTED.format('is|was|were')} (?:upside[ -]down|on its head))"
     rf"|had {IMAGE} been {ON_ITS_HEAD})\b\s*[,:;.]?",
     re.IGNORECASE,
 )
-"""An image that is turned for the length of a question."""
+"""An image that is turned for the length of a question, as it is where the sensor is turned."""
 
 _SUPPOSED_FACTS = re.compile(
     r"(?:if|suppose|supposing|assuming|assume|imagine)(?: that)? ", re.IGNORECASE

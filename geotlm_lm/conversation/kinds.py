@@ -29,7 +29,7 @@ _COUNTED = (
     rf"(?:{_MEASURES}|radians?|rads?|cm|centimet(?:re|er)s?|um|microns?|micromet(?:re|er)s?"
     r"|inch(?:es)?|turns|revolutions?|rotations?)"
 )
-_HOLDER = rf"(?:{_GEL}|finger|gripper|robot(?:'?s)?(?: arm| hand)?)"
+HOLDER = rf"(?:{_GEL}|finger|gripper|wrist|robot(?:'?s)?(?: arm| hand)?)"
 """What moves the sensor, and the sensor with it."""
 
 _MOVES_OR_END = (
@@ -63,7 +63,7 @@ RULES: dict[str, tuple[str, ...]] = {
         rf"\b{PICTURE} (?:\w+ ){{0,2}}flipped\b",
         rf"{LEADS}flip(?:ped)?{ALONE}",
         rf"{SUPPOSED}flipped\b|\bthe flipped direction\b",
-        r"\b(?:after|in|with) (?:a|the) (?:left[ -](?:to[ -])?right )?flip\b",
+        r"\b(?:after|in|with) (?:a|the) (?:[\w-]+ (?:to right )?)?flip\b",
     ),
     "order": (
         r"\bnames? the events\b",
@@ -152,7 +152,7 @@ RULES: dict[str, tuple[str, ...]] = {
     ),
     "viewpoint": (
         r"\b(?:object|other|opposite|its own)(?:'?s)? (?:own )?(?:side|view|perspective|point)",
-        rf"\b(?:from|seen from) (?:behind|the back)\b(?! (?:of )?(?:the|my) (?:camera|{_HOLDER}))",
+        rf"\b(?:from|seen from) (?:behind|the back)\b(?! (?:of )?(?:the|my) (?:camera|{HOLDER}))",
         r"\bthe (?:view|viewpoint) (?:around|to the other)",
         rf"\blook(?:ing|s)? (?:back )?(?:at|towards|into) the {_GEL}\b",
         rf"\b(?:who|person|somebody|someone|when|while) (?:faces|facing) the {_GEL}\b",
@@ -163,10 +163,10 @@ RULES: dict[str, tuple[str, ...]] = {
     "actor": (
         rf"\b(?:did|does|was|is|if|only|moved|but|about"
         r"|(?:motion|movement|direction|rotation|turn|slide|travel|path) of)"
-        rf" the {_HOLDER}(?: itself)?{_MOVES_OR_END}",
+        rf" the {HOLDER}(?: itself)?{_MOVES_OR_END}",
         rf"(?:^|[:,!] )(?:and|so|now) the {_GEL}(?: itself)?{_MOVES_OR_END}",
         rf"^(?:\W*\w+\W+){{0,4}}the {_GEL} itself\b",
-        rf"\b(?:how|where|which way) the {_HOLDER} {_GO}\b",
+        rf"\b(?:how|where|which way) the {HOLDER} {_GO}\b",
     ),
     "rate": (
         r"\bhow (?:fast|quick|quickly|slowly)\b",

@@ -15,67 +15,31 @@ from the question by rule, and where that fails the direction is told without a 
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 
-from geotlm_lm.conversation.claims import claimed, offered_options
+from geotlm_lm.conversation.changes import asked_changes, claimed_remedy
+from geotlm_lm.conversation.claims import claimed, motions_named, offered_options
 from geotlm_lm.conversation.doubts import doubted
+from geotlm_lm.conversation.half_ways import Half, asked_half, claimed_half, way_of
+from geotlm_lm.conversation.option_meanings import (
+    OptionSets,
+    offers_neither,
+    option_sets,
+    true_option,
+)
+from geotlm_lm.conversation.retold_thread import told_of_thread
+from geotlm_lm.conversation.telling import Felt, Told, directed
+from geotlm_lm.conversation.whole_claims import whole_claim
 from geotlm_lm.conversation.wording import KIND_SENTENCES, clause, level, name, place, sentence
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import (
     DIRECTED,
-    ROTATIONS,
-    SLIDES,
     Motion,
-    mirror,
     motion_class,
-    reverse,
 )
 
 CAMERA = FrameSpec()
-
-
-@dataclass(frozen=True)
-class Felt:
-    """What is known when a question is to be answered by rule.
-
-    Args:
-        kind: The sort of question.
-        motion: What the model felt, in the camera image.
-        question: As it was asked, without facts about the frame.
-        frame: In which to answer.
-        probabilities: Of every motion, in the camera image.
-        verdict: What the model itself said of a claim; None where it was not asked.
-    """
-
-    kind: str
-    motion: Motion
-    question: str
-    frame: FrameSpec
-    probabilities: Mapping[Motion, float]
-    verdict: bool | None = None
-
-
-@dataclass(frozen=True)
-class Told:
-    """What is answered.
-
-    Args:
-        text: One sentence.
-        direction: The motion it claims, in `frame`; None if it claims none.
-        frame: The frame of reference it is told in.
-        options: Probability of each possible answer, by its deciding word.
-        decided: The deciding word of this one.
-        is_refusal: Whether it declines to say.
-    """
-
-    text: str
-    direction: Motion | None
-    frame: FrameSpec
-    options: dict[str, float]
-    decided: str
-    is_refusal: bool = False
 
 
 def retell(felt: Felt) -> Told:
@@ -87,116 +51,54 @@ def retell(felt: Felt) -> Told:
     return _RULES[felt.kind](felt)
 
 
-def _directed(
-    felt: Felt, frame: FrameSpec, text: Callable[[Motion], str], change: Callable = lambda m: m
-) -> Told:
-    """Return an answer that names one motion: `change` of the felt one, as `frame` tells it."""
-
-    def tell(motion: Motion) -> Motion:
-        return frame.tell(change(motion))
-
-    told = tell(felt.motion)
-    options: dict[str, float] = {}
-    for motion, probability in felt.probabilities.items():
-        word = tell(motion).value
-        options[word] = options.get(word, 0.0) + probability
-    return Told(text(told), told, frame, options, told.value)
-
-
 def _open(felt: Felt) -> Told:
-    return _directed(felt, felt.frame, lambda told: sentence(told, felt.frame))
+    half = asked_half(felt.question) if felt.kind == "direction" else None
+    if half is not None and way_of(half, felt.frame.tell(felt.motion)) is not None:
+        return _half(felt, half)
+    return directed(felt, felt.frame, lambda told: sentence(told, felt.frame))
 
 
-def _viewpoint(felt: Felt) -> Told:
-    frame = replace(felt.frame, viewpoint="object")
-    return _directed(felt, frame, lambda told: sentence(told, frame))
+def _half(felt: Felt, half: Half) -> Told:
+    """Tell which way one half goes."""
+    frame, options = felt.frame, {}
+    for motion, probability in felt.probabilities.items():
+        told = frame.tell(motion)
+        word = (way_of(half, told) or told).value
+        options[word] = options.get(word, 0.0) + probability
+    told = frame.tell(felt.motion)
+    way = way_of(half, told).value
+    return Told(f"The {half} half goes {way}, {place(frame)}.", told, frame, options, way)
 
 
-def _actor(felt: Felt) -> Told:
-    frame = replace(felt.frame, actor="sensor")
-    return _directed(felt, frame, lambda told: sentence(told, frame))
+def _changed(felt: Felt) -> Told:
+    """Tell the motion of a clip that the question supposes changed, or whose motion undoes it."""
+    changes = asked_changes(felt.question, felt.kind)
+    frame, ends = changes.frame(felt.frame), changes.in_words()
 
-
-def _mirrored(felt: Felt) -> Told:
     def text(told: Motion) -> str:
-        return f"{sentence(told, felt.frame)[:-1]}, if the clip is mirrored."
+        said = _undoing(told, frame) if "undo" in changes.names else sentence(told, frame)
+        return f"{said[:-1]}{ends}."
 
-    return _directed(felt, felt.frame, text, mirror)
-
-
-def _reversed(felt: Felt) -> Told:
-    def text(told: Motion) -> str:
-        return f"{sentence(told, felt.frame)[:-1]}, played backwards."
-
-    return _directed(felt, felt.frame, text, reverse)
-
-
-def _undo(felt: Felt) -> Told:
-    def text(told: Motion) -> str:
-        if told in (Motion.STILL, Motion.NONE):
-            return f"There is nothing to undo: {clause(told, felt.frame)}."
-        if told not in DIRECTED:
-            return f"{name(told).capitalize()} undoes it."
-        who = "Moving the sensor" if felt.frame.actor == "sensor" else "Moving"
-        return f"{who} {told.value} undoes it, {place(felt.frame)}."
-
-    return _directed(felt, felt.frame, text, reverse)
+    told = directed(felt, frame, text, changes.of)
+    claim = claimed_remedy(felt.question) if "undo" in changes.names else None
+    if claim is None:
+        return told
+    share, word = told.options.get(claim.value, 0.0), "yes" if claim == told.direction else "no"
+    return replace(
+        told,
+        text=f"{word.capitalize()}, {told.text[:1].lower()}{told.text[1:]}",
+        options={"yes": share, "no": 1.0 - share},
+        decided=word,
+    )
 
 
-_MISSING = {
-    "contact_side": "which side touches the gel (head, shank or side)",
-    "thread": "whether the thread is right-hand or left-hand",
-}
-_WOULD = re.compile(
-    r"\b(?:what|which|how)\b(?:.*\b(?:would|will|must|should|do (?:i|you|we)|can i)\b.*|.*\bto"
-    r"| (?:way|direction|turn|motion|rotation)) \b(tight|loos|unscrew)"
-)
-
-
-def _thread(felt: Felt) -> Told:
-    frame = felt.frame
-    wanted = _WOULD.search(felt.question.lower())
-    if not wanted and felt.motion not in (*ROTATIONS, *SLIDES):
-        return _neither(felt, clause(felt.motion, frame))
-    if frame.contact_side == "side":
-        return _no_thread(felt, "gripped at its side, a turn shows as a slide")
-    if not wanted and felt.motion in SLIDES:
-        return _neither(felt, clause(frame.tell(felt.motion), frame))
-    if not wanted and frame.actor == "sensor":
-        return _neither(felt, "the sensor moved, not the object")
-    missing = " and ".join(_MISSING[fact] for fact in frame.missing_for_thread())
-    if missing:
-        return _no_thread(felt, f"tell me {missing}")
-    seen = replace(frame, actor="object")
-    if wanted:
-        tightens = wanted[1] == "tight"
-        turn = next(motion for motion in ROTATIONS if seen.tightens(motion) == tightens)
-        told = seen.tell(turn)
-        verb = "tightens" if tightens else "loosens"
-        text = f"{told.value.capitalize()} {verb} it, {place(seen)}."
-        return Told(text, told, seen, {verb: 1.0}, verb)
-    tightens = bool(seen.tightens(felt.motion))
-    options = {
-        word: sum(felt.probabilities.get(m, 0.0) for m in ROTATIONS if seen.tightens(m) == is_tight)
-        for word, is_tight in (("tightens", True), ("loosens", False))
-    }
-    verb = "tightens" if tightens else "loosens"
-    told = seen.tell(felt.motion)
-    facts = f"{frame.thread}-hand thread touched at its {frame.contact_side}"
-    return Told(f"It {verb}: {told.value} {place(seen)}, {facts}.", told, seen, options, verb)
-
-
-def _neither(felt: Felt, reason: str) -> Told:
-    share = sum(p for motion, p in felt.probabilities.items() if motion not in ROTATIONS)
-    share = 1.0 if felt.frame.actor == "sensor" else share
-    text = f"Neither tighter nor looser: {reason}."
-    told = felt.frame.tell(felt.motion)
-    return Told(text, told, felt.frame, {"neither": share}, "neither")
-
-
-def _no_thread(felt: Felt, reason: str) -> Told:
-    text = f"I cannot tell tightening from loosening: {reason}."
-    return Told(text, None, felt.frame, {}, "unknown", is_refusal=True)
+def _undoing(told: Motion, frame: FrameSpec) -> str:
+    if told in (Motion.STILL, Motion.NONE):
+        return f"There is nothing to undo: {clause(told, frame)}."
+    if told not in DIRECTED:
+        return f"{name(told).capitalize()} undoes it."
+    who = "Moving the sensor" if frame.actor == "sensor" else "Moving"
+    return f"{who} {told.value} undoes it, {place(frame)}."
 
 
 VERDICTS = {
@@ -210,14 +112,26 @@ the question says, denied or not, where it does not, and their deciding words.""
 
 def _judged(felt: Felt) -> Told:
     """Compare the claim in the question with the motion, both in the frame."""
-    frame = felt.frame
-    claims = claimed(felt.question)
+    frame, is_claim = felt.frame, felt.kind == "verify"
+    whole = whole_claim(felt.question) if is_claim else None
+    half = claimed_half(felt.question) if is_claim and whole is None else None
+    read = whole or half
+    claims = read.motions if read else claimed(felt.question)
     if claims is None and felt.verdict is not None and felt.verdict != (felt.kind == "negation"):
         claims = {felt.motion}  # the model found the claim true of the camera image
     if claims is None:
         return _open(felt)
     true = [motion for motion in Motion if frame.tell(motion) in claims]
-    return _verdict(felt, felt.motion in true, true)
+    verdict = _verdict(felt, felt.motion in true, true)
+    told = clause(frame.tell(felt.motion), frame)
+    if whole is not None and whole.is_denied:
+        so = "Yes, that is so" if verdict.decided == "yes" else "No, that is not so"
+        return replace(verdict, text=f"{so}: {told}.")
+    way = half and way_of(half.half, frame.tell(felt.motion))
+    if way:
+        word = verdict.decided.capitalize()
+        return replace(verdict, text=f"{word}, the {half.half} half goes {way.value}: {told}.")
+    return verdict
 
 
 def _verdict(felt: Felt, is_true: bool, claims: Sequence[Motion]) -> Told:
@@ -232,6 +146,10 @@ def _verdict(felt: Felt, is_true: bool, claims: Sequence[Motion]) -> Told:
 
 def _choice(felt: Felt) -> Told:
     frame = felt.frame
+    if (sets := option_sets(felt.question)) is not None:
+        return _choice_of_sets(felt, sets)
+    if offers_neither(felt.question):
+        return _or_neither(felt)
     offered = offered_options(felt.question)
     told = frame.tell(felt.motion)
     shares = {m: 0.0 for m in offered.values()}
@@ -246,6 +164,30 @@ def _choice(felt: Felt) -> Told:
     options = {f"{letters[m]}) {m.value}": share / total for m, share in shares.items()}
     text = f"{sentence(told, frame)[:-1]}, option {letter}."
     return Told(text, told, frame, options, f"{letter}) {told.value}")
+
+
+def _choice_of_sets(felt: Felt, sets: OptionSets) -> Told:
+    """Tell the option that is true of the motion, where options say more or less than one."""
+    frame, options = felt.frame, {}
+    for motion, probability in felt.probabilities.items():
+        label = true_option(sets, frame.tell(motion))
+        if label is not None:
+            word = f"{label}) {sets[label][0]}"
+            options[word] = options.get(word, 0.0) + probability
+    told = frame.tell(felt.motion)
+    label = true_option(sets, told)
+    if label is None:
+        return _open(felt)
+    text = f"{sentence(told, frame)[:-1]}, option {label}."
+    return Told(text, told, frame, options, f"{label}) {sets[label][0]}")
+
+
+def _or_neither(felt: Felt) -> Told:
+    """Tell the motion, and that it is none of those offered if so."""
+    told = _open(felt)
+    if told.direction in motions_named(felt.question):
+        return told
+    return replace(told, text=f"Neither: {clause(told.direction, felt.frame)}.")
 
 
 def _class(felt: Felt) -> Told:
@@ -269,7 +211,7 @@ def _confidence(felt: Felt) -> Told:
         return Told(text, told, felt.frame, options, "yes" if is_true else "no")
     share = felt.probabilities.get(felt.motion, 0.0)
     text = f"My confidence is {level(share)}: {share:.0%} that {clause(told, felt.frame)}."
-    return _directed(felt, felt.frame, lambda _: text)
+    return directed(felt, felt.frame, lambda _: text)
 
 
 _RULES: dict[str, Callable[[Felt], Told]] = {
@@ -279,12 +221,12 @@ _RULES: dict[str, Callable[[Felt], Told]] = {
     "class": _class,
     "negation": _judged,
     "premise": _judged,
-    "viewpoint": _viewpoint,
-    "actor": _actor,
-    "thread": _thread,
-    "mirrored": _mirrored,
-    "reversed": _reversed,
-    "undo": _undo,
+    "viewpoint": _changed,
+    "actor": _changed,
+    "thread": told_of_thread,
+    "mirrored": _changed,
+    "reversed": _changed,
+    "undo": _changed,
     "confidence": _confidence,
 }
 

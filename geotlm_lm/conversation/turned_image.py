@@ -120,6 +120,7 @@ _MENTIONS = tuple(
         rf"(?:{_PICTURE}|(?<=with )(?:{_IMAGE}|{_CAMERA})) {_OBLIQUE}{_SO_FAR}",
         rf"(?:please )?(?:turn|rotate) {_IMAGE}{_SO_FAR}",
         rf"(?<!when ){_TURN_IT} (?:{_IMAGE}|{_CAMERA}){_SO_FAR}",
+        rf"(?<=if )(?:i|we|you)(?: had)? (?:turn|rotate|turned|rotated) {_HOLDER}{_SO_FAR}",
         rf"(?:{_I} )?{_MOUNTED}(?: it| {_WHOSE})?(?: {_OBLIQUE})?{_SO_FAR}",
         rf"{_WHOSE} has (?:been )?an? (?:{_SIZE}(?: {_WAY})? rotation|rotation of {_SIZE})",
     )

@@ -173,6 +173,9 @@ def test_a_fact_of_the_world_lasts_even_before_a_comma():
         ("If I rotated the image 180 degrees clockwise, which way?", "which way?"),
         ("Suppose I flip the picture upside down: which way?", "which way?"),
         ("What if we turned the image on its head?", "Which way does it move?"),
+        ("If I had rotated the sensor by 180 degrees, which way?", "which way?"),
+        ("Which way, if I turn the gripper 180 degrees?", "Which way?"),
+        ("If the sensor had been turned by 180 degrees, where would it go?", "where does it go?"),
         (
             "If the image were upside down, would the cap be turning left?",
             "is the cap turning left?",
@@ -250,6 +253,10 @@ def test_facts_are_read_in_more_words(text, field, value):
         "No mirrored image.",
         "The robot moved and the sensor stayed still.",
         "the sensor is upside down",
+        "I rotated the sensor by 180 degrees. Which way does it go?",
+        "If I held the sensor upside down, which way does it go?",
+        "Do you know if I rotated the sensor by 180 degrees?",
+        "If I rotated the cap by 180 degrees, which way?",
     ],
 )
 def test_what_denies_a_fact_or_is_about_the_holder_alone_is_not_read(text):

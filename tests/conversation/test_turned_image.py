@@ -162,6 +162,7 @@ IMAGE, CAMERA = (
         ("the gripper is held sideways", CAMERA),
         ("With the camera turned by 90 degrees", CAMERA),
         ("If I rotated the image by 90 degrees", IMAGE),
+        ("If I had rotated the sensor by 90 degrees", CAMERA),
     ],
 )
 def test_a_turn_without_its_sense_is_asked_for_it(text, example, asks):

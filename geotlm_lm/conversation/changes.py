@@ -1,0 +1,142 @@
+"""What a question supposes about the clip or who moves: every such change is one of sign.
+
+A question may suppose several at once, "mirrored and played backwards": they are composed, so that
+none is told as if it were the only one.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from geotlm_lm.conversation.claims import asks_yes_or_no, claimed_motion
+from geotlm_lm.conversation.fact_words import HALF_TURN
+from geotlm_lm.conversation.kinds import HOLDER, RULES
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion, mirror, reverse, turn_by_quarter
+
+Change = Literal["undo", "turned", "vertical", "mirrored", "reversed", "viewpoint", "actor"]
+
+_MOVE = r"(?:mov|rotat|turn|twist|slid|shift|driv|go|travel)(?:e|es|ed|ing|s)?"
+_MOTION = r"(?:motion|movement|rotation|turn|slide|shift|direction)"
+_NO_PLACE = "".join(
+    rf"(?<!\b{word} )"
+    for word in ("on", "over", "across", "against", "along", "past", "to", "from", "in", "touching")
+)
+
+
+def _moves(holder: str) -> re.Pattern[str]:
+    """Return what says that a holder moves, or is to be moved."""
+    holder = rf"(?:the|my) {holder}\b"
+    then = r"(?: (?:itself|should|must|would|has to|needs to|is|was|to))*"
+    return re.compile(
+        rf"\b{_MOVE} {holder}|\b{_MOTION} of {holder}|{_NO_PLACE}{holder}{then} {_MOVE}\b"
+    )
+
+
+_SURE_HOLDER = r"(?:gel|sensor|pad|skin|fingertip|gripper|wrist|robot(?:'?s)? (?:arm|hand))"
+"""No finger and no robot: these may be what is touched."""
+
+_HOLDER_MOVES, _FINGER_MOVES = _moves(_SURE_HOLDER), _moves(HOLDER)
+
+_SHOWN = re.compile(
+    rf"\b(?:image|picture|video|clip|recording|view|side|frames?) of (?:the|my) {HOLDER}\b"
+)
+"""Of what a picture is, not who moves."""
+
+_FLIP = r"(?:flip(?:s|ped|ping)?|mirror(?:s|ed|ing)?)"
+_VERTICALLY = (
+    r"(?:vertical(?:ly)?|top[ -](?:to|for)[ -]bottom|bottom[ -]to[ -]top|up[ -]to[ -]down)"
+)
+_ACROSS = r"(?:horizontal(?:ly)?|left[ -](?:to[ -])?right)"
+_BOTH_WAYS = rf"{_ACROSS} and {_VERTICALLY}|{_VERTICALLY} and {_ACROSS}|both ways"
+_WORDS: tuple[tuple[Change, re.Pattern[str]], ...] = tuple(
+    (name, re.compile(words))
+    for name, words in (
+        (
+            "turned",
+            rf"(?:\b(?:turned|rotated|{_FLIP}) )?\b(?:upside[ -]down|on its head)\b"
+            rf"|\b(?:turned|rotated) {HALF_TURN}"
+            rf"|\b{_FLIP}(?: \w+){{0,4}} (?:{_BOTH_WAYS})",
+        ),
+        ("vertical", rf"\b{_FLIP}(?: \w+){{0,4}} {_VERTICALLY}\b|\b{_VERTICALLY} {_FLIP}\b"),
+        *((kind, "|".join(RULES[kind])) for kind in ("undo", "mirrored", "reversed", "viewpoint")),
+        ("actor", "|".join(rule.replace(HOLDER, _SURE_HOLDER) for rule in RULES["actor"])),
+    )
+)
+"""In the order they are looked for; what is found is taken out."""
+
+_SHOULD_I = re.compile(
+    r"(?:^|[,;:.!] |\b(?:and|so|but) )(?:should|shall|must|do) (?:i|we|the \w+)\b"
+)
+_WHICH = re.compile(r"\b(?:which|what|how|where|or)\b")
+
+
+@dataclass(frozen=True)
+class Changes:
+    """Changes that are supposed together."""
+
+    names: frozenset[Change]
+
+    def of(self, motion: Motion) -> Motion:
+        """Return the motion that a changed clip shows, or that undoes the one it shows."""
+        for name in self.names & _ON_MOTIONS.keys():
+            motion = _ON_MOTIONS[name](motion)
+        return motion
+
+    def frame(self, frame: FrameSpec) -> FrameSpec:
+        """Return the frame a changed motion is told in."""
+        if "viewpoint" in self.names:
+            frame = replace(frame, viewpoint="object")
+        if "turned" in self.names:
+            frame = replace(frame, **FrameSpec.fields_of_turn(180 + frame.turn_deg))
+        return replace(frame, actor="sensor") if "actor" in self.names else frame
+
+    def in_words(self) -> str:
+        """Return how the clip is changed, as the end of a sentence; "" where it is as it is."""
+        supposed = [words for name, words in _SUPPOSED.items() if name in self.names]
+        if supposed == [_SUPPOSED["reversed"]]:
+            return f", {supposed[0]}"
+        return f", if the clip is {' and '.join(supposed)}" if supposed else ""
+
+
+_SUPPOSED: dict[Change, str] = {
+    "mirrored": "mirrored",
+    "vertical": "flipped top to bottom",
+    "reversed": "played backwards",
+}
+
+
+_ON_MOTIONS = {
+    "mirrored": mirror,
+    "vertical": lambda motion: mirror(turn_by_quarter(turn_by_quarter(motion))),
+    "reversed": reverse,
+    "undo": reverse,
+}
+"""All of them change signs alone, so that their order does not matter."""
+
+
+def asked_changes(question: str, kind: Change) -> Changes:
+    """Return the changes that a question of `kind` supposes together.
+
+    Args:
+        question: What was asked.
+        kind: What it is a question of.
+    """
+    text = _SHOWN.sub(" ", " ".join(question.lower().replace("\u2019", "'").split()))
+    moves = _FINGER_MOVES if kind == "undo" else _HOLDER_MOVES
+    names: set[Change] = {"actor"} if moves.search(text) else set()
+    for name, words in _WORDS:
+        text, count = words.subn(" ", text)
+        if count:
+            names.add(name)
+    is_told_how = kind == "mirrored" and names & {"turned", "vertical"}
+    return Changes(frozenset(names if is_told_how else names | {kind}))
+
+
+def claimed_remedy(question: str) -> Motion | None:
+    """Return the one motion that a yes-or-no question takes for what undoes another; else None."""
+    text = " ".join(question.lower().replace("\u2019", "'").split())
+    asks = asks_yes_or_no(text) or _SHOULD_I.search(text)
+    return claimed_motion(text) if asks and not _WHICH.search(text) else None

@@ -1,0 +1,101 @@
+"""Where one half of the contact goes: a turn carries each half another way, a slide all alike."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+from geotlm_lm.conversation.claims import asks_yes_or_no, claimed_motion
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, reverse
+
+Half = Literal["upper", "lower", "left", "right"]
+
+_CLOCKWISE: dict[Half, Motion] = {
+    "upper": Motion.RIGHT,
+    "right": Motion.DOWN,
+    "lower": Motion.LEFT,
+    "left": Motion.UP,
+}
+"""Which way a half goes in a clockwise turn."""
+
+_PART = r"(?:half|side|edge|part|end|rim|border)"
+_HALVES: dict[Half, str] = {
+    "upper": rf"(?:upper {_PART}|top(?: {_PART})?)",
+    "lower": rf"(?:lower {_PART}|bottom(?: {_PART})?)",
+    "left": rf"left(?:[ -]hand)? {_PART}",
+    "right": rf"right(?:[ -]hand)? {_PART}",
+}
+_OF_WHAT = r"(?: of (?:it|(?:the|this|that|my|its) (?!clip\b|video\b|recording\b|image\b)\w+))?"
+_GOES = (
+    r"(?:go|goes|going|move|moves|moving|moved|travel|travels|travell?ing|shift|shifts|shifting)"
+)
+_ASKED = tuple(
+    (
+        half,
+        re.compile(
+            rf"\b(?:(?:which|what) (?:way|direction)|where) (?:does|did|is|was) (?:the|its) {words}"
+            rf"{_OF_WHAT} {_GOES}\W*$"
+        ),
+    )
+    for half, words in _HALVES.items()
+)
+_CLAIMED = tuple(
+    (
+        half,
+        re.compile(
+            rf"\b(?:does|did|is|was) (?:the|its) {words}{_OF_WHAT} (?:slide|sliding|{_GOES})"
+            r"(?P<way>(?: to| towards?)?(?: the)? (?:left|right|up|down|top|bottom)(?:wards?)?)\W*$"
+        ),
+    )
+    for half, words in _HALVES.items()
+)
+
+
+@dataclass(frozen=True)
+class HalfClaim:
+    """That one half goes one way.
+
+    Args:
+        half: Which one.
+        way: A slide.
+    """
+
+    half: Half
+    way: Motion
+
+    @property
+    def motions(self) -> frozenset[Motion]:
+        """The motions in which it does."""
+        return frozenset(one for one in Motion if way_of(self.half, one) == self.way)
+
+
+def way_of(half: Half, motion: Motion) -> Motion | None:
+    """Return which way a half goes in a motion; None where it is neither a turn nor a slide."""
+    if motion in ROTATIONS:
+        way = _CLOCKWISE[half]
+        return way if motion is Motion.CLOCKWISE else reverse(way)
+    return motion if motion in SLIDES else None
+
+
+def asked_half(question: str) -> Half | None:
+    """Return the half of which `question` asks openly which way it goes; None if of none."""
+    text = _plain(question)
+    return next((half for half, words in _ASKED if words.search(text)), None)
+
+
+def claimed_half(question: str) -> HalfClaim | None:
+    """Return the claim of a yes-or-no question that one half goes one way; None if it is none."""
+    text = _plain(question)
+    if not asks_yes_or_no(text):
+        return None
+    for half, words in _CLAIMED:
+        said = words.search(text)
+        way = said and claimed_motion(said["way"])
+        if way:
+            return HalfClaim(half, way)
+    return None
+
+
+def _plain(question: str) -> str:
+    return " ".join(question.lower().replace("\u2019", "'").split())

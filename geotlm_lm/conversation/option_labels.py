@@ -1,0 +1,53 @@
+"""Letters and numbers that label the options of a multiple choice, and the words of each option."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+_LETTER = r"(?:(?<![A-Z])[A-D](?=[).:])|(?<![\d.])[1-4](?=\)))"
+_LISTED = r"(?:(?<![A-Z'])[A-F](?=[).:=](?! ?$))|(?<![\d.,])[1-6](?=[).:=](?!\d)))"
+_BEFORE, _ALSO_BEFORE = (
+    re.compile(rf"\(?({label})[).:=]\s*(.*?)(?=[,;]?\s*\(?{label}|$)")
+    for label in (_LETTER, _LISTED)
+)
+_BEHIND = re.compile(r"([^()]*)\(([A-D1-4])\)")
+_TAIL = re.compile(r"[.?!;]+(?:\s.*)?$")
+
+Labelled = list[tuple[str, str]]
+
+
+def labelled(text: str, says: Callable[[str], bool]) -> Labelled:
+    """Return every label of a multiple choice with the words of its option.
+
+    Labels stand before their options, "A) left" or "1. left", or in brackets behind them, "left
+    (A)": they are read the way in which more options say something, before where both say as much.
+
+    Args:
+        text: In upper case.
+        says: Tells whether the words of an option are understood.
+    """
+    before = _BEFORE.findall(text)
+    if len(before) < 2:
+        before = _in_sequence(_ALSO_BEFORE.findall(text)) or before
+    behind = [(label, option) for option, label in _BEHIND.findall(text)]
+
+    def understood(found: Labelled) -> int:
+        return sum(says(option) for _, option in found)
+
+    return behind if understood(behind) > understood(before) else before
+
+
+def _in_sequence(found: Labelled) -> Labelled:
+    """Return labels that count up from 1 or A; none where they do not: "at 2. Which way?"."""
+    order = "".join(label for label, _ in found)
+    return (
+        found
+        if len(order) > 1 and order in ("123456"[: len(order)], "ABCDEF"[: len(order)])
+        else []
+    )
+
+
+def without_tail(option: str) -> str:
+    """Return the words of an option without what is asked behind it: "up. Which letter?"."""
+    return _TAIL.sub("", option).strip(" ,;")

@@ -1,0 +1,73 @@
+"""Of which motions each option of a choice is true, where some name no single one."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from geotlm_lm.conversation.claims import motions_named
+from geotlm_lm.conversation.option_labels import labelled, without_tail
+from geotlm_lm.conversation.whole_claims import EVERY, claimed_set
+from geotlm_lm.core.labels import DIRECTED, Motion
+
+_REST = re.compile(
+    r"(?:it(?:'s| is) )?(?:neither(?: of (?:these|them|the two|both))?|others?|else"
+    r"|none(?: of (?:these|them|those|the above))?|(?:some|any)thing else"
+    r"|another (?:way|direction|motion))"
+)
+"""All that the other options leave."""
+
+_INITIALS = {"l": "left", "r": "right", "u": "up", "d": "down"}
+_INITIAL = r"[lrud]"
+_ONLY_INITIALS = re.compile(rf"\W*{_INITIAL}(?:(?: ?[,/] ?| )(?:or )?{_INITIAL}){{1,3}}\W*")
+_NEITHER = re.compile(r"(?:,| or) (?:neither|none of (?:these|them)|something else)\W*$")
+
+OptionSets = Mapping[str, tuple[str, frozenset[Motion]]]
+"""By label the words of an option and the motions of which it is true."""
+
+
+def option_sets(question: str) -> OptionSets | None:
+    """Return the words of every lettered option and the motions of which it is true.
+
+    None where no options are lettered, where each names a motion of its own, which every model
+    reads, or where one is not understood.
+    """
+    found = {
+        label: without_tail(option.lower())
+        for label, option in labelled(question.strip().upper(), lambda one: _means(one) is not None)
+    }
+    sets = {label: _means(option) for label, option in found.items()}
+    if len(found) < 2 or any(motions is None for motions in sets.values()):
+        return None
+    if all(len(motions) == 1 for motions in sets.values()):
+        return None
+    rest = EVERY.difference(*sets.values())
+    return {label: (found[label], motions or rest) for label, motions in sets.items()}
+
+
+def _means(option: str) -> frozenset[Motion] | None:
+    """Return the motions of which an option is true; none for all the others, None if unknown."""
+    words = " ".join(option.lower().replace("\u2019", "'").split()).strip(" .,;?!()")
+    return frozenset() if _REST.fullmatch(words) else claimed_set(words)
+
+
+def true_option(sets: OptionSets, motion: Motion) -> str | None:
+    """Return the label of the narrowest option that is true of `motion`; None if none is."""
+    true = [label for label, (_, motions) in sets.items() if motion in motions]
+    return min(true, key=lambda label: len(sets[label][1]), default=None)
+
+
+def offers_neither(question: str) -> bool:
+    """Tell whether directions are offered without letters, and "neither" with them."""
+    text = " ".join(question.lower().split())
+    named = motions_named(text)
+    return bool(_NEITHER.search(text)) and len(named) > 1 and named <= {*DIRECTED}
+
+
+def initials_spelt_out(question: str) -> str:
+    """Return "L, R, U or D?" in words; any other question as it is."""
+    text = " ".join(question.lower().split())
+    if not _ONLY_INITIALS.fullmatch(text):
+        return question
+    named = re.findall(rf"\b{_INITIAL}\b", text)
+    return f"{' or '.join(_INITIALS[one] for one in named)}?"

@@ -1,0 +1,120 @@
+"""Questions whose words a rule reads, whatever a model would make of them."""
+
+import pytest
+
+from geotlm_lm.answering import OPEN_QUESTION
+from geotlm_lm.answering.overruling import read_by_rule
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.language.parse_answer import Slots
+from tests.answering.scripted import answerer_saying, feeling, recording
+
+
+def asked(bundle, felt, question):
+    """The answer of a model that feels `felt` and takes the question for one about any motion."""
+    opened = bundle.grammar.sentence(Slots("direction", Motion(felt)))
+    answerer = answerer_saying(bundle, {"*": "Yes, it is moving.", OPEN_QUESTION: opened})
+    encoded = answerer.encode(recording())
+    answer = answerer.ask(encoded, question)
+    *words, streamed = answerer.stream(encoded, question)
+    assert ("".join(words), streamed.decided) == (answer.text, answer.decided)
+    return answer
+
+
+@pytest.mark.parametrize(
+    ("question", "felt", "text", "decided"),
+    [
+        (
+            "It is not moving, right?",
+            "still",
+            "Yes, that is so: it is touching but not moving.",
+            "yes",
+        ),
+        (
+            "Is it correct that nothing moves?",
+            "clockwise",
+            "No, that is not so: it goes clockwise in the camera image.",
+            "no",
+        ),
+        (
+            "It isn't sliding, is it?",
+            "clockwise",
+            "Yes, that is so: it goes clockwise in the camera image.",
+            "yes",
+        ),
+        (
+            "Is it false that it slides left?",
+            "left",
+            "No, that is not so: it goes left in the camera image.",
+            "no",
+        ),
+        ("Any rotation?", "left", "No, it goes left in the camera image.", "no"),
+        ("translation detected?", "left", "Yes, it goes left in the camera image.", "yes"),
+        ("Does it slide while being pressed?", "press", "No, it is pressing in.", "no"),
+        (
+            "Does the top go right?",
+            "clockwise",
+            "Yes, the upper half goes right: it goes clockwise in the camera image.",
+            "yes",
+        ),
+        (
+            "Does the upper half go right?",
+            "left",
+            "No, the upper half goes left: it goes left in the camera image.",
+            "no",
+        ),
+        (
+            "Which way does the top edge move?",
+            "clockwise",
+            "The upper half goes right, in the camera image.",
+            "right",
+        ),
+        (
+            "(a) clockwise (b) counterclockwise (c) not rotating",
+            "counterclockwise",
+            "Counterclockwise, in the camera image, option B.",
+            "B) counterclockwise",
+        ),
+        (
+            "A) slips B) does not slip",
+            "still",
+            "It is still: touching but not moving, option B.",
+            "B) does not slip",
+        ),
+        ("left, right or neither?", "up", "Neither: it goes up in the camera image.", "up"),
+        ("left, right or neither?", "left", "Left, in the camera image.", "left"),
+    ],
+)
+def test_what_a_rule_reads_is_answered_by_the_motion_told_openly(
+    bundle, question, felt, text, decided
+):
+    answer = asked(bundle, felt, question)
+    assert (answer.text, answer.decided, answer.told_by) == (text, decided, "rule")
+    assert answer.confidence == pytest.approx(answer.options[answer.decided])
+    assert answer.direction == Motion(felt)
+
+
+def test_a_model_of_few_kinds_is_judged_by_the_same_rules(bundle):
+    answerer = feeling(bundle, "still")
+    answer = answerer.ask(answerer.encode(recording()), "It's not slipping, right?")
+    assert (answer.kind, answer.decided) == ("verify", "yes")
+
+
+def test_a_frame_told_before_holds_for_a_claim_about_a_half(bundle):
+    answer = asked(bundle, "clockwise", "The image is mirrored. Does the top go left?")
+    assert answer.decided == "yes"
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Is it not turning left?",
+        "Is it moving?",
+        "Where does the upper half go?",
+        "Is it not moving, played backwards?",
+        "Which way does it move?",
+        "A) left B) right",
+        "How sure are you that it does not move?",
+    ],
+)
+def test_what_the_model_reads_is_left_to_it(question):
+    assert read_by_rule(question) is None
