@@ -74,6 +74,7 @@ class Compared(TypedDict):
 
     text: str
     relation: Literal["same", "opposite", "different", "unknown"]
+    decided: str | None
     confidence: float
     abstained: bool
     first: dict[str, Any]

@@ -3,9 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from geotlm_lm.answering.answer import Answer, Encoded
 from geotlm_lm.answering.asking import answer_question
+from geotlm_lm.answering.deciding import (
+    judge_amounts,
+    judge_each,
+    judge_image,
+    judge_relation,
+    judge_share,
+    judge_supposed,
+    judge_undoing,
+)
 from geotlm_lm.answering.hearing import AMOUNT_QUESTION, OPEN_QUESTION, RATE_QUESTION, hear
 from geotlm_lm.answering.measuring import measured
 from geotlm_lm.answering.one_way import as_told
@@ -22,9 +32,25 @@ from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.conversation.kinds import asks_from_object
 from geotlm_lm.conversation.turned_image import unclear_turn
-from geotlm_lm.conversation.two_clips import asks_each_amount, asks_of_one, relates
-from geotlm_lm.conversation.untold import untold
+from geotlm_lm.conversation.two_claims import (
+    asks_same_amount,
+    asks_undoing,
+    claimed_each,
+    claimed_image,
+    claimed_relation,
+    claimed_share,
+    claimed_subject,
+    supposed_change,
+)
+from geotlm_lm.conversation.two_clips import (
+    asks_each_amount,
+    asks_of_one,
+    clips_by_number,
+    relates,
+)
+from geotlm_lm.conversation.untold import never_told, untold
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.language.parse_answer import Slots
 
@@ -47,10 +73,14 @@ def compare_clips(
         frame: In which to tell directions.
     """
     stated = read_facts(question, frame)
-    asked, frame = stated.rest or question, stated.frame
+    asked, frame = clips_by_number(stated.rest or question), stated.frame
+    if asks_from_object(asked):
+        frame = replace(frame, viewpoint="object")
     answers = [answer_question(bundle, one, OPEN_QUESTION, frame) for one in clips]
     if (declined := _declined(bundle, question, asked)) is not None:
         return Comparison(declined, "unknown", 0.0, True, *answers)
+    if (decided := _decided(bundle, clips, asked, frame, answers)) is not None:
+        return decided
     if (one := asks_of_one(asked)) is not None:
         which, of_it = one
         answer = answer_question(bundle, clips[which], of_it or OPEN_QUESTION, frame)
@@ -62,7 +92,40 @@ def compare_clips(
         return tell_each([answer_question(bundle, one, of_each, frame) for one in clips], answers)
     if not relates(asked):
         return Comparison(COMPARED, "unknown", 0.0, True, *answers)
-    return compare_directions(*answers)
+    claim = claimed_relation(asked)
+    return compare_directions(*answers) if claim is None else judge_relation(claim, answers)
+
+
+def _decided(
+    bundle: Bundle,
+    clips: Sequence[Encoded],
+    asked: str,
+    frame: FrameSpec,
+    answers: Sequence[Answer],
+) -> Comparison | None:
+    """Return the verdict on what is claimed of two clips, or which it is; None if neither is."""
+    if (image := claimed_image(asked)) is not None:
+        return judge_image(image, answers)
+    if (supposed := supposed_change(asked)) is not None:
+        rest, which, change = supposed
+        claim = claimed_relation(rest)
+        return None if claim is None else judge_supposed(claim, which, change, answers)
+    if asks_undoing(asked):
+        return judge_undoing(_compare_amounts(bundle, clips, asked, frame, answers), answers)
+    if (kind := asks_same_amount(asked)) is not None:
+        is_speed = kind == "rate"
+        amounts = _compare_amounts(bundle, clips, asked, frame, answers, is_speed=is_speed)
+        return judge_amounts(amounts, "similar")
+    if asks_amount(asked):
+        subject = claimed_subject(asked)
+        if subject is None:
+            return None
+        amounts = _compare_amounts(bundle, clips, asked, frame, answers)
+        return judge_amounts(amounts, ("first", "second")[subject])
+    if (each := claimed_each(asked)) is not None:
+        return judge_each(each, answers)
+    share = claimed_share(asked)
+    return None if share is None else judge_share(share, answers)
 
 
 def _declined(bundle: Bundle, question: str, asked: str) -> str | None:
@@ -74,7 +137,7 @@ def _declined(bundle: Bundle, question: str, asked: str) -> str | None:
     if asks_beyond_touch(asked):
         knows = "refusal" in bundle.grammar.kinds
         return bundle.grammar.sentence(Slots("refusal")) if knows else COMPARED
-    return untold(asked)
+    return never_told(asked) or untold(asked)
 
 
 def _compare_amounts(
@@ -83,6 +146,8 @@ def _compare_amounts(
     question: str,
     frame: FrameSpec,
     answers: Sequence[Answer],
+    *,
+    is_speed: bool = False,
 ) -> Comparison:
     if "magnitude" not in bundle.grammar.kinds:
         return Comparison(UNTRAINED["magnitude"], "unknown", 0.0, True, *answers)
@@ -93,4 +158,7 @@ def _compare_amounts(
     found = [measured(bundle, one, said, frame) for one, said in zip(clips, heard, strict=True)]
     sizes = {one.clip.frames.shape[1:3] for one in clips}
     seconds = [one.seconds for one in clips]
-    return compare_amounts(question, found, seconds, answers, is_same_size=len(sizes) == 1)
+    is_same_size = len(sizes) == 1
+    return compare_amounts(
+        question, found, seconds, answers, is_same_size=is_same_size, is_speed=is_speed
+    )

@@ -22,7 +22,8 @@ from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.conversation.question import check_question
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.turned_image import unclear_turn
-from geotlm_lm.conversation.two_clips import asks_of_one
+from geotlm_lm.conversation.two_claims import asks_of_two
+from geotlm_lm.conversation.two_clips import asks_of_one, clips_by_number
 from geotlm_lm.conversation.two_parts import two_parts
 from geotlm_lm.conversation.wording import level
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -184,8 +185,13 @@ class Session:
         stated = read_facts(question, self.frame)
         is_unclear = unclear_turn(stated.rest) is not None
         kind = None if is_unclear else asked_kind(stated.rest)
-        is_of_one = kind != "order" and not is_unclear and asks_of_one(stated.rest) is not None
-        if (kind == "comparison" or is_of_one) and len(self.clips) > 1:
+        is_of_one = (
+            kind != "order"
+            and not is_unclear
+            and asks_of_one(clips_by_number(stated.rest)) is not None
+        )
+        is_of_two = is_of_one or (kind != "order" and not is_unclear and asks_of_two(stated.rest))
+        if (kind == "comparison" or is_of_two) and len(self.clips) > 1:
             first, second = self.clips[-2:]
             return self.answerer.compare(first, second, stated.rest, frame=stated.frame)
         if kind == "order" and len(self.clips) > 1:

@@ -21,9 +21,10 @@ SIMILAR = 0.2
 """Amounts that differ by at most this share of the greater count as similar: a fifth, as in their
 tolerance."""
 
-_MORE = ("further", "farther", "more", "larger")
-_LESS = ("less", "smaller")
-_FASTER, _SLOWER = "faster", "slower"
+_MORE = ("further", "farther", "more", "larger", "furthest", "farthest", "largest")
+_LESS = ("less", "smaller", "smallest")
+_FASTER = ("faster", "quicker", "fastest", "quickest")
+_SLOWER = ("slower", "slowest")
 
 _ROUGHLY = re.compile(r"\bmore or less\b(?!.*\bthan\b)")
 """Asks for no amount: "more or less the same way", but not "more or less than the other"."""
@@ -43,6 +44,9 @@ class Comparison:
         abstained: Whether the model declines to say.
         first: Which way the first clip goes.
         second: Which way the second one goes.
+        decided: The word a program reads: "yes" or "no" where that is asked, "first", "second",
+            "both" or "neither" where it is asked which, else what relates them; None when nothing
+            was decided.
     """
 
     text: str
@@ -51,12 +55,14 @@ class Comparison:
     abstained: bool
     first: Answer
     second: Answer
+    decided: str | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON values."""
         return {
             "text": self.text,
             "relation": self.relation,
+            "decided": self.decided,
             "confidence": round(self.confidence, 4),
             "abstained": self.abstained,
             "first": self.first.to_dict(),
@@ -95,7 +101,7 @@ class Order:
 
 def asks_amount(question: str) -> bool:
     """Tell whether a comparison asks which goes further or faster, not which way."""
-    return bool({*_MORE, *_LESS, _FASTER, _SLOWER} & _words(question))
+    return bool({*_MORE, *_LESS, *_FASTER, *_SLOWER} & _words(question))
 
 
 def compare_directions(first: Answer, second: Answer) -> Comparison:
@@ -107,22 +113,17 @@ def compare_directions(first: Answer, second: Answer) -> Comparison:
     def told(text: str, relation: Relation, confidence: float) -> Comparison:
         if confidence < LEAST_SURE:
             return Comparison(unsure_text(text, confidence), "unknown", 0.0, True, first, second)
-        return Comparison(text, relation, confidence, False, first, second)
+        return Comparison(text, relation, confidence, False, first, second, relation)
 
-    if (unsure := _withheld((first, second))) is not None:
-        text = f"I cannot compare them; of the {('first', 'second')[unsure[0]]}: {unsure[1].text}"
-        return Comparison(text, "unknown", 0.0, True, first, second)
+    if (unsure := unsure_of((first, second))) is not None:
+        return Comparison(unsure, "unknown", 0.0, True, first, second)
     frame, one, other = first.frame, first.direction, second.direction
-    pairs = {
-        (Motion(a), Motion(b)): p * q
-        for a, p in first.options.items()
-        for b, q in second.options.items()
-    }
+    pairs = shares_of_pairs((first, second))
     same = sum(p for (a, b), p in pairs.items() if a == b)
     opposite = sum(p for (a, b), p in pairs.items() if a != b and a in DIRECTED and b == reverse(a))
     if one == other:
         return told(f"The same: of both clips, {clause(one, frame)}.", "same", same)
-    both = _each_way((first, second))
+    both = each_way((first, second))
     if one in DIRECTED and other == reverse(one):
         return told(f"Opposite: {both}", "opposite", opposite)
     rest = max(0.0, 1.0 - same - opposite)
@@ -136,6 +137,7 @@ def compare_amounts(
     answers: Sequence[Answer],
     *,
     is_same_size: bool = True,
+    is_speed: bool = False,
 ) -> Comparison:
     """Tell which of two clips goes further, or faster, by the likeliest amount of each.
 
@@ -148,16 +150,16 @@ def compare_amounts(
         answers: Which way each goes.
         is_same_size: Whether their frames have the same size: a pixel of one is else not one of
             the other.
+        is_speed: Whether speeds are compared, whatever the question's words.
     """
 
     def refuse(text: str) -> Comparison:
         return Comparison(text, "unknown", 0.0, True, *answers)
 
-    if (unsure := _withheld(answers)) is not None:
-        which = ("first", "second")[unsure[0]]
-        return refuse(f"I cannot compare them; of the {which}: {unsure[1].text}")
+    if (unsure := unsure_of(answers)) is not None:
+        return refuse(unsure)
     if (verb := _presumed_in_vain(question, answers)) is not None:
-        return refuse(f"Neither {verb}: {_each_way(answers)}")
+        return refuse(f"Neither {verb}: {each_way(answers)}")
     if any(one is None for one in found):
         return refuse("I cannot compare them: not both of them turn or slide.")
     if found[0].unit != found[1].unit:
@@ -165,7 +167,7 @@ def compare_amounts(
     if found[0].unit != "deg" and not is_same_size:
         return refuse("I cannot compare how far they slide: their frames differ in size.")
     amounts, unit = [one.value for one in found], found[0].unit
-    if {_FASTER, _SLOWER} & _words(question):
+    if is_speed or {*_FASTER, *_SLOWER} & _words(question):
         if not all(seconds):
             return refuse("I cannot tell which is faster: not both clips have a frame rate.")
         amounts = [amount / time for amount, time in zip(amounts, seconds, strict=True)]
@@ -174,10 +176,10 @@ def compare_amounts(
     sizes = f"about {amounts[0]:.3g} and {amounts[1]:.3g} {unit}"
     if abs(amounts[0] - amounts[1]) <= SIMILAR * max(amounts):
         text = f"Neither: they are similar, {sizes}."
-        return Comparison(text, "similar", confidence, False, *answers)
-    is_first = (amounts[0] > amounts[1]) != bool({*_LESS, _SLOWER} & _words(question))
+        return Comparison(text, "similar", confidence, False, *answers, "similar")
+    is_first = (amounts[0] > amounts[1]) != bool({*_LESS, *_SLOWER} & _words(question))
     which: Relation = "first" if is_first else "second"
-    return Comparison(f"The {which}: {sizes}.", which, confidence, False, *answers)
+    return Comparison(f"The {which}: {sizes}.", which, confidence, False, *answers, which)
 
 
 def tell_one(which: int, answer: Answer, answers: Sequence[Answer]) -> Comparison:
@@ -191,7 +193,7 @@ def tell_one(which: int, answer: Answer, answers: Sequence[Answer]) -> Compariso
     asked: Relation = ("first", "second")[which]
     relation = "unknown" if answer.abstained else asked
     text = f"Of the {asked}: {answer.text}"
-    return Comparison(text, relation, answer.confidence, answer.abstained, *answers)
+    return Comparison(text, relation, answer.confidence, answer.abstained, *answers, answer.decided)
 
 
 def tell_each(told: Sequence[Answer], answers: Sequence[Answer]) -> Comparison:
@@ -223,6 +225,20 @@ def tell_order(answers: Sequence[Answer]) -> Order:
     return Order(text, motions, confidence, False, tuple(answers))
 
 
+def shares_of_pairs(answers: Sequence[Answer]) -> dict[tuple[Motion, Motion], float]:
+    """Return how probable each pair of motions is, of two clips."""
+    one, other = (answer.options.items() for answer in answers)
+    return {(Motion(a), Motion(b)): p * q for a, p in one for b, q in other}
+
+
+def unsure_of(answers: Sequence[Answer]) -> str | None:
+    """Return why two clips cannot be compared, where the motion of one is withheld; else None."""
+    unsure = _withheld(answers)
+    if unsure is None:
+        return None
+    return f"I cannot compare them; of the {('first', 'second')[unsure[0]]}: {unsure[1].text}"
+
+
 def _withheld(answers: Sequence[Answer]) -> tuple[int, Answer] | None:
     """Return the first answer that names no motion, and its place."""
     return next(((i, a) for i, a in enumerate(answers) if a.direction is None), None)
@@ -236,10 +252,21 @@ def _presumed_in_vain(question: str, answers: Sequence[Answer]) -> str | None:
     return "turns" if presumed is MotionClass.ROTATION else "slides"
 
 
-def _each_way(answers: Sequence[Answer]) -> str:
-    """Return which way each of two goes: "the first is going left, the second pressing in."."""
+def each_way(answers: Sequence[Answer], beginning: str = "") -> str:
+    """Return which way each of two goes: "the first is going left, the second pressing in.".
+
+    Args:
+        answers: About each clip.
+        beginning: The clip that was named just before, "first" or "second", which comes first.
+    """
     one, other = (answer.direction for answer in answers)
     where = f", {place(answers[0].frame)}" if {one, other} & set(DIRECTED) else ""
+    if one == other:
+        return f"both are {_going(one)}{where}."
+    if beginning == "second":
+        return f"it is {_going(other)}, the first {_going(one)}{where}."
+    if beginning == "first":
+        return f"it is {_going(one)}, the second {_going(other)}{where}."
     return f"the first is {_going(one)}, the second {_going(other)}{where}."
 
 

@@ -258,6 +258,11 @@ def asked_amount(question: str) -> str | None:
     return next((kind for kind in ("rate", "magnitude") if _RULES[kind].search(text)), None)
 
 
+def asks_from_object(question: str) -> bool:
+    """Tell whether `question` asks for the view from the object's side, whatever besides."""
+    return bool(_RULES["viewpoint"].search(" ".join(question.lower().split())))
+
+
 def is_ruled_out(question: str, kind: str | None) -> bool:
     """Tell whether the words of `question` speak against an answer of `kind`.
 

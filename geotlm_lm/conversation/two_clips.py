@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import motions_named
+from geotlm_lm.conversation.claims import motions_named, offered_options
 
 _MOTION_NOUN = (
     r"(?:ways?|directions?|sense|motions?|movements?|rotations?|turns?|turning|slides?|sliding"
@@ -32,6 +32,10 @@ _OF_SOMETHING_ELSE = re.compile(
     r"|\b(?:looks?|sounds?|feels?|smells?|tastes?)\b"
 )
 
+_EACH_ALIKE = re.compile(
+    r"^\W*(?:please )?(?:describe|tell me about|report) (?:both|each|them|the two)\b"
+)
+
 _EACH_AMOUNT = re.compile(r"\bhow (?:far|much|fast|quick(?:ly)?|slow(?:ly)?)\b")
 _EACH_RATE = re.compile(r"\b(?:fast|quick|quickly|slow|slowly)\b")
 
@@ -45,7 +49,7 @@ _GOES = (
 _CLIP = r"(?:one|clip|recording|video)"
 _ONE = re.compile(
     rf"\b(?:(?:the )?{_CLIP} (?:number )?(?P<number>1|2|one|two)"
-    rf"|the (?P<place>first|1st|second|2nd)(?: {_CLIP}\b|(?= {_GOES})|(?=\W*$))"
+    rf"|the (?P<place>first|1st|second|2nd)(?: {_CLIP}\b|(?= {_GOES})|(?=\W*$)|(?=,))"
     rf"|(?<=does )the (?P<asked>first|1st|second|2nd)(?= {_VERB}))(?P<own>'s\b)?"
 )
 _OF_BOTH = re.compile(
@@ -54,6 +58,12 @@ _OF_BOTH = re.compile(
 )
 _WITHIN = re.compile(r"(?:^| )in $")
 _IT = re.compile(r"\bit\b")
+_NAMED = r"(?:\b[Tt]he )?\b(?:[Cc]lip|[Rr]ecording|[Vv]ideo) "
+_B = re.compile(rf"(?:{_NAMED}[Bb]|\bB)\b(?![).:])")
+_A = re.compile(rf"(?:{_NAMED}(?:A|a(?=\W*$))|(?<=[a-z,] )A)\b(?![).:])")
+_OPENING_A = re.compile(r"^A\b")
+"""An article, unless a B is named too."""
+
 _FIRST = ("first", "1st", "1", "one")
 _NOTHING_ASKED = re.compile(r"\W*(?:and|so|ok|now|what|how|about|of|[ ,])*\bits?\b\W*")
 
@@ -64,7 +74,7 @@ def relates(question: str) -> bool:
     "Are they the same?" does, "are they the same object?" does not.
     """
     text = _plain(question)
-    if _SAME_WAY.search(text):
+    if _SAME_WAY.search(text) or _EACH_ALIKE.search(text):
         return True
     if _OF_SOMETHING_ELSE.search(text):
         return False
@@ -99,6 +109,16 @@ def asks_of_one(question: str) -> tuple[int, str] | None:
     asked = f"{before}{'' if is_place else 'its' if one['own'] else 'it'}{after}"
     is_first = (one["number"] or one["place"] or one["asked"]) in _FIRST
     return int(not is_first), "" if _NOTHING_ASKED.fullmatch(asked) else asked
+
+
+def clips_by_number(question: str) -> str:
+    """Return a question with "A" and "B", as two clips may be called, told as first and second."""
+    if question.isupper() or offered_options(question):
+        return question
+    text = _B.sub("the second one", question)
+    if text != question:
+        text = _OPENING_A.sub("the first one", text)
+    return _A.sub("the first one", text)
 
 
 def _plain(question: str) -> str:

@@ -77,6 +77,13 @@ _ACT = (
 _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
     (
         re.compile(
+            r"\b(?:press|push|squeez)\w*(?: \w+){0,3}? (?:harder|deeper|firmer|stronger|tighter"
+            r"|more (?:firmly|strongly|deeply))\b"
+        ),
+        _FORCE,
+    ),
+    (
+        re.compile(
             r"\b(?:accelerat|decelerat)(?:es?|ed|ing)\b|\b(?:speeding up|slowing down)\b"
             r"|\b(?:speeds? up|slows? down)\W*$"
             r"|\b(?:faster|slower) (?:at|near|towards?) the (?:end|start|beginning)\b"

@@ -1,0 +1,256 @@
+"""What a question about two clips wants decided, by its words: a relation, or of which one."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+from geotlm_lm.conversation.axes import claimed_axis
+from geotlm_lm.conversation.claims import CLASS_NAMES, asks_yes_or_no, motions_named
+from geotlm_lm.core.labels import Motion, motion_class
+
+Relation = Literal["same", "opposite", "different"]
+Of = Literal["which", "both", "either", "neither", "one", "first", "second"]
+Change = Literal["mirrored", "reversed"]
+
+_RELATIONS: tuple[tuple[Relation, str], ...] = (
+    ("same", r"same|alike|identical\w*|equal\w*|similar\w*|match(?:es|ed|ing)?|agree[sd]?|in sync"),
+    ("opposite", r"opposites?|contrary"),
+    ("different", r"differ\w*|disagree[sd]?"),
+)
+_RELATION = re.compile(
+    r"\b(?:" + "|".join(f"(?P<{name}>{words})" for name, words in _RELATIONS) + r")\b"
+)
+_OPENLY = re.compile(
+    r"^\W*(?:(?:and|so|ok|now|please)[, ]+)*(?:what|how|which|in (?:what|which)|tell|describe"
+    r"|explain|compare|why|when|where)\b"
+)
+_TAG = re.compile(
+    r",? (?:(?:right|correct|true|yes or no|yes|no|don't they|do they|aren't they|are they"
+    r"|didn't they|did they|isn't it|is it)\W*)$"
+)
+_PLAINLY = re.compile(r"^\W*(?:(?:and|so|ok|now|but)[, ]+)*(?:do|did|are|were|the|same)\b")
+_FALSE = re.compile(r"\b(?:is|was) it (?:false|wrong|untrue) that\b")
+
+_WHICH_CLIP = r"(?:one|clip|recording|video)"
+_CLIP = (
+    rf"(?:the )?(?:{_WHICH_CLIP} )?(?P<{{}}>first|second|1|2|one|two)(?: {_WHICH_CLIP})?(?:'s\b)?"
+)
+_CHANGED = (
+    r"(?:(?P<mirrored>mirrored|flipped|mirror image)"
+    r"|(?P<reversed>(?:played |run )?(?:backwards?|in reverse)|reversed?|the reverse))"
+)
+_SUPPOSED = re.compile(
+    rf",?\s*\b(?:if|suppose|supposing|when|with) {_CLIP.format('clip')} "
+    rf"(?:(?:were|was|is|had been|got) )?{_CHANGED}\b,?"
+)
+_IMAGE_OF = re.compile(
+    rf"\b{_CLIP.format('clip')}(?: is| was)? (?:just |only |simply )?(?:the |a )?{_CHANGED}"
+    rf"(?: (?:image|version|copy))? of {_CLIP.format('other')}"
+)
+_UNDO = re.compile(
+    r"\b(?:undo(?:es)?|cancel|reverse|revert|neutralise|neutralize) (?:each other|one another|out"
+    r"|the (?:first|second|other))\b|\bcancel (?:each other )?out\b"
+    r"|\bend up where (?:i|it|we) started\b"
+)
+
+_OF_WHOM: tuple[tuple[Of, str], ...] = (
+    ("neither", r"\b(?:neither|none of (?:them|the two|these))\b"),
+    ("one", r"\b(?:only|just|exactly) one\b"),
+    ("first", rf"\bonly (?:the first|clip 1)\b(?: {_WHICH_CLIP})?"),
+    ("second", rf"\bonly (?:the second|clip 2)\b(?: {_WHICH_CLIP})?"),
+    ("which", rf"\bwhich(?: {_WHICH_CLIP}| of (?:them|the two|these|the two clips))?\b"),
+    (
+        "either",
+        rf"\b(?:either|any(?: {_WHICH_CLIP})?|one) of (?:the two|them|these)(?: clips?)?\b"
+        rf"|\beither(?: {_WHICH_CLIP})?\b|\bat least one\b",
+    ),
+    (
+        "both",
+        r"\b(?:both(?: of (?:them|the two)| clips)?|each (?:one|clip|of (?:them|the two))|they"
+        r"|these two|the two(?: clips)?)\b",
+    ),
+)
+_NO_CLIP = re.compile(
+    r"\b(?:both|either|each|which|neither|only one|the two) (?:hal|sid|end|part|way|direction|hand)"
+    r"|\bit\b|\bwhich (?:way|direction|frame|hand|side|half|object|thing|part|speed|kind|type|sort"
+    r"|order)\b|\bhow\b|\bwhy\b|\bcomes? first\b"
+)
+_IF_ANY = re.compile(r",? if (?:any|either)(?: of them)?\b,?")
+_OFFERED = re.compile(
+    r"[,:]? (?:the )?first(?: one)?,? or (?:the )?second(?: one)?\b"
+    r"|^(?:the )?first or (?:the )?second[,:]"
+)
+_DENIED = re.compile(
+    r"(?<!^is)(?<!^are)(?<!^do)(?<!^does)(?<!^did)n't\b|(?<!\bor )\bnot\b(?! (?:touch|in contact))"
+    r"|\b(?:never|without)\b(?! contact)"
+)
+_TOUCHED = re.compile(r"\b(?:touch\w*|contact\w*)\b")
+_MOVES = re.compile(r"\b(?:mov(?:e|es|ed|ing)|in motion|budg\w+|shift(?:s|ed|ing)?)\b")
+
+_EACH = re.compile(
+    rf"(?:(?:and|so) )?(?:is|was|does|did|do)(?:n't)? {_CLIP.format('one')} (?P<of_one>.+?),? "
+    rf"(?:and|while|but) (?:is |does )?{_CLIP.format('other')} (?P<of_other>.+?)"
+)
+
+_SUBJECT = re.compile(
+    rf"(?:^|[,;:.!] |\b(?:and|so|but|ok|now) )(?:is|was|does|did|has)(?:n't)? "
+    rf"(?:it true that )?{_CLIP.format('subject')} (?!of\b)"
+)
+_AS_MUCH = re.compile(
+    r"\b(?:same|equal|similar|identical) (?:amounts?|angles?|distances?|extent|speeds?|rates?"
+    r"|velocity|(?:number of )?(?:degrees|pixels|millimet(?:er|re)s))\b"
+    r"|\b(?:equally|just as|as) (?:far|fast|quick(?:ly)?|much)\b"
+)
+_SPEED = re.compile(r"\b(?:speeds?|rates?|velocity|fast|quick(?:ly)?)\b")
+
+_OF_REST = frozenset({Motion.STILL, Motion.NONE})
+MOVING = frozenset(Motion) - _OF_REST
+TOUCHED = frozenset(Motion) - {Motion.NONE}
+
+
+@dataclass(frozen=True)
+class RelationClaim:
+    """A relation of two clips that a question claims.
+
+    Args:
+        relation: Of their directions.
+        is_denied: Whether the question asks if it does not hold: "is it false that".
+        is_plain: Whether it is asked so that naming the relation answers it: "the same way?".
+    """
+
+    relation: Relation
+    is_denied: bool = False
+    is_plain: bool = False
+
+
+@dataclass(frozen=True)
+class ShareClaim:
+    """Motions of which a question asks which of two clips shows one, or claims how many do.
+
+    Args:
+        of: "which" is asked; of the others a yes or no is.
+        motions: Any of them counts.
+    """
+
+    of: Of
+    motions: frozenset[Motion]
+
+
+def asks_of_two(question: str) -> bool:
+    """Tell whether a question surely is about two clips: "which one slides?", "do both turn?"."""
+    asked = (claimed_share, claimed_each, claimed_image, supposed_change, asks_same_amount)
+    return asks_undoing(question) or any(read(question) is not None for read in asked)
+
+
+def claimed_relation(question: str) -> RelationClaim | None:
+    """Return the relation of two clips that a yes-or-no question claims; None where it claims none.
+
+    None too where it offers two: "the same or opposite?".
+    """
+    text = _IF_ANY.sub("", _plain(question))
+    named = [found.lastgroup for found in _RELATION.finditer(text)]
+    if _OPENLY.match(text) or len(set(named)) != 1:
+        return None
+    is_tagged = _TAG.search(text) is not None
+    is_asked = asks_yes_or_no(text) or is_tagged or text.endswith("?") or _PLAINLY.match(text)
+    if not is_asked:
+        return None
+    is_plain = named[0] == "same" and not is_tagged and bool(_PLAINLY.match(text))
+    return RelationClaim(named[0], bool(_FALSE.search(text)), is_plain and "n't" not in text)
+
+
+def supposed_change(question: str) -> tuple[str, int, Change] | None:
+    """Return a question without its supposition, and which clip, 0 or 1, is supposed changed how.
+
+    "If the second clip were mirrored, would they turn the same way?"
+    """
+    text = _plain(question)
+    said = _SUPPOSED.search(text)
+    if said is None:
+        return None
+    rest = re.sub(r"\bwould(?= (?:they|both|the two|these)\b)", "do", text.replace(said[0], " "))
+    which = int(said["clip"] in ("second", "2", "two"))
+    return " ".join(rest.split()).strip(" ,"), which, "mirrored" if said["mirrored"] else "reversed"
+
+
+def claimed_image(question: str) -> Change | None:
+    """Return as what one clip is claimed to be the other: "is it the mirror of the first?"."""
+    text = _plain(question)
+    said = _IMAGE_OF.search(text)
+    if said is None or not (asks_yes_or_no(text) or text.endswith("?")):
+        return None
+    return "mirrored" if said["mirrored"] else "reversed"
+
+
+def asks_undoing(question: str) -> bool:
+    """Tell whether it is asked if one clip's motion undoes the other's."""
+    text = _plain(question)
+    return bool(_UNDO.search(text)) and not _OPENLY.match(text)
+
+
+def claimed_share(question: str) -> ShareClaim | None:
+    """Return which motions are asked for, and of how many clips; None where no such thing is."""
+    text = _IF_ANY.sub("", _OFFERED.sub(" ", _plain(question)))
+    if _NO_CLIP.search(text) or _RELATION.search(text):
+        return None
+    of = next((of for of, words in _OF_WHOM if re.search(words, text)), None)
+    if of is None or (of == "neither" and _DENIED.search(text)):
+        return None
+    words = dict(_OF_WHOM)[of]
+    is_asked = of == "which" or asks_yes_or_no(text) or text.endswith("?")
+    motions = _meant(re.sub(words, " ", text)) if is_asked else None
+    if motions is None:
+        return None
+    if _DENIED.search(text):
+        if of != "which":
+            return None  # "both do not turn": none, or not all?
+        motions = frozenset(Motion) - motions
+    return ShareClaim(of, motions)
+
+
+def claimed_subject(question: str) -> int | None:
+    """Return which clip, 0 or 1, a yes-or-no question is about: "is the second one faster?"."""
+    said = _SUBJECT.search(_plain(question))
+    return None if said is None else int(said["subject"] in ("second", "2", "two"))
+
+
+def asks_same_amount(question: str) -> str | None:
+    """Return "magnitude" or "rate" where it is asked if two clips go as far, or as fast."""
+    text = _plain(question)
+    if _OPENLY.match(text) or not _AS_MUCH.search(text):
+        return None
+    return "rate" if _SPEED.search(text) else "magnitude"
+
+
+def claimed_each(question: str) -> tuple[frozenset[Motion], frozenset[Motion]] | None:
+    """Return what a question claims of the first clip and of the second; None where not of both."""
+    said = _EACH.fullmatch(_plain(question).rstrip("?!. "))
+    if said is None or {said["one"], said["other"]} not in ({"first", "second"}, {"1", "2"}):
+        return None
+    claims = _meant(said["of_one"]), _meant(said["of_other"])
+    if None in claims:
+        return None
+    return claims if said["one"] in ("first", "1") else claims[::-1]
+
+
+def _meant(text: str) -> frozenset[Motion] | None:
+    """Return the motions that words mean: one way, a kind, any at all, or touch; else None."""
+    named, axis = motions_named(text), claimed_axis(text)
+    if axis and named <= axis:
+        return axis
+    if len(named) == 1:
+        return frozenset(named)
+    kinds = {kind for kind, words in CLASS_NAMES if re.search(words, text)}
+    if named or len(kinds) > 1:
+        return None
+    if kinds:
+        return frozenset(one for one in Motion if motion_class(one) in kinds)
+    if _TOUCHED.search(text):
+        return TOUCHED
+    return MOVING if _MOVES.search(text) else None
+
+
+def _plain(question: str) -> str:
+    return " ".join(question.lower().replace("\u2019", "'").split())

@@ -1,0 +1,177 @@
+"""Yes, no, or which of two clips, from answers written down by hand and through the seam."""
+
+from dataclasses import replace
+
+import pytest
+
+from geotlm_lm.answering.deciding import (
+    judge_amounts,
+    judge_image,
+    judge_relation,
+    judge_share,
+    judge_supposed,
+    judge_undoing,
+)
+from geotlm_lm.answering.several import compare_amounts
+from geotlm_lm.conversation.two_claims import claimed_relation, claimed_share, supposed_change
+from tests.answering import test_several as by_hand
+from tests.answering.scripted import answerer_saying, recording
+from tests.answering.test_several import WITHHELD, measured
+
+
+def answer(motion, share=0.8):
+    """Of an answer at rest, which has no opposite, what is left is a movement up."""
+    said = by_hand.answer(motion, share)
+    if motion not in ("still", "none"):
+        return said
+    return replace(said, options={motion: share, "up": 1.0 - share})
+
+
+@pytest.mark.parametrize(
+    ("question", "one", "other", "decided", "begins"),
+    [
+        ("Which one turns clockwise?", "clockwise", "counterclockwise", "first", "The first: it"),
+        ("Which one slides?", "clockwise", "left", "second", "The second: it is going left, the"),
+        ("Which one slides?", "clockwise", "clockwise", "neither", "Neither: both are going clo"),
+        ("Which one moves?", "left", "press", "both", "Both: the first is going left, the sec"),
+        ("Do both turn clockwise?", "clockwise", "left", "no", "No: the first is going clockwise"),
+        ("Does either turn clockwise?", "left", "clockwise", "yes", "Yes: the first is going le"),
+        ("Does neither slide?", "clockwise", "press", "yes", "Yes: the first is going clockwise"),
+        ("Does only one move?", "left", "still", "yes", "Yes: the first is going left, the sec"),
+        ("Which one is touched?", "none", "still", "second", "The second: it is holding still, "),
+    ],
+)
+def test_it_is_decided_which_clips_go_so(question, one, other, decided, begins):
+    told = judge_share(claimed_share(question), (answer(one, 0.9), answer(other, 0.9)))
+    assert (told.decided, told.abstained) == (decided, False)
+    assert told.text.startswith(begins)
+    assert 0.5 < told.confidence <= 1.0
+
+
+def test_the_probability_of_a_verdict_is_that_of_both_clips():
+    pair = (answer("clockwise", 0.9), answer("clockwise", 0.8))
+    assert judge_share(claimed_share("Do both turn clockwise?"), pair).confidence == pytest.approx(
+        0.72
+    )
+    either = judge_share(claimed_share("Does either turn clockwise?"), pair)
+    assert either.confidence == pytest.approx(0.98)
+
+
+def test_a_verdict_is_withheld_where_a_direction_is():
+    told = judge_share(claimed_share("Do both slide?"), (answer("left"), WITHHELD))
+    assert (told.decided, told.abstained, told.relation) == (None, True, "unknown")
+
+
+@pytest.mark.parametrize(
+    ("question", "one", "other", "decided", "begins"),
+    [
+        ("Do they go the same way?", "left", "left", "yes", "The same: of both clips"),
+        ("Do they go the same way?", "left", "right", "no", "Opposite: the first is"),
+        ("They turn the same way, right?", "left", "right", "no", "No, opposite: the first is"),
+        ("Is it false that they match?", "left", "right", "yes", "Yes, opposite: the first is"),
+        ("Are they opposite?", "press", "release", "yes", "Yes, opposite, as one is the other p"),
+        ("Are they opposite?", "press", "still", "no", "No, different: the first is pressing"),
+        ("Is there a difference?", "left", "left", "no", "No, the same: of both clips"),
+        ("Do they differ?", "left", "right", "yes", "Yes, opposite: the first is going left"),
+    ],
+)
+def test_a_claimed_relation_is_judged(question, one, other, decided, begins):
+    told = judge_relation(claimed_relation(question), (answer(one, 0.9), answer(other, 0.9)))
+    assert told.decided == decided
+    assert told.text.startswith(begins)
+
+
+def test_a_clip_supposed_mirrored_is_compared_so():
+    pair = (answer("clockwise", 0.9), answer("counterclockwise", 0.9))
+    asked = "If the second clip were mirrored, would they turn the same way?"
+    rest, which, change = supposed_change(asked)
+    told = judge_supposed(claimed_relation(rest), which, change, pair)
+    assert (told.decided, told.second) == ("yes", pair[1])
+    assert told.text == (
+        "Yes, the same: of both clips, it goes clockwise in the camera image, with the second "
+        "mirrored."
+    )
+    assert judge_image("mirrored", pair).decided == "yes"
+    assert judge_image("mirrored", (pair[0], pair[0])).decided == "no"
+    assert judge_image("reversed", (answer("up"), answer("up"))).decided == "no"
+
+
+@pytest.mark.parametrize(
+    ("sizes", "decided", "end"),
+    [
+        ((12, 13), "yes", "They go about 12 and 13 deg."),
+        ((23, 7), "no", "They go about 23 and 7 deg."),
+    ],
+)
+def test_what_goes_back_as_far_undoes(sizes, decided, end):
+    pair = (answer("clockwise", 0.9), answer("counterclockwise", 0.9))
+    amounts = compare_amounts("", [measured(one) for one in sizes], (None, None), pair)
+    told = judge_undoing(amounts, pair)
+    assert told.decided == decided
+    assert told.text.endswith(end)
+    assert judge_undoing(amounts, (pair[0], pair[0])).decided == "no"
+
+
+def test_a_claimed_order_of_amounts_is_judged():
+    pair = (answer("clockwise"), answer("clockwise"))
+    faster = compare_amounts(
+        "Is the second one faster?", [measured(12), measured(27)], (1.0, 1.0), pair
+    )
+    assert judge_amounts(faster, "second").text == "Yes, the second: about 12 and 27 deg/s."
+    no = judge_amounts(faster, "first")
+    assert (no.text, no.decided, no.relation) == (
+        "No, the second: about 12 and 27 deg/s.",
+        "no",
+        "second",
+    )
+
+
+@pytest.fixture
+def two_turns(bundle):
+    said = {
+        "*": "Clockwise, in the camera image.",
+        "How far did it go?": "An amount of turning, as measured.",
+        "How fast did it go?": "A speed of turning, as measured.",
+    }
+    answerer = answerer_saying(bundle, said, temperature=0.1)
+    return answerer, [answerer.encode(recording(seed=seed)) for seed in (1, 2)]
+
+
+@pytest.mark.parametrize(
+    ("question", "decided"),
+    [
+        ("Do both turn clockwise?", "yes"),
+        ("Which one slides?", "neither"),
+        ("Do they turn the same amount?", "yes"),
+        ("Did the first turn further?", "no"),
+        ("Do they undo each other?", "no"),
+        ("Is the second the mirror image of the first?", "no"),
+        ("Which way does A turn?", "clockwise"),
+        ("Is clip B turning clockwise?", "yes"),
+        ("Is there a difference?", "no"),
+        ("Describe both.", "same"),
+        ("Which one presses harder?", None),
+        ("Is the first turning and the second still?", "no"),
+    ],
+)
+def test_questions_about_two_clips_are_decided(two_turns, question, decided):
+    answerer, clips = two_turns
+    compared = answerer.compare(*clips, question)
+    assert compared.decided == decided
+    assert compared.to_dict()["decided"] == decided
+
+
+def test_the_other_side_is_the_side_that_directions_of_both_are_told_from(two_turns):
+    answerer, clips = two_turns
+    told = answerer.compare(*clips, "Do they go the same way, seen from the object's side?")
+    assert told.text.endswith("counterclockwise seen from the object's side.")
+
+
+def test_a_session_of_two_clips_decides_too(two_turns):
+    answerer, (first, second) = two_turns
+    session = answerer.session(first)
+    assert session.ask("Which way does it turn?").decided == "clockwise"
+    session.add_clip(second)
+    assert session.ask("Which one slides?").decided == "neither"
+    assert session.ask("Does either turn clockwise?").decided == "yes"
+    assert session.ask("Which way does it turn?").decided == "clockwise"
