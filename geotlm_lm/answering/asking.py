@@ -21,16 +21,19 @@ from geotlm_lm.answering.withholding import plain, too_little_contact
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.about_recording import Topic, asked_of_recording, told_of_recording
 from geotlm_lm.conversation.claims import without_adverbs
+from geotlm_lm.conversation.context import without_context
 from geotlm_lm.conversation.either_or import without_opposites
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.conversation.frame_questions import frame_to_settle
 from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.option_meanings import initials_spelt_out
+from geotlm_lm.conversation.of_the_sensor import as_of_it, names_the_object
 from geotlm_lm.conversation.place import place_in_picture
 from geotlm_lm.conversation.reasons import contact_place
 from geotlm_lm.conversation.retell import CAMERA
-from geotlm_lm.conversation.scale import asks_scale, told_scale
-from geotlm_lm.conversation.spelling import spelt
+from geotlm_lm.conversation.scale import asks_scale, told_scale, with_pixel_size
+from geotlm_lm.conversation.spelling import as_words, spelt
 from geotlm_lm.conversation.stated_amounts import (
     UNJUDGED,
     claimed_amount,
@@ -60,6 +63,7 @@ def answer_question(
         frame: In which to tell directions.
         listen: Told the model's words piece by piece, as far as they stand in the answer.
     """
+    question = with_pixel_size(question, encoded.clip.frames.shape[2])
     if not is_english(question):
         return plain(encoded, ENGLISH_ONLY, None, frame)
     stated = read_facts(question, frame)
@@ -68,12 +72,16 @@ def answer_question(
         return replace(noted, abstained=False, confidence=1.0)
     if (missing := unclear_turn(stated.rest, question)) is not None:
         return plain(encoded, missing, "frame", stated.frame)
+    if (settled := frame_to_settle(stated.rest, stated.frame)) is not None:
+        return plain(encoded, settled, "frame", stated.frame)
     if not stated.is_stated and states_more(stated.rest):
         return plain(encoded, UNREAD, "frame", frame)
-    asked, frame = (
-        without_opposites(without_adverbs(spelt(initials_spelt_out(stated.rest)))),
-        stated.frame,
-    )
+    asked = as_words(without_context(spelt(initials_spelt_out(stated.rest))))
+    asked, frame = without_opposites(without_adverbs(asked)), stated.frame
+    if (of_it := as_of_it(asked)) is not None:
+        asked, frame = of_it, replace(frame, actor="sensor")
+    elif frame.actor == "sensor" and names_the_object(asked):
+        frame = replace(frame, actor="object")
     parts = two_parts(asked)
     if parts is not None:
         return both(*(answer_question(bundle, encoded, part, frame) for part in parts))
@@ -107,7 +115,7 @@ def _at_once(bundle: Bundle, encoded: Encoded, asked: str, frame: FrameSpec) -> 
     said = never_told(asked) or (untold(asked) if kind is None else None)
     if said is not None:
         return plain(encoded, said, "refusal", frame)
-    if kind in (None, "magnitude", "evidence") and asks_place(asked):
+    if kind in (None, "magnitude", "evidence", "actor") and asks_place(asked):
         return _place(bundle, encoded)
     claim = claimed_amount(asked)
     if claim is None:

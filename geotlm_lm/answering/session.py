@@ -21,6 +21,7 @@ from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.conversation.question import check_question
 from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.conversation.scale import with_pixel_size
 from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.conversation.two_claims import asks_of_two
 from geotlm_lm.conversation.two_clips import asks_of_one, clips_by_number
@@ -137,7 +138,8 @@ class Session:
             UsageError: If the question is empty or too long.
         """
         typed = check_question(question)
-        question = corrected(typed, self.frame)
+        question = with_pixel_size(typed, self.encoded.clip.frames.shape[2])
+        question = corrected(question, self.frame)
         repeated = self._said_again(question)
         answer = repeated or self._reply(question, listen)
         self.history.append(Turn(typed, answer, repeated is not None, self.frame, self.encoded))

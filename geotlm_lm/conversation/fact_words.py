@@ -29,6 +29,8 @@ ON_ITS_HEAD = (
     r"(?:(?:(?:turned|flipped|rotated|put|mounted|installed|held) )?(?:upside[ -]down|on its head)"
     rf"|(?:turned|rotated|mounted|installed) {HALF_TURN})"
 )
+_RIGHT_WAY_UP = r"(?:upright|(?:the )?right side up|(?:the )?right way (?:up|round|around))"
+_NOT = r"(?: not| no longer|n't)"
 MOUNTED = r"(?:the |my )?sensor (?:{}) (?:mounted|installed)"
 """A sensor held upside down for once shows the same image; one that is mounted so does not."""
 
@@ -61,7 +63,8 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
     (r"(?:a )?mirrored (?:image|camera|video|clip|recording)", {"image_mirrored": True}),
     (r"there(?:'s| is) a mirror in the (?:optics|camera|sensor)", {"image_mirrored": True}),
     (
-        rf"{IMAGE} (?:is|was)(?: not|n't) (?:mirrored|flipped)(?: left[ -]to[ -]right)?",
+        rf"{IMAGE} (?:is|was){_NOT} (?:mirrored|flipped)(?: left[ -]to[ -]right)?"
+        rf"|it(?:'s| is| was)(?:{_NOT}) mirrored|it isn't mirrored",
         {"image_mirrored": False},
     ),
     (r"there(?:'s| is) no mirror(?: in the (?:optics|camera|sensor))?", {"image_mirrored": False}),
@@ -72,12 +75,13 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
         _UPSIDE_DOWN,
     ),
     (
-        rf"{IMAGE} (?:is|was)(?: not|n't) {ON_ITS_HEAD}"
+        rf"{IMAGE} (?:is|was){_NOT} {ON_ITS_HEAD}"
         rf"|{MOUNTED.format('is not|was not|isn.t|wasn.t')} (?:upside[ -]down|on its head)",
         {"image_upside_down": False},
     ),
     (
-        rf"(?:{IMAGE} (?:is|was)|{MOUNTED.format('is|was')}) (?:upright|right side up)",
+        rf"(?:{IMAGE} (?:is|was)(?: (?:mounted|installed))?|{MOUNTED.format('is|was')}) "
+        rf"{_RIGHT_WAY_UP}",
         UPRIGHT,
     ),
     (
@@ -85,7 +89,10 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
         r"|upside[ -]down and (?:mirrored|flipped))",
         {"image_mirrored": True, **_UPSIDE_DOWN},
     ),
-    (rf"(?:{LOOK}(?: it)? )?from (?:{_OTHER_SIDE}|behind|the object)", {"viewpoint": "object"}),
+    (
+        rf"(?:{LOOK}(?: it| at (?:it|(?:the|my) \w+))? )?from (?:{_OTHER_SIDE}|behind|the object)",
+        {"viewpoint": "object"},
+    ),
     (rf"(?:i am|i'm|i stand|i sit) (?:on|at) {_OTHER_SIDE}", {"viewpoint": "object"}),
     (
         rf"(?:{LOOK}(?: it| at it)? )?(?:from (?:behind )?{_SENSOR}(?:'s (?:side|view|viewpoint))?"
@@ -117,7 +124,13 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
     (_HAND.format(r"right[ -]?hand(?:ed)?"), {"thread": "right"}),
     (rf"{_IT_IS}(?:a )?(?:normal|standard|ordinary) {_THREADED}", {"thread": "right"}),
     (
-        r"(?:reset|forget) (?:the frame|all that|what i said)",
+        r"(?:forget|reset|drop|ignore|unset) (?:the |my |what i said of the )?(?:pixel size|scale"
+        r"|(?:size|width) of (?:a|one|the) pixel|mm per (?:pixel|px))",
+        {"mm_per_px": None},
+    ),
+    (
+        r"(?:reset|forget) (?:the frame|all that|what i said|everything|all(?: of (?:it|this))?)"
+        r"|reset",
         {
             "image_mirrored": False,
             "viewpoint": "sensor",

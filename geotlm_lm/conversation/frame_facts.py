@@ -82,6 +82,9 @@ _BREAK = re.compile(
 )
 _ENDS = re.compile(r"[!;:,\n]|\.(?!\d)")
 
+_AGAIN = re.compile(r" (?:again|now|once more|any ?more|after all|instead|though)$")
+"""Says of a fact that another one held before."""
+
 MOST_CLAUSES = 4
 """One fact may run over: more than any in the list does (a comma and an "and" make three). Without
 a bound 500 semicolons took a second."""
@@ -214,5 +217,6 @@ def _turns_otherwise(fields: dict[str, Any], found: dict[str, Any]) -> bool:
 
 
 def _fact(clause: str) -> dict[str, Any] | None:
+    clause = _AGAIN.sub("", clause)
     found = next((sets for words, sets in FACTS if re.fullmatch(words, clause)), None)
     return found or read_turn(clause) or read_scale(clause)

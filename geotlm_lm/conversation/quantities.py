@@ -64,7 +64,8 @@ _OR_A_KIND = re.compile(rf" or {_A_KIND}")
 _A_KIND_OR = re.compile(rf"\b{_A_KIND},? or (?:just |only )?$")
 _OF_A_THING = re.compile(
     r"^(?!.*\b(?:is|was) (?:it|this|that|(?:the|my) \w+) an? $)"  # there the size is claimed
-    r".*\b(?:the|this|that|an?|my|your)(?: \w+)? $"
+    r".*\b(?:the|this|that|an?|my|your)(?: \w+)?"
+    r"(?: [\d.]+ ?(?:[uc\u00b5]?m|mm)? ?(?:x|by|\u00d7))? $"
 )
 MOTION_NOUN = (
     r"(?:turns?|rotation|twist|spin|slide|slip|shift|move|motion|movement|displacement|drift"

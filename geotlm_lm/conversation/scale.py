@@ -12,7 +12,10 @@ _NUMBER = r"(?P<number>\d+(?:\.\d+)?|\.\d+)"
 _LENGTH = r"(?P<unit>mm|millimet(?:er|re)s?|um|\u00b5m|\u03bcm|microns?|micromet(?:er|re)s?)"
 _PIXEL = r"(?:px|pixels?)"
 _PER = r" ?(?:per|a|/) ?"
-_SCALE_IS = r"(?:(?:(?:(?:the|a) )?(?:scale|resolution) (?:is|of)|it is|it's|at) )?"
+_SCALE_IS = (
+    r"(?:(?:the|my) (?:camera|image|picture|sensor) (?:has|gives|shows|is) "
+    r"|(?:(?:(?:the|a) )?(?:scale|resolution) (?:is|of)|it is|it's|at) )?"
+)
 _PIXEL_IS = (
     rf"(?:(?:a|one|1|each|every) {_PIXEL}|(?:(?:the|a) )?(?:pixel size|size of (?:a|one) {_PIXEL})|"
     rf"(?:the |my )?pixels)"
@@ -51,6 +54,16 @@ _ASKED = re.compile(
 )
 
 
+_ACROSS = re.compile(
+    r"\b(?:the |my )?(?:(?:(?:camera |recorded |whole )?(?:image|picture|frame)|field of view|fov"
+    rf"|view) (?:is|measures|covers|shows|spans) (?:about )?{_NUMBER} ?{_LENGTH}"
+    r"(?: (?:wide|across|in width)|(?: ?(?:x|by|\u00d7) ?\d+(?:\.\d+)? ?(?:mm|um|microns?)?)"
+    r"(?: (?:wide|in size))?)?)(?=\s*(?:$|[,;.!?]|and\b))",
+    re.IGNORECASE,
+)
+"""How much of the gel a whole picture shows, from its left border to its right one."""
+
+
 @dataclass(frozen=True)
 class SaidScale:
     """The size of a pixel, said beside a question.
@@ -80,6 +93,18 @@ def scale_beside(text: str) -> SaidScale | None:
         if fields is not None and re.search(r"\w", rest):
             return SaidScale(fields, rest.strip(), said["supposed"] is not None)
     return None
+
+
+def with_pixel_size(text: str, columns: int) -> str:
+    """Return `text` with the size of a pixel in place of that of the whole picture.
+
+    Args:
+        text: As it was typed.
+        columns: Pixels of the picture across.
+    """
+    return _ACROSS.sub(
+        lambda said: f"a pixel is {float(said['number']) / columns:.6g} {said['unit']}", text
+    )
 
 
 def is_courtesy(text: str) -> bool:

@@ -23,6 +23,8 @@ _OTHERS = re.compile(
 )
 """English words as near to one of these."""
 
+_JOINED = re.compile(r"(?<=[^\W_])_+(?=[^\W_])")
+
 _ALIKE = 0.85
 """Similarity of "slipping" and "sliping": 0.93; of "turning" and "truning": 0.86."""
 
@@ -34,6 +36,11 @@ def spelt(question: str) -> str:
     "sliping", the model says that something touches.
     """
     return re.sub(r"[A-Za-z]{6,}", lambda word: _meant(word[0]), question)
+
+
+def as_words(question: str) -> str:
+    """Return a question with the words of an identifier apart: "slip_direction?"."""
+    return _JOINED.sub(" ", question)
 
 
 def _meant(word: str) -> str:

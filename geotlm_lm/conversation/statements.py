@@ -23,6 +23,13 @@ _STATES = re.compile(
     r"\b(?:is|was|are|were|has|have|had|moved?|moves|stay\w*|stood|look\w*|press\w*|touch\w*|hold\w*"
     r"|turned|rotated|it's)\b"
 )
+_OF_A_SETUP = re.compile(
+    r"(?:(?:no|well|actually|and|but|so|note(?: that)?)[,:]? )*(?:the|my|our) (?:sensor|camera"
+    r"|image|picture|gripper|robot|gel)(?:'s \w+)? (?:(?:is|was|are|were) (?!\w+ing\b)|points?\b"
+    r"|sits?\b|hangs?\b|faces?\b|comes? out\b|goes (?:in|out)\b)"
+)
+"""Says how something stands, where a word such as "right" or "up" is a place and no motion."""
+
 _ASKS = re.compile(
     r"[?]|\b(?:which|what|how|why|when|where|who|whose|whether|if|do|does|did|tell|say|describe|know"
     r"|want|wonder|motion|movement|direction|touch\w*|contact|tighten\w*|loosen\w*|is it)\b"
@@ -36,6 +43,8 @@ def states_more(text: str) -> bool:
     Such a statement is no question: an answer to it would pass over what was meant.
     """
     text = " ".join(text.lower().replace("\u2019", "'").split())
+    if _OF_A_SETUP.match(text) and not _ASKS.search(text):
+        return True
     is_said = bool(_STATEMENT.match(text) and _STATES.search(text))
     is_of_a_frame = bool(_OF_A_FRAME.search(text)) and not motions_named(text)
     return is_said and is_of_a_frame and not _ASKS.search(text)

@@ -154,6 +154,18 @@ _SAY_SIZE = (
     "I cannot tell a direction without knowing how it is turned: say by 90 degrees which way, or "
     "by 180, such as '{}'."
 )
+_SAY_MOUNTED = (
+    "I turn an image back only where it was recorded so: say 'the sensor is mounted upside down' "
+    "if it is; a sensor that is turned for once, with its camera in it, shows the same image."
+)
+_HALF_TURNED = re.compile(
+    rf"(?:^|[.!;,] *|\b(?:and|but|so|actually|well) )(?:{_HOLDER}(?: is|'s)(?: now| held| fixed)?"
+    rf" (?:{_ON_HEAD}|(?:turned|rotated) (?:by )?180)"
+    rf"|(?:{_I} )?(?:turned|rotated|held|put) {_HOLDER} (?:{_ON_HEAD}|(?:by )?180 ?{_DEGREES}))"
+    rf"|\b(?:with|from) {_HOLDER} (?:{_ON_HEAD})"
+)
+"""Says that the sensor, with its camera in it, stands on its head, and not that it always does."""
+
 _OTHER_SIZE = (
     "I tell directions for an image turned by 90, 180 or 270 degrees, not by {:g}: turn the "
     "recording upright first."
@@ -179,6 +191,8 @@ def unclear_turn(text: str, typed: str = "") -> str | None:
         typed: All that was typed, with the facts.
     """
     text = " ".join(text.lower().replace("\u2019", "'").split())
+    if _HALF_TURNED.search(text):
+        return _SAY_MOUNTED
     for words in _MENTIONS:
         said = words.search(text)
         if said is None or _SAYS_NO_TURN.search(text[: said.end("before")]):

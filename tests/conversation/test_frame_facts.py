@@ -306,3 +306,32 @@ def test_who_looks_from_the_side_says_nothing_of_what_is_touched(text):
 )
 def test_the_side_that_is_touched_is_told(text, side):
     assert read_facts(text, FrameSpec()).lasting.contact_side == side
+
+
+@pytest.mark.parametrize(
+    ("text", "before", "after"),
+    [
+        ("the sensor is mounted the right way up", FrameSpec(image_upside_down=True), CAMERA),
+        ("No, the camera is mounted upright.", FrameSpec(image_upside_down=True), CAMERA),
+        ("the image is right side up again", FrameSpec(image_upside_down=True), CAMERA),
+        ("Actually it is not mirrored.", MIRRORED, CAMERA),
+        ("It's not mirrored any more", MIRRORED, CAMERA),
+        ("The image is no longer mirrored.", MIRRORED, CAMERA),
+        ("I look from the sensor's side again.", FrameSpec(viewpoint="object"), CAMERA),
+        ("Forget the pixel size.", FrameSpec(mm_per_px=0.06), CAMERA),
+        ("reset the scale", FrameSpec(mm_per_px=0.06), CAMERA),
+        ("reset", MIRRORED, CAMERA),
+        ("Forget everything.", FrameSpec(True, "object"), CAMERA),
+        ("I'm looking at the object from the other side", CAMERA, FrameSpec(viewpoint="object")),
+    ],
+)
+def test_a_fact_is_taken_back_in_ordinary_words(text, before, after):
+    stated = read_facts(text, before)
+    assert (stated.lasting, stated.rest) == (after, "")
+
+
+@pytest.mark.parametrize(
+    "text", ["it is flipped", "it is not upside down", "reset the gripper", "forget it", "again"]
+)
+def test_what_may_be_said_of_the_object_takes_nothing_back(text):
+    assert not read_facts(text, MIRRORED).is_stated

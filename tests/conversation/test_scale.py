@@ -3,7 +3,7 @@
 import pytest
 
 from geotlm_lm.conversation.frame_facts import read_facts
-from geotlm_lm.conversation.scale import asks_scale, told_scale
+from geotlm_lm.conversation.scale import asks_scale, told_scale, with_pixel_size
 from geotlm_lm.core.frame_spec import FrameSpec
 
 CAMERA, SCALED = FrameSpec(), FrameSpec(mm_per_px=0.06)
@@ -105,3 +105,25 @@ def test_a_question_for_the_size_of_a_pixel_is_known(text, asks):
 def test_the_size_of_a_pixel_is_told_as_it_was_said_or_asked_for():
     assert told_scale(0.06) == "As it was said, a pixel is 0.06 mm wide on the gel."
     assert told_scale(None).startswith("Nothing tells me how large a pixel is: say ")
+
+
+@pytest.mark.parametrize(
+    ("text", "rest"),
+    [
+        ("The image is 16 mm wide. How far?", "How far?"),
+        ("The field of view is 16 mm x 12 mm. How many mm?", "How many mm?"),
+        ("my camera has 20 pixels per mm. How far?", "How far?"),
+        ("The picture shows 16 mm across", ""),
+    ],
+)
+def test_the_size_of_the_whole_picture_is_that_of_its_pixels(text, rest):
+    stated = read_facts(with_pixel_size(text, 320), CAMERA)
+    assert (stated.lasting, stated.rest) == (FrameSpec(mm_per_px=0.05), rest)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Is the image 16 mm wide?", "The cap is 16 mm wide.", "The image is 16 mm from the edge."],
+)
+def test_the_size_of_other_things_is_not(text):
+    assert with_pixel_size(text, 320) == text

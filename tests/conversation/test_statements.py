@@ -12,6 +12,9 @@ from geotlm_lm.conversation.statements import states_more
         "The sensor is upside down.",
         "my camera is tilted",
         "No, the gripper was open.",
+        "The sensor is mounted on the right finger.",
+        "My sensor's cable points up.",
+        "The camera sits on the left.",
     ],
 )
 def test_a_statement_about_the_recording_is_none_about_the_motion(text):
@@ -31,6 +34,8 @@ def test_a_statement_about_the_recording_is_none_about_the_motion(text):
         "I think it moved on the sensor.",
         "We have an image of a screw, is it loosening",
         "gripper",
+        "the sensor is moving left",
+        "my cap is on the right",
     ],
 )
 def test_other_texts_are_no_statement_about_the_recording(text):

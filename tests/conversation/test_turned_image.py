@@ -280,3 +280,17 @@ def test_no_question_tells_a_turn_of_the_image(type_id):
             per_type=60,
         ):
             assert unclear_turn(asked.question) is None, asked.question
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "My sensor is upside down",
+        "The image was recorded with the sensor upside down.",
+        "I rotated the sensor by 180 degrees.",
+        "The sensor is rotated 180 degrees.",
+        "We turned the gripper upside down. Which way?",
+    ],
+)
+def test_of_a_sensor_on_its_head_it_is_asked_how_it_is_mounted(text):
+    assert "say 'the sensor is mounted upside down'" in unclear_turn(text)

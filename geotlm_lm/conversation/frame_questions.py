@@ -1,0 +1,43 @@
+"""What is asked, or left open, about the frame of reference itself: "is the image mirrored?"."""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.conversation.fact_words import IMAGE, ON_ITS_HEAD
+from geotlm_lm.conversation.wording import known
+from geotlm_lm.core.frame_spec import FrameSpec
+
+_HOW = (
+    rf"(?:mirrored|flipped(?: left[ -]to[ -]right)?|(?:turned|rotated)|{ON_ITS_HEAD}|upright"
+    r"|right side up|the right way up)"
+)
+_ASKED = re.compile(
+    rf"(?:(?:and|so|ok|but)[, ]+)?(?:(?:is|was) {IMAGE} (?:recorded )?{_HOW}"
+    rf"|(?:is|was) (?:the|my) sensor mounted {_HOW})"
+    rf"(?: or (?:not|{_HOW}))?[ ?.!]*"
+)
+_LEFT_OPEN = re.compile(
+    r"(?:(?:and|so|but|well)[, ]+)?"
+    r"(?:(?:i (?:do not|don't|cannot|can't) (?:know|tell|remember|say)"
+    r"|i(?:'m| am) not (?:sure|certain)"
+    rf"|maybe|perhaps|possibly|i think|i guess) ?(?:whether|if|that)? ?{IMAGE} (?:is|was) {_HOW}"
+    rf"(?: or not)?|{IMAGE} (?:might|may|could) (?:be|have been) {_HOW})[ ?.!]*"
+)
+_TOLD = (
+    "No touch tells whether the image is mirrored or turned; I take this frame: {}; say for "
+    "example 'the image is mirrored' or 'the image is not mirrored'."
+)
+
+
+def frame_to_settle(text: str, frame: FrameSpec) -> str | None:
+    """Return what is taken for granted of the image, where it is asked after or left open.
+
+    Args:
+        text: What is left once the facts that could be read are taken out.
+        frame: What is known.
+    """
+    text = " ".join(text.lower().replace("\u2019", "'").split())
+    if not (_ASKED.fullmatch(text) or _LEFT_OPEN.fullmatch(text)):
+        return None
+    return _TOLD.format(known(frame))

@@ -1,0 +1,47 @@
+"""What is told before an open question is a context; the claim of a question is its own."""
+
+import pytest
+
+from geotlm_lm.conversation.context import without_context
+
+
+@pytest.mark.parametrize(
+    ("text", "asked"),
+    [
+        (
+            "I moved the robot arm to the right. Which way does the object slide?",
+            "Which way does the object slide?",
+        ),
+        (
+            "We commanded a 30 degree counterclockwise wrist rotation. Which way does it rotate?",
+            "Which way does it rotate?",
+        ),
+        (
+            "Yesterday the answer was counterclockwise. Which way is it today?",
+            "Which way is it today?",
+        ),
+        ("The gripper came down. How far did it slide?", "How far did it slide?"),
+        ("We pushed 3 mm. Then we stopped. How far did it go?", "How far did it go?"),
+        ("The cable hangs on the left. Tell me the direction.", "Tell me the direction."),
+    ],
+)
+def test_a_context_is_left_out(text, asked):
+    assert without_context(text) == asked
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Which way does it turn?",
+        "It is a cap. Which way does it turn?",
+        "I moved it to the right. Did it slide left?",
+        "Is it turning clockwise? Which way?",
+        "A) left. B) right. Which way?",
+        "It goes left or right. Which way?",
+        "Suppose it were played backwards and pushed up. Which way?",
+        "It turned clockwise. Are you sure?",
+        "I think it turned left.",
+    ],
+)
+def test_all_else_stays(text):
+    assert without_context(text) == text

@@ -1,0 +1,49 @@
+"""What is asked, or left open, about the image itself."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.conversation.frame_questions import frame_to_settle
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.data.questions import questions_for
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Is the image mirrored?",
+        "The image might be mirrored.",
+        "I don't know whether the image is mirrored.",
+        "Is the camera mounted upside down?",
+        "Was the video flipped or not?",
+        "I'm not sure if the picture is upright.",
+        "Maybe the clip is mirrored",
+    ],
+)
+def test_an_open_fact_is_asked_for(text):
+    told = frame_to_settle(text, FrameSpec(viewpoint="object"))
+    assert told.startswith("No touch tells whether the image is mirrored")
+    assert "seen from the object" in told
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Is the cap mirrored?",
+        "Mirrored?",
+        "If the image is mirrored, which way?",
+        "The image is mirrored.",
+        "Is the image mirrored, and which way does it go?",
+    ],
+)
+def test_other_texts_ask_for_no_fact(text):
+    assert frame_to_settle(text, FrameSpec()) is None
+
+
+def test_no_template_of_a_mirrored_clip_asks_for_one():
+    rng, label = np.random.default_rng(7), MotionLabel(Motion.LEFT)
+    for wordings in ("seen", "held_out"):
+        for _ in range(200):
+            (asked,) = questions_for(label, rng, types=["T14"], wordings=wordings)
+            assert frame_to_settle(asked.question, FrameSpec()) is None, asked.question
