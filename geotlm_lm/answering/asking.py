@@ -27,8 +27,8 @@ from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.frame_questions import frame_to_settle
 from geotlm_lm.conversation.kinds import asked_kind
-from geotlm_lm.conversation.option_meanings import initials_spelt_out
 from geotlm_lm.conversation.of_the_sensor import as_of_it, names_the_object
+from geotlm_lm.conversation.option_meanings import initials_spelt_out
 from geotlm_lm.conversation.place import place_in_picture
 from geotlm_lm.conversation.reasons import contact_place
 from geotlm_lm.conversation.retell import CAMERA

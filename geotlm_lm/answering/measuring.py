@@ -111,8 +111,10 @@ def _in_other_units(encoded: Encoded, question: str, amount: Amount) -> str:
     """Return the amount in the unit that the question names, if it is told in another one."""
     numbers = encoded.clip.frame_numbers
     steps = max(numbers) - min(numbers)
-    if asks_per_frame(question) and "/" not in amount.unit and steps:
-        return f" {amount.also(1 / steps, f'{NAMES[amount.unit][1]} per frame on average')}"
+    if asks_per_frame(question) and steps:
+        unit, *rate = amount.unit.split("/")
+        together = encoded.seconds if rate else 1.0
+        return f" {amount.also(together / steps, f'{NAMES[unit][1]} per frame on average')}"
     asked = asked_unit(question, amount.unit)
     return "" if asked is None else f" {amount.also(asked[1], asked[0])}"
 

@@ -24,6 +24,9 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, motion_class
 from geotlm_lm.language.parse_answer import Slots
 
+_NO_WAY = ("class", "contact", "moving", "refusal")
+"""Kinds of answers that say nothing of a way, which an open question asks for."""
+
 CHECKED = (*VERDICTS, "choice", "class")
 """Kinds whose answers name a motion, or its kind, that the open answer may speak against."""
 
@@ -41,7 +44,7 @@ def asked_openly(slots: Slots | None, question: str) -> str | None:
         return "verify"
     if passes_over_a_choice(slots, question):
         return "choice"
-    if slots is not None and slots.kind == "class" and asks_direction(question):
+    if slots is not None and slots.kind in _NO_WAY and asks_direction(question):
         return "direction"
     if slots is not None and (slots.kind == "confidence" or denies_nothing(slots, question)):
         return slots.kind

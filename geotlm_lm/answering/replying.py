@@ -37,6 +37,7 @@ from geotlm_lm.answering.overruling import (
 )
 from geotlm_lm.answering.withholding import plain, unless_withheld
 from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.axes import axes_named
 from geotlm_lm.conversation.claims import presumed_class
 from geotlm_lm.conversation.kinds import LATER_KINDS, asked_kind, is_ruled_out
 from geotlm_lm.conversation.reasons import halves
@@ -49,9 +50,9 @@ from geotlm_lm.conversation.retell import (
     Told,
     retell,
 )
-from geotlm_lm.conversation.wording import clause
+from geotlm_lm.conversation.wording import clause, sentence
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import Motion, motion_class
+from geotlm_lm.core.labels import SLIDES, Motion, motion_class
 from geotlm_lm.language.parse_answer import Kind, Slots
 
 NOT_UNDERSTOOD = "I found no words for that; ask how the touched object moves."
@@ -152,8 +153,8 @@ def answer_amount(
 ) -> Answer:
     """Answer how far it went, or how fast, of the turn or slide that the open answer tells.
 
-    Where the question takes a turn for granted and it slides, or the other way round, that is said
-    first.
+    Where the question takes a turn for granted and it slides, or the other way round, or names an
+    axis that it does not slide along, that is said first.
 
     Args:
         bundle: The model.
@@ -165,6 +166,7 @@ def answer_amount(
         frame: In which to tell.
     """
     motion = told_motion(opened)
+    way = None if motion is None else frame.tell(motion)
     heard = as_told(heard, kind, motion, opened.options)
     if heard.slots is None:
         return plain(encoded, NOT_UNDERSTOOD, None, frame, heard.timing_ms)
@@ -172,10 +174,16 @@ def answer_amount(
         return _as_said(bundle, encoded, heard, frame)
     answer = answer_measured(bundle, encoded, question, heard, frame)
     presumed = presumed_class(question)
-    if motion is None or presumed in (None, motion_class(motion)) or answer.abstained:
+    axes = axes_named(question.lower()) if motion in SLIDES else []
+    if motion is None or answer.abstained:
+        return answer
+    if len(axes) > 1:  # of both the one is told that it goes along
+        return replace(answer, text=f"{sentence(way, frame)} {answer.text}")
+    is_along_another = bool(axes) and way not in axes[0]
+    if not is_along_another and presumed in (None, motion_class(motion)):
         return answer
     _, denial, *_ = VERDICTS["premise"]
-    denial = denial.format(clause(frame.tell(motion), frame))
+    denial = denial.format(clause(way, frame))
     return replace(answer, text=f"{denial} {answer.text}")
 
 

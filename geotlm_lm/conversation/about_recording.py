@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Literal
 
-Topic = Literal["size", "rate", "frames"]
+Topic = Literal["size", "rate", "frames", "duration", "interval"]
 
 _FRAMES = r"(?:frames?|images?|pictures?|photos?|recording|video|clip|camera)"
 _OPENS = (
@@ -18,6 +18,8 @@ _DOES_IT_HAVE = (
     rf" (?:(?:is|was|were|are|do|does|did|has|have) )?(?:there|(?:the|this|my|each) {_FRAMES}|it)"
     r"(?: (?:have|hold|contain|taken|recorded|at|made|shot|in))*"
 )
+_MOVEMENT = r"(?:slip|slide|turn|rotation|motion|movement|twist|spin)"
+_HOLDER = r"(?:sensor|gel|gripper|robot|finger|clip|recording|video|camera)\b"
 _USED = r"(?: (?:do|did) you (?:see|use|look at|have)| (?:are|were) (?:used|looked at))"
 _IT = rf"(?:it|this|that|(?:the|this|my|your|a|one|each) {_FRAMES})"
 
@@ -55,6 +57,25 @@ _TOPICS: tuple[tuple[Topic, str], ...] = (
         rf"| (?:are|were) (?:there )?(?:in|of) {_IT})?",
     ),
     ("frames", rf"(?:which|what) frames{_USED}"),
+    (
+        "duration",
+        rf"(?:for )?how long (?:is|was|are|were) {_IT}(?: in (?:s|seconds))?"
+        rf"|(?:for )?how long (?:does|did|do) (?:it|this|that|(?:the|my) (?!{_HOLDER})\w+) "
+        r"(?:slide|slip|turn|rotate|move|last|take)"
+        rf"|how long (?:does|did) the {_MOVEMENT} (?:last|take)|how long (?:is|was) the {_MOVEMENT}"
+        rf"|{_OPENS}(?:duration|length in seconds)"
+        rf"(?: of (?:the |this |my )?(?:{_MOVEMENT}|{_FRAMES}))?"
+        r"|how much time (?:passes|passed|is|lies|elapses|elapsed) between (?:the )?first "
+        rf"(?:{_FRAMES} )?and (?:the )?last(?: used)? {_FRAMES}(?: used| you used)?"
+        r"|(?:what(?:'s| is) )?the time (?:from|between) the first (?:frame )?(?:to|and) the last "
+        r"(?:used )?frame",
+    ),
+    (
+        "interval",
+        rf"{_OPENS}(?:time|interval|time step|time difference) (?:between|from) "
+        r"(?:two |the |consecutive |successive |one |each )*frames?(?: to the next)?"
+        r"|how (?:long|much time) (?:is|lies|passes) (?:there )?between (?:two |the )?frames",
+    ),
 )
 
 _PATTERNS = tuple((topic, re.compile(words)) for topic, words in _TOPICS)
@@ -87,8 +108,23 @@ def told_of_recording(
         if fps is None:
             return "The recording gives no frame rate; give it by fps."
         return f"The recording has {fps:g} frames per second."
+    if topic in ("duration", "interval"):
+        return _told_time(topic, fps, numbers)
     used = ", ".join(str(number) for number in sorted(set(numbers)))
     return (
         f"I look at few frames of a recording, here at {used}, counted from 0; `geotlm-lm info` "
         f"tells how many it has."
+    )
+
+
+def _told_time(topic: Topic, fps: float | None, numbers: tuple[int, ...]) -> str:
+    if fps is None:
+        return "The recording gives no frame rate, and so no time; give it by fps."
+    if topic == "interval":
+        return f"At {fps:g} frames per second, {1 / fps:.3g} s from one frame to the next."
+    first, last = min(numbers), max(numbers)
+    seconds = (last - first) / fps
+    return (
+        f"From frame {first} to frame {last}, the first and the last used, {seconds:.3g} s "
+        f"pass; `geotlm-lm watch` tells when each motion of a recording begins and ends."
     )

@@ -7,20 +7,21 @@ import re
 from geotlm_lm.core.labels import Motion
 
 _MOTION = r"(?:motion|movement|slide|slip|shift|direction)"
-_ALONG = r"(?:along|in|on)(?: the)?"
+_ALONG = r"(?:along|in|on)(?: the)? [+-]?"
 _TURNING = re.compile(r"\b(?:turn|rotat|twist|spin|swivel)")
 
 _AXES = (
     (
         frozenset({Motion.LEFT, Motion.RIGHT}),
-        rf"\b(?:horizontally|sideways|sidewards?|(?:from )?side to side|{_ALONG} x"
+        rf"\b(?:horizontally|sideways|sidewards?|(?:from )?side to side|{_ALONG}x"
         rf"|horizontal {_MOTION}|{_MOTION} (?:\w+ )?(?:horizontal|sideways))\b",
     ),
     (
         frozenset({Motion.UP, Motion.DOWN}),
-        rf"\b(?:vertically|up and down|{_ALONG} (?:x (?:and|or) )?y|vertical {_MOTION}"
+        rf"\b(?:vertically|up and down|{_ALONG}(?:x (?:and|or) )?y|vertical {_MOTION}"
         rf"|{_MOTION} (?:\w+ )?vertical)\b",
     ),
+    (frozenset({Motion.PRESS, Motion.RELEASE}), rf"\b{_ALONG}z\b"),
 )
 
 
@@ -32,5 +33,10 @@ def claimed_axis(text: str) -> frozenset[Motion]:
     """
     if _TURNING.search(text):
         return frozenset()  # "turning about a vertical axis"
-    named = [motions for motions, words in _AXES if re.search(words, text)]
+    named = axes_named(text)
     return named[0] if len(named) == 1 else frozenset()
+
+
+def axes_named(text: str) -> list[frozenset[Motion]]:
+    """Return the two motions along each axis that `text`, in lower case, names."""
+    return [motions for motions, words in _AXES if re.search(words, text)]

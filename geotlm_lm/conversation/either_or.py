@@ -8,7 +8,19 @@ _REST = r"(?:still|stationary|static|at rest|motionless|immobile|at a standstill
 _MOTION = r"(?:moving|in motion|in movement|dynamic|mobile)"
 _TOUCH = r"(?:touching|touched|in contact|contact)"
 _NO_TOUCH = r"(?:not (?:touching|touched|in contact)|no contact|untouched)"
-_ACROSS, _ALONG = (r"(?:horizontal(?:ly)?|sideways)", r"(?:vertical(?:ly)?|up and down)")
+_AXIS = r"(?:(?:along |in )?(?:the )?{}(?:[ -](?:axis|direction))?)"
+_ACROSS, _ALONG = (
+    rf"(?:horizontal(?:ly)?|sideways|{_AXIS.format('x')})",
+    rf"(?:vertical(?:ly)?|up and down|{_AXIS.format('y')})",
+)
+_AHEAD, _BACK = (
+    rf"{_AXIS.format(sign + '[xy]')}"
+    for sign in (r"(?:\+ ?|positive |plus )", r"(?:- ?|negative |minus )")
+)
+_SIGNED = (
+    r"(?:(?:is|was) )?(?:the )?"
+    r"(?:d[xy]|delta[ -]?[xy]|[xy]|[xy][ -](?:displacement|shift|motion))(?: is)? "
+)
 _OPENS = (
     r"(?:(?:and|so|ok|now)[, ]+)?(?:(?:is|was|does|did) (?:it|(?:the|my) (?!sensor|gel|camera|robot"
     r"|gripper|finger)\w+) (?:(?:now|moving|sliding|going|move|slide|go) )?)?"
@@ -27,6 +39,8 @@ _IS_TOUCHED = "Is anything touching the gel?"
 _OPPOSITES = (
     (_either(_MOTION, _REST), _MOVES_HOW),
     (_either(_ACROSS, _ALONG), _MOVES_HOW),
+    (_either(_AHEAD, _BACK), _MOVES_HOW),
+    (re.compile(rf"\W*{_SIGNED}(?:positive or negative|negative or positive)\W*"), _MOVES_HOW),
     (_either(_TOUCH, _NO_TOUCH), _IS_TOUCHED),
 )
 

@@ -26,12 +26,13 @@ _GO = r"(?:go|goes|move|moves|moved|turn|turns|turned|slide|slides|slid|went)"
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 _MEASURES = r"(?:degrees?|deg|mm|millimet(?:re|er)s?|pixels?|px)"
 _COUNTED = (
-    rf"(?:{_MEASURES}|radians?|rads?|cm|centimet(?:re|er)s?|um|microns?|micromet(?:re|er)s?"
-    r"|inch(?:es)?|turns|revolutions?|rotations?)"
+    rf"(?:{_MEASURES}|radians?|rads?|arc ?(?:minutes|seconds)|cm|centimet(?:re|er)s?|um|microns?"
+    r"|micromet(?:re|er)s?|inch(?:es)?|turns|revolutions?|rotations?)"
 )
 HOLDER = rf"(?:{_GEL}|finger|gripper|wrist|robot(?:'?s)?(?: arm| hand)?)"
 """What moves the sensor, and the sensor with it."""
 
+_MOVEMENT = r"(?:rotation|turn(?:ing)?|slip|slide|sliding|travel|motion)"
 _MOVES_OR_END = (
     rf"(?: {_GO}\b| (?:rotate|twist|spin|drag|slip|travel|make|heading|itself)\b"
     r"| (?:go|mov|turn|rotat|twist|spinn|slid|dragg|slipp)ing\b|$|[?,:.])"
@@ -190,6 +191,10 @@ RULES: dict[str, tuple[str, ...]] = {
         rf"\bsize of {EXTENT_OF}",
         r"\b(?:measure|estimate) (?:the motion|the movement|how)\b",
         r"\bthe size\b(?! of\b)",
+        rf"\b{_MOVEMENT} (?:angle|distance)\b",
+        r"\b(?:what(?:'s| is| was) the|by (?:what|which)|give(?: me)? the|tell me the) (?:total )?"
+        r"(?:angle|distance)\b(?! (?:between|from|to|of (?:view|the axis)))",
+        r"^(?:the )?(?:angle|distance)(?: in \w+)?\W*$",
     ),
 }
 """Words that tell each kind, in the order the kinds are tried."""
@@ -215,7 +220,7 @@ _PREMISE = re.compile(
 _DIRECTION = re.compile(
     r"\b(?:which|what) (?:way|direction)\b|\bdirection (?:of|is|was)\b"
     r"|^(?:(?:describe|report|say|tell me|give me|what (?:is|was)) )?the (?:motion|movement) of\b"
-    r"|^(?:the )?(?:direction|motion|movement)\W*$"
+    rf"|^(?:the )?(?:(?:{_MOVEMENT}|movement) )?(?:dir|direction|motion|movement)\W*$"
     r"|\b(?:where|how) (?:is|was|does|did) (?:\S+ ){1,4}(?:go|going|move|moving|moved)\W*$"
 )
 _WHETHER_MOVING = re.compile(

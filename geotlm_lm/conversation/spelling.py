@@ -24,6 +24,7 @@ _OTHERS = re.compile(
 """English words as near to one of these."""
 
 _JOINED = re.compile(r"(?<=[^\W_])_+(?=[^\W_])")
+_IS_DOING = re.compile(r"^(\W*(?:is|was)) (?=\w+ing\b)", re.IGNORECASE)
 
 _ALIKE = 0.85
 """Similarity of "slipping" and "sliping": 0.93; of "turning" and "truning": 0.86."""
@@ -39,8 +40,9 @@ def spelt(question: str) -> str:
 
 
 def as_words(question: str) -> str:
-    """Return a question with the words of an identifier apart: "slip_direction?"."""
-    return _JOINED.sub(" ", question)
+    """Return a question with the words of an identifier apart: "slip_direction", "is_turning"."""
+    apart = _JOINED.sub(" ", question)
+    return question if apart == question else _IS_DOING.sub(r"\1 it ", apart)
 
 
 def _meant(word: str) -> str:

@@ -100,8 +100,8 @@ _COMPARES = re.compile(r"^(?:by |at )?(?:more|less|over|under|faster|slower|at l
 
 _NOTHING_ELSE = re.compile(
     r"(?:\b(?:and|so|or|was|is|wasn't|isn't|it|that|this|by|at|in all|about|around|roughly|exactly"
-    r"|really|only|just|from|between|than|more|less|over|under|the|turn|slide|rotation|speed|amount"
-    r"|distance|angle)\b|[\W_])*"
+    r"|really|only|just|from|between|than|more|less|over|under|the|turn(?:ed)?|slide|slid|slipped|rotat(?:ed|ion)"
+    r"|move(?:d|ment)?|motion|speed|amount|distance|angle)\b|[\W_])*"
 )
 """What may stand before an amount that is all of a question: "and about 12 px?"."""
 

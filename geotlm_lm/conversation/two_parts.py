@@ -4,15 +4,39 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import claims_motion, motions_named, offered_options
+from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
+from geotlm_lm.conversation.claims import (
+    claimed_motion,
+    claims_motion,
+    motions_named,
+    offered_options,
+)
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
+from geotlm_lm.conversation.untold import asks_place
+from geotlm_lm.core.labels import DIRECTED
 
+_HOW = r"how (?:far|much|fast|quickly|many|sure)|at (?:what|which) speed"
 _AND_HOW = re.compile(
-    r"^(?P<first>.+?)[,;]? (?:and|&) (?:by )?"
-    r"(?P<second>(?:how (?:far|much|fast|quickly|many|sure)|at (?:what|which) speed)\b.*)$",
+    rf"^(?P<first>.+?)[,;]? (?:and|&) (?:by )?(?P<second>(?:{_HOW}|why(?=\W*$)"
+    r"|(?:are|how) (?:you )?(?:sure|certain)(?=\W*$)"
+    r"|(?:(?:the|its) )?(?:angle|distance|speed)(?=\W*$))"
+    r"\b.*)$",
     re.IGNORECASE,
 )
-_TWO_MARKS = re.compile(r"^(?P<first>[^?]+\?)\s+(?P<second>[^?]+\?)\W*$")
+_THEN = re.compile(
+    r"^(?P<first>\W*(?:which|what|how|where|is|was|does|did|has)\b.+?)"
+    rf"(?:, (?P<second>(?:{_HOW})\b.*)|,? and (?P<way>(?:which|what) (?:way|direction)\b.*))$",
+    re.IGNORECASE,
+)
+"""What is asked after a comma, or the way asked last: of questions alone, and no suppositions."""
+
+_TWO_MARKS = re.compile(r"^(?P<first>[^?]+\?)\s+(?P<second>[^?]+\?.*)$")
+_WHERE = re.compile(r"(?:and )?where\?", re.IGNORECASE)
+_WHY = re.compile(
+    r"(?:(?:and|so|but)[, ]+)?why (?P<asked>(?:does|did|is|was) "
+    r"(?:it|this|that|(?:the|my) \w+) .+?)\W*",
+    re.IGNORECASE,
+)
 _NUMBERED = re.compile(r"^(?:first|second|then|next|and|also|1|2)[:,.)]* +", re.IGNORECASE)
 
 
@@ -22,10 +46,16 @@ def two_parts(question: str) -> tuple[str, str] | None:
     Both have to be of a kind that their words tell: a lettered choice, an opener or a presumption
     before the question itself makes no second one.
     """
-    said = _AND_HOW.match(question) or _TWO_MARKS.match(question)
+    why = _WHY.fullmatch(question)
+    if why is not None and claimed_motion(why["asked"]) in DIRECTED:
+        return f"{why['asked'][:1].upper()}{why['asked'][1:]}?", "Why?"
+    said = _THEN.match(question) or _AND_HOW.match(question) or _TWO_MARKS.match(question)
     if said is None or offered_options(question):
         return None
-    first, second = (_NUMBERED.sub("", said[part].strip()) for part in ("first", "second"))
+    asked = said["first"], said["second"] or said["way"]
+    first, second = (_NUMBERED.sub("", part.strip()) for part in asked)
+    if _kind(first) == "contact":
+        second = _WHERE.sub("Where is the contact?", second, count=1)
     kinds = [_kind(first), _kind(second)]
     if None in kinds or kinds[0] == kinds[1] or "comparison" in kinds or "order" in kinds:
         return None
@@ -34,14 +64,21 @@ def two_parts(question: str) -> tuple[str, str] | None:
 
 def _kind(question: str) -> str | None:
     """Return the kind of a question as far as its words tell it."""
+    if asks_beyond_touch(question):
+        return "refusal"
     kind = asked_kind(question)
     if kind is not None:
         return kind
+    if asks_place(question):
+        return "place"
     if asks_direction(question) or len(motions_named(question)) > 1:
         return "direction"
     if asks_whether_moving(question):
         return "moving"
     if re.search(r"\b(?:contact|touch\w*)\b", question, re.IGNORECASE):
         return "contact"
+    is_terse = len(question.split()) <= 2 and question.endswith("?")
+    if is_terse and claimed_motion(question) is not None:
+        return "verify"
     is_presumed = re.match(r"\W*(?:why|how)\b", question, re.IGNORECASE)
     return "verify" if claims_motion(question) and not is_presumed else None

@@ -8,6 +8,7 @@ from geotlm_lm.conversation.axes import claimed_axis
 from geotlm_lm.conversation.claims import motions_named
 from geotlm_lm.conversation.kind_words import PICTURE
 from geotlm_lm.conversation.kinds import asks_direction
+from geotlm_lm.conversation.number_words import NUMBER
 
 _WHEN = (
     "I tell how it moves between the frames used, not when: `geotlm-lm watch` tells when each "
@@ -27,6 +28,10 @@ _AXIS = (
 )
 _SIZE = "I tell how far it turns or slides and how much of the image it touches, not its size."
 _FLIP = "I tell how it turns, slides, presses and lifts against the gel, not whether it flips over."
+_WHOLE = (
+    "I tell one motion between the frames used, as a whole; for a part of a recording choose its "
+    "frames, such as by --frames 40:60."
+)
 _TALK = (
     "Ask how the touched object moves: which way it turns or slides, how far, how fast, whether it "
     "touches at all, and why I say so."
@@ -137,6 +142,14 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
             rf"|\bwas (?:the|my) (?!{PICTURE})\w+ flipped(?: over)?\W*$"
         ),
         _FLIP,
+    ),
+    (
+        re.compile(
+            rf"\b(?:in|during|within|over|for) the (?:last|first|final) (?:(?:{NUMBER}) ?)?"
+            r"(?:s|ms|secs?|seconds?|milliseconds?|frames|part|half|third|quarter)\b"
+            r"(?! (?:clip|recording|video)\b)"
+        ),
+        _WHOLE,
     ),
 )
 """Asked in words that a rule or the model would take for another question."""

@@ -29,6 +29,14 @@ TEMPLATES = load_templates()
         ("how many frames does the recording have", "frames"),
         ("How many frames did you use?", "frames"),
         ("Which frames did you look at?", "frames"),
+        ("How long is the recording?", "duration"),
+        ("Duration of the slip?", "duration"),
+        ("How long does it slide?", "duration"),
+        ("How much time passes between the first and the last used frame?", "duration"),
+        ("How long did the turn take?", "duration"),
+        ("What is the duration of the clip?", "duration"),
+        ("What's the time between frames?", "interval"),
+        ("What is the interval between two frames?", "interval"),
     ],
 )
 def test_a_question_about_the_recording_is_known_by_its_words(text, topic):
@@ -40,6 +48,10 @@ def test_a_question_about_the_recording_is_known_by_its_words(text, topic):
     [
         "How many pixels did it move?",
         "How many frames does it turn?",
+        "How long does it turn clockwise?",
+        "How long is the cap?",
+        "How long will it turn?",
+        "How far between two frames?",
         "How large is the turn?",
         "How large is it?",
         "What is the size of the motion?",
@@ -84,3 +96,11 @@ def test_no_template_asks_about_the_recording(type_id, wordings):
 )
 def test_the_recording_is_told_in_a_sentence(topic, fps, text):
     assert told_of_recording(topic, (48, 64), fps, (3, 5, 5, 7)) == text
+
+
+def test_times_are_told_of_the_frames_used():
+    told = told_of_recording("duration", (10, 10), 25.0, (3, 5, 9, 13))
+    assert told.startswith("From frame 3 to frame 13, the first and the last used, 0.4 s pass;")
+    told = told_of_recording("interval", (10, 10), 25.0, (3, 5, 9, 13))
+    assert told == "At 25 frames per second, 0.04 s from one frame to the next."
+    assert "give it by fps" in told_of_recording("duration", (10, 10), None, (3, 5))

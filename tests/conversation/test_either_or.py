@@ -17,6 +17,11 @@ from geotlm_lm.data.questions import questions_for
         "is it in motion, or is it at rest?",
         "Is it still or moving?",
         "Does it move horizontally or vertically?",
+        "Is it moving along the x axis or the y axis?",
+        "is it moving in +x or -x?",
+        "in the positive y direction or the negative y direction?",
+        "Is dx positive or negative?",
+        "is the y shift negative or positive?",
     ],
 )
 def test_moving_or_at_rest_asks_how_it_moves(question):
@@ -44,6 +49,9 @@ def test_touching_or_not_asks_for_contact(question):
         "Is it touching, or not touching, and which way does it go?",
         "Which clip is moving or still?",
         "Is it moving or still touching?",
+        "Is dx positive?",
+        "Is it positive or negative?",
+        "Is it moving along the x axis?",
     ],
 )
 def test_other_questions_stay_as_they_are(question):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.conversation.spelling import spelt
+from geotlm_lm.conversation.spelling import as_words, spelt
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 
@@ -48,3 +48,18 @@ def test_questions_of_the_templates_without_slips_stay():
         label = MotionLabel(motion, rotation_deg=12.0 if motion in ROTATIONS else 0.0)
         for asked in questions_for(label, rng, wordings="held_out", per_type=8):
             assert spelt(asked.question) == asked.question
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("SLIP_DIR?", "SLIP DIR?"),
+        ("is_rotating?", "is it rotating?"),
+        ("rotation_direction", "rotation direction"),
+        ("was_sliding_left?", "was it sliding left?"),
+        ("is rotating?", "is rotating?"),
+        ("_", "_"),
+    ],
+)
+def test_an_identifier_is_read_as_words(text, words):
+    assert as_words(text) == words

@@ -32,6 +32,13 @@ from geotlm_lm.data.questions import questions_for
         ("Has it made a full revolution?", StatedAmount(360.0, "deg", "about")),
         ("did it turn a quarter turn", StatedAmount(90.0, "deg", "about")),
         ("did it go at least half a turn?", StatedAmount(180.0, "deg", "more")),
+        ("move > 3 px?", StatedAmount(3.0, "px", "more")),
+        (
+            "rotated \N{GREATER-THAN OR EQUAL TO} 10\N{DEGREE SIGN}?",
+            StatedAmount(10.0, "deg", "more"),
+        ),
+        ("slid < 2 mm?", StatedAmount(2.0, "mm", "less")),
+        ("Did it slide on a 5 x 6 mm pad?", None),
         ("How many degrees?", None),
         ("Which way, at 0.06 mm per pixel?", None),
         ("Did it turn no less than 5 degrees?", StatedAmount(5.0, "deg", "more")),

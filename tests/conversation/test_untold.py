@@ -104,6 +104,11 @@ def test_who_asks_for_the_place_of_the_contact_is_understood(text, asks):
         ("Did the part flip?", "flips over"),
         ("Was the box flipped?", "flips over"),
         ("Has the pancake flipped over?", "flips over"),
+        ("In the last 0.5 seconds how far did it slide?", "as a whole"),
+        ("Which way does it go in the first half?", "as a whole"),
+        ("How far over the final 2 frames?", "as a whole"),
+        ("Which one presses harder?", "force"),
+        ("Is it pushing deeper?", "force"),
     ],
 )
 def test_what_passes_for_another_question_is_declined(text, word):
@@ -115,6 +120,9 @@ def test_what_passes_for_another_question_is_declined(text, word):
     [
         "Should I turn it clockwise to get it back?",
         "Do I feel contact?",
+        "Which way does it go in the first clip?",
+        "Is it pressing in?",
+        "Which way from the first to the last frame?",
         "How fast does it turn?",
         "Is the contact at rest?",
         "Which way should I turn it to tighten it?",
