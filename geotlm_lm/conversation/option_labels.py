@@ -12,7 +12,11 @@ _BEFORE, _ALSO_BEFORE = (
     for label in (_LETTER, _LISTED)
 )
 _BEHIND = re.compile(r"([^()]*)\(([A-D1-4])\)")
-_TAIL = re.compile(r"[.?!;]+(?:\s.*)?$")
+_TAIL = re.compile(
+    r"[.?!;]+(?:\s.*)?$|\s(?:(?:answer|reply) with|which\b"
+    r"|(?:give|tell|say|pick|choose|select)\b).*$",
+    re.IGNORECASE,
+)
 
 Labelled = list[tuple[str, str]]
 
@@ -28,8 +32,7 @@ def labelled(text: str, says: Callable[[str], bool]) -> Labelled:
         says: Tells whether the words of an option are understood.
     """
     before = _BEFORE.findall(text)
-    if len(before) < 2:
-        before = _in_sequence(_ALSO_BEFORE.findall(text)) or before
+    before = max(before, _in_sequence(_ALSO_BEFORE.findall(text)), key=len)
     behind = [(label, option) for option, label in _BEHIND.findall(text)]
 
     def understood(found: Labelled) -> int:

@@ -179,7 +179,8 @@ def _of_clauses(text: str, *, is_judged: bool = False) -> WholeClaim | None:
 def _denies_a_kind(text: str) -> bool:
     """Tell whether a clause denies a kind of motion, or any; none by its name, and no contact."""
     plain = _DENIAL.sub(" ", _AUXILIARY.sub(" not", text))
-    return not motions_named(plain) and _plain_set(plain) not in (None, EVERY - {Motion.NONE})
+    named = motions_named(plain) | motions_named(re.sub(r"\bnothing\b", " ", text))
+    return not named and _plain_set(plain) not in (None, EVERY - {Motion.NONE})
 
 
 def _plain_set(text: str) -> frozenset[Motion] | None:

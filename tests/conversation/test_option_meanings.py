@@ -41,10 +41,17 @@ CCW, LEFT, UP, STILL, PRESS, NONE = (
         ("A) moves B) touching but not moving C) nothing touches", NONE, "C"),
         ("A) moves B) does not move C) no contact", NONE, "C"),
         ("A) turns B) left", UP, None),
+        ("A) cw B) ccw C) left D) right E) none of these", PRESS, "E"),
+        ("A) cw B) ccw C) left D) right E) none of these", LEFT, "C"),
     ],
 )
 def test_the_narrowest_option_that_is_true_is_chosen(question, motion, letter):
     assert true_option(option_sets(question), motion) == letter
+
+
+def test_the_words_of_an_option_end_where_the_asking_goes_on():
+    sets = option_sets("(A) cw (B) it does not rotate Answer with the option's letter")
+    assert sets["B"][0] == "it does not rotate"
 
 
 @pytest.mark.parametrize(

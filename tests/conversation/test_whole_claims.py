@@ -88,6 +88,7 @@ def test_a_kind_or_two_things_at_once_are_claimed_whole(question, motions):
         "Doesn't it slide?",
         "Is it not touching the gel?",
         "No contact?",
+        "Is the motion no contact?",
         "nothing or not?",
         "Is it moving or not?",
         "Is it moving, or is it not?",
