@@ -34,7 +34,7 @@ _TWO_MARKS = re.compile(r"^(?P<first>[^?]+\?)\s+(?P<second>[^?]+\?.*)$")
 _WHERE = re.compile(r"(?:and )?where\?", re.IGNORECASE)
 _WHY = re.compile(
     r"(?:(?:and|so|but)[, ]+)?why (?P<asked>(?:does|did|is|was) "
-    r"(?:it|this|that|(?:the|my) \w+) .+?)\W*",
+    r"(?:it|this|that|(?:the|my) \w+) (?:(?!,| and | so ).)+?)\W*",
     re.IGNORECASE,
 )
 _NUMBERED = re.compile(r"^(?:first|second|then|next|and|also|1|2)[:,.)]* +", re.IGNORECASE)

@@ -43,6 +43,7 @@ from geotlm_lm.data.questions import questions_for
         ("Why does it turn clockwise?", ("Does it turn clockwise?", "Why?")),
         ("So why did the cap slide left?", ("Did the cap slide left?", "Why?")),
         ("Why is it turning?", None),
+        ("Why does it turn clockwise so slowly?", None),
         ("Why do you say left?", None),
         ("If the image is mirrored, how far?", None),
         ("Seen from the object's side and which way?", None),
