@@ -50,6 +50,7 @@ from geotlm_lm.conversation.retell import (
     Told,
     retell,
 )
+from geotlm_lm.conversation.untold import ONE_MOTION
 from geotlm_lm.conversation.wording import clause, sentence
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import SLIDES, Motion, motion_class
@@ -73,7 +74,7 @@ UNTRAINED = {
 
 NEEDS_MORE = {
     "comparison": "I see one clip only; give me a second one to compare it with.",
-    "order": "I see one motion per clip; give me the parts as clips of their own, in order.",
+    "order": ONE_MOTION,
 }
 """Kinds that one clip never answers, whatever the model."""
 

@@ -16,6 +16,7 @@ from geotlm_lm.answering.answer import Answer, Encoded
 from geotlm_lm.answering.expected import require_encoded, require_frame
 from geotlm_lm.answering.several import Comparison, Order
 from geotlm_lm.answering.streaming import Listener, pieces
+from geotlm_lm.conversation.asked_units import with_unit
 from geotlm_lm.conversation.doubts import doubted
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
@@ -40,6 +41,8 @@ _DOUBT = re.compile(
     r"|seriously|is that (?:so|right|correct|true)|(?:i think )?(?:you are|you're|that is|that's)"
     r" (?:wrong|mistaken|not right|incorrect|false)|i (?:do not|don't) (?:believe|think so)"
     r"(?: (?:you|that|it))?|no way|think again|check again|look again)[?!. ]*"
+    r"|(?:(?:and |but )?(?:what about|could it be|why not|not)|isn't it|or is it) the"
+    r" (?:other way(?: a?round)?|opposite(?: direction| way)?|other direction)[?!. ]*"
     r"|(?:no|wrong|nope)(?:[,.!;][^?]*)?"
 )
 _ENDS = re.compile(r"[,;.!?]+")
@@ -140,6 +143,8 @@ class Session:
         typed = check_question(question)
         question = with_pixel_size(typed, self.encoded.clip.frames.shape[2])
         question = corrected(question, self.frame)
+        amount = getattr(self.last, "amount", None)
+        question = question if amount is None else with_unit(question, amount.unit)
         repeated = self._said_again(question)
         answer = repeated or self._reply(question, listen)
         self.history.append(Turn(typed, answer, repeated is not None, self.frame, self.encoded))

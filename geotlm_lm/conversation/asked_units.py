@@ -10,6 +10,12 @@ _ASKED = re.compile(rf"\b(?:how many|number of|in) (?P<unit>{UNIT})(?:{PER})?")
 _PER_FRAME = re.compile(r"\b(?:per|an?|each|every) frame\b|/ ?frame\b|\bfrom frame to frame\b")
 _TIMES = {1.0: "second", 60.0: "minute", 3600.0: "hour"}
 
+_UNITS = {"deg": "degrees", "px": "pixels", "mm": "mm"}
+_BARE_NUMBER = re.compile(
+    r"(?:(?:and|so|but)[, ]+)?(?:(?:is|was) (?:it|that) )?(?:more|less) than \d+(?:\.\d+)?[ ?!.]*",
+    re.IGNORECASE,
+)
+
 
 def asked_unit(question: str, told: str) -> tuple[str, float] | None:
     """Return the unit that `question` asks for and how many of it are one of the unit `told`.
@@ -32,6 +38,21 @@ def asked_unit(question: str, told: str) -> tuple[str, float] | None:
     if seconds is None or (factor, seconds) == (1.0, 1.0):
         return None
     return f"{said['unit']} per {_TIMES[seconds]}", seconds / factor
+
+
+def with_unit(question: str, told: str) -> str:
+    """Return a question for more or less than a bare number with the unit of the amount told last.
+
+    Any other question stays as it is, and so does one after a speed.
+
+    Args:
+        question: What is asked after an amount was told.
+        told: The unit of that.
+    """
+    unit = _UNITS.get(told)
+    if unit is None or not _BARE_NUMBER.fullmatch(question.strip()):
+        return question
+    return f"{question.strip(' ?!.')} {unit}?"
 
 
 def asks_per_frame(question: str) -> bool:

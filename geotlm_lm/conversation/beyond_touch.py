@@ -25,6 +25,8 @@ _FELT_OTHERWISE = (
     r"(?:heavy|expensive|cheap|old|new|hot|cold|warm|cool|loud|quiet|poisonous|toxic|magnetic|safe"
     r"|broken|valuable|edible)"
 )
+_SOMEBODY = r"(?:human|person|operator|user|man|woman|child|worker)"
+_MACHINE = r"(?:robot|machine|motor|gripper|arm)"
 _ADJECTIVE = rf"(?:{_LOOKS}|{_FELT_OTHERWISE}|(?:made (?:of|from) )?{_MATERIAL})"
 
 _MADE_BY_TOUCH = (
@@ -61,6 +63,9 @@ _TOPICS = re.compile(
             r"\b(?:tomorrow|in an hour|in the future)\b",
             r"\b(?:is|was|it's|are) (?:\S+ ){0,3}about to (?!the\b|\d)\w+",
             r"\bgoing to (?:fall|drop|break|slip)\b",
+            r"\b(?:risk|danger|chance) of (?:a )?(?:slip|fall|drop|break|los)\w*",
+            rf"\b{_SOMEBODY} (?:\S+ ){{0,4}}?or (?:\S+ ){{0,3}}?{_MACHINE}\b",
+            rf"\b{_MACHINE} (?:\S+ ){{0,4}}?or (?:\S+ ){{0,3}}?{_SOMEBODY}\b",
         )
     )
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-_REST = r"(?:still|stationary|static|at rest|motionless|immobile|at a standstill|not moving)"
+_REST = r"(?:still|stationary|static|at rest|motionless|immobile|stable|at a standstill|not moving)"
 _MOTION = r"(?:moving|in motion|in movement|dynamic|mobile)"
 _TOUCH = r"(?:touching|touched|in contact|contact)"
 _NO_TOUCH = r"(?:not (?:touching|touched|in contact)|no contact|untouched)"

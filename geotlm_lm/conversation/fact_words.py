@@ -23,6 +23,14 @@ _THING = r"(?!(?:sensor|gel|pad|camera|gripper|robot|finger)\b)\w+"
 _I_MOVED = rf"(?:{_SENSOR} {_MOVED}|(?:i|we) (?:moved?|turned?|rotated?) {_SENSOR})"
 _TOUCHES = r"(?:touch|touches|touched|is on|is at|presses on|sees|see|looks at|look at|holds|grips)"
 _THREADED = r"(?:thread|threads|screw|bolt|nut|threaded)"
+_USUAL = r"(?:normal|standard|ordinary|usual|regular|common)"
+_HEADED = r"(?:screw|bolt|nut|cap|lid|knob|jar|bottle|valve|tap|plug|object)"
+_END_OF_IT = rf"(?:(?:the |my |its )?(?:{_HEADED}(?:'s)? )?{{0}}(?: of (?:the|my) {_HEADED})?)"
+_LIES_ON = (
+    r"(?:faces|touches|rests on|lies on|sits on|presses(?: (?:on|into|against|onto))?"
+    r"|(?:(?:is|was) )?(?:(?:pressed|held) )?(?:on|at|against|into|onto|towards?))"
+)
+_REACHES = rf"(?:{_TOUCHES}|presses (?:against|onto|into)|faces|(?:(?:is|was) )?on(?: top of)?)"
 
 HALF_TURN = r"(?:by )?180 ?(?:degrees|deg|°)(?: (?:counter)?clockwise)?"
 ON_ITS_HEAD = (
@@ -38,7 +46,7 @@ _NOUN = r"(?!image\b|picture\b|video\b|clip\b|camera\b|sensor\b)\w+"
 _IT_IS = r"(?:(?:it is|it's|it has|this is|i have|we have) )?"
 _HAND = (
     rf"(?:(?:it is|it's|it has|this is|the thread is|(?:the|my) {_NOUN} (?:is|has)) )?"
-    rf"(?:a )?{{}}(?: {_THREADED})?"
+    rf"(?:a )?(?:{_USUAL} )?{{}}(?: {_THREADED})?"
 )
 
 _SIDE = (
@@ -48,6 +56,9 @@ _SIDE = (
 )
 _SEEN_AT = rf"|(?:{LOOK} )?(?:from|at) (?:the|its) {{}}(?: side)?"
 """Of a head and a shank alone: who looks from the side looks at no side of a bolt."""
+
+_END = rf"{_END_OF_IT} {_LIES_ON} {_SENSOR}|{_SENSOR} {_REACHES} {_END_OF_IT}"
+"""Which end of a thing touches, in its own words."""
 
 _UPSIDE_DOWN, UPRIGHT = FrameSpec.fields_of_turn(180), FrameSpec.fields_of_turn(0)
 
@@ -116,13 +127,28 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
         {"actor": "object"},
     ),
     (rf"{_SENSOR} (?:is|was) (?:fixed|clamped|mounted)", {"actor": "object"}),
-    (_SIDE.format("head") + _SEEN_AT.format("head"), {"contact_side": "head"}),
-    (_SIDE.format("(?:shank|tip)") + _SEEN_AT.format("(?:shank|tip)"), {"contact_side": "shank"}),
+    (
+        _SIDE.format("head")
+        + _SEEN_AT.format("head")
+        + "|(?:the )?head|"
+        + _END.format("(?:head|top)"),
+        {"contact_side": "head"},
+    ),
+    (
+        _SIDE.format("(?:shank|tip)")
+        + _SEEN_AT.format("(?:shank|tip)")
+        + "|(?:the )?(?:shank|tip)|"
+        + _END.format("(?:shank|tip)"),
+        {"contact_side": "shank"},
+    ),
     (_SIDE.format("side") + r"|(?:a )?side grip", {"contact_side": "side"}),
     (_HAND.format(r"left[ -]?hand(?:ed)?"), {"thread": "left"}),
     (rf"{_IT_IS}(?:a )?reversed? {_THREADED}", {"thread": "left"}),
     (_HAND.format(r"right[ -]?hand(?:ed)?"), {"thread": "right"}),
-    (rf"{_IT_IS}(?:a )?(?:normal|standard|ordinary) {_THREADED}", {"thread": "right"}),
+    (
+        rf"{_IT_IS}(?:a )?{_USUAL} {_THREADED}|(?:the|its) thread is (?:a )?{_USUAL}(?: one)?",
+        {"thread": "right"},
+    ),
     (
         r"(?:forget|reset|drop|ignore|unset) (?:the |my |what i said of the )?(?:pixel size|scale"
         r"|(?:size|width) of (?:a|one|the) pixel|mm per (?:pixel|px))",

@@ -46,6 +46,18 @@ _SUPPOSED = re.compile(
 )
 """An image that is turned for the length of a question, as it is where the sensor is turned."""
 
+OF_A_THREAD = frozenset(("thread", "contact_side"))
+"""Fields that alone may be assumed for good, and asked for with no more than "and with ...?"."""
+
+_ASSUMED = re.compile(r"(?:please )?(?:assume|assuming|suppose|say|let's say)(?: that)?,? ")
+_WITH_ANOTHER = re.compile(
+    r"(?:(?:and|but|so|ok|now|what|how)[, ]+)+(?:about )?"
+    r"(?:(?:with|for|if (?:it|this|(?:the|my) \w+) (?:has|had|is|was|were)|if it's) )?"
+    r"(?P<fact>[^?]+?)(?: instead)?[ ?]*[?]",
+    re.IGNORECASE,
+)
+_TIGHTER_OR_LOOSER = "Is it tightening or loosening?"
+
 _SUPPOSED_FACTS = re.compile(
     r"(?:if|suppose|supposing|assuming|assume|imagine)(?: that)? ", re.IGNORECASE
 )
@@ -124,11 +136,14 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
         stated = read_facts(beside.rest, replace(frame, **beside.fields))
         kept = {"mm_per_px": frame.mm_per_px} if beside.is_supposed else {}
         return replace(stated, lasting=replace(stated.lasting, **kept), is_stated=True)
-    stated = supposed or _read(text, frame)
+    stated = supposed or _supposed_thread(text, frame) or _read(text, frame)
     seen = _AS_SEEN.search(stated.rest)
-    if seen is None or (stated.frame.viewpoint == "sensor" and not seen["side"]):
+    if seen is None:
         return stated
     rest = _tidied(stated.rest[: seen.start()], stated.rest[seen.end() :])
+    is_as_told = stated.frame.viewpoint == "sensor" and not seen["side"]
+    if is_as_told and rest != _OPEN_QUESTION:
+        return stated
     return replace(stated, frame=replace(stated.frame, viewpoint="sensor"), rest=rest)
 
 
@@ -146,6 +161,18 @@ def _supposed_scale(text: str, frame: FrameSpec) -> Stated | None:
         if fields.keys() > {"mm_per_px"} and rest and _asks(rest):
             return Stated(replace(frame, **fields), frame, rest, True)
     return None
+
+
+def _supposed_thread(text: str, frame: FrameSpec) -> Stated | None:
+    """Return the question what another thread, or end of it, would do: "and with a left-hand one?".
+
+    It holds for this question alone.
+    """
+    another = _WITH_ANOTHER.fullmatch(text)
+    fields = _fields(another["fact"]) if another else {}
+    if not fields or not fields.keys() <= OF_A_THREAD:
+        return None
+    return Stated(replace(frame, **fields), frame, _TIGHTER_OR_LOOSER, True)
 
 
 def _read(text: str, frame: FrameSpec) -> Stated:
@@ -190,6 +217,9 @@ def _fields(text: str) -> dict[str, Any]:
     text = " ".join(text.lower().split()).rstrip(".!, ")
     while (shorter := _LEAD.sub("", text)) != text:
         text = shorter
+    if (assumed := _ASSUMED.match(text)) is not None:
+        fields = _fields(text[assumed.end() :])
+        return fields if fields.keys() <= OF_A_THREAD else {}
     breaks = [match.span() for match in _BREAK.finditer(text)]
     starts = [0, *(end for _, end in breaks)]
     ends = [*(start for start, _ in breaks), len(text)]
@@ -218,5 +248,6 @@ def _turns_otherwise(fields: dict[str, Any], found: dict[str, Any]) -> bool:
 
 def _fact(clause: str) -> dict[str, Any] | None:
     clause = _AGAIN.sub("", clause)
+    clause = clause.removeprefix("that ")
     found = next((sets for words, sets in FACTS if re.fullmatch(words, clause)), None)
     return found or read_turn(clause) or read_scale(clause)

@@ -14,7 +14,13 @@ _MEANT = (
     "spinning",
     "touching",
     "moving",
+    "clockwise",
+    "counterclockwise",
+    "anticlockwise",
 )
+
+_SHORT = ("left", "right", "down", "still", "slip", "slide", "turn", "move", "touch", "press")
+"""Words so short that many others are as near: only two letters exchanged, or one twice, count."""
 
 _OTHERS = re.compile(
     r"burning|clipping|dripping|eliding|flipping|gliding|lipping|listing|loving|pinning|proving"
@@ -30,13 +36,24 @@ _ALIKE = 0.85
 """Similarity of "slipping" and "sliping": 0.93; of "turning" and "truning": 0.86."""
 
 
+def _slips_of(word: str) -> set[str]:
+    """Return `word` with each two neighbouring letters exchanged and with each letter twice."""
+    ends = range(1, len(word))
+    exchanged = {word[: at - 1] + word[at] + word[at - 1] + word[at + 1 :] for at in ends}
+    twice = {word[:at] + word[at - 1 :] for at in range(1, len(word) + 1)}
+    return exchanged | twice - {word}
+
+
+_MEANT_BY = {slip: word for word in _SHORT for slip in _slips_of(word) if slip not in _SHORT}
+
+
 def spelt(question: str) -> str:
     """Return a question with the mistyped ones of a few words put right.
 
     Only what a model or a rule takes for another question is worth it: asked whether something is
     "sliping", the model says that something touches.
     """
-    return re.sub(r"[A-Za-z]{6,}", lambda word: _meant(word[0]), question)
+    return re.sub(r"[A-Za-z]{4,}", lambda word: _meant(word[0]), question)
 
 
 def as_words(question: str) -> str:
@@ -47,6 +64,8 @@ def as_words(question: str) -> str:
 
 def _meant(word: str) -> str:
     lower = word.lower()
+    if lower in _MEANT_BY or len(word) < 6:
+        return _MEANT_BY.get(lower, word)
     # "unmoving" and "removing" are words of their own.
     if lower.endswith(_MEANT) or _OTHERS.fullmatch(lower):
         return word

@@ -21,6 +21,18 @@ _MEAN_SPEED = (
 )
 _ADVICE = "I tell how the touched object moves and whether it touches, not what to do about it."
 _QUALITY = "I tell whether something touches and where, not what shape or how firm a contact is."
+_NO_PLACES = (
+    "I tell left, right, up and down as the camera image shows them, and no way towards a thing or "
+    "a point of the compass."
+)
+_NO_COMPARISON = (
+    "I judge a speed or a distance by a number; ask for example 'is it faster than 10 degrees per "
+    "second?'."
+)
+_SETS = "I tell which way it turns in the camera image, not what that sets."
+ONE_MOTION = "I see one motion per clip; give me the parts as clips of their own, in order."
+"""Said where parts of a clip are asked for."""
+
 _NEAREST = "I tell the nearest of left, right, up and down, and no angle between them."
 _AXIS = (
     "I tell turns as drawn in the camera image, not by a sign: clockwise there is positive about "
@@ -38,6 +50,12 @@ _TALK = (
 )
 
 _TURN_SIGN = re.compile(r"\bright[ -]hand rule\b|\b[xyz][ -]axis\b")
+
+_FILLERS = frozenset(
+    ("and", "so", "but", "or", "now", "then", "yes", "yeah", "yep", "no", "not", "maybe", "well")
+    + ("hm", "uh", "oh", "it", "this", "that", "the", "object")
+)
+"""A text of these alone asks nothing."""
 
 _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
     (
@@ -72,6 +90,21 @@ _A_THING = (
     r"(?:the|this|that|these|those|my|its|your) (?:\w+ )?"
     rf"(?!{PICTURE}|(?:contact|touch|imprint|pixel|frame|view|turn|slide|slip|shift|motion|movement"
     r"|rotation|displacement|angle|distance|step|path|error|amount|change)s?\b)\w+"
+)
+_GOES = (
+    r"(?:go|mov|slid|slip|drag|glid|head|travel|drift|creep|shift|turn|rotat|twist|spin|spun|com)"
+    r"(?:e|es|s|ed|ing|ped|ping|ning|ged|ging)?"
+)
+_DOES_IT = r"(?:(?:and|so|but)[, ]+)?(?:does|did|is|was|has) (?:it|this|that|(?:the|my) \w+)"
+_ASIDE = (
+    r"(?:left|right|top|bottom|upper|lower|sides?|up|down|other|opposite|same|halt|stop|rest"
+    r"|start|beginning)\b"
+)
+_SENSOR = r"(?:gel|sensor|pad|skin|camera|image|picture)\b"
+_THE = r"(?:the|my|your|its|an?) "
+_WAY_TO = (
+    rf"(?:(?:towards?|away from) (?:{_THE})?"
+    rf"|(?<!relative )(?<!respect )(?<!close )(?<!parallel )to {_THE})"
 )
 
 _ACT = (
@@ -151,8 +184,37 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
         ),
         _WHOLE,
     ),
+    (
+        re.compile(
+            r"\b(?:faster|slower|quicker|further|farther) than (?:an?|the|my|your) "
+            r"(?!\d|(?:first|second|third|other|last|previous|one)\b(?! hand))"
+        ),
+        _NO_COMPARISON,
+    ),
+    (
+        re.compile(
+            r"\b(?:is|was|am|are) (?:\S+ ){1,4}?turn(?:ed|ing) (?:(?:the|my) \w+ )?"
+            r"(?:up|down|on|off)\W*$"
+        ),
+        _SETS,
+    ),
 )
 """Asked in words that a rule or the model would take for another question."""
+
+_PARTS = re.compile(
+    rf"\b{_GOES} (?:again )?(?:at|near|towards?|until) the (?:very )?(?:end|start|beginning)\b"
+    rf"|^\W*{_DOES_IT} {_GOES} back(?! into)\b"
+    rf"|^\W*{_DOES_IT} (?:change|switch|revers|alternat)\w*(?: (?:its|the) )? ?"
+    r"(?:way|direction|sense)\b|\bback and forth\b|\bto and fro\b|\boscillat\w*"
+)
+"""Ask for what happens within a clip."""
+
+_TO_A_PLACE = re.compile(
+    rf"\b{_GOES} (?!(?:on|back)\b)(?:\w+ ){{0,2}}?{_WAY_TO}"
+    rf"(?!(?:\w+ )?{_ASIDE}|{_SENSOR}|{_THE})\w+"
+    r"|\b(?:north|south|east|west)(?:-?(?:east|west)|wards?)?\b"
+)
+"""Asks for a way that no word for a direction of the image names."""
 
 _PLACE = re.compile(
     r"\bwhere(?: is|'s| was) (?:the |its )?(?:contact|touch|imprint)\b"
@@ -167,10 +229,14 @@ _PLACE = re.compile(
     r"|\b(?:which|what) (?:part|side|area|region|spot|half) of (?:\S+ ){1,3}touch\w*\b"
     r"|\b(?:which|what) (?:part|side|area|region|spot|half) (?:is|was) (?:being )?touch(?:ed|ing)\b"
     r"|\bhow (?:much|large|big|wide) (?:\S+ ){1,4}(?:touch(?:ed|ing)|(?<!of )(?:contact|imprint))\b"
+    r"|\b(?:what|which|how (?:much|large|big) an?) "
+    r"(?:fraction|share|part|percentage|portion|proportion) (?:of|is) (?:\S+ ){1,5}"
+    r"(?:touch\w*|contact)\b|^and where\W*$"
     r"|\b(?:size|area) of the (?:contact|touch|imprint)\b|\bcontact area\b"
 )
 _OF_A_MOTION = re.compile(
-    r"\b(?:mov|motion|head|slid|slip|turn|travel|shift|rest|grow|larg|small|chang)\w*|\bgo(?:es|ing)?\b"
+    r"\b(?:mov|motion|head|slid|slip|turn|travel|shift|rest|grow|larger|enlarg|smaller|chang)\w*"
+    r"|\bgo(?:es|ing)?\b"
 )
 _HOW_LARGE = re.compile(r"^(?:\W*(?:and|so|ok) )?how (?:large|small)\b")
 
@@ -191,7 +257,7 @@ def untold(question: str) -> str | None:
     """
     text = " ".join(question.lower().replace("\u2019", "'").split())
     *asking, talk = _UNTOLD
-    if talk[0].fullmatch(text):
+    if talk[0].fullmatch(text) or _FILLERS.issuperset(re.findall(r"[\w']+", text)):
         return talk[1]
     if motions_named(text):
         return None
@@ -203,8 +269,12 @@ def untold(question: str) -> str | None:
 def never_told(question: str) -> str | None:
     """Return what to say to a question whose words pass for another one's; None to any else."""
     text = " ".join(question.lower().replace("\u2019", "'").split())
+    if _PARTS.search(text):
+        return ONE_MOTION
     if asks_direction(text.rpartition(". ")[2]):
         return None  # "the video is slowed down. Which way does it move?"
+    if _TO_A_PLACE.search(text) and not motions_named(text):
+        return _NO_PLACES
     return next((said for words, said in _NEVER if words.search(text)), None)
 
 

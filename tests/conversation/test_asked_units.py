@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from geotlm_lm.conversation.asked_units import asked_unit, asks_per_frame
+from geotlm_lm.conversation.asked_units import asked_unit, asks_per_frame, with_unit
 
 
 @pytest.mark.parametrize(
@@ -42,3 +42,19 @@ def test_the_unit_told_anyway_and_one_of_another_thing_are_none(question, told):
 def test_frames_are_asked_for_one_by_one():
     assert asks_per_frame("How far per frame?")
     assert not asks_per_frame("How far between frames 2 and 9?")
+
+
+@pytest.mark.parametrize(
+    ("question", "told", "meant"),
+    [
+        ("more than 20?", "deg", "more than 20 degrees?"),
+        ("and less than 10.5?", "px", "and less than 10.5 pixels?"),
+        ("was it more than 3?", "mm", "was it more than 3 mm?"),
+        ("more than 20 pixels?", "deg", "more than 20 pixels?"),
+        ("more than 20?", "deg/s", "more than 20?"),
+        ("more than 2 motions?", "deg", "more than 2 motions?"),
+        ("how much more than 20?", "deg", "how much more than 20?"),
+    ],
+)
+def test_a_bare_number_after_an_amount_is_of_its_unit(question, told, meant):
+    assert with_unit(question, told) == meant

@@ -37,6 +37,10 @@ TYPES = load_templates().types
         "Does it have a left-hand thread?",
         "How many degrees celsius is it?",
         "Which way will it go tomorrow?",
+        "Is there a risk of slip?",
+        "any danger of losing it?",
+        "Did the human turn it or the robot?",
+        "was it the robot arm or a person?",
     ],
 )
 def test_words_for_what_no_touch_feels_are_known(question):
@@ -74,6 +78,9 @@ def test_words_for_what_no_touch_feels_are_known(question):
         "Is the contact broken?",
         "Was contact broken?",
         "With a left-hand thread, is it turning clockwise?",
+        "Did the person turn it clockwise?",
+        "Is the gripper slipping or the object?",
+        "Did the gel move or the robot?",
     ],
 )
 def test_motion_of_things_of_any_colour_or_material_is_not_beyond_touch(question):

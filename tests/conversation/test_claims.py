@@ -179,3 +179,17 @@ def test_where_it_comes_from_is_no_motion(text, named):
 )
 def test_the_kind_of_motion_a_question_takes_for_granted(question, presumed):
     assert presumed_class(question) == presumed
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("Is the left finger's sensor recording?", set()),
+        ("the right gripper turns", set()),
+        ("Did the left jaw see it go right?", {Motion.RIGHT}),
+        ("is the finger going left", {Motion.LEFT}),
+        ("it turns left, finger first", {Motion.COUNTERCLOCKWISE}),
+    ],
+)
+def test_which_finger_it_is_is_no_motion(text, named):
+    assert motions_named(text) == named

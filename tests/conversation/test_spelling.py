@@ -16,6 +16,12 @@ from geotlm_lm.data.questions import questions_for
         ("which way is it truning", "which way is it turning"),
         ("rotaing?", "rotating?"),
         ("Is it Twistng?", "Is it twisting?"),
+        ("did it slipp to the rigth?", "did it slip to the right?"),
+        ("is it moveing rigth?", "is it moving right?"),
+        ("lfet or rihgt", "left or right"),
+        ("does it trun", "does it turn"),
+        ("is it going downn?", "is it going down?"),
+        ("is it turning clokwise?", "is it turning clockwise?"),
     ],
 )
 def test_a_mistyped_motion_is_put_right(text, meant):
@@ -36,6 +42,12 @@ def test_a_mistyped_motion_is_put_right(text, meant):
         "Is it unmoving?",
         "Is it removing the object?",
         "is it untwisting",
+        "I felt the light at night",
+        "is it the lift or the leaf",
+        "otherwise it slides",
+        "is the trunk sliding",
+        "does it turn anticlockwise",
+        "she slid, it stills",
     ],
 )
 def test_other_words_stay(text):

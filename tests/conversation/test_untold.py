@@ -21,6 +21,10 @@ from geotlm_lm.data.questions import questions_for
         ("help", "Ask how"),
         ("thanks!", "Ask how"),
         ("What can you do?", "Ask how"),
+        ("?", "Ask how"),
+        ("yes or no?", "Ask how"),
+        ("And now?", "Ask how"),
+        ("And the object?", "Ask how"),
     ],
 )
 def test_what_is_never_told_is_declined_with_what_is(text, word):
@@ -72,6 +76,14 @@ def test_other_questions_are_left_to_the_model(text):
         ("How big is the contact?", True),
         ("Which half moves?", False),
         ("Which half is it touching as it slides?", False),
+        ("What fraction of the image is in contact?", True),
+        ("which percentage of the gel is touched?", True),
+        ("How large is the contact?", True),
+        ("how big a part of the sensor has contact?", True),
+        ("And where?", True),
+        ("and where does it go?", False),
+        ("is the contact getting smaller?", False),
+        ("What part of the motion is a turn?", False),
     ],
 )
 def test_who_asks_for_the_place_of_the_contact_is_understood(text, asks):
@@ -109,6 +121,19 @@ def test_who_asks_for_the_place_of_the_contact_is_understood(text, asks):
         ("How far over the final 2 frames?", "as a whole"),
         ("Which one presses harder?", "force"),
         ("Is it pushing deeper?", "force"),
+        ("Does it go west?", "towards a thing"),
+        ("Does it move toward the fingertip?", "towards a thing"),
+        ("Is it sliding to the cable?", "towards a thing"),
+        ("did it drift away from my thumb?", "towards a thing"),
+        ("slower than a second hand of a clock?", "by a number"),
+        ("Does it slide further than a coin is wide?", "by a number"),
+        ("Is the volume knob being turned up?", "what that sets"),
+        ("am I turning the heat down?", "what that sets"),
+        ("Does it turn back?", "one motion per clip"),
+        ("Does it turn back at the end?", "one motion per clip"),
+        ("Which way does it turn at the end of the clip?", "one motion per clip"),
+        ("Did the cap change direction?", "one motion per clip"),
+        ("is it going back and forth?", "one motion per clip"),
     ],
 )
 def test_what_passes_for_another_question_is_declined(text, word):
@@ -153,6 +178,17 @@ def test_what_passes_for_another_question_is_declined(text, word):
         "Was the image flipped?",
         "Did the clip flip?",
         "And flipped?",
+        "Does it move to the left side?",
+        "Is it moving relative to the sensor?",
+        "Does it move away from the gel?",
+        "Is it moving towards the sensor?",
+        "Did it come to a stop?",
+        "Is the first one faster than the second?",
+        "Is it faster than 10 degrees per second?",
+        "Does it turn to the right?",
+        "To go back to the start, which way?",
+        "Is the knob being turned clockwise?",
+        "Is it turning upside down?",
     ],
 )
 def test_what_can_be_told_is_not_declined(text):
