@@ -19,14 +19,21 @@ from geotlm_lm.answering.replying import UNTRAINED, by_rule, from_open_question,
 from geotlm_lm.answering.streaming import Listener, StandingWords
 from geotlm_lm.answering.withholding import plain, too_little_contact
 from geotlm_lm.checkpoint import Bundle
-from geotlm_lm.conversation.about_recording import Topic, asked_of_recording, told_of_recording
+from geotlm_lm.conversation.about_recording import (
+    Topic,
+    asked_of_recording,
+    asks_frame_of_reference,
+    told_of_recording,
+)
 from geotlm_lm.conversation.claims import without_adverbs
 from geotlm_lm.conversation.context import without_context
 from geotlm_lm.conversation.either_or import without_opposites
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.frame_questions import frame_to_settle
+from geotlm_lm.conversation.indirect import asked_within
 from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.known_words import SLIP_IS_A_SLIDE, in_known_words, names_slip
 from geotlm_lm.conversation.of_the_sensor import as_of_it, names_the_object
 from geotlm_lm.conversation.option_meanings import initials_spelt_out
 from geotlm_lm.conversation.place import place_in_picture
@@ -40,11 +47,13 @@ from geotlm_lm.conversation.stated_amounts import (
     claims_unread_amount,
 )
 from geotlm_lm.conversation.statements import UNREAD, states_more
+from geotlm_lm.conversation.thread_words import of_a_thread
 from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.conversation.two_parts import two_parts
 from geotlm_lm.conversation.untold import asks_frame, asks_place, never_told, untold
 from geotlm_lm.conversation.wording import known
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import ROTATIONS
 
 
 def answer_question(
@@ -76,8 +85,8 @@ def answer_question(
         return plain(encoded, settled, "frame", stated.frame)
     if not stated.is_stated and states_more(stated.rest):
         return plain(encoded, UNREAD, "frame", frame)
-    asked = as_words(without_context(spelt(initials_spelt_out(stated.rest))))
-    asked, frame = without_opposites(without_adverbs(asked)), stated.frame
+    frame = stated.frame
+    asked = _as_known(stated.rest, frame)
     if (of_it := as_of_it(asked)) is not None:
         asked, frame = of_it, replace(frame, actor="sensor")
     elif frame.actor == "sensor" and names_the_object(asked):
@@ -97,13 +106,31 @@ def answer_question(
         words = listen and StandingWords(bundle, encoded, asked, frame, listen)
         answer = in_words(bundle, encoded, asked, frame, words)
     answer = with_amount(bundle, encoded, asked, answer)
-    return with_lean(bundle, encoded, asked, answer)
+    return _with_slip_told(asked, with_lean(bundle, encoded, asked, answer))
+
+
+def _as_known(text: str, frame: FrameSpec) -> str:
+    """Return what a text asks, spelt rightly and in words that rules and model know."""
+    words = as_words(without_context(spelt(initials_spelt_out(text))))
+    asked = without_opposites(without_adverbs(asked_within(words)))
+    return of_a_thread(in_known_words(asked), frame.thread is not None)
+
+
+def _with_slip_told(asked: str, answer: Answer) -> Answer:
+    """Return an answer that denies slip of what turns with a note on what slip is taken for."""
+    is_denied = answer.decided == "no" and answer.direction in ROTATIONS
+    if not is_denied or not names_slip(asked):
+        return answer
+    return replace(answer, notes=(*answer.notes, SLIP_IS_A_SLIDE))
 
 
 def _at_once(bundle: Bundle, encoded: Encoded, asked: str, frame: FrameSpec) -> Answer | None:
     """Return the answer to what no model is asked, or not in these words; None to anything else."""
     if (topic := asked_of_recording(asked)) is not None:
         return _of_recording(encoded, topic, frame)
+    if asks_frame_of_reference(asked):
+        said = plain(encoded, f"I tell directions in this frame: {known(frame)}.", "frame", frame)
+        return replace(said, abstained=False, confidence=1.0)
     if asks_scale(asked):
         said = plain(encoded, told_scale(frame.mm_per_px), "frame", frame)
         is_known = frame.mm_per_px is not None

@@ -15,6 +15,7 @@ from geotlm_lm.conversation.claims import (
     nearly_named,
     offered_options,
 )
+from geotlm_lm.conversation.existence import passes_for, speaks_of_motion
 from geotlm_lm.conversation.half_ways import asked_half, claimed_half
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
 from geotlm_lm.conversation.option_meanings import offers_neither, option_sets
@@ -132,7 +133,10 @@ def passes_over_a_claim(slots: Slots | None, question: str) -> bool:
     presses on the gel or rests on it touches it, so that such a question may well be about contact.
     No question of the templates about contact or about motion as such passes for a claim.
     """
-    if asked_kind(question) is not None or not claims_motion(question):
+    if asked_kind(question) is not None:
+        return False
+    is_declined = slots is not None and slots.kind == "refusal"
+    if not (claims_motion(question) or (is_declined and _names_one_alone(question))):
         return False
     if slots is None:
         return True
@@ -142,9 +146,30 @@ def passes_over_a_claim(slots: Slots | None, question: str) -> bool:
     return of_motion or (slots.kind == "contact" and not of_contact)
 
 
+def _names_one_alone(question: str) -> bool:
+    """Tell whether a question is no more than the name of a motion, such as "up?"."""
+    is_terse = question.rstrip().endswith("?") and len(question.split()) == 1
+    return is_terse and claimed_motion(question) is not None
+
+
 def answers_what_it_cannot(slots: Slots | None, question: str) -> bool:
-    """Tell whether the model does not decline where the words ask for what touch cannot tell."""
-    return (slots is None or slots.kind != "refusal") and asks_beyond_touch(question)
+    """Tell whether the model does not decline where the words ask for what touch cannot tell.
+
+    They do too where it tells of contact, or of motion as such, and they ask for neither.
+    """
+    if (slots is None or slots.kind != "refusal") and asks_beyond_touch(question):
+        return True
+    if slots is None or not (passes_for(slots.kind, question) or _affirms_nothing(slots, question)):
+        return False
+    return asked_kind(question) is None and not claims_motion(question)
+
+
+def _affirms_nothing(slots: Slots, question: str) -> bool:
+    """Tell whether a "yes" tells of a motion where the words speak of none at all."""
+    is_yes = slots.kind == "verify" and slots.verdict is True
+    if not is_yes or claimed(question) is not None or nearly_named(question):
+        return False
+    return not motions_named(question) and not speaks_of_motion(question)
 
 
 def passes_over_moving(slots: Slots | None, question: str) -> bool:

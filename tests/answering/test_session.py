@@ -5,7 +5,7 @@ import pytest
 from geotlm_lm.answering import OPEN_QUESTION
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
-from tests.answering.scripted import answerer_saying, feeling, recording
+from tests.answering.scripted import answerer_saying, feeling, measuring, recording
 
 
 @pytest.fixture
@@ -28,6 +28,10 @@ def session(bundle):
         "r u sure??",
         "check again",
         "You are wrong, look again!",
+        "what about the other way?",
+        "isn't it the opposite direction?",
+        "100%?",
+        "more than 90% sure?",
     ],
 )
 def test_doubt_repeats_the_answer_with_its_probability_and_never_turns_it(session, doubt):
@@ -219,3 +223,18 @@ def test_an_answer_said_again_after_another_clip_names_the_clip_before(session, 
     assert said.endswith("Of the clip before: Clockwise, in the camera image.")
     session.ask("Which way?")
     assert "before" not in session.ask(again).text
+
+
+def test_a_bare_number_is_judged_in_the_unit_of_the_amount_told_last(bundle):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    session = answerer.session(answerer.encode(recording()))
+    session.ask("how far?")
+    assert session.ask("more than 20?").decided == "no"
+    assert session.ask("and more than 5?").decided == "yes"
+
+
+def test_a_thread_supposed_in_one_question_is_forgotten_after_it(session):
+    session.ask("left-hand thread, touched at the head")
+    assert session.ask("is it being opened?").text.startswith("It loosens: ")
+    assert session.ask("and with a right-hand thread?").text.startswith("It tightens: ")
+    assert session.ask("in or out?").text.startswith("It loosens: ")

@@ -1,0 +1,100 @@
+"""Whole questions in words a model takes for others, put into words that it knows.
+
+What has left the gel, what is held and what is pressed against it are asked of contact; slip is a
+slide, as in the templates, and a turn only where it is called one.
+"""
+
+from __future__ import annotations
+
+import re
+
+_GEL = r"(?:gel|sensor|pad|skin|fingertip)"
+_HOLD = r"(?:grasp|grip|hold)"
+_HOLDER = rf"(?:gripper|{_HOLD}|hand|jaws?|fingers?|{_GEL})"
+_IT = rf"(?:it|this|that|(?:the|my|this|that) (?!{_HOLDER}\b)\w+|anything|something)"
+_WHO = r"(?:i|we|you|the (?:gripper|robot|hand))"
+_THING = r"(?:it|something|anything|(?:an|the|my) object)"
+_JUST = r"(?:(?:just|already|now|still|really|actually) )?"
+_LEAD = r"(?:(?:and|so|ok|now|but|hey|please|tell me)[,:]? +)*"
+_TAIL = r"(?:[,.:;?]? *(?:please|yes or no|or not|answer yes or no|now|at all|again|yet))*[ ?.!]*"
+_SLIP = r"(?:slip(?:s|page|ping)?)"
+
+_IS_TOUCHED = "Is anything touching the gel?"
+_IS_LOST = "Has contact been lost?"
+_IS_STILL = "Is it holding still?"
+_SLIPS, _TURNS = "Is it slipping?", "Is it turning?"
+_MOVES_HOW, _MOVES = "Which way is it moving?", "Is it moving at all?"
+
+_SAID: tuple[tuple[str, str], ...] = (
+    (
+        rf"(?:has|have|had|did) {_IT} {_JUST}(?:left|leave"
+        rf"|(?:slip(?:ped)?|fall(?:en)?|drop(?:ped)?|escaped?) (?:out of|off|from)) "
+        rf"(?:the |my )?{_HOLDER}"
+        rf"|(?:has|have|had|did) {_WHO} {_JUST}(?:los[et]|miss(?:ed)?|drop(?:ped)?)"
+        rf" (?:it|(?:the|my) (?:\w+))"
+        rf"|(?:is|was) (?:{_IT}|the {_HOLDER}) {_JUST}(?:free of (?:any )?contact|out of touch)"
+        rf"|(?:is|was) (?:the |my )?object {_JUST}(?:gone|lost|missing)"
+        rf"|(?:is|was) (?:the |my )?{_HOLDER} {_JUST}(?:empty|free|clear)|empty {_HOLDER}"
+        rf"|(?:is|was) (?:the |my )?{_GEL} {_JUST}idle|(?:the )?(?:contact|object|{_HOLD}) lost"
+        rf"|lost (?:it|(?:the )?object|(?:the )?{_HOLD})",
+        _IS_LOST,
+    ),
+    (
+        rf"(?:do|did|have|am|are|is|does|has) {_WHO} {_JUST}"
+        rf"(?:(?:hold|holding|held|gripp?(?:ing|ed)?|grasp(?:ing|ed)?) (?:(?:the|my) \w+|{_THING})"
+        rf"|(?:got|have|caught|got hold of) {_THING})"
+        rf"|(?:do|did|can|could) you (?:feel|sense|detect|notice) {_THING}"
+        r"|anything|something|(?:is |was )?(?:an |any )?object (?:present|detected)"
+        r"|(?:is|was) there really (?:something|anything)"
+        rf"|(?:is|was) {_IT} {_JUST}(?:being )?(?:held|gripped|grasped)"
+        rf"|(?:is|was) {_IT} {_JUST}pressed(?: (?:against|on|onto|to) (?:the )?{_GEL})?",
+        _IS_TOUCHED,
+    ),
+    (
+        rf"(?:is|was) {_IT} {_JUST}being (?:pressed|pushed) (?:against|on|onto) (?:the )?{_GEL}",
+        f"{_IS_TOUCHED} Is it pressing in?",
+    ),
+    (
+        rf"(?:(?:is|was) )?(?:(?:it|(?:the|my|this|a) {_HOLD}) )?(?:stable|steady)"
+        rf"|(?:is|was) it a (?:stable|steady) {_HOLD}",
+        _IS_STILL,
+    ),
+    (rf"(?:is|was) (?:the|my|this) {_HOLD} (?:secure|safe|firm|tight|good)", _MOVES_HOW),
+    (
+        r"(?:(?:is|was|did|does|has) )?(?:anything|something)"
+        r" (?:happen(?:s|ed|ing)?|chang(?:es|ed|e|ing)|going on)",
+        _MOVES,
+    ),
+    (
+        rf"(?:(?:is|was) (?:there|this) )?(?:any |some |a )?(?:rotational|rotary|torsional) {_SLIP}"
+        rf"|(?:does|did|is|was) {_IT} {_SLIP} (?:in|by) (?:rotation|turning)"
+        rf"|(?:does|did|is|was) {_IT} {_SLIP} rotationally",
+        _TURNS,
+    ),
+    (
+        rf"(?:(?:is|was) there )?(?:(?:any|some|a) )?{_SLIP}(?: (?:detected|present|happening))?"
+        rf"|(?:do|did|can|could|have) you (?:feel|felt|sense|notice|noticed|detect|detected|see) "
+        rf"(?:any |some |a )?{_SLIP}",
+        _SLIPS,
+    ),
+)
+
+_PATTERNS = tuple((re.compile(rf"{_LEAD}(?:{words}){_TAIL}"), known) for words, known in _SAID)
+
+
+SLIP_IS_A_SLIDE = "Slip is taken for a slide; ask 'is it turning?' for a turn."
+_NAMES_SLIP = re.compile(r"\bslip(?:s|ped|ping|page)?\b")
+
+
+def names_slip(question: str) -> bool:
+    """Tell whether `question` calls a motion slip."""
+    return bool(_NAMES_SLIP.search(question.lower()))
+
+
+def in_known_words(question: str) -> str:
+    """Return a question as a model knows it, where it asks for contact or slip in other words.
+
+    What asks for anything besides stays as it is.
+    """
+    text = " ".join(question.lower().replace("\u2019", "'").split())
+    return next((known for words, known in _PATTERNS if words.fullmatch(text)), question)
