@@ -22,7 +22,6 @@ from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.about_recording import (
     Topic,
     asked_of_recording,
-    asks_frame_of_reference,
     told_of_recording,
 )
 from geotlm_lm.conversation.claims import without_adverbs
@@ -30,7 +29,7 @@ from geotlm_lm.conversation.context import without_context
 from geotlm_lm.conversation.either_or import without_opposites
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
-from geotlm_lm.conversation.frame_questions import frame_to_settle
+from geotlm_lm.conversation.frame_questions import asks_frame, frame_to_settle
 from geotlm_lm.conversation.indirect import asked_within
 from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.known_words import SLIP_IS_A_SLIDE, in_known_words, names_slip
@@ -50,7 +49,7 @@ from geotlm_lm.conversation.statements import UNREAD, states_more
 from geotlm_lm.conversation.thread_words import of_a_thread
 from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.conversation.two_parts import two_parts
-from geotlm_lm.conversation.untold import asks_frame, asks_place, never_told, untold
+from geotlm_lm.conversation.untold import asks_place, never_told, untold
 from geotlm_lm.conversation.wording import known
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import ROTATIONS
@@ -128,15 +127,12 @@ def _at_once(bundle: Bundle, encoded: Encoded, asked: str, frame: FrameSpec) -> 
     """Return the answer to what no model is asked, or not in these words; None to anything else."""
     if (topic := asked_of_recording(asked)) is not None:
         return _of_recording(encoded, topic, frame)
-    if asks_frame_of_reference(asked):
-        said = plain(encoded, f"I tell directions in this frame: {known(frame)}.", "frame", frame)
-        return replace(said, abstained=False, confidence=1.0)
     if asks_scale(asked):
         said = plain(encoded, told_scale(frame.mm_per_px), "frame", frame)
         is_known = frame.mm_per_px is not None
         return replace(said, abstained=False, confidence=1.0) if is_known else said
     if asks_frame(asked):
-        said = plain(encoded, f"Told in this frame: {known(frame)}.", "frame", frame)
+        said = plain(encoded, f"I tell directions in this frame: {known(frame)}.", "frame", frame)
         return replace(said, abstained=False, confidence=1.0)
     kind = asked_kind(asked)
     said = never_told(asked) or (untold(asked) if kind is None else None)

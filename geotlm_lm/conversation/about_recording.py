@@ -78,13 +78,6 @@ _TOPICS: tuple[tuple[Topic, str], ...] = (
     ),
 )
 
-_OF_REFERENCE = re.compile(
-    r"(?:(?:in|and|so) )*(?:what|which)(?:'s| is)? (?:the |your )?"
-    r"(?:(?:reference |coordinate )?frame|frame of reference|coordinate system|viewpoint)"
-    r"(?: (?:are|do|did) you (?:using|use|tell(?: it| that| directions)?(?: in)?)"
-    r"| (?:is|are) (?:it|that|this|directions) (?:in|told in|used))?"
-)
-
 _PATTERNS = tuple((topic, re.compile(words)) for topic, words in _TOPICS)
 
 
@@ -95,12 +88,6 @@ def asked_of_recording(question: str) -> Topic | None:
     """
     text = " ".join(question.lower().replace("\u2019", "'").split()).strip(" ?!.")
     return next((topic for topic, words in _PATTERNS if words.fullmatch(text)), None)
-
-
-def asks_frame_of_reference(question: str) -> bool:
-    """Tell whether `question` asks in which frame of reference directions are told."""
-    text = " ".join(question.lower().split()).strip(" ?!.")
-    return bool(_OF_REFERENCE.fullmatch(text))
 
 
 def told_of_recording(

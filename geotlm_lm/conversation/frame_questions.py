@@ -24,6 +24,15 @@ _LEFT_OPEN = re.compile(
     rf"|maybe|perhaps|possibly|i think|i guess) ?(?:whether|if|that)? ?{IMAGE} (?:is|was) {_HOW}"
     rf"(?: or not)?|{IMAGE} (?:might|may|could) (?:be|have been) {_HOW})[ ?.!]*"
 )
+_OF_REFERENCE = re.compile(
+    r"(?:(?:and|so|ok|but)[, ]+)?(?:(?:in|relative to|with respect to) )?(?:what|which)(?:'s| is)?"
+    r"(?: (?:the|your))? (?:frame of reference|(?:reference|coordinate) (?:frame|system)"
+    r"|frame(?= (?:is|are|was|were|do|did) (?:this|that|it|the|your|you|directions?|they)\b"
+    r"(?: (?:answer|directions?|motion|answers))?"
+    r"(?: (?:told|given|named|meant|in|us(?:e|ed|ing)|speak in"
+    r"|tell (?:it|that|directions)(?: in)?))?\W*$))"
+    r"(?: (?:is|are|was|were|do|did|does) .*| of .*)?\W*"
+)
 _TOLD = (
     "No touch tells whether the image is mirrored or turned; I take this frame: {}; say for "
     "example 'the image is mirrored' or 'the image is not mirrored'."
@@ -37,7 +46,16 @@ def frame_to_settle(text: str, frame: FrameSpec) -> str | None:
         text: What is left once the facts that could be read are taken out.
         frame: What is known.
     """
-    text = " ".join(text.lower().replace("\u2019", "'").split())
+    text = _plain(text)
     if not (_ASKED.fullmatch(text) or _LEFT_OPEN.fullmatch(text)):
         return None
     return _TOLD.format(known(frame))
+
+
+def asks_frame(question: str) -> bool:
+    """Tell whether `question` asks in which frame of reference directions are told."""
+    return bool(_OF_REFERENCE.fullmatch(_plain(question)))
+
+
+def _plain(text: str) -> str:
+    return " ".join(text.lower().replace("\u2019", "'").split())

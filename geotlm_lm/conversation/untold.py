@@ -240,15 +240,6 @@ _OF_A_MOTION = re.compile(
 )
 _HOW_LARGE = re.compile(r"^(?:\W*(?:and|so|ok) )?how (?:large|small)\b")
 
-_FRAME = re.compile(
-    r"(?:(?:and|so|ok|but)[, ]+)?(?:(?:in|relative to|with respect to) )?(?:what|which)(?:'s| is)?"
-    r"(?: (?:the|your))? (?:frame of reference|(?:reference|coordinate) (?:frame|system)"
-    r"|frame(?= (?:is|are|was|were|do|did) (?:this|that|it|the|your|you|directions?|they)\b"
-    r"(?: (?:answer|directions?|motion|answers))?"
-    r"(?: (?:told|given|named|meant|in|use|used|speak in|tell it in))?\W*$))"
-    r"(?: (?:is|are|was|were|do|did|does) .*| of .*)?\W*"
-)
-
 
 def untold(question: str) -> str | None:
     """Return what to say to a question that no answer of a model fits; None where one may.
@@ -282,8 +273,3 @@ def asks_place(question: str) -> bool:
     """Tell whether `question` asks where on the gel the contact is."""
     text = " ".join(question.lower().replace("\u2019", "'").split())
     return bool(_PLACE.search(text)) and not _OF_A_MOTION.search(_HOW_LARGE.sub("", text))
-
-
-def asks_frame(question: str) -> bool:
-    """Tell whether `question` asks in which frame of reference directions are told."""
-    return bool(_FRAME.fullmatch(" ".join(question.lower().replace("\u2019", "'").split())))

@@ -259,7 +259,7 @@ def test_of_two_answers_one_that_is_withheld_makes_both_abstain(bundle, question
         ("Which half is touched?", "In the middle of the camera image: ", "contact"),
         (
             "In which frame is that told?",
-            "Told in this frame: camera image, seen from the",
+            "I tell directions in this frame: camera image, seen from the",
             "frame",
         ),
         ("How much force is there?", "I cannot tell force or depth;", "refusal"),

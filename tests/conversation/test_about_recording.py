@@ -5,7 +5,6 @@ import pytest
 
 from geotlm_lm.conversation.about_recording import (
     asked_of_recording,
-    asks_frame_of_reference,
     told_of_recording,
 )
 from geotlm_lm.core.labels import Motion, MotionLabel
@@ -108,20 +107,3 @@ def test_times_are_told_of_the_frames_used():
     told = told_of_recording("interval", (10, 10), 25.0, (3, 5, 9, 13))
     assert told == "At 25 frames per second, 0.04 s from one frame to the next."
     assert "give it by fps" in told_of_recording("duration", (10, 10), None, (3, 5))
-
-
-@pytest.mark.parametrize(
-    ("text", "asks"),
-    [
-        ("What frame are you using?", True),
-        ("which coordinate system is that in", True),
-        ("What is the frame of reference?", True),
-        ("In what frame do you tell it?", True),
-        ("What frame does it start to move in?", False),
-        ("In which frame does it touch?", False),
-        ("Which frames did you use?", False),
-        ("What viewpoint shows it turning left?", False),
-    ],
-)
-def test_who_asks_for_the_frame_of_reference_is_understood(text, asks):
-    assert asks_frame_of_reference(text) is asks

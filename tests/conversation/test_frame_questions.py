@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.conversation.frame_questions import frame_to_settle
+from geotlm_lm.conversation.frame_questions import asks_frame, frame_to_settle
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
@@ -47,3 +47,29 @@ def test_no_template_of_a_mirrored_clip_asks_for_one():
         for _ in range(200):
             (asked,) = questions_for(label, rng, types=["T14"], wordings=wordings)
             assert frame_to_settle(asked.question, FrameSpec()) is None, asked.question
+
+
+@pytest.mark.parametrize(
+    ("text", "asks"),
+    [
+        ("In which frame is that direction told?", True),
+        ("What is the frame of reference?", True),
+        ("in what frame is it?", True),
+        ("Which reference frame do you use?", True),
+        ("In what frame of reference is the answer given?", True),
+        ("and which frame is that?", True),
+        ("In which frame is it moving?", False),
+        ("In which frame does it begin to turn?", False),
+        ("Which frame is sharpest?", False),
+        ("Which way does it turn in the frame of reference of the camera?", False),
+        ("What frame are you using?", True),
+        ("which coordinate system is that in", True),
+        ("In what frame do you tell it?", True),
+        ("What frame does it start to move in?", False),
+        ("In which frame does it touch?", False),
+        ("Which frames did you use?", False),
+        ("What viewpoint shows it turning left?", False),
+    ],
+)
+def test_who_asks_for_the_frame_of_reference_is_understood(text, asks):
+    assert asks_frame(text) is asks

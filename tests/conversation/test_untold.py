@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.conversation.untold import asks_frame, asks_place, never_told, untold
+from geotlm_lm.conversation.untold import asks_place, never_told, untold
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 
@@ -202,23 +202,3 @@ def test_no_question_of_the_templates_is_never_told(wordings):
         label = MotionLabel(motion, rotation_deg=12.0 if motion in ROTATIONS else 0.0)
         for asked in questions_for(label, rng, wordings=wordings, per_type=8):
             assert never_told(asked.question) is None or asked.type_id == "T17", asked
-
-
-@pytest.mark.parametrize(
-    ("text", "asks"),
-    [
-        ("In which frame is that direction told?", True),
-        ("What is the frame of reference?", True),
-        ("in what frame is it?", True),
-        ("Which reference frame do you use?", True),
-        ("In what frame of reference is the answer given?", True),
-        ("and which frame is that?", True),
-        ("In which frame is it moving?", False),
-        ("In which frame does it begin to turn?", False),
-        ("Which frame is sharpest?", False),
-        ("Which way does it turn in the frame of reference of the camera?", False),
-        ("Which frames did you use?", False),
-    ],
-)
-def test_who_asks_for_the_frame_of_reference_is_understood(text, asks):
-    assert asks_frame(text) is asks
