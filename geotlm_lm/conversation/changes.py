@@ -12,7 +12,7 @@ from typing import Literal
 
 from geotlm_lm.conversation.claims import asks_yes_or_no, claimed_motion
 from geotlm_lm.conversation.fact_words import HALF_TURN
-from geotlm_lm.conversation.kinds import HOLDER, RULES
+from geotlm_lm.conversation.kind_phrases import HOLDER, RULES
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, mirror, reverse, turn_by_quarter
 

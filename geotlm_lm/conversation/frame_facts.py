@@ -21,7 +21,7 @@ from geotlm_lm.conversation.fact_words import (
     ON_ITS_HEAD,
     UPRIGHT,
 )
-from geotlm_lm.conversation.kinds import HOLDER
+from geotlm_lm.conversation.kind_phrases import HOLDER
 from geotlm_lm.conversation.scale import is_courtesy, read_scale, scale_beside
 from geotlm_lm.conversation.statements import states_more
 from geotlm_lm.conversation.turned_image import asks_whether_clip_turned, read_turn
