@@ -20,6 +20,7 @@ from geotlm_lm.conversation.asked_units import with_unit
 from geotlm_lm.conversation.doubts import doubted
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.question import check_question
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.scale import with_pixel_size
@@ -172,7 +173,7 @@ class Session:
 
     def _said_again(self, question: str) -> Reply | None:
         """Return the last answer again where the question doubts it or asks for it; else None."""
-        last, words = self._last_said(), question.lower().replace("\u2019", "'")
+        last, words = self._last_said(), plain_text(question)
         if last is None or (len(self.clips) > 1 and asks_of_one(question) is not None):
             return None
         if _AGAIN.fullmatch(words):

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from typing import Literal
 
+from geotlm_lm.conversation.plain_text import plain_text
+
 Topic = Literal["size", "rate", "frames", "duration", "interval"]
 
 _FRAMES = r"(?:frames?|images?|pictures?|photos?|recording|video|clip|camera)"
@@ -86,7 +88,7 @@ def asked_of_recording(question: str) -> Topic | None:
 
     The whole text has to: "how many frames does it turn?" asks of a motion.
     """
-    text = " ".join(question.lower().replace("\u2019", "'").split()).strip(" ?!.")
+    text = plain_text(question).strip(" ?!.")
     return next((topic for topic, words in _PATTERNS if words.fullmatch(text)), None)
 
 

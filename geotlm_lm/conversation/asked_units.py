@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.quantities import PER, SECONDS, UNIT, unit_of
 
 _ASKED = re.compile(rf"\b(?:how many|number of|in) (?P<unit>{UNIT})(?:{PER})?")
@@ -26,7 +27,7 @@ def asked_unit(question: str, told: str) -> tuple[str, float] | None:
         question: What was asked.
         told: "deg", "px" or "mm"; "deg/s" and so on of a speed.
     """
-    said = _ASKED.search(" ".join(question.lower().split()))
+    said = _ASKED.search(plain_text(question))
     if said is None:
         return None
     unit, factor = unit_of(said["unit"])

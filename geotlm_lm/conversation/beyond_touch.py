@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.claims import claims_end, claims_motion
+from geotlm_lm.conversation.plain_text import plain_text
 
 _IS = r"(?:is|was|are|were|isn't|wasn't)"
 _MATERIAL = (
@@ -87,7 +88,7 @@ def asks_beyond_touch(question: str) -> bool:
     Of 15,000 questions from the templates that touch can answer none passes for one; of those it
     cannot, in wordings held out of training, 0.99. The list was written knowing all of them.
     """
-    text = " ".join(question.lower().replace("\u2019", "'").split())
+    text = plain_text(question)
     if claims_end(text) and "contact" in text:
         return False  # "is the contact broken?"
     if _TOPICS.search(text):

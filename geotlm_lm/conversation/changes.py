@@ -13,6 +13,7 @@ from typing import Literal
 from geotlm_lm.conversation.claims import asks_yes_or_no, claimed_motion
 from geotlm_lm.conversation.fact_words import HALF_TURN
 from geotlm_lm.conversation.kind_phrases import HOLDER, RULES
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, mirror, reverse, turn_by_quarter
 
@@ -124,7 +125,7 @@ def asked_changes(question: str, kind: Change) -> Changes:
         question: What was asked.
         kind: What it is a question of.
     """
-    text = _SHOWN.sub(" ", " ".join(question.lower().replace("\u2019", "'").split()))
+    text = _SHOWN.sub(" ", plain_text(question))
     moves = _FINGER_MOVES if kind == "undo" else _HOLDER_MOVES
     names: set[Change] = {"actor"} if moves.search(text) else set()
     for name, words in _WORDS:
@@ -137,6 +138,6 @@ def asked_changes(question: str, kind: Change) -> Changes:
 
 def claimed_remedy(question: str) -> Motion | None:
     """Return the one motion that a yes-or-no question takes for what undoes another; else None."""
-    text = " ".join(question.lower().replace("\u2019", "'").split())
+    text = plain_text(question)
     asks = asks_yes_or_no(text) or _SHOULD_I.search(text)
     return claimed_motion(text) if asks and not _WHICH.search(text) else None

@@ -8,6 +8,7 @@ from difflib import get_close_matches
 from geotlm_lm.conversation.asides import ONE_OF_TWO, STILL_SO, UP_TO_AN_END
 from geotlm_lm.conversation.axes import claimed_axis
 from geotlm_lm.conversation.option_labels import labelled
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class
 
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
@@ -163,7 +164,7 @@ _STILL_GOING = re.compile(rf"{STILL_SO}|\bstill (?=in contact\b)", re.IGNORECASE
 
 def motions_named(text: str) -> set[Motion]:
     """Return every motion that `text` names."""
-    text = _NO_MOTION.sub(" ", " ".join(text.lower().split()))
+    text = _NO_MOTION.sub(" ", plain_text(text))
     found = set()
     for motion, words in NAMES:
         text, count = re.subn(words, " ", text)
@@ -191,7 +192,7 @@ def asks_yes_or_no(text: str) -> bool:
 
 def claimed_class(text: str) -> MotionClass | None:
     """Return the one kind of motion a yes-or-no question claims without a direction, else None."""
-    text = " ".join(text.lower().split())
+    text = plain_text(text)
     if motions_named(text) or not asks_yes_or_no(text):
         return None
     named = [kind for kind, words in CLASS_NAMES if re.search(words, text)]
@@ -200,7 +201,7 @@ def claimed_class(text: str) -> MotionClass | None:
 
 def claims_end(text: str) -> bool:
     """Tell whether a yes-or-no question claims that a motion, or the contact, is over."""
-    text = re.sub(r"\bor not\b", " ", " ".join(text.lower().split()))
+    text = re.sub(r"\bor not\b", " ", plain_text(text))
     if not asks_yes_or_no(text) or _ANOTHER_TIME.search(text) or _NO_END.search(text):
         return False
     return bool(_ENDED.search(text) or re.search(_LOST_CONTACT, text))
@@ -213,7 +214,7 @@ def claimed(question: str) -> frozenset[Motion] | None:
     do anything but turn, and what has stopped neither turns nor slides nor presses.
     """
     if claims_end(question):
-        return _left_at_the_end(" ".join(question.lower().split()))
+        return _left_at_the_end(plain_text(question))
     axis = claimed_axis(question.lower())
     if axis and motions_named(question) <= axis:  # no choice: "up, down, sideways?"
         return axis
@@ -243,7 +244,7 @@ def presumed_class(text: str) -> MotionClass | None:
     None where its words tell of no turn and no slide, or of both, or where they deny one. A choice
     of two ways of one kind, "cw or ccw?", takes that kind for granted too.
     """
-    text = " ".join(text.lower().split())
+    text = plain_text(text)
     if _DENIED.search(text):
         return None
     kinds = {kind for kind, words in _VERBS if re.search(words, text)}
@@ -260,7 +261,7 @@ def claims_motion(text: str) -> bool:
     Touch can tell that, in whatever words the rest is asked. Of 9,000 questions from the templates
     about contact, about any motion at all or beyond touch, none passes for one.
     """
-    text = " ".join(text.lower().split())
+    text = plain_text(text)
     if claims_end(text):
         return True
     if _OF_SOMETHING_ELSE.search(text):

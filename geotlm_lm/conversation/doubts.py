@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.claims import claimed
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import Motion
 
 _DENIED = re.compile(r"n't\b|\b(?:not|never|no longer)\b")
@@ -15,5 +16,5 @@ def doubted(question: str) -> frozenset[Motion] | None:
 
     None too where it denies them: how likely the rest is, is then asked of the answer before.
     """
-    denies = _DENIED.search(question.lower().replace("\u2019", "'"))
+    denies = _DENIED.search(plain_text(question))
     return None if denies else claimed(f"Is it so: {question}")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.plain_text import plain_text
+
 _REST = r"(?:still|stationary|static|at rest|motionless|immobile|stable|at a standstill|not moving)"
 _MOTION = r"(?:moving|in motion|in movement|dynamic|mobile)"
 _TOUCH = r"(?:touching|touched|in contact|contact)"
@@ -51,5 +53,5 @@ def without_opposites(question: str) -> str:
     "Is it moving or stationary?" is answered by how it moves; a verdict, as to a claim, would leave
     open on which of the two it is. What asks anything besides stays as it is.
     """
-    text = " ".join(question.lower().split())
+    text = plain_text(question)
     return next((asked for words, asked in _OPPOSITES if words.fullmatch(text)), question)

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.plain_text import plain_text
+
 _GEL = r"(?:gel|sensor|pad|skin|fingertip|finger|gripper)"
 _SOMETHING = (
     r"(?:anything|something|anybody|somebody|nothing|(?:an |any |some |the )?(?:object|thing))"
@@ -55,7 +57,7 @@ def passes_for(kind: str | None, question: str) -> bool:
         kind: Of the model's answer.
         question: What was asked.
     """
-    text = " ".join(question.lower().replace("\u2019", "'").split())
+    text = plain_text(question)
     if kind not in ("contact", "moving"):
         return False
     there = _THERE.search(text)

@@ -22,6 +22,7 @@ from geotlm_lm.conversation.fact_words import (
     UPRIGHT,
 )
 from geotlm_lm.conversation.kind_phrases import HOLDER
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.scale import is_courtesy, read_scale, scale_beside
 from geotlm_lm.conversation.statements import states_more
 from geotlm_lm.conversation.turned_image import asks_whether_clip_turned, read_turn
@@ -214,7 +215,7 @@ def _fields(text: str) -> dict[str, Any]:
 
     None of them if one clause is unknown, or if two turn the image by something else each.
     """
-    text = " ".join(text.lower().split()).rstrip(".!, ")
+    text = plain_text(text).rstrip(".!, ")
     while (shorter := _LEAD.sub("", text)) != text:
         text = shorter
     if (assumed := _ASSUMED.match(text)) is not None:

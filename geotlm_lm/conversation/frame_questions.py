@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.fact_words import IMAGE, ON_ITS_HEAD
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.wording import known
 from geotlm_lm.core.frame_spec import FrameSpec
 
@@ -46,7 +47,7 @@ def frame_to_settle(text: str, frame: FrameSpec) -> str | None:
         text: What is left once the facts that could be read are taken out.
         frame: What is known.
     """
-    text = _plain(text)
+    text = plain_text(text)
     if not (_ASKED.fullmatch(text) or _LEFT_OPEN.fullmatch(text)):
         return None
     return _TOLD.format(known(frame))
@@ -54,8 +55,4 @@ def frame_to_settle(text: str, frame: FrameSpec) -> str | None:
 
 def asks_frame(question: str) -> bool:
     """Tell whether `question` asks in which frame of reference directions are told."""
-    return bool(_OF_REFERENCE.fullmatch(_plain(question)))
-
-
-def _plain(text: str) -> str:
-    return " ".join(text.lower().replace("\u2019", "'").split())
+    return bool(_OF_REFERENCE.fullmatch(plain_text(question)))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from geotlm_lm.conversation.claims import asks_yes_or_no, claimed_motion
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, reverse
 
 Half = Literal["upper", "lower", "left", "right"]
@@ -80,13 +81,13 @@ def way_of(half: Half, motion: Motion) -> Motion | None:
 
 def asked_half(question: str) -> Half | None:
     """Return the half of which `question` asks openly which way it goes; None if of none."""
-    text = _plain(question)
+    text = plain_text(question)
     return next((half for half, words in _ASKED if words.search(text)), None)
 
 
 def claimed_half(question: str) -> HalfClaim | None:
     """Return the claim of a yes-or-no question that one half goes one way; None if it is none."""
-    text = _plain(question)
+    text = plain_text(question)
     if not asks_yes_or_no(text):
         return None
     for half, words in _CLAIMED:
@@ -95,7 +96,3 @@ def claimed_half(question: str) -> HalfClaim | None:
         if way:
             return HalfClaim(half, way)
     return None
-
-
-def _plain(question: str) -> str:
-    return " ".join(question.lower().replace("\u2019", "'").split())

@@ -13,6 +13,7 @@ import re
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered_options
 from geotlm_lm.conversation.kind_phrases import COUNTED, MOVEMENT, RULES
+from geotlm_lm.conversation.plain_text import plain_text
 
 LATER_KINDS = frozenset(RULES) | {"negation", "premise"}
 """Kinds the rules know by their words."""
@@ -56,7 +57,7 @@ def asks_direction(question: str) -> bool:
 
     Many ways to ask it are not recognised: what is not sure is left to the model.
     """
-    text = " ".join(question.lower().split())
+    text = plain_text(question)
     if asked_kind(question) is not None or claimed_motion(text) is not None:
         return False
     return bool(_DIRECTION.search(text)) and not (
@@ -69,18 +70,18 @@ def asks_whether_moving(question: str) -> bool:
 
     A model that has never read "budge" takes it for something touch cannot tell.
     """
-    return bool(_WHETHER_MOVING.search(" ".join(question.lower().split())))
+    return bool(_WHETHER_MOVING.search(plain_text(question)))
 
 
 def asked_amount(question: str) -> str | None:
     """Return "rate" or "magnitude" where `question` asks how fast or how far, whatever besides."""
-    text = " ".join(question.lower().split())
+    text = plain_text(question)
     return next((kind for kind in ("rate", "magnitude") if _RULES[kind].search(text)), None)
 
 
 def asks_from_object(question: str) -> bool:
     """Tell whether `question` asks for the view from the object's side, whatever besides."""
-    return bool(_RULES["viewpoint"].search(" ".join(question.lower().split())))
+    return bool(_RULES["viewpoint"].search(plain_text(question)))
 
 
 def is_ruled_out(question: str, kind: str | None) -> bool:
@@ -96,7 +97,7 @@ def is_ruled_out(question: str, kind: str | None) -> bool:
     """
     told = asked_kind(question)
     if told in _SEVERAL:
-        text = _plain(question)
+        text = plain_text(question)
         return kind in LATER_KINDS and not (kind in _RULES and _RULES[kind].search(text))
     if told is None:
         return kind in LATER_KINDS
@@ -105,7 +106,7 @@ def is_ruled_out(question: str, kind: str | None) -> bool:
 
 def asked_kind(question: str) -> str | None:
     """Return the kind of `question` if its words tell one of the later kinds; else None."""
-    text = _plain(question)
+    text = plain_text(question)
     if asks_beyond_touch(text):
         return None
     if claimed_motion(text) is not None:
@@ -114,7 +115,3 @@ def asked_kind(question: str) -> str | None:
         if _NEGATION.search(_NO_NEGATION.sub(" ", text)):
             return "negation"
     return next((kind for kind, words in _RULES.items() if words.search(text)), None)
-
-
-def _plain(question: str) -> str:
-    return " ".join(question.lower().replace("\u2019", "'").split())

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.plain_text import plain_text
+
 _GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 _HOLD = r"(?:grasp|grip|hold)"
 _HOLDER = rf"(?:gripper|{_HOLD}|hand|jaws?|fingers?|{_GEL})"
@@ -96,5 +98,5 @@ def in_known_words(question: str) -> str:
 
     What asks for anything besides stays as it is.
     """
-    text = " ".join(question.lower().replace("\u2019", "'").split())
+    text = plain_text(question)
     return next((known for words, known in _PATTERNS if words.fullmatch(text)), question)

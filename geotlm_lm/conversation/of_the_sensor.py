@@ -6,6 +6,7 @@ import re
 
 from geotlm_lm.conversation.claims import claims_motion
 from geotlm_lm.conversation.kinds import asked_amount, asked_kind, asks_whether_moving
+from geotlm_lm.conversation.plain_text import plain_text
 
 _SENSOR = re.compile(
     r"\b(?:the|my) (?:(?:tactile )?sensor|gel|pad|finger|gripper|robot(?:'?s)?(?: arm| hand)?)"
@@ -32,4 +33,4 @@ def as_of_it(question: str) -> str | None:
 
 def names_the_object(question: str) -> bool:
     """Tell whether `question` asks how the object moves, though the sensor was said to."""
-    return bool(_OBJECT.search(" ".join(question.lower().split())))
+    return bool(_OBJECT.search(plain_text(question)))

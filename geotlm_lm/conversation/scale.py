@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.frame_spec import MM_PER_PX
 
 _NUMBER = r"(?P<number>\d+(?:\.\d+)?|\.\d+)"
@@ -89,7 +90,7 @@ def scale_beside(text: str) -> SaidScale | None:
         found.append((said, text[: said.start()] + mark))
         at = said.start() + 1
     for said, rest in found:
-        fields = read_scale(" ".join(said["clause"].lower().split()))
+        fields = read_scale(plain_text(said["clause"]))
         if fields is not None and re.search(r"\w", rest):
             return SaidScale(fields, rest.strip(), said["supposed"] is not None)
     return None
@@ -114,7 +115,7 @@ def is_courtesy(text: str) -> bool:
 
 def asks_scale(question: str) -> bool:
     """Tell whether a question asks if a pixel is so large: "is the scale 0.06 mm per pixel?"."""
-    said = _ASKED.fullmatch(" ".join(question.lower().split()).strip(" ?!."))
+    said = _ASKED.fullmatch(plain_text(question).strip(" ?!."))
     return said is not None and (said["per"] is not None or " it " not in said[0])
 
 

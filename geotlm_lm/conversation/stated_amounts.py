@@ -10,6 +10,7 @@ from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.claims import asks_yes_or_no, motions_named
 from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.number_words import NUMBER
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.quantities import Quantity, quantities, without_quantities
 from geotlm_lm.conversation.thing_sizes import without_sizes
 
@@ -218,7 +219,7 @@ def without_amount(question: str) -> str:
 
 
 def _text(question: str) -> str:
-    text = " ".join(question.lower().replace("\u2019", "'").replace("\u2212", "-").split())
+    text = plain_text(question).replace("\u2212", "-")
     return without_sizes(text.replace("\u00bd", "1/2"))
 
 

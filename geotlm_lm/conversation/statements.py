@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.claims import motions_named
+from geotlm_lm.conversation.plain_text import plain_text
 
 UNREAD = (
     "I read no fact about the recording in that; say for example 'left-hand thread', 'the image is "
@@ -42,7 +43,7 @@ def states_more(text: str) -> bool:
 
     Such a statement is no question: an answer to it would pass over what was meant.
     """
-    text = " ".join(text.lower().replace("\u2019", "'").split())
+    text = plain_text(text)
     if _OF_A_SETUP.match(text) and not _ASKS.search(text):
         return True
     is_said = bool(_STATEMENT.match(text) and _STATES.search(text))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.plain_text import plain_text
+
 _SCREWED = r"(?:screw|bolt|nut|thread|bulb)"
 _CLOSES = r"(?:cap|lid|jar|bottle|stopper|tap|valve|faucet)"
 _THE = r"(?:the|my|this|that) (?:\w+ )?"
@@ -46,6 +48,6 @@ def of_a_thread(question: str, is_known: bool) -> str:
         question: What is asked.
         is_known: Whether the thread of what is touched has been told.
     """
-    text = " ".join(question.lower().replace("\u2019", "'").split())
+    text = plain_text(question)
     asks = _OF_A_THREAD.fullmatch(text) or (is_known and _WHERE_ONE_IS_KNOWN.fullmatch(text))
     return _TIGHTER_OR_LOOSER if asks else question

@@ -15,6 +15,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.frame_spec import FrameSpec
 
 _THE = r"(?:(?:the|my|our|this) )?"
@@ -190,7 +191,7 @@ def unclear_turn(text: str, typed: str = "") -> str | None:
             image is turned tells no turn; one that supposes it does.
         typed: All that was typed, with the facts.
     """
-    text = " ".join(text.lower().replace("\u2019", "'").split())
+    text = plain_text(text)
     if _HALF_TURNED.search(text):
         return _SAY_MOUNTED
     for words in _MENTIONS:

@@ -8,6 +8,7 @@ from typing import Literal
 
 from geotlm_lm.conversation.axes import claimed_axis
 from geotlm_lm.conversation.claims import CLASS_NAMES, asks_yes_or_no, motions_named
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import Motion, motion_class
 
 Relation = Literal["same", "opposite", "different"]
@@ -149,7 +150,7 @@ def claimed_relation(question: str) -> RelationClaim | None:
 
     None too where it offers two: "the same or opposite?".
     """
-    text = _IF_ANY.sub("", _plain(question))
+    text = _IF_ANY.sub("", plain_text(question))
     named = [found.lastgroup for found in _RELATION.finditer(text)]
     if _OPENLY.match(text) or len(set(named)) != 1:
         return None
@@ -166,7 +167,7 @@ def supposed_change(question: str) -> tuple[str, int, Change] | None:
 
     "If the second clip were mirrored, would they turn the same way?"
     """
-    text = _plain(question)
+    text = plain_text(question)
     said = _SUPPOSED.search(text)
     if said is None:
         return None
@@ -177,7 +178,7 @@ def supposed_change(question: str) -> tuple[str, int, Change] | None:
 
 def claimed_image(question: str) -> Change | None:
     """Return as what one clip is claimed to be the other: "is it the mirror of the first?"."""
-    text = _plain(question)
+    text = plain_text(question)
     said = _IMAGE_OF.search(text)
     if said is None or not (asks_yes_or_no(text) or text.endswith("?")):
         return None
@@ -186,13 +187,13 @@ def claimed_image(question: str) -> Change | None:
 
 def asks_undoing(question: str) -> bool:
     """Tell whether it is asked if one clip's motion undoes the other's."""
-    text = _plain(question)
+    text = plain_text(question)
     return bool(_UNDO.search(text)) and not _OPENLY.match(text)
 
 
 def claimed_share(question: str) -> ShareClaim | None:
     """Return which motions are asked for, and of how many clips; None where no such thing is."""
-    text = _IF_ANY.sub("", _OFFERED.sub(" ", _plain(question)))
+    text = _IF_ANY.sub("", _OFFERED.sub(" ", plain_text(question)))
     if _NO_CLIP.search(text) or _RELATION.search(text):
         return None
     of = next((of for of, words in _OF_WHOM if re.search(words, text)), None)
@@ -212,13 +213,13 @@ def claimed_share(question: str) -> ShareClaim | None:
 
 def claimed_subject(question: str) -> int | None:
     """Return which clip, 0 or 1, a yes-or-no question is about: "is the second one faster?"."""
-    said = _SUBJECT.search(_plain(question))
+    said = _SUBJECT.search(plain_text(question))
     return None if said is None else int(said["subject"] in ("second", "2", "two"))
 
 
 def asks_same_amount(question: str) -> str | None:
     """Return "magnitude" or "rate" where it is asked if two clips go as far, or as fast."""
-    text = _plain(question)
+    text = plain_text(question)
     if _OPENLY.match(text) or not _AS_MUCH.search(text):
         return None
     return "rate" if _SPEED.search(text) else "magnitude"
@@ -226,7 +227,7 @@ def asks_same_amount(question: str) -> str | None:
 
 def claimed_each(question: str) -> tuple[frozenset[Motion], frozenset[Motion]] | None:
     """Return what a question claims of the first clip and of the second; None where not of both."""
-    said = _EACH.fullmatch(_plain(question).rstrip("?!. "))
+    said = _EACH.fullmatch(plain_text(question).rstrip("?!. "))
     if said is None or {said["one"], said["other"]} not in ({"first", "second"}, {"1", "2"}):
         return None
     claims = _meant(said["of_one"]), _meant(said["of_other"])
@@ -250,7 +251,3 @@ def _meant(text: str) -> frozenset[Motion] | None:
     if _TOUCHED.search(text):
         return TOUCHED
     return MOVING if _MOVES.search(text) else None
-
-
-def _plain(question: str) -> str:
-    return " ".join(question.lower().replace("\u2019", "'").split())

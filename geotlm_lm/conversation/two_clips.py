@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.claims import motions_named, offered_options
+from geotlm_lm.conversation.plain_text import plain_text
 
 _MOTION_NOUN = (
     r"(?:ways?|directions?|sense|motions?|movements?|rotations?|turns?|turning|slides?|sliding"
@@ -73,7 +74,7 @@ def relates(question: str) -> bool:
 
     "Are they the same?" does, "are they the same object?" does not.
     """
-    text = _plain(question)
+    text = plain_text(question)
     if _SAME_WAY.search(text) or _EACH_ALIKE.search(text):
         return True
     if _OF_SOMETHING_ELSE.search(text):
@@ -83,7 +84,7 @@ def relates(question: str) -> bool:
 
 def asks_each_amount(question: str) -> str | None:
     """Return "magnitude" or "rate" where it is asked how far, or how fast, both go; else None."""
-    text = _plain(question)
+    text = plain_text(question)
     if not _EACH_AMOUNT.search(text) or _RELATION.search(text):
         return None
     return "rate" if _EACH_RATE.search(text) else "magnitude"
@@ -95,7 +96,7 @@ def asks_of_one(question: str) -> tuple[int, str] | None:
     What is asked is told as of a single clip, "which way does it go?"; it is empty where there is
     no more than "and the first one?".
     """
-    text = re.sub(r" of (?:the two|them|both)\b", "", _plain(question))
+    text = re.sub(r" of (?:the two|them|both)\b", "", plain_text(question))
     found = list(_ONE.finditer(text))
     if len(found) != 1 or _RELATION.search(text):
         return None
@@ -119,7 +120,3 @@ def clips_by_number(question: str) -> str:
     if text != question:
         text = _OPENING_A.sub("the first one", text)
     return _A.sub("the first one", text)
-
-
-def _plain(question: str) -> str:
-    return " ".join(question.lower().replace("\u2019", "'").split())

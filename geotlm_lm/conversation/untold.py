@@ -9,6 +9,7 @@ from geotlm_lm.conversation.claims import motions_named
 from geotlm_lm.conversation.kind_words import PICTURE
 from geotlm_lm.conversation.kinds import asks_direction
 from geotlm_lm.conversation.number_words import NUMBER
+from geotlm_lm.conversation.plain_text import plain_text
 
 _WHEN = (
     "I tell how it moves between the frames used, not when: `geotlm-lm watch` tells when each "
@@ -246,7 +247,7 @@ def untold(question: str) -> str | None:
 
     A presupposed motion ("when did it start to turn left?") is judged as such, not declined.
     """
-    text = " ".join(question.lower().replace("\u2019", "'").split())
+    text = plain_text(question)
     *asking, talk = _UNTOLD
     if talk[0].fullmatch(text) or _FILLERS.issuperset(re.findall(r"[\w']+", text)):
         return talk[1]
@@ -259,7 +260,7 @@ def untold(question: str) -> str | None:
 
 def never_told(question: str) -> str | None:
     """Return what to say to a question whose words pass for another one's; None to any else."""
-    text = " ".join(question.lower().replace("\u2019", "'").split())
+    text = plain_text(question)
     if _PARTS.search(text):
         return ONE_MOTION
     if asks_direction(text.rpartition(". ")[2]):
@@ -271,5 +272,5 @@ def never_told(question: str) -> str | None:
 
 def asks_place(question: str) -> bool:
     """Tell whether `question` asks where on the gel the contact is."""
-    text = " ".join(question.lower().replace("\u2019", "'").split())
+    text = plain_text(question)
     return bool(_PLACE.search(text)) and not _OF_A_MOTION.search(_HOW_LARGE.sub("", text))

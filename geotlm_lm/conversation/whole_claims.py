@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from geotlm_lm.conversation.axes import claimed_axis
 from geotlm_lm.conversation.claims import CLASS_NAMES, motions_named
 from geotlm_lm.conversation.option_labels import labelled
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionClass, motion_class
 
 EVERY = frozenset(Motion)
@@ -109,7 +110,7 @@ class WholeClaim:
 
 def whole_claim(question: str) -> WholeClaim | None:
     """Return what `question` claims on the whole; None where other rules, or the model, read it."""
-    text = " ".join(question.lower().replace("\u2019", "'").split()).strip(" ?.!")
+    text = plain_text(question).strip(" ?.!")
     if len(labelled(question.upper(), bool)) > 1:
         return None
     text = _CLOSERS.sub("", _OPENERS.sub("", text, count=1))
