@@ -12,7 +12,8 @@ from typing import Literal
 
 from geotlm_lm.conversation.claims import asks_yes_or_no, claimed_motion
 from geotlm_lm.conversation.fact_words import HALF_TURN
-from geotlm_lm.conversation.kind_phrases import HOLDER, RULES
+from geotlm_lm.conversation.kind_phrases import RULES
+from geotlm_lm.conversation.kind_words import GEL, HOLDER
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, mirror, reverse, turn_by_quarter
@@ -36,7 +37,7 @@ def _moves(holder: str) -> re.Pattern[str]:
     )
 
 
-_SURE_HOLDER = r"(?:gel|sensor|pad|skin|fingertip|gripper|wrist|robot(?:'?s)? (?:arm|hand))"
+_SURE_HOLDER = rf"(?:{GEL}|gripper|wrist|robot(?:'?s)? (?:arm|hand))"
 """No finger and no robot: these may be what is touched."""
 
 _HOLDER_MOVES, _FINGER_MOVES = _moves(_SURE_HOLDER), _moves(HOLDER)

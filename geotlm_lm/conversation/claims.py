@@ -7,11 +7,10 @@ from difflib import get_close_matches
 
 from geotlm_lm.conversation.asides import ONE_OF_TWO, STILL_SO, UP_TO_AN_END
 from geotlm_lm.conversation.axes import claimed_axis
+from geotlm_lm.conversation.kind_words import GEL
 from geotlm_lm.conversation.option_labels import labelled
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class
-
-_GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 
 _TOWARDS, _EDGE = r"\b(?:to|towards?)(?: the)?", r"(?:edge|border|side|end)\b"
 
@@ -45,13 +44,13 @@ NAMES: tuple[tuple[Motion, str], ...] = (
     (
         Motion.NONE,
         r"\bno contact\b|\bnot (?:touching|in contact)\b|\buntouched\b|\bout of contact\b"
-        rf"|\baway from the {_GEL}\b|\boff the {_GEL} entirely\b|\bempty {_GEL}\b|\bnothing\b"
+        rf"|\baway from the {GEL}\b|\boff the {GEL} entirely\b|\bempty {GEL}\b|\bnothing\b"
         rf"|{_LOST_CONTACT}",
     ),
     (
         Motion.STILL,
         r"\bstill\b|\bat rest\b|\bstatic\b|\bstationary\b|\bat a standstill\b"
-        rf"|\bresting(?: on the {_GEL})?\b|\bmotionless\b",
+        rf"|\bresting(?: on the {GEL})?\b|\bmotionless\b",
     ),
     (
         Motion.RELEASE,

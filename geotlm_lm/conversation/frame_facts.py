@@ -21,7 +21,7 @@ from geotlm_lm.conversation.fact_words import (
     ON_ITS_HEAD,
     UPRIGHT,
 )
-from geotlm_lm.conversation.kind_phrases import HOLDER
+from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.scale import is_courtesy, read_scale, scale_beside
 from geotlm_lm.conversation.statements import states_more

@@ -6,6 +6,8 @@ from geotlm_lm.conversation.kind_words import (
     ALONE,
     EXTENT_OF,
     FILM,
+    GEL,
+    HOLDER,
     LEADS,
     MOMENT,
     PICTURE,
@@ -13,7 +15,6 @@ from geotlm_lm.conversation.kind_words import (
 )
 
 _GO = r"(?:go|goes|move|moves|moved|turn|turns|turned|slide|slides|slid|went)"
-_GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 _MEASURES = r"(?:degrees?|deg|mm|millimet(?:re|er)s?|pixels?|px)"
 
 COUNTED = (
@@ -21,9 +22,6 @@ COUNTED = (
     r"|micromet(?:re|er)s?|inch(?:es)?|turns|revolutions?|rotations?)"
 )
 """What is counted of a motion."""
-
-HOLDER = rf"(?:{_GEL}|finger|gripper|wrist|robot(?:'?s)?(?: arm| hand)?)"
-"""What moves the sensor, and the sensor with it."""
 
 MOVEMENT = r"(?:rotation|turn(?:ing)?|slip|slide|sliding|travel|motion)"
 """A motion, as a noun."""
@@ -153,8 +151,8 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\b(?:object|other|opposite|its own)(?:'?s)? (?:own )?(?:side|view|perspective|point)",
         rf"\b(?:from|seen from) (?:behind|the back)\b(?! (?:of )?(?:the|my) (?:camera|{HOLDER}))",
         r"\bthe (?:view|viewpoint) (?:around|to the other)",
-        rf"\blook(?:ing|s)? (?:back )?(?:at|towards|into) the {_GEL}\b",
-        rf"\b(?:who|person|somebody|someone|when|while) (?:faces|facing) the {_GEL}\b",
+        rf"\blook(?:ing|s)? (?:back )?(?:at|towards|into) the {GEL}\b",
+        rf"\b(?:who|person|somebody|someone|when|while) (?:faces|facing) the {GEL}\b",
         r"\bflip the viewpoint\b",
         r"\b(?:seen|viewed) by the object\b",
         r"\bdoes the object see\b",
@@ -163,8 +161,8 @@ RULES: dict[str, tuple[str, ...]] = {
         rf"\b(?:did|does|was|is|if|only|moved|but|about"
         r"|(?:motion|movement|direction|rotation|turn|slide|travel|path) of)"
         rf" the {HOLDER}(?: itself)?{_MOVES_OR_END}",
-        rf"(?:^|[:,!] )(?:and|so|now) the {_GEL}(?: itself)?{_MOVES_OR_END}",
-        rf"^(?:\W*\w+\W+){{0,4}}the {_GEL} itself\b",
+        rf"(?:^|[:,!] )(?:and|so|now) the {GEL}(?: itself)?{_MOVES_OR_END}",
+        rf"^(?:\W*\w+\W+){{0,4}}the {GEL} itself\b",
         rf"\b(?:how|where|which way) the {HOLDER} {_GO}\b",
     ),
     "rate": (

@@ -1,6 +1,12 @@
-"""Pieces of the phrases that tell a kind of question: what they are of, and where they stand."""
+"""Pieces of the phrases that rules look for: what they are of, and where they stand."""
 
 from __future__ import annotations
+
+GEL = r"(?:gel|sensor|pad|skin|fingertip)"
+"""What is touched."""
+
+HOLDER = rf"(?:{GEL}|finger|gripper|wrist|robot(?:'?s)?(?: arm| hand)?)"
+"""What moves the sensor, and the sensor with it."""
 
 EXTENT_OF = (
     r"(?:the |this |that |its )?(?:\w+ )?"

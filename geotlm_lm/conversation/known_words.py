@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.kind_words import GEL
 from geotlm_lm.conversation.plain_text import plain_text
 
-_GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 _HOLD = r"(?:grasp|grip|hold)"
-_HOLDER = rf"(?:gripper|{_HOLD}|hand|jaws?|fingers?|{_GEL})"
+_HOLDER = rf"(?:gripper|{_HOLD}|hand|jaws?|fingers?|{GEL})"
 _IT = rf"(?:it|this|that|(?:the|my|this|that) (?!{_HOLDER}\b)\w+|anything|something)"
 _WHO = r"(?:i|we|you|the (?:gripper|robot|hand))"
 _THING = r"(?:it|something|anything|(?:an|the|my) object)"
@@ -37,7 +37,7 @@ _SAID: tuple[tuple[str, str], ...] = (
         rf"|(?:is|was) (?:{_IT}|the {_HOLDER}) {_JUST}(?:free of (?:any )?contact|out of touch)"
         rf"|(?:is|was) (?:the |my )?object {_JUST}(?:gone|lost|missing)"
         rf"|(?:is|was) (?:the |my )?{_HOLDER} {_JUST}(?:empty|free|clear)|empty {_HOLDER}"
-        rf"|(?:is|was) (?:the |my )?{_GEL} {_JUST}idle|(?:the )?(?:contact|object|{_HOLD}) lost"
+        rf"|(?:is|was) (?:the |my )?{GEL} {_JUST}idle|(?:the )?(?:contact|object|{_HOLD}) lost"
         rf"|lost (?:it|(?:the )?object|(?:the )?{_HOLD})",
         _IS_LOST,
     ),
@@ -49,11 +49,11 @@ _SAID: tuple[tuple[str, str], ...] = (
         r"|anything|something|(?:is |was )?(?:an |any )?object (?:present|detected)"
         r"|(?:is|was) there really (?:something|anything)"
         rf"|(?:is|was) {_IT} {_JUST}(?:being )?(?:held|gripped|grasped)"
-        rf"|(?:is|was) {_IT} {_JUST}pressed(?: (?:against|on|onto|to) (?:the )?{_GEL})?",
+        rf"|(?:is|was) {_IT} {_JUST}pressed(?: (?:against|on|onto|to) (?:the )?{GEL})?",
         _IS_TOUCHED,
     ),
     (
-        rf"(?:is|was) {_IT} {_JUST}being (?:pressed|pushed) (?:against|on|onto) (?:the )?{_GEL}",
+        rf"(?:is|was) {_IT} {_JUST}being (?:pressed|pushed) (?:against|on|onto) (?:the )?{GEL}",
         f"{_IS_TOUCHED} Is it pressing in?",
     ),
     (
