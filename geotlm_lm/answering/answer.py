@@ -273,4 +273,4 @@ def evidence(encoded: Encoded) -> dict[str, Any]:
 
 def offered_letters(question: str) -> set[str]:
     """Return the letters a question lists: A) or (A) or A. or A:, in either case."""
-    return set(re.findall(r"(?<![A-Z])([A-D])[).:]", question.upper()))
+    return set(re.findall(r"(?<![A-Z])([A-F])[).:]", question.upper()))

@@ -54,7 +54,8 @@ def evened_motions(clip: Clip) -> Floats:
         clip: Exactly four frames with a known or estimated background, any size.
 
     Returns:
-        `EVENED_SHAPE`; a frame that repeats the one before has its motion, the first none.
+        `EVENED_SHAPE`; a frame that repeats the one before has its motion, one that repeats the
+        first zeros.
 
     Raises:
         ValueError: If the clip is not four frames with a background.

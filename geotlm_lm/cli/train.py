@@ -14,7 +14,11 @@ from geotlm_lm.cli.options import Seed, require_writable
 def train(
     out: Annotated[Path, typer.Option(help="Run folder; an interrupted run in it is continued.")],
     preset: Annotated[
-        str, typer.Option(help="smoke (minutes, to see it run) or default (the shipped bundle).")
+        str,
+        typer.Option(
+            help="smoke (minutes, to see it run) or default (the shipped bundle); with --keep the "
+            "kept bundle's own."
+        ),
     ] = "default",
     seed: Seed = 0,
     workers: Annotated[int, typer.Option(min=1, help="Processes that simulate.")] = 2,

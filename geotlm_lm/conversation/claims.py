@@ -12,7 +12,8 @@ from geotlm_lm.conversation.option_labels import labelled
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class
 
-_TOWARDS, _EDGE = r"\b(?:to|towards?)(?: the)?", r"(?:edge|border|side|end)\b"
+_TO = r"\b(?:to|towards?)"
+_TOWARDS, _EDGE = rf"{_TO}(?: the)?", r"(?:edge|border|side|end)\b"
 
 _TURNING = r"\b(?:turn|rotat|twist|spin|swivel)(?:s|es|ed|n?ing|e)?(?: to(?:wards)? the)?"
 """What turns left turns counterclockwise, as a cap does: "left" alone would be a slide."""
@@ -34,6 +35,9 @@ _NO_MOTION = re.compile(
     rf"|{STILL_SO}|{UP_TO_AN_END}|{ONE_OF_TWO}"
 )
 """Words of motion in another sense; taken out before motions are looked for."""
+
+_BESIDES = re.compile(r"\b(?:without|anything but|other than|apart from)(?: any)? \w+")
+"""What a claim leaves out: "does it move without slipping?"."""
 
 NAMES: tuple[tuple[Motion, str], ...] = (
     (
@@ -60,8 +64,11 @@ NAMES: tuple[tuple[Motion, str], ...] = (
     (Motion.PRESS, r"\b(?:press|push)(?:es|ed|ing)?\b(?: in(?:to)?| down)?"),
     (Motion.LEFT, r"\bleft(?:wards?)?\b"),
     (Motion.RIGHT, r"\bright(?:wards?)?\b"),
-    (Motion.UP, rf"\bup(?:wards?)?\b|\bto the top\b|{_TOWARDS} (?:upper|top) {_EDGE}"),
-    (Motion.DOWN, rf"\bdown(?:wards?)?\b|\bto the bottom\b|{_TOWARDS} (?:lower|bottom) {_EDGE}"),
+    (Motion.UP, rf"\bup(?:wards?)?\b|{_TO} the top\b|{_TOWARDS} (?:upper|top) {_EDGE}"),
+    (
+        Motion.DOWN,
+        rf"\bdown(?:wards?)?\b|{_TO} the bottom\b|{_TOWARDS} (?:lower|bottom) {_EDGE}",
+    ),
 )
 """In the order they are looked for; what is found is taken out, so that "counterclockwise" names no
 clockwise turn and "pressing down" no slide."""
@@ -191,7 +198,7 @@ def asks_yes_or_no(text: str) -> bool:
 
 def claimed_class(text: str) -> MotionClass | None:
     """Return the one kind of motion a yes-or-no question claims without a direction, else None."""
-    text = plain_text(text)
+    text = _BESIDES.sub(" ", plain_text(text))
     if motions_named(text) or not asks_yes_or_no(text):
         return None
     named = [kind for kind, words in CLASS_NAMES if re.search(words, text)]

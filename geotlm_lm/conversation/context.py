@@ -1,4 +1,4 @@
-"""What is told before an open question: a context, and never a claim to be judged.
+"""What is told before a question: a context, and never a claim to be judged.
 
 "I moved the robot arm to the right. Which way does it slide?" asks which way, whatever was moved
 to the right before.
@@ -8,8 +8,14 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import asks_yes_or_no, motions_named, offered_options
-from geotlm_lm.conversation.kinds import asked_amount, asks_direction
+from geotlm_lm.conversation.claims import asks_yes_or_no, claimed, motions_named, offered_options
+from geotlm_lm.conversation.kind_words import PICTURE
+from geotlm_lm.conversation.kinds import (
+    asked_amount,
+    asked_kind,
+    asks_direction,
+    asks_whether_moving,
+)
 from geotlm_lm.conversation.quantities import quantities
 
 _SENTENCES = re.compile(r"(?<=[.!;])\s+(?=\S)")
@@ -21,22 +27,43 @@ _SUPPOSES = re.compile(
     r"\W*(?:(?:and|so|but|now|ok|please)[, ]+)*"
     r"(?:if|suppose|supposing|imagine|assume|assuming|when|which|what|how|where|tell|is it|say)\b"
 )
+_SOMEBODY = re.compile(
+    r"\W*(?:(?:and|so|then|first|before)[, ]+)?(?:i|we|you|they|he|she"
+    r"|(?:the|my|our) (?:robot|gripper|arm|hand|operator|human|user)(?:'s)?(?: arm| hand)?)\b"
+)
+"""Begins a sentence about what somebody does to the object, not about what is felt of it."""
+
+_OF_THE_FRAME = re.compile(rf"\b(?:{PICTURE}|upside|pixels?|thread|side)\b")
+_CHANGES = ("mirrored", "reversed", "viewpoint", "undo", "thread")
 
 
 def without_context(question: str) -> str:
-    """Return the open question at the end of a text without the sentences told before it.
+    """Return the question at the end of a text without the sentences told before it.
 
-    Only where these name a motion or a number, which would pass for a claim; suppositions, choices
-    and questions stay.
+    Only where these name a motion or a number, which would pass for a claim; suppositions, choices,
+    questions and what is said of the image or the view stay. Before a yes-or-no question only what
+    somebody did is context.
     """
     *before, last = _SENTENCES.split(question.strip())
     context = " ".join(before).lower()
-    if not before or offered_options(question) or not _is_open(last):
+    if not before or offered_options(question):
+        return question
+    is_done = all(_SOMEBODY.match(one.lower()) for one in before)
+    if not (_is_open(last) or (is_done and _claims(last))):
+        return question
+    if motions_named(context) and (
+        _OF_THE_FRAME.search(context) or asked_kind(context) in _CHANGES
+    ):
         return question
     is_told = not any("?" in one or _SUPPOSES.match(one.lower()) for one in before)
     is_choice = asks_yes_or_no(context) or re.search(r"\bor\b", context)
     passes_for_a_claim = motions_named(context) or quantities(context)
     return last if is_told and passes_for_a_claim and not is_choice else question
+
+
+def _claims(text: str) -> bool:
+    is_of_a_way = motions_named(text)
+    return not is_of_a_way and (claimed(text) is not None or asks_whether_moving(text))
 
 
 def _is_open(text: str) -> bool:

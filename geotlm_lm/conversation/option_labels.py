@@ -11,7 +11,7 @@ _BEFORE, _ALSO_BEFORE = (
     re.compile(rf"\(?({label})[).:=]\s*(.*?)(?=[,;]?\s*\(?{label}|$)")
     for label in (_LETTER, _LISTED)
 )
-_BEHIND = re.compile(r"([^()]*)\(([A-D1-4])\)")
+_BEHIND = re.compile(r"([^()]*)\(([A-F1-6])\)")
 _TAIL = re.compile(
     r"[.?!;]+(?:\s.*)?$|\s(?:(?:answer|reply) with|which\b"
     r"|(?:give|tell|say|pick|choose|select)\b).*$",

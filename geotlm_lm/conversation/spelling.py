@@ -25,7 +25,7 @@ _SHORT = ("left", "right", "down", "still", "slip", "slide", "turn", "move", "to
 _OTHERS = re.compile(
     r"burning|clipping|dripping|eliding|flipping|gliding|lipping|listing|loving|pinning|proving"
     r"|rating|resting|returning|ripping|rotation|roving|shipping|siding|sinning|sipping|skidding"
-    r"|skipping|slapping|snipping|spanning|thinning|tipping|touring|tuning|turing"
+    r"|couching|rotting|slicing|slopping|skipping|slapping|snipping|spanning|thinning|tipping|touring|tuning|turing"
 )
 """English words as near to one of these."""
 

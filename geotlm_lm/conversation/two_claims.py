@@ -225,12 +225,18 @@ def asks_same_amount(question: str) -> str | None:
     return "rate" if _SPEED.search(text) else "magnitude"
 
 
+_TURNS = re.compile(r"\b(?:turn|rotat|twist|spin)")
+
+
 def claimed_each(question: str) -> tuple[frozenset[Motion], frozenset[Motion]] | None:
     """Return what a question claims of the first clip and of the second; None where not of both."""
     said = _EACH.fullmatch(plain_text(question).rstrip("?!. "))
     if said is None or {said["one"], said["other"]} not in ({"first", "second"}, {"1", "2"}):
         return None
-    claims = _meant(said["of_one"]), _meant(said["of_other"])
+    of_other = said["of_other"]
+    if _TURNS.search(said["of_one"]) and re.fullmatch("left|right", of_other):
+        of_other = f"turns {of_other}"
+    claims = _meant(said["of_one"]), _meant(of_other)
     if None in claims:
         return None
     return claims if said["one"] in ("first", "1") else claims[::-1]

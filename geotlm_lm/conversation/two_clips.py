@@ -21,7 +21,8 @@ _RELATION = re.compile(
 )
 _SAME_WAY = re.compile(
     r"\b(?:same|opposite|different|similar|identical|equal) (?:\w+ ){0,2}"
-    rf"(?:{_MOTION_NOUN}|spins?|twists?|thing)\b"
+    rf"(?:{_MOTION_NOUN}|spins?|twists?)\b"
+    r"|\bdo(?:es|ing)? (?:exactly )?the (?:same|opposite) thing\b"
     rf"|\b(?:differ\w*|comparison|compare) (?:in|between|of)?(?: the(?:ir)?)? ?{_MOTION_NOUN}\b"
 )
 _NO_NOUN = (

@@ -105,7 +105,9 @@ _SENSOR = r"(?:gel|sensor|pad|skin|camera|image|picture)\b"
 _THE = r"(?:the|my|your|its|an?) "
 _WAY_TO = (
     rf"(?:(?:towards?|away from) (?:{_THE})?"
-    rf"|(?<!relative )(?<!respect )(?<!close )(?<!parallel )to {_THE})"
+    rf"|(?<!relative )(?<!respect )(?<!close )(?<!parallel )(?<!compared )(?<!due )"
+    r"(?<!up )(?<!thanks )(?<!next )(?<!similar )(?<!opposite )(?<!prior )(?<!according )"
+    rf"to {_THE})"
 )
 
 _ACT = (
@@ -204,7 +206,7 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
 
 _PARTS = re.compile(
     rf"\b{_GOES} (?:again )?(?:at|near|towards?|until) the (?:very )?(?:end|start|beginning)\b"
-    rf"|^\W*{_DOES_IT} {_GOES} back(?! into)\b"
+    rf"|^\W*{_DOES_IT} {_GOES} back(?! into| (?:to the )?(?:left|right|up|down)\b)\b"
     rf"|^\W*{_DOES_IT} (?:change|switch|revers|alternat)\w*(?: (?:its|the) )? ?"
     r"(?:way|direction|sense)\b|\bback and forth\b|\bto and fro\b|\boscillat\w*"
 )

@@ -174,6 +174,8 @@ def _of_clauses(text: str, *, is_judged: bool = False) -> WholeClaim | None:
         return None
     if len(parts) == 1 and not is_judged and not _denies_a_kind(text):
         return None
+    if denied and not frozenset.intersection(*sets):
+        return None  # "pressed but not moving?": pressed is then no motion
     return WholeClaim(frozenset.intersection(*sets), is_denied=bool(denied))
 
 

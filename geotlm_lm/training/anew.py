@@ -16,7 +16,13 @@ from geotlm_lm.training.config import TrainingPreset
 from geotlm_lm.training.examples import read_examples, simulate_examples
 from geotlm_lm.training.odometry import train_odometer, within_tolerance_share
 from geotlm_lm.training.scoring import score_bundle
-from geotlm_lm.training.train import claim_examples, clock, example_sets, perceive_examples
+from geotlm_lm.training.train import (
+    about_examples,
+    claim_folder,
+    clock,
+    example_sets,
+    perceive_examples,
+)
 
 
 def train_odometer_anew(kept: Path, out: Path, seed: int, workers: int) -> Path:
@@ -42,7 +48,8 @@ def train_odometer_anew(kept: Path, out: Path, seed: int, workers: int) -> Path:
             f"{kept} does not say by which preset it was trained, expected a bundle that "
             f"`geotlm-lm train` wrote; train a whole one without --keep."
         ) from error
-    claim_examples(out, settings, seed)
+    whole = RunRecord.load(kept / SCORES_FILE)
+    claim_folder(out, about_examples(settings, seed) | {"kept": bundle.digest()})
     torch.set_num_threads(max(workers, 1))
     cv2.setNumThreads(1)
     examples, sets = out / "examples", example_sets(settings)
@@ -65,5 +72,5 @@ def train_odometer_anew(kept: Path, out: Path, seed: int, workers: int) -> Path:
         test = perceive_examples(stored.model, read_examples(examples, sets["test"]))
         scores = score_bundle(stored, test, seed)
         scores["amounts"] = within_tolerance_share(stored.odometer, test)
-    write_card(folder, stored, scores, RunRecord.load(kept / SCORES_FILE).seconds)
+    write_card(folder, stored, scores, whole.seconds)
     return folder

@@ -77,7 +77,7 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
         UsageError: If the preset is unknown or the folder holds another run.
     """
     settings = preset_named(preset)
-    claim_examples(out, settings, seed)
+    claim_folder(out, about_examples(settings, seed))
     torch.set_num_threads(max(workers, 1))
     cv2.setNumThreads(1)
     device = "cuda" if torch.cuda.is_available() else "cpu"
@@ -165,12 +165,12 @@ def perceive_examples(model: GeoTLM, examples: Examples) -> ClipSet:
     )
 
 
-def claim_examples(out: Path, settings: TrainingPreset, seed: int) -> None:
-    """Mark `out` as the folder of this run, or refuse a folder of another."""
+def about_examples(settings: TrainingPreset, seed: int) -> dict[str, Any]:
+    """Return what the examples of a run depend on."""
     about = {"preset": settings.to_dict(), "seed": seed}
     about |= {"series": SERIES_VERSION, "inputs": PATCH_INPUT_DIM, "worn": WORN_SHARE}
     about |= {"examples": EXAMPLES_VERSION}
-    claim_folder(out, about | {"varied": VARIED, "pretraining": PRETRAINING_VERSION})
+    return about | {"varied": VARIED, "pretraining": PRETRAINING_VERSION}
 
 
 def claim_folder(out: Path, about: dict[str, Any]) -> None:

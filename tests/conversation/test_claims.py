@@ -3,6 +3,7 @@
 import pytest
 
 from geotlm_lm.conversation.claims import (
+    claimed,
     claimed_class,
     claims_motion,
     motions_named,
@@ -193,3 +194,16 @@ def test_the_kind_of_motion_a_question_takes_for_granted(question, presumed):
 )
 def test_which_finger_it_is_is_no_motion(text, named):
     assert motions_named(text) == named
+
+
+@pytest.mark.parametrize(
+    ("text", "motions"),
+    [
+        ("Does it move without slipping?", None),
+        ("Is it doing anything but sliding?", None),
+        ("Is it sliding toward the top?", {Motion.UP}),
+        ("Is it sliding towards the bottom of the image?", {Motion.DOWN}),
+    ],
+)
+def test_what_is_left_out_is_not_claimed_and_edges_are_ways(text, motions):
+    assert claimed(text) == motions

@@ -45,3 +45,30 @@ def test_a_context_is_left_out(text, asked):
 )
 def test_all_else_stays(text):
     assert without_context(text) == text
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "The image is mirrored and the cap turns left. Which way does it turn?",
+        "The clip is played backwards and it goes left. Which way does it go?",
+        "I look from the object's side and it turns left. Which way does it turn?",
+        "The recording is upside down and it moves up. Which way does it move?",
+    ],
+)
+def test_what_is_said_of_the_image_or_the_view_stays(question):
+    assert without_context(question) == question
+
+
+@pytest.mark.parametrize(
+    ("question", "asked"),
+    [
+        ("The gripper turned clockwise. Is the object slipping?", "Is the object slipping?"),
+        ("The robot moved left. Did the object slip?", "Did the object slip?"),
+        ("I lift the bottle. Is it slipping in my hand?", "Is it slipping in my hand?"),
+        ("The robot rotated the part by 30 degrees. Did it slip?", "Did it slip?"),
+        ("I moved it 5 mm to the left. Did it move?", "Did it move?"),
+    ],
+)
+def test_what_somebody_did_is_no_claim_about_what_is_felt(question, asked):
+    assert without_context(question) == asked

@@ -64,3 +64,8 @@ def test_what_is_asked_behind_the_last_option_is_none_of_its_words():
 )
 def test_right_is_a_way_in_a_list_and_a_tag_at_the_end(text, named):
     assert motions_named(text) == named
+
+
+def test_labels_behind_their_options_go_as_far_as_those_before():
+    text = "LEFT (A), RIGHT (B), UP (C), DOWN (D), CLOCKWISE (E), COUNTERCLOCKWISE (F)?"
+    assert [label for label, _ in labelled(text, lambda words: "WISE" in words)] == list("ABCDEF")

@@ -66,3 +66,18 @@ def test_no_question_of_the_templates_is_read_otherwise(wordings):
         label = MotionLabel(motion, rotation_deg=12.0 if motion in ROTATIONS else 0.0)
         for asked in questions_for(label, rng, wordings=wordings, per_type=20):
             assert of_a_thread(asked.question, True) == asked.question
+
+
+@pytest.mark.parametrize(
+    "question",
+    ["Is the jar closed?", "Is the bottle open?", "Is the cap fastened?", "Will the cap open?"],
+)
+def test_a_state_is_no_way_to_turn(question):
+    assert of_a_thread(question, False) == question
+
+
+@pytest.mark.parametrize(
+    "question", ["Is the jar being closed?", "Is the bottle opening?", "Does the cap open?"]
+)
+def test_what_is_going_on_asks_which_way_the_thread_goes(question):
+    assert of_a_thread(question, False) == ASKED

@@ -189,6 +189,11 @@ def test_what_passes_for_another_question_is_declined(text, word):
         "To go back to the start, which way?",
         "Is the knob being turned clockwise?",
         "Is it turning upside down?",
+        "How far did it move compared to the first frame?",
+        "Did it turn due to a slip?",
+        "Does it rotate similar to a clock hand?",
+        "How many degrees did it turn up to the end?",
+        "Does it move back to the left?",
     ],
 )
 def test_what_can_be_told_is_not_declined(text):

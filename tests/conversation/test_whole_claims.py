@@ -123,3 +123,15 @@ def test_no_question_of_the_templates_is_read_as_a_whole_claim(wordings):
         label = MotionLabel(motion, rotation_deg=12.0 if motion in ROTATIONS else 0.0)
         for asked in questions_for(label, rng, wordings=wordings, per_type=12):
             assert whole_claim(asked.question) is None, asked
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Is it pressed but not moving?",
+        "Is it pushed, not moving?",
+        "Is it pressing and not moving?",
+    ],
+)
+def test_what_would_contradict_itself_is_left_to_the_model(question):
+    assert whole_claim(question) is None or whole_claim(question).motions
