@@ -33,6 +33,12 @@ _SOMEBODY = re.compile(
 )
 """Begins a sentence about what somebody does to the object, not about what is felt of it."""
 
+_FELT = re.compile(
+    r"\W*(?:(?:and|so|then|now|ok)[,: ]+)*(?:(?:i|we) (?:can |do )?(?:see|saw|think|thought"
+    r"|believe|know|notice[sd]?|feel|felt|guess|observed?)\b|(?:it|this|that)\b)"
+)
+"""Begins what is taken for granted of the object: a premise, which is judged."""
+
 _OF_THE_FRAME = re.compile(rf"\b(?:{PICTURE}|upside|pixels?|thread|side)\b")
 _CHANGES = ("mirrored", "reversed", "viewpoint", "undo", "thread")
 
@@ -47,6 +53,8 @@ def without_context(question: str) -> str:
     *before, last = _SENTENCES.split(question.strip())
     context = " ".join(before).lower()
     if not before or offered_options(question):
+        return question
+    if any(_FELT.match(one.lower()) for one in before):
         return question
     is_done = all(_SOMEBODY.match(one.lower()) for one in before)
     if not (_is_open(last) or (is_done and _claims(last))):

@@ -11,10 +11,17 @@ from geotlm_lm.core.labels import Motion
 _DENIED = re.compile(r"n't\b|\b(?:not|never|no longer)\b")
 
 
+_OF_THE_ANSWER = re.compile(
+    r"\b(?:it|that|this|you|(?:the|your|this|that) answer) (?:is|are|was|were|be) "
+    r"(?:right|correct|true|so)\b"
+)
+
+
 def doubted(question: str) -> frozenset[Motion] | None:
     """Return the motions of which `question` asks how likely they are; None if it names none.
 
     None too where it denies them: how likely the rest is, is then asked of the answer before.
     """
-    denies = _DENIED.search(plain_text(question))
-    return None if denies else claimed(f"Is it so: {question}")
+    text = plain_text(question)
+    is_of_it = _DENIED.search(text) or _OF_THE_ANSWER.search(text)
+    return None if is_of_it else claimed(f"Is it so: {question}")

@@ -72,3 +72,16 @@ def test_what_is_said_of_the_image_or_the_view_stays(question):
 )
 def test_what_somebody_did_is_no_claim_about_what_is_felt(question, asked):
     assert without_context(question) == asked
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "I see the coin is going up; how far?",
+        "now: I think it is spinning clockwise; how fast?",
+        "We noticed it slips to the left. How far?",
+        "It turned clockwise. How fast?",
+    ],
+)
+def test_what_is_taken_for_granted_of_the_object_stays(question):
+    assert without_context(question) == question

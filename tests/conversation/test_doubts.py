@@ -21,3 +21,15 @@ from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 )
 def test_the_motion_whose_probability_is_asked_for(question, motions):
     assert doubted(question) == motions
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "What is the chance that it is right?",
+        "How likely is it that you are right?",
+        "What is the likelihood that the answer is correct?",
+    ],
+)
+def test_whether_the_answer_is_right_is_no_motion_to_the_right(question):
+    assert doubted(question) is None
