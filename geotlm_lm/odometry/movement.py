@@ -56,7 +56,7 @@ def movement(
     two, and frames do not follow each other evenly. Without these and the sums over the steps 0.83
     of the turns and 0.85 of the slides of objects kept from training are told within their
     tolerance, with them 0.86 and 0.90; flow, fits and view make that 0.88 and 0.91. Evened images
-    make 0.805 of the turns of 1,000 clips of objects kept from training 0.828, the slides stay.
+    make 0.805 of the turns in 3,500 clips of objects kept from training 0.828, the slides stay.
 
     Args:
         inputs: What the stem made of the clips, (b, 2, 14, 14, PATCH_INPUT_DIM).
