@@ -12,6 +12,7 @@ import numpy as np
 import torch
 
 from geotlm_lm.answering import four_frames_with_background
+from geotlm_lm.backbone.evened import evened_motions
 from geotlm_lm.backbone.stem import look
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.experiments.judging import QUESTION
@@ -61,6 +62,7 @@ def _stages(answerer: Answerer, clip: Clip, folder: Path) -> dict[str, Callable[
         "backbone": lambda: model.backbone.encode_inputs(inputs),
         "DGR and fused token": lambda: model.fuse(tokens),
         "probe": lambda: model.probe.predict(token),
+        "how far: motions of evened images": lambda: evened_motions(clip),
         "LM: prompt read": _prefill(answerer, token),
         "LM: one token": _one_token(answerer, token),
         "LM: whole answer, token by token": lambda: speaker.generate(token, [QUESTION]),
