@@ -19,6 +19,7 @@ from geotlm_lm.answering.replying import answer_amount, from_open_answer
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.claims import claimed
 from geotlm_lm.conversation.stated_amounts import Stated, denies_amount, without_amount
+from geotlm_lm.conversation.wording import lowered
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.evaluation.answers import RELATIVE_TOLERANCE
 
@@ -61,7 +62,7 @@ def judged_amount(
         decided = "yes" if is_denied else "no"
         return answer if answer.abstained else replace(answer, decided=decided, told_by="rule")
     if unit == "mm" and answer.amount.unit.startswith("px"):
-        text = f"I cannot judge millimetres: {_lowered(answer.text)}{NO_LENGTH}"
+        text = f"I cannot judge millimetres: {lowered(answer.text)}{NO_LENGTH}"
         return replace(answer, text=text, abstained=True, confidence=0.0, decided=None)
     share = _share(bundle, encoded, claim, heard, frame)
     share = 1.0 - share if is_denied else share
@@ -69,7 +70,7 @@ def judged_amount(
     verdict = _DENIALS[is_so] if is_denied else ("Yes, " if is_so else "No, ")
     return replace(
         answer,
-        text=f"{verdict}{_lowered(answer.text)}",
+        text=f"{verdict}{lowered(answer.text)}",
         confidence=share if is_so else 1.0 - share,
         options={"yes": share, "no": 1.0 - share},
         decided="yes" if is_so else "no",
@@ -90,7 +91,3 @@ def _share(
     tolerances = [max(least, RELATIVE_TOLERANCE * end) for end in claim.ends]
     held = [claim.holds(amount / seconds, *tolerances) for amount in weighed.amounts]
     return goes * float(weighed.shares[held].sum())
-
-
-def _lowered(text: str) -> str:
-    return f"{text[:1].lower()}{text[1:]}"

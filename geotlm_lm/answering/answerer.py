@@ -28,7 +28,7 @@ from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.conversation.question import check_question
 from geotlm_lm.conversation.reasons import chain
 from geotlm_lm.conversation.retell import CAMERA
-from geotlm_lm.conversation.wording import known
+from geotlm_lm.conversation.wording import known, lowered
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
@@ -248,7 +248,7 @@ class Answerer:
         if not own:
             source = "by rule, from the geometry the model read; not in its own words"
             return Why((place, *measured, frame, conclusion), source)
-        measured[0] = f"Measured: {measured[0][:1].lower()}{measured[0][1:]}"
+        measured[0] = f"Measured: {lowered(measured[0])}"
         many = "sentence 2" if len(own) == 1 else f"sentences 2 to {len(own) + 1}"
         source = f"{many} in the model's words, the others by rule from the geometry it read"
         return Why((place, *own, *measured, frame, conclusion), source)

@@ -50,7 +50,7 @@ from geotlm_lm.conversation.thread_words import of_a_thread
 from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.conversation.two_parts import two_parts
 from geotlm_lm.conversation.untold import asks_place, never_told, untold
-from geotlm_lm.conversation.wording import known
+from geotlm_lm.conversation.wording import capitalised, known
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import ROTATIONS
 
@@ -171,7 +171,7 @@ def _place_in_words(encoded: Encoded, seen: dict[str, Any]) -> str:
     view = encoded.view
     if view is None or seen["contact_centre_px"] is None:
         place = contact_place(seen["regions"], seen["contact_share"])
-        return f"{place[:1].upper()}{place[1:]}."
+        return f"{capitalised(place)}."
     (x, y), (rows, columns) = seen["contact_centre_px"], encoded.clip.frames.shape[1:3]
     picture = view.picture_height_px * view.picture_width_px
     share = min(seen["contact_share"] * view.side_px**2 / picture, 1.0)

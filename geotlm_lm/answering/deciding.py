@@ -16,6 +16,7 @@ from geotlm_lm.answering.several import (
 )
 from geotlm_lm.answering.withholding import unsure_text
 from geotlm_lm.conversation.two_claims import Change, Of, RelationClaim, ShareClaim
+from geotlm_lm.conversation.wording import lowered
 from geotlm_lm.core.labels import Motion, mirror, reverse
 
 _CHANGES: dict[Change, Callable[[Motion], Motion]] = {"mirrored": mirror, "reversed": reverse}
@@ -64,7 +65,7 @@ def judge_relation(claim: RelationClaim, answers: Sequence[Answer]) -> Compariso
         is_so = compared.relation == claim.relation
     word = _yes_or_no(is_so != claim.is_denied)
     if not claim.is_plain:
-        text = f"{word.capitalize()}, {_lowered(compared.text)}"
+        text = f"{word.capitalize()}, {lowered(compared.text)}"
         compared = replace(compared, text=text)
     return replace(compared, decided=word)
 
@@ -126,7 +127,7 @@ def judge_amounts(compared: Comparison, claimed: str) -> Comparison:
     if compared.abstained:
         return compared
     word = _yes_or_no(compared.relation == claimed)
-    text = _lowered(compared.text.removeprefix("Neither: "))
+    text = lowered(compared.text.removeprefix("Neither: "))
     return replace(compared, text=f"{word.capitalize()}, {text}", decided=word)
 
 
@@ -187,7 +188,3 @@ def _shares_of(motions: Collection[Motion], answers: Sequence[Answer]) -> dict[s
 
 def _yes_or_no(is_so: bool) -> str:
     return "yes" if is_so else "no"
-
-
-def _lowered(text: str) -> str:
-    return f"{text[:1].lower()}{text[1:]}"

@@ -51,7 +51,7 @@ from geotlm_lm.conversation.retell import (
     retell,
 )
 from geotlm_lm.conversation.untold import ONE_MOTION
-from geotlm_lm.conversation.wording import clause, sentence
+from geotlm_lm.conversation.wording import capitalised, clause, sentence
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import SLIDES, Motion, motion_class
 from geotlm_lm.language.parse_answer import Kind, Slots
@@ -227,8 +227,7 @@ def by_rule(bundle: Bundle, encoded: Encoded, question: str, kind: str, frame: F
     if kind in NEEDS_MORE or kind in UNTRAINED:
         return plain(encoded, (NEEDS_MORE | UNTRAINED)[kind], kind, frame)
     if kind == "evidence":
-        clause = halves(evidence(encoded)["regions"])
-        text = f"{clause[:1].upper()}{clause[1:]}, in the camera image."
+        text = f"{capitalised(halves(evidence(encoded)['regions']))}, in the camera image."
         answer = plain(encoded, text, kind, CAMERA)
         notes = (*answer.notes, FROM_GEOMETRY)
         return replace(answer, abstained=False, confidence=1.0, notes=notes)

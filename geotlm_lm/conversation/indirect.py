@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.wording import capitalised
+
 _WONDERS = (
     r"(?:(?:sorry|hm+|well|hi|hello|hey)[,:.]? +)?(?:i|we)(?: (?:really|just|still))?"
     r"(?: (?:can't|cannot|can not|couldn't|could not|don't|do not) (?:really |quite )?"
@@ -29,7 +31,7 @@ def asked_within(question: str) -> str:
     text = " ".join(question.replace("\u2019", "'").split())
     if (which := _WHICH.fullmatch(text)) is not None:
         asked = which["asked"]
-        return f"{asked[:1].upper()}{asked[1:]}?"
+        return f"{capitalised(asked)}?"
     if (whether := _WHETHER.fullmatch(text)) is not None:
         does = whether["does"].strip().lower().replace("'s", "is")
         return f"{does.capitalize()} {whether['who']} {whether['what']}?"

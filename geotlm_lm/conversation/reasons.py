@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from geotlm_lm.conversation.wording import capitalised
 from geotlm_lm.core.labels import Motion, along
 
 Regions = Mapping[str, Mapping[str, float]]
@@ -118,8 +119,8 @@ def chain(
     regions = evidence["regions"]
     where = "" if is_as_seen else "in the camera image"
     steps = (
-        f"{_capital(contact_place(regions, evidence['contact_share']))}.",
-        f"{_capital(f'{where} {halves(regions)}'.strip())}.",
+        f"{capitalised(contact_place(regions, evidence['contact_share']))}.",
+        f"{capitalised(f'{where} {halves(regions)}'.strip())}.",
         _sums(pattern_of(regions), motion, where),
     )
     return (*(step for step in steps if step), f"Therefore: {conclusion}")
@@ -167,7 +168,3 @@ def _heavier(regions: Regions, first: str, second: str) -> str:
     if one > LOPSIDED * other:
         return first
     return second if other > LOPSIDED * one else ""
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]

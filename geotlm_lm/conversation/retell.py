@@ -31,7 +31,15 @@ from geotlm_lm.conversation.option_meanings import (
 from geotlm_lm.conversation.retold_thread import told_of_thread
 from geotlm_lm.conversation.telling import Felt, Told, directed
 from geotlm_lm.conversation.whole_claims import whole_claim
-from geotlm_lm.conversation.wording import KIND_SENTENCES, clause, level, name, place, sentence
+from geotlm_lm.conversation.wording import (
+    KIND_SENTENCES,
+    clause,
+    level,
+    lowered,
+    name,
+    place,
+    sentence,
+)
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import (
     DIRECTED,
@@ -86,7 +94,7 @@ def _changed(felt: Felt) -> Told:
     share, word = told.options.get(claim.value, 0.0), "yes" if claim == told.direction else "no"
     return replace(
         told,
-        text=f"{word.capitalize()}, {told.text[:1].lower()}{told.text[1:]}",
+        text=f"{word.capitalize()}, {lowered(told.text)}",
         options={"yes": share, "no": 1.0 - share},
         decided=word,
     )

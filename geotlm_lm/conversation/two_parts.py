@@ -13,6 +13,7 @@ from geotlm_lm.conversation.claims import (
 )
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
 from geotlm_lm.conversation.untold import asks_place
+from geotlm_lm.conversation.wording import capitalised
 from geotlm_lm.core.labels import DIRECTED
 
 _HOW = r"how (?:far|much|fast|quickly|many|sure)|at (?:what|which) speed"
@@ -48,7 +49,7 @@ def two_parts(question: str) -> tuple[str, str] | None:
     """
     why = _WHY.fullmatch(question)
     if why is not None and claimed_motion(why["asked"]) in DIRECTED:
-        return f"{why['asked'][:1].upper()}{why['asked'][1:]}?", "Why?"
+        return f"{capitalised(why['asked'])}?", "Why?"
     said = _THEN.match(question) or _AND_HOW.match(question) or _TWO_MARKS.match(question)
     if said is None or offered_options(question):
         return None

@@ -88,3 +88,13 @@ def known(frame: FrameSpec) -> str:
     if frame.mm_per_px is not None:
         facts.append(f"{frame.mm_per_px:g} mm per pixel")
     return ", ".join(facts)
+
+
+def capitalised(text: str) -> str:
+    """Return `text` as a sentence begins, its other letters as they are."""
+    return f"{text[:1].upper()}{text[1:]}"
+
+
+def lowered(text: str) -> str:
+    """Return `text` as it goes on within a sentence, its other letters as they are."""
+    return f"{text[:1].lower()}{text[1:]}"

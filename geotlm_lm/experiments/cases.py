@@ -5,6 +5,7 @@ Knows where clips come from; nothing of the methods that are judged on them.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -130,7 +131,7 @@ class RealCases:
 
 
 @dataclass(frozen=True)
-class _FourFrames:
+class _FourFrames(ABC):
     """The four-frame windows of labelled recordings, both ways, as something else shows them.
 
     Args:
@@ -147,8 +148,9 @@ class _FourFrames:
             (clip, motion), row = self._shown(window.clip, window.motion), window.row
             yield Case(clip, motion, row.object_id, row.object_family, {})
 
+    @abstractmethod
     def _shown(self, clip: Clip, motion: Motion) -> tuple[Clip, Motion]:
-        raise NotImplementedError
+        """Return a window the way the recording is shown, and its motion there."""
 
 
 class StartingInContact(_FourFrames):
