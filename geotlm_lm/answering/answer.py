@@ -12,7 +12,7 @@ from torch import Tensor
 
 from geotlm_lm.answering.amounts import Amount
 from geotlm_lm.backbone.evened import evened_motions
-from geotlm_lm.backbone.stem import look
+from geotlm_lm.backbone.stem import Look, look
 from geotlm_lm.backbone.view import View
 from geotlm_lm.conversation.retell import VERDICTS
 from geotlm_lm.core.clip import Clip
@@ -90,14 +90,19 @@ class Encoded:
     def stem_inputs(self) -> Tensor:
         """What the stem makes of the clip, whichever backbone perceived it."""
         inputs = self.perception.inputs
-        return torch.from_numpy(look(self.clip)[0][None]) if inputs is None else inputs
+        return torch.from_numpy(self._look.inputs[None]) if inputs is None else inputs
 
     @cached_property
     def evened(self) -> Tensor:
         """How the evened images move: a closer look, taken only where it is asked how far."""
         if self.given_evened is not None:
             return self.given_evened
-        return torch.from_numpy(evened_motions(self.clip)[None])
+        traces = self.perception.traces
+        return torch.from_numpy(evened_motions(traces[0] if traces else self._look.traces)[None])
+
+    @cached_property
+    def _look(self) -> Look:
+        return look(self.clip)
 
     @property
     def doubt(self) -> float:

@@ -77,7 +77,7 @@ def alignment(reliefs: Sequence[Floats], greens: Sequence[Floats], aspect: float
     motions at 0.914 and 0.961 from the sums, 0.921 and 0.977 from both.
 
     Args:
-        reliefs: Relief of each frame, any square size, about one unit deep.
+        reliefs: Relief of each frame, about one unit deep, as `small` makes it.
         greens: Green residual of each frame, likewise.
         aspect: Width of a pixel over its height.
 
@@ -87,7 +87,7 @@ def alignment(reliefs: Sequence[Floats], greens: Sequence[Floats], aspect: float
         log of how many times larger the patch's squared error is without the last step's motion;
         correlation after that step.
     """
-    sequences = [[small(image) for image in images] for images in (reliefs, greens)]
+    sequences = (reliefs, greens)
     at_rest = np.zeros((GRID_SIDE, GRID_SIDE, 2 * CHANNELS), np.float32)
     at_rest[..., CHANNELS - 1 :: CHANNELS] = 1
     frames = [at_rest]

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.backbone.alignment import align_in_turn, changed_weight, correlation, small
-from geotlm_lm.backbone.imprint import imprint_of
-from geotlm_lm.backbone.rigid import MIDDLE, SIDE
-from geotlm_lm.core.clip import Clip
+from geotlm_lm.backbone.rigid import MIDDLE
+from geotlm_lm.backbone.traces import Traces
 from geotlm_lm.core.geometry import FRAME_COUNT
 
 Floats = NDArray[np.float32]
@@ -47,32 +46,27 @@ def evened(image: Floats) -> Floats:
     return small(CONTRAST * detail / (contrast + FAINTEST))
 
 
-def evened_motions(clip: Clip) -> Floats:
+def evened_motions(traces: Traces) -> Floats:
     """Return how each frame is laid on those before it where contrast is evened out.
 
     Args:
-        clip: Exactly four frames with a known or estimated background, any size.
+        traces: Of a clip of four frames.
 
     Returns:
         `EVENED_SHAPE`; a frame that repeats the one before has its motion, one that repeats the
         first zeros.
-
-    Raises:
-        ValueError: If the clip is not four frames with a background.
     """
-    imprint = imprint_of(clip)
-    sequences = [[evened(small(image)) for image in images] for images in imprint.aligned_by]
+    sequences = [[evened(image) for image in images] for images in (traces.relief, traces.green)]
     centre = _centre(changed_weight(sequences[0][0], sequences[0][-1]))
-    per_px = imprint.view.side_px / SIDE
-    found = np.zeros((len(imprint.relief), *EVENED_SHAPE[1:]), np.float32)
-    for k, aligned in enumerate(align_in_turn(sequences, imprint.aspect), start=1):
+    found = np.zeros((len(traces.relief), *EVENED_SHAPE[1:]), np.float32)
+    for k, aligned in enumerate(align_in_turn(sequences, traces.aspect), start=1):
         for place, (images, one) in enumerate(zip(sequences, aligned, strict=True)):
             laid = ((one.direct, one.direct, images[0]), (one.summed, one.step, images[k - 1]))
             for kind, (motion, last, before) in enumerate(laid):
-                way = motion.way_to(centre) * per_px
+                way = motion.way_to(centre) * traces.pixel_px
                 alike = correlation(last.moved(before), images[k])
                 found[k, place, kind] = motion.turn_rad, *way, alike
-    return found[imprint.places[1:]]
+    return found[traces.places[1:]]
 
 
 def _mean_around(image: Floats) -> Floats:

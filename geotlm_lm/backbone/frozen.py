@@ -38,9 +38,9 @@ class FrozenBackbone:
 
     def encode(self, clips: list[Clip]) -> Tokens:
         """Return the tokens of clips of four frames with a background each, in float32."""
-        inputs, views = zip(*(look(clip) for clip in clips), strict=True)
+        inputs, views, traces = zip(*(look(clip) for clip in clips), strict=True)
         stacked = torch.from_numpy(np.stack(inputs))
-        return replace(self.encode_inputs(stacked), views=views, inputs=stacked)
+        return replace(self.encode_inputs(stacked), views=views, inputs=stacked, traces=traces)
 
     @torch.inference_mode()
     def encode_inputs(self, inputs: Tensor) -> Tokens:

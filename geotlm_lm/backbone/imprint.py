@@ -19,7 +19,7 @@ from geotlm_lm.backbone.lights import (
     turned_by_a_half,
     turned_by_a_quarter,
 )
-from geotlm_lm.backbone.relief import RELIEF_SCALE, RELIEF_SIDE, is_inside_out, reliefs
+from geotlm_lm.backbone.relief import RELIEF_SIDE, is_inside_out, reliefs
 from geotlm_lm.backbone.square import in_square
 from geotlm_lm.backbone.view import VIEW_CELL_PX, View, contact_view
 from geotlm_lm.core.clip import Clip
@@ -52,12 +52,6 @@ class Imprint:
     view: View
     places: list[int]
     aspect: float
-
-    @property
-    def aligned_by(self) -> tuple[list[Floats], list[Floats]]:
-        """Relief and green residual of each frame, about one unit deep: what is aligned."""
-        green_of = [image[..., 1] / RESIDUAL_SCALE_GREY for image in self.half]
-        return [frame / RELIEF_SCALE for frame in self.relief], green_of
 
 
 def imprint_of(clip: Clip) -> Imprint:

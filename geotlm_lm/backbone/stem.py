@@ -8,6 +8,8 @@ it turns; and the one rigid motion of the whole imprint, for both. It has no lea
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -16,13 +18,13 @@ from geotlm_lm.backbone.alignment import CHANNELS as ALIGNMENT_CHANNELS
 from geotlm_lm.backbone.alignment import alignment
 from geotlm_lm.backbone.imprint import (
     RESIDUAL_SCALE_GREY,
-    Imprint,
     area_means,
     gradients,
     green_image,
     imprint_of,
 )
 from geotlm_lm.backbone.relief import RELIEF_SCALE, as_image
+from geotlm_lm.backbone.traces import Traces, traces_of
 from geotlm_lm.backbone.view import CONTRAST_FLOOR_GREY2, View
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE, TIME_BIN_COUNT, TUBE_FRAMES
@@ -70,21 +72,33 @@ AT_REST = np.array([0.0, 1.0, 0.0, 1.0], np.float32)
 where nothing differs from the idle gel, as the alignment has it."""
 
 
-def look(clip: Clip) -> tuple[Floats, View]:
-    """Compute the inputs of one clip's patch tokens and the view they cover.
+class Look(NamedTuple):
+    """What the stem sees in a clip.
+
+    Args:
+        inputs: Of its patch tokens, (2, 14, 14, PATCH_INPUT_DIM), early time-bin first; flow is
+            accumulated from the clip's first frame to the mean of the bin's two frames, x right,
+            y down, in pixels of the view.
+        view: The square of the picture they cover.
+        traces: What was aligned, for who looks closer.
+    """
+
+    inputs: Floats
+    view: View
+    traces: Traces
+
+
+def look(clip: Clip) -> Look:
+    """Compute the inputs of one clip's patch tokens.
 
     Args:
         clip: Exactly four frames with a known or estimated background, any size.
-
-    Returns:
-        Inputs, shape (2, 14, 14, PATCH_INPUT_DIM), early time-bin first; flow is accumulated from
-        the clip's first frame to the mean of the bin's two frames, x right, y down, in pixels of
-        the view. And the view.
 
     Raises:
         ValueError: If the clip is not four frames with a background.
     """
     imprint = imprint_of(clip)
+    traces = traces_of(imprint)
     half, relief = imprint.half, imprint.relief
     parts = [
         np.stack([_cells(image) for image in half]) / RESIDUAL_SCALE_GREY,
@@ -92,10 +106,10 @@ def look(clip: Clip) -> tuple[Floats, View]:
         _motion([as_image(frame) for frame in relief], RELIEF_PATCH_PX),
         np.stack([area_means(frame, GRID_SIDE) for frame in relief])[..., None] / RELIEF_SCALE,
         np.full((len(relief), GRID_SIDE, GRID_SIDE, 1), np.log(IMAGE_SIDE / imprint.view.side_px)),
-        _alignment(imprint),
+        _alignment(traces),
     ]
     inputs = _time_bins(np.concatenate(parts, axis=-1, dtype=np.float32), imprint.places)
-    return inputs, imprint.view
+    return Look(inputs, imprint.view, traces)
 
 
 def _cells(residual: Floats) -> Floats:
@@ -161,9 +175,9 @@ def _motion(images: list[NDArray[np.uint8]], patch_px: int) -> Floats:
     return np.concatenate([flow, orientation], axis=-1)
 
 
-def _alignment(imprint: Imprint) -> Floats:
+def _alignment(traces: Traces) -> Floats:
     """Return the alignment channels of each patch, (frames, 14, 14, 12)."""
-    frames = alignment(*imprint.aligned_by, imprint.aspect)
+    frames = alignment(traces.relief, traces.green, traces.aspect)
     for start in range(0, frames.shape[-1], ALIGNMENT_CHANNELS):
         moved = frames[..., start : start + 4]
         # Far from the middle a wrong turn moves a patch right out of the view.

@@ -67,7 +67,7 @@ def omissions(answerer: Answerer, clip: Clip) -> Mapping[str, Omission]:
     token = encoded.perception.fused_token
     sentences = bundle.grammar.options_for("direction")
     graded = copy.deepcopy(bundle.model.backbone.vit).requires_grad_(True)
-    inputs = torch.from_numpy(look(clip)[0])[None]
+    inputs = torch.from_numpy(look(clip).inputs)[None]
 
     def encode_each() -> None:
         for question in QUESTIONS:
@@ -97,6 +97,11 @@ def omissions(answerer: Answerer, clip: Clip) -> Mapping[str, Omission]:
             lambda: answerer.ask(answerer.encode(clip), QUESTION),
             lambda: bundle.model.probe.predict(answerer.encode(clip).perception.fused_token),
             "every window of `watch` without --q",
+        ),
+        "motions of evened images": Omission(
+            lambda: answerer.encode(clip).evened,
+            lambda: answerer.encode(clip),
+            "a question that does not ask how far",
         ),
         "reading the prompt again": Omission(
             scored_one_by_one,

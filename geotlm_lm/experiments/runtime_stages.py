@@ -51,7 +51,8 @@ def _stages(answerer: Answerer, clip: Clip, folder: Path) -> dict[str, Callable[
     path = folder / "clip.npz"
     np.savez_compressed(path, frames=clip.frames, background=clip.background)
     recording = long_recording(clip)
-    inputs = torch.from_numpy(look(clip)[0])[None]
+    seen, _, traces = look(clip)
+    inputs = torch.from_numpy(seen)[None]
     tokens = model.backbone.encode_inputs(inputs)
     token = model.fuse(tokens).fused_token
     sentences = answerer.bundle.grammar.options_for("direction")
@@ -62,7 +63,7 @@ def _stages(answerer: Answerer, clip: Clip, folder: Path) -> dict[str, Callable[
         "backbone": lambda: model.backbone.encode_inputs(inputs),
         "DGR and fused token": lambda: model.fuse(tokens),
         "probe": lambda: model.probe.predict(token),
-        "how far: motions of evened images": lambda: evened_motions(clip),
+        "how far: motions of evened images": lambda: evened_motions(traces),
         "LM: prompt read": _prefill(answerer, token),
         "LM: one token": _one_token(answerer, token),
         "LM: whole answer, token by token": lambda: speaker.generate(token, [QUESTION]),

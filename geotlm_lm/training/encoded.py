@@ -126,8 +126,9 @@ def _write(
             f"{encoder.adapter.title}: tokens up to {float(tokens.patches.abs().max()):.3g} were "
             f"found, expected below 65504; the file's weights are not those of a trained encoder."
         )
-    inputs = np.stack([look(one.clip)[0] for _, one in batch])
-    evened = np.stack([evened_motions(one.clip) for _, one in batch])
+    looks = [look(one.clip) for _, one in batch]
+    inputs = np.stack([one.inputs for one in looks])
+    evened = np.stack([evened_motions(one.traces) for one in looks])
     made = tokens.global_token.numpy(), patches.numpy(), inputs, evened
     for array, values in zip(arrays, made, strict=True):
         array[rows] = values

@@ -219,8 +219,8 @@ def _example(recorded: Recorded) -> tuple[NDArray, ...]:
     from geotlm_lm.backbone.evened import evened_motions
     from geotlm_lm.backbone.stem import look
 
-    inputs, view = look(recorded.clip)
-    evened = evened_motions(recorded.clip)
+    inputs, view, traces = look(recorded.clip)
+    evened = evened_motions(traces)
     truth = truth_in(view, recorded.truth)
     return inputs, evened, *(bin_means(values[recorded.order]) for values in truth)
 

@@ -11,6 +11,7 @@ from geotlm_lm.backbone.alignment import (
     align_in_turn,
     alignment,
     changed_weight,
+    small,
 )
 from geotlm_lm.backbone.rigid import SIDE, Rigid
 
@@ -101,7 +102,7 @@ def test_of_two_equal_matches_the_shorter_way_is_taken():
 
 def test_channels_tell_the_motion_from_the_first_frame_and_what_it_explains():
     frames = [Rigid(0.0, 2.0 * k, 0.0).moved(IMPRINT) for k in range(3)]
-    told = alignment(frames, [5 * frame for frame in frames])
+    told = alignment(*([small(scale * frame) for frame in frames] for scale in (1, 5)))
     assert told.shape == (3, 14, 14, 2 * CHANNELS)
     assert not told[0, ..., : CHANNELS - 1].any()
     for start in (0, CHANNELS):

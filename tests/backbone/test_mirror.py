@@ -19,7 +19,7 @@ FLOWS = [3 * CELLS**2 + start + place for start in (0, FLOW_CHANNELS) for place 
 
 
 def seen(clip):
-    return torch.from_numpy(look(clip)[0])[None]
+    return torch.from_numpy(look(clip).inputs)[None]
 
 
 def turned_over(clip, mirror):

@@ -15,7 +15,11 @@ import torch
 
 import geotlm_lm
 from geotlm_lm.answering import Answerer
+from geotlm_lm.answering import answer as answer_room
+from geotlm_lm.answering.measuring import weighed_amounts
+from geotlm_lm.backbone import stem
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.experiments.model_omissions import FOREIGN
 from geotlm_lm.language.parse_answer import Slots
@@ -103,6 +107,29 @@ def test_several_questions_share_one_encoding(answerer, encodings):
     for question in ("Which way is it moving?", "Is it turning clockwise?", "Seen from behind?"):
         session.ask(question)
     assert encodings == [1]
+
+
+@pytest.fixture
+def looks(monkeypatch):
+    """Return a list that grows by the name of each step of looking at a clip."""
+    calls = []
+
+    def count(room, name):
+        step = getattr(room, name)
+        monkeypatch.setattr(room, name, lambda *given: calls.append(name) or step(*given))
+
+    count(stem, "imprint_of")
+    count(answer_room, "evened_motions")
+    return calls
+
+
+def test_how_far_looks_closer_once_at_the_imprint_that_was_found(answerer, looks):
+    encoded = answerer.encode(recording())
+    answerer.ask(encoded, "Which way is it moving?")
+    assert looks == ["imprint_of"]
+    for unit in ("deg", "px"):
+        weighed_amounts(answerer.bundle, encoded, unit, FrameSpec())
+    assert looks == ["imprint_of", "evened_motions"]
 
 
 def test_a_doubt_and_a_repetition_run_nothing(answerer, encodings):

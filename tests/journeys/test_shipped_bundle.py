@@ -148,7 +148,7 @@ def test_grey_recordings_are_told_and_measured(answerer, touches):
     greys = [replace(made, clip=in_grey(made.clip)) for made in touches]
     right = [direction(answerer, made.clip) is made.label.motion for made in greys]
     assert np.mean(right) >= 0.85
-    inputs = [look(made.clip)[0] for made in greys]
+    inputs = [look(made.clip).inputs for made in greys]
     assert all(one[1, ..., MAGNIFICATION_AT - 1].any() for one in inputs)
 
 
