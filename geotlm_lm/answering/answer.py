@@ -132,7 +132,8 @@ class Lean:
 
     Args:
         direction: The likeliest motion of that kind, in the answer's frame.
-        share: Its share of the probability that all motions of that kind have.
+        share: Its share of the probability that all motions of that kind have, the geometric mean
+            of the language model's and the linear probe's.
         text: The sentence, also among the answer's notes.
     """
 

@@ -1,14 +1,20 @@
 """Which way it goes if it goes at all: told where a question takes for granted what is denied.
 
 Who asks "Which way is the cap turning?" of a turn that begins under a press is told of the press;
-the model has an opinion on the turn all the same. Measured on 1,344 real windows of turns asked so,
-of which 125 are told as something else: 61 lean, 60 of them the true way. Of 374 real and semi-real
-slides 22 are told as something else; 7 lean, 6 of them the true way.
+the model has an opinion on the turn all the same, and so has the linear probe, which was taught to
+tell motions apart and no words. Measured on 2,822 real windows and recordings of turns asked so,
+of which 187 are told as something else: 120 lean by the opinion of both, 111 of them the true way
+(by the language model's alone 99 and 94, by the probe's alone 128 and 118). Of 480 slides 39 are
+told as something else; 17 lean, 15 of them the true way (9 and 7, 19 and 15). Of 107 real presses
+12 lean to a turn (11, 13).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from geotlm_lm.answering.answer import Answer, Encoded, Lean
 from geotlm_lm.answering.withholding import LIKELIER, NEXT_LIKELIEST, UNRECOGNISED
@@ -21,7 +27,8 @@ LEAST_SHARE = 0.7
 """Share, among the motions of the presumed kind, of one that is worth telling."""
 
 LEAST_TOTAL = 0.02
-"""Probability that these motions hold together; of less, 5 more windows lean, 4 rightly."""
+"""Probability that these motions hold together in the language model's opinion. From half of it on
+12 more windows lean to a turn, 10 rightly, but 11 more presses."""
 
 KINDS = frozenset(("direction", "viewpoint"))
 """Kinds of questions about which way the object goes, as the clip shows it."""
@@ -44,15 +51,32 @@ def with_lean(bundle: Bundle, encoded: Encoded, question: str, answer: Answer) -
     told = answer.direction or Motion(max(answer.options, key=answer.options.get))
     if told in (*among, Motion.NONE) or answer.text == UNRECOGNISED:
         return answer
-    shares = {motion: answer.options.get(motion.value, 0.0) for motion in among}
-    way, total = max(shares, key=shares.get), sum(shares.values())
-    if total < LEAST_TOTAL or shares[way] < LEAST_SHARE * total:
+    if sum(answer.options.get(motion.value, 0.0) for motion in among) < LEAST_TOTAL:
+        return answer
+    shares = _shares(bundle, encoded, answer, among)
+    way = max(shares, key=shares.get)
+    if shares[way] < LEAST_SHARE:
         return answer
     if bundle.calibration.withholds(way, encoded.contact_share):
         return answer
-    share = shares[way] / total
+    share = shares[way]
     text = f"If it {does} at all, {clause(way, answer.frame)}: {share:.0%} among the {of_how_many}."
     said = f": {way.value}."  # in a note on another answer, which would say it twice
     begins = (NEXT_LIKELIEST, LIKELIER)
     notes = [n for n in answer.notes if not (n.startswith(begins) and n.endswith(said))]
     return replace(answer, lean=Lean(way, share, text), notes=(*notes, text))
+
+
+def _shares(
+    bundle: Bundle, encoded: Encoded, answer: Answer, among: Sequence[Motion]
+) -> dict[Motion, float]:
+    """Return how probable each motion is if it is one of `among`, which are in the answer's frame.
+
+    The geometric mean of what the language model and the linear probe hold.
+    """
+    said = np.array([answer.options.get(motion.value, 0.0) for motion in among])
+    in_the_image = [answer.frame.in_the_image(motion) for motion in among]
+    token = encoded.perception.fused_token
+    read = bundle.model.probe.probabilities(token, in_the_image)[0].double().numpy()
+    both = np.sqrt(said * read)
+    return dict(zip(among, (both / both.sum()).tolist(), strict=True))

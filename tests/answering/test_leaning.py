@@ -4,6 +4,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+import torch
 
 from geotlm_lm import answer_schema
 from geotlm_lm.answering.answer import Answer, Lean
@@ -11,7 +12,7 @@ from geotlm_lm.answering.leaning import LEAST_SHARE, with_lean
 from geotlm_lm.answering.withholding import UNRECOGNISED
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion
 from tests.answering.json_schema import problems
 from tests.answering.scripted import answerer_saying, recording
 
@@ -39,12 +40,33 @@ def answered(options, kind="direction", frame=CAMERA):
     )
 
 
-def leaning(question, answer, contact_share=0.2):
+class Probing:
+    """A probe that holds what a test wrote down, in the camera image."""
+
+    def __init__(self, odds):
+        self.odds = odds
+
+    def probabilities(self, token, among):
+        odds = torch.tensor([self.odds.get(motion.value, 1e-9) for motion in among])
+        return (odds / odds.sum())[None]
+
+
+def leaning(question, answer, contact_share=0.2, odds=None):
     def withholds(claim, share):
         return claim in DIRECTED and share < 0.01
 
-    bundle = SimpleNamespace(calibration=SimpleNamespace(withholds=withholds))
-    return with_lean(bundle, SimpleNamespace(contact_share=contact_share), question, answer)
+    seen = {
+        answer.frame.in_the_image(Motion(word)).value: answer.options[word]
+        for word in answer.options
+    }
+    bundle = SimpleNamespace(
+        calibration=SimpleNamespace(withholds=withholds),
+        model=SimpleNamespace(probe=Probing(odds or seen)),
+    )
+    encoded = SimpleNamespace(
+        contact_share=contact_share, perception=SimpleNamespace(fused_token=None)
+    )
+    return with_lean(bundle, encoded, question, answer)
 
 
 def test_a_turn_asked_after_is_told_beside_a_press():
@@ -118,6 +140,31 @@ def test_what_leans_is_told_in_the_frame_of_the_answer():
     frame = FrameSpec(viewpoint="object")
     answer = leaning(TURN, answered(PRESS_THEN_CLOCKWISE, "viewpoint", frame))
     assert "seen from the object's side" in answer.notes[-1]
+
+
+def test_the_probe_tips_what_the_words_leave_open():
+    undecided = answered({"press": 0.8, "clockwise": 0.1, "counterclockwise": 0.1})
+    lean = leaning(TURN, undecided, odds={"clockwise": 0.1, "counterclockwise": 0.9}).lean
+    assert lean.direction == Motion.COUNTERCLOCKWISE
+    assert lean.share == pytest.approx(0.75)  # the geometric mean of 1 : 1 and 9 : 1
+
+
+def test_where_the_probe_holds_the_opposite_nothing_leans():
+    answer = answered(PRESS_THEN_CLOCKWISE)
+    assert leaning(TURN, answer, odds={"clockwise": 0.1, "counterclockwise": 0.9}) == answer
+
+
+@pytest.mark.parametrize("frame", [FrameSpec(viewpoint="object"), FrameSpec(actor="sensor")])
+@pytest.mark.parametrize(
+    ("question", "told"),
+    [(TURN, Motion.CLOCKWISE), (TURN, Motion.COUNTERCLOCKWISE), (SLIDE, Motion.LEFT)],
+)
+def test_the_probe_sees_the_camera_image_whatever_frame_is_told_in(frame, question, told):
+    among = ROTATIONS if question == TURN else SLIDES
+    options = {"press": 0.6} | {motion.value: 0.4 / len(among) for motion in among}
+    odds = {frame.in_the_image(told).value: 0.99}
+    answer = leaning(question, answered(options, "viewpoint", frame), odds=odds)
+    assert answer.lean.direction == told
 
 
 def test_a_share_just_large_enough_is_told():
