@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.recordings.idle import activity_grey, find_idle, split_in_two
@@ -88,8 +88,10 @@ def choose_frames(
     if span is None and len(clip) == count:
         return _told(clip)
     asked = None if span is None else _inside(clip, span)
+    grey = None
     if clip.background is None and len(clip) > count:
-        idle = find_idle(clip)
+        grey = activity_grey(clip.frames)
+        idle = find_idle(clip, grey)
         if idle is not None:
             note = "Background: the recording's own untouched frames."
             clip = replace(clip, background=idle).with_note(note)
@@ -98,7 +100,7 @@ def choose_frames(
     elif len(clip) < count:
         indices = _evenly(0, len(clip) - 1, count)
     else:
-        indices = _indices_of_motion(clip, count)
+        indices = _indices_of_motion(clip, count, grey)
     return _told(clip.select([int(index) for index in indices]))
 
 
@@ -117,7 +119,7 @@ def require_motion(clip: Clip) -> None:
 
 def imprint_strength(clip: Clip) -> NDArray[np.float32]:
     """Return how strongly each frame is imprinted, in grey levels (rms), shape (t,)."""
-    return _strength(_imprints(clip))
+    return _strength(_imprints(activity_grey(clip.frames), clip.background))
 
 
 def _told(clip: Clip) -> Clip:
@@ -154,14 +156,22 @@ def _two_numbers(span: object) -> tuple[int, int]:
     return numbers
 
 
-def _indices_of_motion(clip: Clip, count: int) -> NDArray[np.int64]:
+def _indices_of_motion(
+    clip: Clip, count: int, grey: NDArray[np.float32] | None
+) -> NDArray[np.int64]:
     """Return the indices of the most telling window of a clip longer than `count`.
 
     On 180 simulated recordings the model's words are right on 164, where they are on 155 if the
     window is the one whose ends look least alike; on 134 real ones on 126 and 122.
+
+    Args:
+        clip: The recording.
+        count: Frames of a window.
+        grey: Its `activity_grey`, if that is known already.
     """
     stride = -(-len(clip) // CANDIDATE_LIMIT)
-    imprints = _imprints(clip.select(range(0, len(clip), stride)))
+    grey = activity_grey(clip.frames[::stride]) if grey is None else grey[::stride]
+    imprints = _imprints(grey, clip.background)
     strength = _strength(imprints)
     flat = (imprints / np.maximum(strength, 1e-6)[:, None, None]).reshape(len(imprints), -1)
     likeness = flat @ flat.T / flat.shape[1]
@@ -169,9 +179,9 @@ def _indices_of_motion(clip: Clip, count: int) -> NDArray[np.int64]:
     windows = _windows(len(imprints), count)
     strengths = strength[windows]
     is_steady = (
-        is_full[windows].all(axis=1)
-        & (strengths.max(axis=1) < STEADINESS * strengths.min(axis=1))
-        & (1 - likeness[windows[:, 0], windows[:, -1]] > STILL_CHANGE)
+        is_full[windows].all(axis=0)
+        & (strengths.max(axis=0) < STEADINESS * strengths.min(axis=0))
+        & (1 - likeness[windows[0], windows[-1]] > STILL_CHANGE)
     )
     path = travelled_path(imprints, is_full)
     way = main_way(path)
@@ -179,17 +189,17 @@ def _indices_of_motion(clip: Clip, count: int) -> NDArray[np.int64]:
     if far < NO_WAY:
         return _least_alike(likeness, strength, windows) * stride
     along = path @ way / far
-    went = np.diff(along[windows], axis=1)  # (windows, count - 1)
-    aside = np.abs(along[windows[:, [0, -1]]].mean(axis=1) - (along.min() + along.max()) / 2)
-    turned = np.abs(np.diff(path[windows, 2], axis=1))
-    steps = likeness[windows[:, :-1], windows[:, 1:]]
-    is_alike = (steps.min(axis=1) > LIKENESS) & (turned.max(axis=1) < MOST_TURN_RAD)
-    is_shortest = windows[:, -1] - windows[:, 0] == count - 1
+    went = np.diff(along[windows], axis=0)  # (count - 1, windows)
+    aside = np.abs(along[windows[[0, -1]]].mean(axis=0) - (along.min() + along.max()) / 2)
+    turned = np.abs(np.diff(path[windows, 2], axis=0))
+    steps = likeness[windows[:-1], windows[1:]]
+    is_alike = (steps.min(axis=0) > LIKENESS) & (turned.max(axis=0) < MOST_TURN_RAD)
+    is_shortest = windows[-1] - windows[0] == count - 1
     best = _most_even(is_steady & is_alike, went, aside)
-    if best is None or went[best].sum() < min(LEAST_OF_WAY * far, LEAST_WAY):
+    if best is None or went[:, best].sum() < min(LEAST_OF_WAY * far, LEAST_WAY):
         best = _most_even(is_steady & (is_alike | is_shortest), went, aside)
     if best is not None:
-        return windows[best] * stride
+        return windows[:, best] * stride
     return _growth(strength, count) * stride
 
 
@@ -198,15 +208,15 @@ def _least_alike(
 ) -> NDArray[np.int64]:
     """Return the window whose ends look least alike while neighbours do look alike."""
     full = max(CONTACT_SHARE * float(np.quantile(strength, 0.9)), split_in_two(strength)[0])
-    strengths, steps = strength[windows], likeness[windows[:, :-1], windows[:, 1:]]
+    strengths, steps = strength[windows], likeness[windows[:-1], windows[1:]]
     is_fit = (
-        (strengths.min(axis=1) > full)
-        & (steps.min(axis=1) > LIKENESS)
-        & (strengths.max(axis=1) < STEADINESS * strengths.min(axis=1))
+        (strengths.min(axis=0) > full)
+        & (steps.min(axis=0) > LIKENESS)
+        & (strengths.max(axis=0) < STEADINESS * strengths.min(axis=0))
     )
-    change = np.where(is_fit, 1 - likeness[windows[:, 0], windows[:, -1]], -1.0)
+    change = np.where(is_fit, 1 - likeness[windows[0], windows[-1]], -1.0)
     best = int(np.argmax(change))
-    return windows[best] if change[best] > STILL_CHANGE else _growth(strength, windows.shape[1])
+    return windows[:, best] if change[best] > STILL_CHANGE else _growth(strength, len(windows))
 
 
 def _full_contact(strength: NDArray[np.float32]) -> float:
@@ -231,22 +241,26 @@ def _most_even(
 
     Args:
         is_fit: Shape (windows,).
-        went: Way of each step along the main motion, shape (windows, steps).
+        went: Way of each step along the main motion, shape (steps, windows).
         aside: Way from the window's middle to the motion's, shape (windows,).
     """
     if not is_fit.any():
         return None
-    shortest = np.where(is_fit, went.min(axis=1), -np.inf)
+    shortest = np.where(is_fit, went.min(axis=0), -np.inf)
     best = shortest.max()
     is_as_good = shortest >= best - (1 - NEXT_TO_BEST) * abs(best)
     return int(np.argmin(np.where(is_as_good, aside, np.inf)))
 
 
 def _windows(frame_count: int, count: int) -> NDArray[np.int64]:
-    """Return all evenly spaced windows of `count` different frames, shape (windows, count)."""
+    """Return all evenly spaced windows of `count` different frames, shape (count, windows).
+
+    Their frames are the rows: what is asked of every window is then asked of whole rows, in a tenth
+    of the time that numpy takes for as many columns.
+    """
     first, last = np.triu_indices(frame_count, count - 1)
-    share = np.arange(count) / (count - 1)
-    return np.rint(first[:, None] + (last - first)[:, None] * share).astype(np.int64)
+    share = np.arange(count)[:, None] / (count - 1)
+    return np.rint(first + (last - first) * share).astype(np.int64)
 
 
 def _growth(strength: NDArray[np.float32], count: int) -> NDArray[np.int64]:
@@ -264,11 +278,15 @@ def _growth(strength: NDArray[np.float32], count: int) -> NDArray[np.int64]:
     return _evenly(int(np.flatnonzero(is_strong[:faded])[-1]), faded, count)
 
 
-def _imprints(clip: Clip) -> NDArray[np.float32]:
-    """Return each frame's grey change against the gel, smoothed and free of slow shading."""
-    grey = activity_grey(clip.frames)
-    if clip.background is not None:
-        gel = activity_grey(clip.background[None])[0]
+def _imprints(grey: NDArray[np.float32], background: Frames | None) -> NDArray[np.float32]:
+    """Return each frame's grey change against the gel, smoothed and free of slow shading.
+
+    Args:
+        grey: `activity_grey` of the frames.
+        background: The gel, in colour; None guesses it.
+    """
+    if background is not None:
+        gel = activity_grey(background[None])[0]
     else:
         gel = cv2.GaussianBlur(np.median(grey, axis=0), (0, 0), SHADING_SIGMA)
     return np.stack([band_pass(image - gel) for image in grey])
