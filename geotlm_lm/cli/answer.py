@@ -18,6 +18,7 @@ from geotlm_lm.cli.options import (
     FramesPerSecond,
     LayoutName,
     MmPerPixel,
+    Precision,
     require_question,
     span_of,
 )
@@ -35,6 +36,7 @@ def answer(
     fps: FramesPerSecond = None,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
+    precision: Precision = "float32",
     why: Annotated[
         bool, typer.Option("--why", help="Print the reasons before the answer, one a line.")
     ] = False,
@@ -58,7 +60,7 @@ def answer(
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer
 
-    answerer = Answerer.load(model)
+    answerer = Answerer.load(model, precision=precision)
     encoded = answerer.encode(recording, span=span)
     reply = answerer.ask(encoded, question, frame=frame)
     for note in reply.notes:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import shlex
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import asdict, replace
@@ -14,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from geotlm_lm.cli.options import (
+    BundleFolder,
     EncoderHeads,
     EncoderName,
     EncoderWeights,
@@ -25,6 +24,7 @@ from geotlm_lm.cli.options import (
     require_writable,
     require_writable_file,
 )
+from geotlm_lm.cli.recorded import command_line
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer
@@ -49,9 +49,7 @@ def evaluate(
         int, typer.Option(min=0, help="Simulated clips per task; 0 leaves simulation out.")
     ] = 120,
     seed: Seed = 0,
-    model: Annotated[
-        Path | None, typer.Option(help="Model bundle; the one in the package when not given.")
-    ] = None,
+    model: BundleFolder = None,
     precision: Precision = "float32",
     out: Annotated[Path | None, typer.Option(help="Write the record here, as JSON.")] = None,
     as_json: Annotated[
@@ -101,7 +99,7 @@ def evaluate(
         real_folder=real,
         data_paths=data or (),
         model_name=name,
-        command=command_line(sys.argv),
+        command=command_line(),
         progress=progress_on_stderr(),
     )
     record = replace(record, config=record.config | about)
@@ -142,11 +140,6 @@ def _trained_on(
     bundle = train_heads(released, preset, folder, seed)
     name = f"{released.adapter.title} ({weights.name})"
     return Answerer(bundle), name, {"encoder": bundle.provenance}
-
-
-def command_line(arguments: list[str]) -> str:
-    """Return the command as a user would type it, whatever started the interpreter."""
-    return shlex.join(["geotlm-lm", *arguments[1:]])
 
 
 def progress_on_stderr(unit: str = " clips") -> Callable[[str, int, int], None]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from geotlm_lm.cli.options import (
+    BundleFolder,
     EncoderHeads,
     EncoderName,
     EncoderWeights,
@@ -17,6 +17,7 @@ from geotlm_lm.cli.options import (
     require_writable,
     require_writable_file,
 )
+from geotlm_lm.cli.recorded import command_line
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.tokens import Backbone
@@ -33,9 +34,6 @@ Epochs = Annotated[int, typer.Option(min=1, help="Epochs of every training.")]
 Only = Annotated[
     list[str] | None,
     typer.Option(help="One table: rotation, sliding, ablation or frames. [default: all]"),
-]
-Model = Annotated[
-    Path | None, typer.Option(help="Model bundle; the one in the package when not given.")
 ]
 RunFolder = Annotated[
     Path, typer.Option(help="Tokens and finished folds are kept here, to continue from.")
@@ -58,7 +56,7 @@ def protocols(
     epochs: Epochs = 30,
     only: Only = None,
     seed: Seed = 42,
-    model: Model = None,
+    model: BundleFolder = None,
     encoder: EncoderName = None,
     weights: EncoderWeights = None,
     heads: EncoderHeads = None,
@@ -80,7 +78,7 @@ def protocols(
         if path is not None:
             require_writable_file(path, option)
     require_writable(run_folder, "--run-folder")
-    from geotlm_lm.cli.evaluate import command_line, progress_on_stderr
+    from geotlm_lm.cli.evaluate import progress_on_stderr
     from geotlm_lm.experiments.protocol_rows import TABLES
     from geotlm_lm.experiments.protocols import ProtocolSizes, run_protocols
     from geotlm_lm.reports.protocols import protocol_tables
@@ -94,7 +92,7 @@ def protocols(
         tables=tuple(dict.fromkeys(only or TABLES)),
         backbone_name=name,
         about=about,
-        command=command_line(sys.argv),
+        command=command_line(),
         progress=progress_on_stderr(""),
     )
     _write(record, out, table)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +13,11 @@ from geotlm_lm.cli.options import require_writable_file
 
 if TYPE_CHECKING:
     from geotlm_lm.core.record import RunRecord
+
+
+def command_line() -> str:
+    """Return the command as a user would type it, whatever started the interpreter."""
+    return shlex.join(["geotlm-lm", *sys.argv[1:]])
 
 
 def require_all_writable(out: Path, table: Path, figure: Path | None = None) -> None:

@@ -15,6 +15,7 @@ from geotlm_lm.cli.options import (
     require_writable_file,
 )
 from geotlm_lm.cli.protocols import protocols
+from geotlm_lm.cli.recorded import command_line
 from geotlm_lm.cli.report_language import language, transcript
 from geotlm_lm.cli.report_model import model_stability, odometry, runtime
 from geotlm_lm.cli.report_outside import fuzz, page
@@ -106,13 +107,10 @@ def answer(
 
     Example: geotlm-lm report answer --clip clip.npz --q 'Which way does it turn?'
     """
-    import sys
-
-    from geotlm_lm.cli.evaluate import command_line
     from geotlm_lm.experiments.cold_answer import cold_answer
 
     require_writable_file(out, "--out")
-    record = cold_answer(clip, question, command=command_line(sys.argv))
+    record = cold_answer(clip, question, command=command_line())
     record.save(out)
     seconds = record.numbers["cold_s"]
     typer.echo(

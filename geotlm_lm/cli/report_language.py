@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from geotlm_lm.cli.options import AsJson, BundleFolder, RecordPath, Seed
-from geotlm_lm.cli.recorded import require_all_writable
+from geotlm_lm.cli.recorded import command_line, require_all_writable
 
 
 def language(
@@ -35,9 +35,7 @@ def language(
 
     Example: geotlm-lm report language --real DIR
     """
-    import sys
-
-    from geotlm_lm.cli.evaluate import command_line, progress_on_stderr
+    from geotlm_lm.cli.evaluate import progress_on_stderr
     from geotlm_lm.core.atomic import write_text_atomically
     from geotlm_lm.core.errors import UsageError
     from geotlm_lm.core.record import RunRecord
@@ -56,7 +54,7 @@ def language(
         real_folder=real,
         windows=windows,
         model_name="embedded" if model is None else model.name,
-        command=command_line(sys.argv),
+        command=command_line(),
         progress=progress_on_stderr(),
     )
     record.save(out)
@@ -77,9 +75,6 @@ def transcript(
 
     Example: geotlm-lm report transcript
     """
-    import sys
-
-    from geotlm_lm.cli.evaluate import command_line
     from geotlm_lm.core.atomic import write_text_atomically
     from geotlm_lm.core.record import RunRecord
 
@@ -91,7 +86,7 @@ def transcript(
     record = ask_all(
         Answerer.load(model),
         model_name="embedded" if model is None else model.name,
-        command=command_line(sys.argv),
+        command=command_line(),
     )
     record.save(out)
     # As it is read back: the page must be the one that `report readme` makes of the file.

@@ -8,17 +8,14 @@ from typing import Annotated
 import typer
 
 from geotlm_lm.cli.options import BundleFolder, RealFolder, RecordPath, Seed, TablePath
-from geotlm_lm.cli.recorded import require_all_writable, save_page, show
+from geotlm_lm.cli.recorded import command_line, require_all_writable, save_page, show
 
 
 def model_stability(
     model: Path | None, clips: int, seed: int, out: Path, table: Path, figure: Path | None
 ) -> None:
     """Put the model under stress and write down what came of it."""
-    import sys
-
     from geotlm_lm.answering import Answerer
-    from geotlm_lm.cli.evaluate import command_line
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.experiments.model_stability import model_stability as run
     from geotlm_lm.reports.stability import draw_fall, stability_page, summary
@@ -29,7 +26,7 @@ def model_stability(
             Answerer.load(model),
             seed=seed,
             clips=clips,
-            command=command_line(sys.argv),
+            command=command_line(),
             progress=show,
         )
     save_page(record, out, table, stability_page(record))
@@ -59,10 +56,7 @@ def runtime(
 
     Example: geotlm-lm report runtime --real DIR --figure reports/runtime.png
     """
-    import sys
-
     from geotlm_lm.answering import Answerer
-    from geotlm_lm.cli.evaluate import command_line
     from geotlm_lm.core.errors import UsageError
     from geotlm_lm.experiments.runtime import SIZES
     from geotlm_lm.experiments.runtime import runtime as run
@@ -77,7 +71,7 @@ def runtime(
         seed=seed,
         real_folder=real,
         model=model,
-        command=command_line(sys.argv),
+        command=command_line(),
         progress=show,
     )
     save_page(record, out, table, runtime_page(record))
@@ -98,10 +92,7 @@ def odometry(
 
     Example: geotlm-lm report odometry --real DIR
     """
-    import sys
-
     from geotlm_lm.answering import Answerer
-    from geotlm_lm.cli.evaluate import command_line
     from geotlm_lm.experiments.how_far import how_far
     from geotlm_lm.reports.odometry import odometry_page, odometry_table
 
@@ -111,7 +102,7 @@ def odometry(
         clips=clips,
         seed=seed,
         real_folder=real,
-        command=command_line(sys.argv),
+        command=command_line(),
         progress=show,
     )
     save_page(record, out, table, odometry_page(record))

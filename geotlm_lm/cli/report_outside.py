@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from geotlm_lm.cli.options import RecordPath, Seed, TablePath, require_writable_file
-from geotlm_lm.cli.recorded import require_all_writable, save_page, show
+from geotlm_lm.cli.recorded import command_line, require_all_writable, save_page, show
 
 if TYPE_CHECKING:
     from geotlm_lm.fuzzing.target import Prepare
@@ -33,9 +33,6 @@ def fuzz(
 
     Example: geotlm-lm report fuzz --minutes 30
     """
-    import sys
-
-    from geotlm_lm.cli.evaluate import command_line
     from geotlm_lm.core.errors import BelowMinimum
     from geotlm_lm.fuzzing import run, targets
     from geotlm_lm.reports.fuzz import fuzz_page, verdict
@@ -46,7 +43,7 @@ def fuzz(
         60 * minutes,
         found,
         seed=seed,
-        command=command_line(sys.argv),
+        command=command_line(),
         progress=show,
     )
     save_page(record, out, table, fuzz_page(record))
@@ -68,12 +65,10 @@ def page(
 
     Example: geotlm-lm report page --pictures reports
     """
-    import sys
     import time
     from importlib import import_module
 
     from geotlm_lm.cli.app import page_package
-    from geotlm_lm.cli.evaluate import command_line
     from geotlm_lm.core.record import RunRecord
     from geotlm_lm.reports.page import page_times
 
@@ -81,7 +76,7 @@ def page(
     began = time.perf_counter()
     numbers = import_module(f"{page_package()}.tour").tour(pictures)
     seconds = time.perf_counter() - began
-    record = RunRecord("page", command_line(sys.argv), 0, seconds, numbers)
+    record = RunRecord("page", command_line(), 0, seconds, numbers)
     record.save(out)
     typer.echo(page_times(record))
 

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from geotlm_lm.cli.options import RecordPath, Seed, TablePath
-from geotlm_lm.cli.recorded import require_all_writable, save_page, show
+from geotlm_lm.cli.recorded import command_line, require_all_writable, save_page, show
 
 
 def simulator(
@@ -23,10 +23,8 @@ def simulator(
 
     Example: geotlm-lm report simulator --figure reports/simulator.png
     """
-    import sys
     import time
 
-    from geotlm_lm.cli.evaluate import command_line
     from geotlm_lm.core.threads import usable_cores
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.experiments.simulator_error import simulator_error
@@ -37,7 +35,7 @@ def simulator(
     require_all_writable(out, table, figure)
     begun = time.perf_counter()
     with one_thread():
-        record = simulator_error(command=command_line(sys.argv), progress=show)
+        record = simulator_error(command=command_line(), progress=show)
         numbers = record.numbers | {"omissions": omission_rows(progress=show)}
     numbers["rates"] = simulator_rates(workers=usable_cores(), progress=show)
     record = replace(record, numbers=numbers, seconds=time.perf_counter() - begun)
@@ -50,16 +48,13 @@ def simulator(
 
 def simulator_stability(out: Path, table: Path) -> None:
     """Put the contact solver under stress and write what came of it."""
-    import sys
-
-    from geotlm_lm.cli.evaluate import command_line
     from geotlm_lm.experiments import simulator_stability as experiment
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.reports.simulator import simulator_stability_page
 
     require_all_writable(out, table)
     with one_thread():
-        record = experiment.simulator_stability(command=command_line(sys.argv), progress=show)
+        record = experiment.simulator_stability(command=command_line(), progress=show)
     page = simulator_stability_page(record)
     save_page(record, out, table, page)
     typer.echo(page)
@@ -78,9 +73,7 @@ def optics(
 
     Example: geotlm-lm report optics --real DIR
     """
-    import sys
-
-    from geotlm_lm.cli.evaluate import command_line, progress_on_stderr
+    from geotlm_lm.cli.evaluate import progress_on_stderr
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.experiments.optics import compare_optics
     from geotlm_lm.reports.optics import optics_report, verdict
@@ -91,7 +84,7 @@ def optics(
             real,
             clips=clips,
             seed=seed,
-            command=command_line(sys.argv),
+            command=command_line(),
             progress=progress_on_stderr(),
         )
     save_page(record, out, table, optics_report(record))
@@ -106,16 +99,13 @@ def closed_forms(
 
     Example: geotlm-lm report closed-forms
     """
-    import sys
-
-    from geotlm_lm.cli.evaluate import command_line
     from geotlm_lm.experiments import closed_forms as experiment
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.reports.simulator import closed_forms_page
 
     require_all_writable(out, table)
     with one_thread():
-        record = experiment.closed_forms(command=command_line(sys.argv), progress=show)
+        record = experiment.closed_forms(command=command_line(), progress=show)
     page = closed_forms_page(record)
     save_page(record, out, table, page)
     typer.echo(page)

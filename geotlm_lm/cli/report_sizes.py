@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import RecordPath, Seed, TablePath, require_writable
-from geotlm_lm.cli.recorded import require_all_writable, save_page
+from geotlm_lm.cli.options import BundleFolder, RecordPath, Seed, TablePath, require_writable
+from geotlm_lm.cli.recorded import command_line, require_all_writable, save_page
 
 Clips = Annotated[int, typer.Option(min=100, help="Simulated clips to learn from.")]
 TestClips = Annotated[int, typer.Option(min=20, help="Clips to be asked about.")]
@@ -24,10 +24,7 @@ def sizes(
     steps: Annotated[int, typer.Option(min=1, help="Steps of every language model.")] = 2_000,
     workers: Workers = 2,
     seed: Seed = 0,
-    model: Annotated[
-        Path | None,
-        typer.Option(help="Bundle that perceives. [default: the one shipped]"),
-    ] = None,
+    model: BundleFolder = None,
     run_folder: RunFolder = Path("runs/sizes"),
     out: RecordPath = Path("reports/recorded/sizes.json"),
     table: TablePath = Path("reports/sizes.md"),
@@ -36,10 +33,6 @@ def sizes(
 
     Example: geotlm-lm report sizes
     """
-    import sys
-
-    from geotlm_lm.cli.evaluate import command_line
-
     require_all_writable(out, table)
     require_writable(run_folder, "--run-folder")
     from geotlm_lm.answering import Answerer
@@ -52,7 +45,7 @@ def sizes(
         budget=Budget(clips, test_clips, steps),
         seed=seed,
         workers=workers,
-        command=command_line(sys.argv),
+        command=command_line(),
     )
     save_page(record, out, table, sizes_page(record))
     typer.echo(sizes_table(record))
@@ -72,10 +65,6 @@ def backbones(
 
     Example: geotlm-lm report backbones
     """
-    import sys
-
-    from geotlm_lm.cli.evaluate import command_line
-
     require_all_writable(out, table)
     require_writable(run_folder, "--run-folder")
     from geotlm_lm.experiments.backbones import BackboneBudget, compare_backbones
@@ -86,7 +75,7 @@ def backbones(
         budget=BackboneBudget(clips, test_clips, steps),
         seed=seed,
         workers=workers,
-        command=command_line(sys.argv),
+        command=command_line(),
     )
     save_page(record, out, table, backbones_page(record))
     typer.echo(backbones_table(record))

@@ -11,10 +11,11 @@ class FakeAnswerer:
 
     def __init__(self):
         self.clips, self.spans, self.questions, self.folders = [], [], [], []
-        self.frames = []
+        self.frames, self.precisions = [], []
 
-    def load(self, folder=None):
+    def load(self, folder=None, *, precision="float32"):
         self.folders.append(folder)
+        self.precisions.append(precision)
         return self
 
     def encode(self, clip, span=None):

@@ -121,3 +121,11 @@ def test_a_span_outside_the_recording_ends_with_code_2(capsys, answerer, clip_pa
         "Frames 20:90 were asked for, expected FIRST < LAST within 0:29; "
         "give frame numbers inside the recording.\n",
     )
+
+
+def test_the_number_format_reaches_the_loader(capsys, answerer, clip_path):
+    asked = ("answer", "--clip", clip_path, "--q", "Which way?")
+    assert run(capsys, *asked)[0] == run(capsys, *asked, "--precision", "int8")[0] == 0
+    assert answerer.precisions == ["float32", "int8"]
+    code, _, err = run(capsys, *asked, "--precision", "float8")
+    assert (code, err.split(",")[0]) == (2, "found precision 'float8'")

@@ -95,10 +95,9 @@ def test_nothing_to_judge_is_refused(judged, invoke):
     assert isinstance(invoke("--clips", "0").exception, UsageError)
 
 
-def test_the_recorded_command_is_what_a_user_types():
-    assert command.command_line(["/some/bin/x", "evaluate", "--real", "my clips"]) == (
-        "geotlm-lm evaluate --real 'my clips'"
-    )
+def test_the_recorded_command_is_what_a_user_types(monkeypatch):
+    monkeypatch.setattr("sys.argv", ["/some/bin/x", "evaluate", "--real", "my clips"])
+    assert command.command_line() == "geotlm-lm evaluate --real 'my clips'"
 
 
 def test_importing_the_commands_loads_no_torch():

@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+import typer
 
 from geotlm_lm.cli import main as main_module
 from geotlm_lm.core.errors import BelowMinimum, IncompatibleBundle, MissingDependency
@@ -251,3 +252,18 @@ def test_a_wrong_path_is_told_before_the_model_is_loaded():
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.stdout.split() == ["3", "False"]
     assert done.stderr == "gone.npy: no such file or folder; check the path.\n"
+
+
+def options_of(command):
+    """Yield every option of a command, and of those below it."""
+    for below in getattr(command, "commands", {}).values():
+        yield from options_of(below)
+    yield from command.params
+
+
+@pytest.mark.parametrize("name", ["model", "precision"])
+def test_an_option_says_the_same_in_every_command(name):
+    every = options_of(typer.main.get_command(main_module.app))
+    helps = [one.help for one in every if one.name == name]
+    assert len(helps) > 4
+    assert len(set(helps)) == 1
