@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -22,9 +22,9 @@ from geotlm_lm.cli.options import (
     Seed,
     require_one_model,
     require_writable,
-    require_writable_file,
 )
-from geotlm_lm.cli.recorded import command_line
+from geotlm_lm.cli.recorded import command_line, require_record_file
+from geotlm_lm.core.errors import BelowMinimum, UsageError
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer
@@ -32,35 +32,42 @@ if TYPE_CHECKING:
 REPORT_EVERY_S = 2.0
 """A wait longer than this shows how far it is."""
 
+Real = Annotated[
+    Path | None,
+    typer.Option(help="Folder of labelled recordings (clips and a CSV of windows) to add."),
+]
+Data = Annotated[
+    list[Path] | None,
+    typer.Option(
+        help="TactileTracking's folder, or a manifest of clips such as ToucHD-Sim's, to add; "
+        "may be given again."
+    ),
+]
+Clips = Annotated[
+    int, typer.Option(min=0, help="Simulated clips per task; 0 leaves simulation out.")
+]
+RecordOut = Annotated[Path | None, typer.Option(help="Write the record here, as JSON.")]
+RecordAsJson = Annotated[
+    bool, typer.Option("--json", help="End with the record as one line of JSON.")
+]
+MinAccuracy = Annotated[
+    float | None,
+    typer.Option(
+        min=0, max=1, help="Exit 6 if the model's own words fall below this in any table."
+    ),
+]
+
 
 def evaluate(
-    real: Annotated[
-        Path | None,
-        typer.Option(help="Folder of labelled recordings (clips and a CSV of windows) to add."),
-    ] = None,
-    data: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="TactileTracking's folder, or a manifest of clips such as ToucHD-Sim's, to add; "
-            "may be given again."
-        ),
-    ] = None,
-    clips: Annotated[
-        int, typer.Option(min=0, help="Simulated clips per task; 0 leaves simulation out.")
-    ] = 120,
+    real: Real = None,
+    data: Data = None,
+    clips: Clips = 120,
     seed: Seed = 0,
     model: BundleFolder = None,
     precision: Precision = "float32",
-    out: Annotated[Path | None, typer.Option(help="Write the record here, as JSON.")] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="End with the record as one line of JSON.")
-    ] = False,
-    min_accuracy: Annotated[
-        float | None,
-        typer.Option(
-            min=0, max=1, help="Exit 6 if the model's own words fall below this in any table."
-        ),
-    ] = None,
+    out: RecordOut = None,
+    as_json: RecordAsJson = False,
+    min_accuracy: MinAccuracy = None,
     encoder: EncoderName = None,
     weights: EncoderWeights = None,
     heads: EncoderHeads = None,
@@ -72,15 +79,10 @@ def evaluate(
     With --weights, a released encoder takes the place of the embedded one: DGR, probe and language
     model are first trained on simulated clips as it sees them.
     """
-    from geotlm_lm.core.errors import BelowMinimum, UsageError
-
     if clips == 0 and real is None and not data:
         raise UsageError("nothing to judge: give --clips above 0, --real with a folder, or --data.")
     if out is not None:
-        read = [path for path in (*(data or ()), weights) if path is not None]
-        if real is not None:
-            read += [*real.glob("*.csv"), *real.glob("*/*.csv")]
-        require_writable_file(out, "--out", inputs=read)
+        require_record_file(out, "--out", inputs=_inputs(real, data or (), weights))
     require_one_model(model, weights, encoder, heads)
     if weights is not None and precision != "float32":
         raise UsageError("--precision and --weights exclude each other: give one of them.")
@@ -108,11 +110,20 @@ def evaluate(
     typer.echo(evaluation_tables(record), nl=False)
     if as_json:
         typer.echo(json.dumps(asdict(record)))
-    worst = record.numbers["minimum"]
-    if min_accuracy is not None and worst < min_accuracy:
+    _require_accuracy(record.numbers["minimum"], min_accuracy)
+
+
+def _inputs(real: Path | None, data: Sequence[Path], weights: Path | None) -> list[Path]:
+    """Return the files that are read: the record must not take the place of one."""
+    tables = [] if real is None else [*real.glob("*.csv"), *real.glob("*/*.csv")]
+    return [*data, *tables, *([] if weights is None else [weights])]
+
+
+def _require_accuracy(worst: float, least: float | None) -> None:
+    if least is not None and worst < least:
         raise BelowMinimum(
             f"the lowest accuracy of the model's words is {worst:.3f}, expected at least "
-            f"{min_accuracy:g}; see the tables above."
+            f"{least:g}; see the tables above."
         )
 
 

@@ -8,39 +8,45 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import require_writable_file
+from geotlm_lm.cli.options import Force, require_new_file
 from geotlm_lm.core.errors import UsageError
+
+Root = Annotated[Path, typer.Option(help="Folder of the data set, pictures anywhere in it.")]
+Pattern = Annotated[
+    str,
+    typer.Option(
+        help="Regular expression over paths below --root with the named groups object, action "
+        "and, where there are such, sensor, trial and frame."
+    ),
+]
+Out = Annotated[Path, typer.Option(help="The manifest to write, .csv or .jsonl.")]
+BackgroundFrame = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME",
+        help="What the frame group says of the untouched gel's picture, if one lies among a "
+        "clip's frames.",
+    ),
+]
+Meanings = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="WORD=ACTION",
+        help="What a word in the paths means: rotate_cw, rotate_ccw, slide_left, slide_right, "
+        "slide_up or slide_down; may be given again.",
+    ),
+]
+Rate = Annotated[float | None, typer.Option(min=0.01, help="Frames per second. [default: unknown]")]
 
 
 def manifest(
-    root: Annotated[Path, typer.Option(help="Folder of the data set, pictures anywhere in it.")],
-    pattern: Annotated[
-        str,
-        typer.Option(
-            help="Regular expression over paths below --root with the named groups object, action "
-            "and, where there are such, sensor, trial and frame."
-        ),
-    ],
-    out: Annotated[Path, typer.Option(help="The manifest to write, .csv or .jsonl.")],
-    background_frame: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            help="What the frame group says of the untouched gel's picture, if one lies among a "
-            "clip's frames.",
-        ),
-    ] = None,
-    action: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="WORD=ACTION",
-            help="What a word in the paths means: rotate_cw, rotate_ccw, slide_left, slide_right, "
-            "slide_up or slide_down; may be given again.",
-        ),
-    ] = None,
-    fps: Annotated[
-        float | None, typer.Option(min=0.01, help="Frames per second. [default: unknown]")
-    ] = None,
+    root: Root,
+    pattern: Pattern,
+    out: Out,
+    background_frame: BackgroundFrame = None,
+    action: Meanings = None,
+    force: Force = False,
+    fps: Rate = None,
 ) -> None:
     """Gather pictures into clips by their names, for `geotlm-lm evaluate --data`.
 
@@ -52,7 +58,7 @@ def manifest(
 
     if out.suffix.lower() not in SUFFIXES:
         raise UsageError(f"--out {out} was given, expected a name that ends in .csv or .jsonl.")
-    require_writable_file(out, "--out")
+    require_new_file(out, "--out", is_forced=force)
     made = make_manifest(
         root,
         pattern,

@@ -98,6 +98,9 @@ HeadsPresetName = Annotated[
         "--preset", help="With --weights: smoke or default, how long the encoder's heads learn."
     ),
 ]
+Force = Annotated[
+    bool, typer.Option("--force", help="Replace the file, if there is one of its name already.")
+]
 AsJson = Annotated[
     bool, typer.Option("--json", help="Print one JSON object as the last line instead of words.")
 ]
@@ -179,6 +182,8 @@ def require_writable_file(path: Path, option: str, *, inputs: Iterable[Path] = (
     """
     if path.is_dir():
         raise UsageError(f"{option}: {path} is a folder, expected the name of a file.")
+    if path.exists() and not path.is_file():  # as /dev/null, which root could replace
+        raise UsageError(f"{option}: {path} is no regular file, expected the name of one.")
     for one in inputs:
         if _is_of(path, one):
             raise UsageError(
@@ -186,6 +191,29 @@ def require_writable_file(path: Path, option: str, *, inputs: Iterable[Path] = (
                 f"name of another file; give one."
             )
     require_writable(path.parent, option)
+
+
+def require_new_file(
+    path: Path, option: str, *, is_forced: bool, inputs: Iterable[Path] = ()
+) -> None:
+    """Refuse to replace a file unless that is asked for; else as `require_writable_file`.
+
+    Args:
+        path: Of the file to write.
+        option: That names it.
+        is_forced: Whether --force was given.
+        inputs: Files that the command reads, which --force does not let it replace.
+
+    Raises:
+        UsageError: If it is there already, or cannot be written.
+    """
+    require_writable_file(path, option, inputs=inputs)
+    # A link that leads nowhere would be replaced, or followed, as well.
+    if not is_forced and (path.exists() or path.is_symlink()):
+        raise UsageError(
+            f"{option}: {path} is there already and would be replaced, expected a new name; give "
+            f"one, or --force to replace the file."
+        )
 
 
 def _is_of(path: Path, read: Path) -> bool:

@@ -17,7 +17,7 @@ from geotlm_lm.cli.options import (
     require_writable,
     require_writable_file,
 )
-from geotlm_lm.cli.recorded import command_line
+from geotlm_lm.cli.recorded import command_line, require_record_file
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.tokens import Backbone
@@ -74,9 +74,10 @@ def protocols(
     require_one_model(model, weights, encoder, heads)
     if not only and model is None and weights is None:
         out, table = out or RECORD, table or PAGE
-    for path, option in ((out, "--out"), (table, "--table")):
-        if path is not None:
-            require_writable_file(path, option)
+    if out is not None:
+        require_record_file(out, "--out")
+    if table is not None:
+        require_writable_file(table, "--table")
     require_writable(run_folder, "--run-folder")
     from geotlm_lm.cli.evaluate import progress_on_stderr
     from geotlm_lm.experiments.protocol_rows import TABLES

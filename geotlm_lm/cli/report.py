@@ -12,10 +12,9 @@ from geotlm_lm.cli.options import (
     RecordPath,
     Seed,
     require_writable,
-    require_writable_file,
 )
 from geotlm_lm.cli.protocols import protocols
-from geotlm_lm.cli.recorded import command_line
+from geotlm_lm.cli.recorded import command_line, require_record_file
 from geotlm_lm.cli.report_language import language, transcript
 from geotlm_lm.cli.report_model import model_stability, odometry, runtime
 from geotlm_lm.cli.report_outside import fuzz, page
@@ -109,7 +108,7 @@ def answer(
     """
     from geotlm_lm.experiments.cold_answer import cold_answer
 
-    require_writable_file(out, "--out")
+    require_record_file(out, "--out")
     record = cold_answer(clip, question, command=command_line())
     record.save(out)
     seconds = record.numbers["cold_s"]

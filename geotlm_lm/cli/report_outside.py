@@ -8,8 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from geotlm_lm.cli.options import RecordPath, Seed, TablePath, require_writable_file
-from geotlm_lm.cli.recorded import command_line, require_all_writable, save_page, show
+from geotlm_lm.cli.options import RecordPath, Seed, TablePath
+from geotlm_lm.cli.recorded import (
+    command_line,
+    require_all_writable,
+    require_record_file,
+    save_page,
+    show,
+)
 
 if TYPE_CHECKING:
     from geotlm_lm.fuzzing.target import Prepare
@@ -72,7 +78,7 @@ def page(
     from geotlm_lm.core.record import RunRecord
     from geotlm_lm.reports.page import page_times
 
-    require_writable_file(out, "--out")
+    require_record_file(out, "--out")
     began = time.perf_counter()
     numbers = import_module(f"{page_package()}.tour").tour(pictures)
     seconds = time.perf_counter() - began

@@ -13,10 +13,11 @@ import typer
 
 from geotlm_lm.cli.options import (
     BundleFolder,
+    Force,
     FramesPerSecond,
     Precision,
+    require_new_file,
     require_question,
-    require_writable_file,
 )
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 
@@ -34,6 +35,7 @@ def watch(
     draw: Annotated[
         Path | None, typer.Option(help="Write what was seen to this .mp4, as a drawing.")
     ] = None,
+    force: Force = False,
     question: Annotated[
         str | None,
         typer.Option("--q", help="Ask the language model this about every motion that ends."),
@@ -58,7 +60,7 @@ def watch(
     if draw is not None:
         if draw.suffix != ".mp4":
             raise UsageError(f"--draw {draw} was given, expected a name that ends in .mp4.")
-        require_writable_file(draw, "--draw", inputs=[Path(source)])
+        require_new_file(draw, "--draw", is_forced=force, inputs=[Path(source)])
     from geotlm_lm.live.sources import open_source
 
     stream = open_source(source, at_its_rate=at_its_rate, fps=fps)

@@ -152,7 +152,7 @@ def _commands(folder: Path, model: Path | None) -> list[Started]:
         Started("answer --why", ("answer", *ask, "--why")),
         Started("chat, one question", ("chat", "--clip", clip, *bundle), f"{QUESTION}\n"),
         Started("watch, 5 s recorded", ("watch", "--source", film, *bundle)),
-        Started("simulate, one clip", ("simulate", "--clip", str(folder / "made.npz"))),
+        Started("simulate, one clip", ("simulate", "--force", "--clip", str(folder / "made.npz"))),
         Started("evaluate, one clip per task", ("evaluate", "--clips", "1", *bundle)),
         Started("train --help", ("train", "--help")),
         Started("app --help", ("app", "--help")),

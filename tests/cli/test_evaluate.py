@@ -113,3 +113,24 @@ def test_data_sets_reach_the_run(judged, invoke, tmp_path):
     words = [word for path in paths for word in ("--data", str(path))]
     assert invoke("--clips", "0", *words).exit_code == 0
     assert judged["data_paths"] == paths
+
+
+def test_a_record_replaces_an_earlier_record_and_nothing_else(judged, invoke, tmp_path):
+    out = tmp_path / "run.json"
+    for _ in range(2):
+        assert invoke("--out", str(out)).exit_code == 0
+    for mine in ('{"my": "settings"}', "notes"):
+        out.write_text(mine)
+        assert str(invoke("--out", str(out)).exception) == (
+            f"--out: {out} holds something else than a run's record and would be replaced, "
+            f"expected a new file or an earlier record; give another name."
+        )
+        assert out.read_text() == mine
+    out.write_text("")
+    assert invoke("--out", str(out)).exit_code == 0
+
+
+def test_a_record_goes_to_no_device(judged, invoke):
+    assert str(invoke("--out", "/dev/null").exception) == (
+        "--out: /dev/null is no regular file, expected the name of one."
+    )

@@ -70,3 +70,13 @@ def test_a_wrong_call_is_refused_in_one_sentence(invoke, tmp_path, monkeypatch, 
     assert isinstance(error, UsageError)
     assert str(error).startswith(said)
     assert not (tmp_path / "a.csv").exists()
+
+
+def test_a_manifest_replaces_no_other_file_unless_that_is_asked_for(invoke, tmp_path):
+    out = tmp_path / "mine.csv"
+    out.write_text("my own table")
+    words = ["--out", str(out), "--action", "twist=rotate_ccw"]
+    assert isinstance(invoke(*words).exception, UsageError)
+    assert out.read_text() == "my own table"
+    assert invoke(*words, "--force").exit_code == 0
+    assert len(read_manifest(out).rows) == 2

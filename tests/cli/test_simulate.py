@@ -54,21 +54,30 @@ def test_a_data_set_is_written_with_its_card_and_progress_on_the_side(tmp_path, 
     assert (folder / "README.md").exists()
 
 
-def test_only_a_clip_that_was_simulated_is_replaced(tmp_path, capsys):
+def test_no_file_is_replaced_unless_that_is_asked_for(tmp_path, capsys):
     path, frames = tmp_path / "clip.npz", np.zeros((4, 32, 32, 3), np.uint8)
     draft = ("simulate", "--clip", path, "--preset", "draft")
-    for _ in range(2):
-        assert run(*draft) == 0
+    assert run(*draft) == 0
+    simulated = path.read_bytes()
+    assert run(*draft, "--seed", 1) == 2
+    assert path.read_bytes() == simulated
     for content in ({"frames": frames}, {"frames": frames, "label": 1, "mine": 2}):
         np.savez(path, **content)
         own = path.read_bytes()
         capsys.readouterr()
         assert run(*draft) == 2
         assert capsys.readouterr().err == (
-            f"--clip: {path} is there already and is no clip that this command wrote; give another "
-            f"name, or delete it first.\n"
+            f"--clip: {path} is there already and would be replaced, expected a new name; give "
+            f"one, or --force to replace the file.\n"
         )
         assert path.read_bytes() == own
+    assert run(*draft, "--force") == 0
+    assert path.read_bytes() == simulated
+
+
+def test_a_data_set_is_continued_or_refused_never_forced(tmp_path, capsys):
+    assert run("simulate", "--out", tmp_path / "set", "--force") == 2
+    assert capsys.readouterr().err == ("--force cannot go with --out; leave out one of them.\n")
 
 
 def test_the_card_of_a_data_set_replaces_no_other_file(tmp_path, capsys):

@@ -123,6 +123,27 @@ def test_a_drawing_never_replaces_the_recording(capsys, recording, tmp_path):
     assert own.read_bytes() == b"a recording"
 
 
+def test_a_drawing_replaces_no_other_file_unless_that_is_asked_for(capsys, recording, tmp_path):
+    own = tmp_path / "own.mp4"
+    own.write_bytes(b"a film of mine")
+    assert run(capsys, "--source", recording, "--draw", own) == (
+        2,
+        "",
+        f"--draw: {own} is there already and would be replaced, expected a new name; give one, or "
+        f"--force to replace the file.\n",
+    )
+    assert own.read_bytes() == b"a film of mine"
+    assert run(capsys, "--source", recording, "--draw", own, "--force")[0] == 0
+    assert cv2.VideoCapture(str(own)).get(cv2.CAP_PROP_FRAME_COUNT) == FRAMES
+
+
+def test_force_replaces_a_drawing_but_never_the_recording(capsys, tmp_path):
+    own = tmp_path / "own.mp4"
+    own.write_bytes(b"a recording")
+    assert run(capsys, "--source", own, "--draw", own, "--force")[0] == 2
+    assert own.read_bytes() == b"a recording"
+
+
 def test_a_camera_that_does_not_open_ends_with_advice_and_code_7(capsys):
     code, out, err = run(capsys, "--source", "97")
     assert (code, out) == (7, "")

@@ -1,0 +1,98 @@
+"""A single simulated clip for `geotlm-lm simulate --clip`: the object, the scene, the file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from geotlm_lm.core.atomic import replacing
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.labels import Motion
+
+if TYPE_CHECKING:
+    from geotlm_lm.simulation.indenter import Indenter
+    from geotlm_lm.simulation.presets import PresetName
+    from geotlm_lm.simulation.simulate import SimulatedClip
+
+
+def own_body(
+    height_map: Path | None,
+    mm_per_px: float | None,
+    relief_mm: float | None,
+    object_name: str | None,
+) -> Indenter | None:
+    """Return the object of a height map of one's own; None where none is given.
+
+    Raises:
+        UsageError: If what says how to read it is missing, or goes with something else.
+    """
+    if height_map is None:
+        if mm_per_px is not None or relief_mm is not None:
+            raise UsageError(
+                "--mm-per-px and --relief-mm say how to read a --height-map; give one."
+            )
+        return None
+    if object_name is not None:
+        raise UsageError("--object and --height-map both name the object; leave out one of them.")
+    if relief_mm is not None and height_map.suffix.lower() == ".npy":
+        raise UsageError("--relief-mm is of a .png; the heights of a .npy are in mm already.")
+    if mm_per_px is None:
+        raise UsageError("--height-map needs --mm-per-px, the size of one sample in mm.")
+    from geotlm_lm.simulation.height_map import read_height_map
+
+    return read_height_map(height_map, mm_per_px, relief_mm=1.0 if relief_mm is None else relief_mm)
+
+
+def simulate_one(
+    object_name: str,
+    motion: Motion,
+    seed: int,
+    *,
+    preset: PresetName = "fast",
+    with_drift: bool = False,
+    indenter: Indenter | None = None,
+    marker_share: float = 0.0,
+) -> SimulatedClip:
+    """Return one simulated clip of a built-in shape or of an `indenter` of one's own.
+
+    Options are those of `simulation.simulate.simulate` and `simulation.randomise.random_scene`.
+
+    Raises:
+        UsageError: If there is no such shape.
+    """
+    from geotlm_lm.core.seeding import generator_for
+    from geotlm_lm.simulation.indenters import INDENTERS
+    from geotlm_lm.simulation.randomise import random_scene
+    from geotlm_lm.simulation.simulate import simulate as simulate_scenes
+
+    if indenter is None and object_name not in INDENTERS:
+        raise UsageError(
+            f"There is no shape '{object_name}', expected one of {', '.join(sorted(INDENTERS))}."
+        )
+    rng = generator_for(seed, "single clip", object_name, motion.value)
+    scene = random_scene(
+        rng,
+        object_name=object_name,
+        motion=motion,
+        indenter=indenter,
+        marker_share=marker_share,
+    )
+    made = simulate_scenes([scene], seed=seed, preset=preset, with_drift=with_drift)
+    return made[0]
+
+
+def write_clip(path: Path, made: SimulatedClip) -> None:
+    """Write frames, background, frame rate, label (JSON) and drift, if solved, to a .npz file."""
+    import numpy as np
+
+    label = json.dumps(made.label.to_dict() | {"object": made.object_name})
+    arrays = {"frames": made.clip.frames, "label": np.array(label)}
+    if made.clip.background is not None:
+        arrays["background"] = made.clip.background
+    if made.drift_px is not None:
+        arrays["drift_px"] = made.drift_px
+    if made.clip.fps is not None:
+        arrays["fps"] = np.array(made.clip.fps)
+    with replacing(path) as stream:
+        np.savez_compressed(stream, **arrays)
