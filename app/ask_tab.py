@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
+
+from geotlm_lm import MAX_QUESTION_CHARACTERS
 
 from . import clip_side, handlers
 from .facts import checked, facts_of, fields_of, told_for
@@ -13,8 +16,11 @@ from .told import MODEL, gradio, told
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-ANSWER_PARTS = ("probabilities", "band", "verdicts", "regions", "timing", "details")
+ANSWER_PARTS = ("notes", "probabilities", "band", "verdicts", "regions", "timing", "details")
 """What stands beside an answer's words, in the order `_answer` yields it."""
+
+FRAME_PARTS = ("frame", "mm_per_px", "viewpoint", "told")
+"""What the other side shows of the frame of reference, yielded after the motion that was told."""
 
 Messages = list[dict[str, Any]]
 
@@ -31,14 +37,17 @@ def build(answerer: Answerer) -> None:
     # What was said of the clip before must not stand beside the new one.
     stale = [talk["chat"], *(talk[name] for name in ANSWER_PARTS), last]
     clip_side.connect(answerer, shown, clip, stale)
-    _connect_talk(answerer, shown, last, clip, talk)
+    _connect_talk(answerer, shown, last, clip, talk, stale)
 
 
 def _talk_side(gr: Any) -> dict[str, Any]:
     side = {}
     side["chat"] = gr.Chatbot(label="Conversation", height=300, buttons=["copy", "copy_all"])
+    side["notes"] = gr.Markdown()
     side["question"] = gr.Textbox(
-        label="Question", value=handlers.EXAMPLE_QUESTIONS[0], max_length=500
+        label="Question",
+        value=handlers.EXAMPLE_QUESTIONS[0],
+        max_length=MAX_QUESTION_CHARACTERS,
     )
     with gr.Row():
         side["ask"] = gr.Button("Ask", variant="primary")
@@ -68,12 +77,13 @@ def _talk_side(gr: Any) -> dict[str, Any]:
     return side
 
 
-def _connect_talk(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: dict) -> None:
+def _connect_talk(
+    answerer: Answerer, shown: Any, last: Any, clip: dict, talk: dict, stale: list[Any]
+) -> None:
     gr = gradio()
     answer = told(partial(_answer, answerer))
     again = told(partial(_retry, answerer))
-    framed = [clip["viewpoint"], clip["told"]]
-    stated = [clip["frame"], clip["mm_per_px"]]
+    stated, framed = [clip[one] for one in FRAME_PARTS[:2]], [clip[one] for one in FRAME_PARTS[2:]]
     beside = [*(talk[name] for name in ANSWER_PARTS), last, *stated, *framed]
     outputs = [talk["chat"], talk["question"], *beside]
     private = {"api_visibility": "private"}
@@ -84,6 +94,13 @@ def _connect_talk(answerer: Answerer, shown: Any, last: Any, clip: dict, talk: d
     ]
     running.append(talk["retry"].click(again, asked, outputs, **private, **MODEL))
     talk["stop"].click(None, None, None, cancels=running, api_visibility="private")
+    talk["chat"].clear(
+        partial(_forget, answerer, len(stale) - 1),
+        [shown, clip["frame"]],
+        [shown, clip["told"], *stale],
+        cancels=running,
+        **private,
+    )
     talk["suggested"].input(lambda text: text or "", talk["suggested"], talk["question"], **private)
 
     def check(facts: list[str], direction: str | None, event: gr.SelectData) -> tuple:
@@ -112,7 +129,8 @@ def _answer(
     for told_so_far in handlers.converse(answerer, shown, question, fields):
         if isinstance(told_so_far, str):
             said += told_so_far
-            yield [*before, {"role": "assistant", "content": said}], field, *[skip] * 11
+            beside = [skip] * len((*ANSWER_PARTS, "motion", *FRAME_PARTS))
+            yield [*before, {"role": "assistant", "content": said}], field, *beside
             field = skip
         else:
             reply = told_so_far
@@ -122,6 +140,7 @@ def _answer(
     yield (
         [*before, {"role": "assistant", "content": reply.sentence}],
         field,
+        reply.notes,
         reply.probabilities,
         reply.band,
         reply.verdicts,
@@ -133,6 +152,19 @@ def _answer(
         frame.mm_per_px or 0,
         *told_for(stated, direction),
     )
+
+
+def _forget(answerer: Answerer, others: int, shown: Any, facts: list[str]) -> tuple:
+    """Begin the conversation about the clip anew; the frame that the page shows still holds.
+
+    Args:
+        answerer: The model.
+        others: How many parts beside the conversation are emptied.
+        shown: The clip; None when no clip is open.
+        facts: That are checked.
+    """
+    anew = None if shown is None else replace(shown, session=answerer.session(shown.encoded))
+    return anew, told_for(facts, None)[1], [], *[None] * others
 
 
 def _retry(

@@ -50,6 +50,7 @@ class Reply:
     motion: Motion | None
     probabilities: dict[str, float]
     details: dict[str, Any]
+    notes: str
     band: str
     regions: list[list[Any]]
     verdicts: list[list[Any]]
@@ -115,11 +116,18 @@ def _reply(answerer: Answerer, shown: Shown, answer: Any) -> Reply:
         motion=_in_the_image(answer),
         probabilities=dict(answer.options),
         details=details | {"second_opinions": shown.opinions},
+        notes=_notes(answer, shown),
         band=_band(answerer, details),
         regions=region_rows(details.get("evidence", {})),
         verdicts=_verdicts(answer, shown.opinions),
         timing=" · ".join(f"{name} {value:.1f} ms" for name, value in timing.items()),
     )
+
+
+def _notes(answer: Any, shown: Shown) -> str:
+    """Return what is to be known of the answer: neither of the clip, nor said in it already."""
+    said = {*shown.encoded.clip.notes, *([] if answer.lean is None else [answer.lean.text])}
+    return "\n".join(f"- {note}" for note in answer.notes if note not in said)
 
 
 def _in_the_image(answer: Any) -> Motion | None:

@@ -32,6 +32,26 @@ SHOWN_EVERY_S = 0.5
 """Time between two pictures of a recording; the events come as they are found."""
 
 
+NOTHING = (None, [], "")
+"""Picture, events and account before anything was watched."""
+
+
+@dataclass
+class Wanted:
+    """What a session wants to see; what runs looks here whether it still is.
+
+    The toolkit's own way to end what runs lets through what is already on its way to the page,
+    where it would stand in what was just emptied.
+
+    Args:
+        path: Of the recording to watch: any other's watching ends.
+        cleared: How often everything was emptied: a camera is followed anew each time.
+    """
+
+    path: str | None = None
+    cleared: int = 0
+
+
 @dataclass(frozen=True)
 class Following:
     """What a session keeps of its camera.
@@ -40,19 +60,21 @@ class Following:
         watcher: Of the frames so far.
         shape: Of each of them.
         began_s: When the first came, by the machine's clock.
+        cleared: How often everything had been emptied by then.
         rows: The events so far.
     """
 
     watcher: Watcher
     shape: tuple[int, ...]
     began_s: float
+    cleared: int = 0
     rows: list[list[Any]] = field(default_factory=list)
 
 
 def build(answerer: Answerer) -> None:
     """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
     gr = gradio()
-    following = gr.State()
+    following, wanted = gr.State(), gr.State(Wanted())
     gr.Markdown(
         "Leave the gel untouched for the first half second: that is when its idle image is learnt."
     )
@@ -64,7 +86,9 @@ def build(answerer: Answerer) -> None:
                 type="filepath",
                 height=120,
             )
-            go = gr.Button("Watch", variant="primary")
+            with gr.Row():
+                go = gr.Button("Watch", variant="primary")
+                clear = gr.Button("Stop and clear")
             camera = gr.Image(
                 sources=["webcam"], streaming=True, type="numpy", label="Or a sensor as camera"
             )
@@ -74,33 +98,53 @@ def build(answerer: Answerer) -> None:
             account = gr.Markdown()
     private = {"api_visibility": "private"}
     watch = told(partial(watch_recording, answerer))
-    go.click(watch, path, [seen, events, account], **private, **MODEL)
-    nothing = (None, [], "")
-    path.change(lambda: nothing, None, [seen, events, account], **private, queue=False)
+    shown = [seen, events, account]
+    go.click(watch, [path, wanted], shown, **private, **MODEL)
+    path.change(_want, [path, wanted], shown, **private, queue=False)
+    clear.click(clear_all, wanted, shown, **private, queue=False)
     camera.stream(
         told(partial(follow, answerer)),
-        [camera, following],
-        [following, seen, events, account],
+        [camera, following, wanted],
+        [following, *shown],
         stream_every=0.1,
         **private,
         **MODEL,
     )
 
 
-def watch_recording(answerer: Answerer, path: str | None) -> Iterator[tuple[Any, list, str]]:
+def watch_recording(
+    answerer: Answerer, path: str | None, wanted: Wanted | None = None
+) -> Iterator[tuple[Any, list, str]]:
     """Yield picture, events so far and account while a recording is watched.
+
+    Args:
+        answerer: The model.
+        path: Of the recording; None when nothing was given yet.
+        wanted: Whose change to another recording, or to none, ends the watching, with nothing left.
 
     Raises:
         GeoTLMError: If there is no recording or it cannot be read.
     """
     if not path:
         raise GeoTLMError("No recording was given; upload one first.")
+    wanted = wanted or Wanted()
+    wanted.path = path
     try:
         with by_its_name(Path(path).parent):
-            yield from _watched(answerer, path)
+            for step in _watched(answerer, path):
+                if wanted.path != path:
+                    yield NOTHING
+                    return
+                yield step
     except Exception:
-        yield None, [], ""  # what was said of the recording before
+        yield NOTHING  # what was said of the recording before
         raise
+
+
+def _want(path: str | None, wanted: Wanted) -> tuple[Any, list, str]:
+    """Show nothing until the recording at `path`, if any, is watched."""
+    wanted.path = path
+    return NOTHING
 
 
 def _watched(answerer: Answerer, path: str) -> Iterator[tuple[Any, list, str]]:
@@ -116,18 +160,28 @@ def _watched(answerer: Answerer, path: str) -> Iterator[tuple[Any, list, str]]:
     yield image, rows, watcher.warning or _told(watcher)
 
 
+def clear_all(wanted: Wanted) -> tuple[Any, list, str]:
+    """End the watching, forget what a camera showed so far, and show nothing."""
+    wanted.cleared += 1
+    return _want(None, wanted)
+
+
 def follow(
-    answerer: Answerer, frame: Any, following: Following | None
+    answerer: Answerer, frame: Any, following: Following | None, wanted: Wanted | None = None
 ) -> tuple[Following | None, Any, list, str]:
     """Take in one camera frame of a session and return what it follows and what there is to show.
 
-    Another size of frames is another camera: it is followed from its own beginning.
+    Another size of frames is another camera: it is followed from its own beginning, as is one after
+    everything was emptied.
     """
+    cleared = 0 if wanted is None else wanted.cleared
+    if following is not None and following.cleared != cleared:
+        following = None
     if frame is None:
         return None, None, [] if following is None else following.rows, ""
     now_s = time.monotonic()
     if following is None or following.shape != frame.shape:
-        following = Following(Watcher(model_reader(answerer)), frame.shape, now_s)
+        following = Following(Watcher(model_reader(answerer)), frame.shape, now_s, cleared)
     watcher = following.watcher
     new = watcher.push(frame, now_s - following.began_s)
     following = replace(following, rows=following.rows + [row_of(event) for event in new])

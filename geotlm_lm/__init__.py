@@ -15,6 +15,7 @@ _HOME_OF = {
     "FrameSpec": "geotlm_lm.core.frame_spec",
     "GeoTLMError": "geotlm_lm.core.errors",
     "LEAST_SURE": "geotlm_lm.answering",
+    "MAX_QUESTION_CHARACTERS": "geotlm_lm.conversation.question",
     "Motion": "geotlm_lm.core.labels",
     "Seen": "geotlm_lm.views.pictures",
     "Session": "geotlm_lm.answering",

@@ -32,6 +32,7 @@ class FakeProbe:
 
 
 TURNING = "Which way is it turning round?"
+NOTE = "The next likeliest is that it stays."
 LEAN = Lean(Motion.CLOCKWISE, 0.9, "If it turns at all, it goes clockwise.")
 
 
@@ -46,6 +47,7 @@ class FakeAnswer:
     confidence: float = 0.97
     kind: str = "direction"
     lean: Lean | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def options(self):
@@ -105,7 +107,10 @@ class FakeAnswerer:
         answer = FakeAnswer(
             text, None if is_silent else direction, frame, evidence(encoded), question, is_silent
         )
-        return replace(answer, lean=LEAN) if question == TURNING else answer
+        answer = replace(answer, notes=(*encoded.clip.notes, NOTE))
+        if question == TURNING:
+            answer = replace(answer, lean=LEAN, notes=(*answer.notes, LEAN.text))
+        return answer
 
     def compare(self, first, second):
         return compare_directions(*(self.ask(one, "Which way?") for one in (first, second)))

@@ -12,7 +12,7 @@ pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)
 from app import ui  # noqa: E402
 from app.browser import EXECUTABLE, Browser  # noqa: E402
 from geotlm_lm.conversation.retell import CAMERA  # noqa: E402
-from tests.app.fakes import FakeAnswerer  # noqa: E402
+from tests.app.fakes import NOTE, FakeAnswerer  # noqa: E402
 from tests.live.test_idle_tracker import gel, touched  # noqa: E402
 
 pytestmark = pytest.mark.skipif(
@@ -72,6 +72,20 @@ def test_a_fact_told_in_the_chat_is_checked_in_the_page_and_holds_from_then_on(b
     browser.fill("Question", "Are you sure?")
     browser.click("Ask", "button.primary")
     browser.wait_for(f"{TEXT}.includes('I stay with it, 97%: To the ')")
+
+
+def test_a_conversation_that_is_cleared_is_forgotten(browser):
+    browser.run("document.querySelector('.thumbnail-item').click()")
+    browser.wait_for("[...document.images].some(i => i.offsetParent && i.naturalWidth == 448)")
+    browser.click("Ask", "button.primary")
+    browser.wait_for(f"{TEXT}.includes('% sure)') && {TEXT}.includes({NOTE!r})")
+    browser.run("document.querySelector('button[aria-label=\"Clear\"]').click()")
+    browser.wait_for(f"!{TEXT}.includes('% sure)') && !{TEXT}.includes({NOTE!r})")
+    browser.wait_for(f"!{TEXT}.includes('optical flow')")
+    browser.fill("Question", "Are you sure?")
+    browser.click("Ask", "button.primary")
+    browser.wait_for(f"{TEXT}.includes('% sure)')")
+    assert "I stay with it" not in browser.run(TEXT)
 
 
 def test_a_recording_is_uploaded_and_asked_about_by_keyboard_alone(browser, recordings):
@@ -223,3 +237,24 @@ def test_a_recording_is_watched(browser, tmp_path):
     browser.click("Watch", "button.primary")
     browser.wait_for(f"{TEXT}.includes('idle gel learnt · 40 frames')")
     browser.wait_for(f"{TEXT}.includes('right ends')")
+    browser.click("Stop and clear")
+    browser.wait_for(f"!{TEXT}.includes('idle gel learnt') && !{TEXT}.includes('right ends')")
+
+
+def test_a_recording_that_is_watched_no_longer_leaves_the_table_empty(browser, tmp_path):
+    plain = gel()
+    frames = [next(plain) for _ in range(12)]
+    for _ in range(40):  # a touch that comes and goes, watched for a good many seconds
+        frames += [touched(next(plain)) for _ in range(20)] + [next(plain) for _ in range(15)]
+    np.savez(tmp_path / "long.npz", frames=np.stack(frames), fps=25.0)
+    browser.click("Live", "button[role=tab]")
+    browser.upload("Recording", tmp_path / "long.npz")
+    browser.wait_for(f"{TEXT}.includes('long')")
+    browser.click("Watch", "button.primary")
+    browser.wait_for(f"{TEXT}.includes('right begins')")
+    browser.click("Stop and clear")
+    browser.wait_for(f"!{TEXT}.includes('right begins')")
+    time.sleep(3)
+    shown = browser.run(TEXT).split("Motion events")[1]
+    assert "right begins" not in shown
+    assert "idle gel learnt" not in shown

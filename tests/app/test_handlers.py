@@ -6,10 +6,11 @@ import pytest
 
 from app import facts as page_facts
 from app import handlers, ui
+from app.api import Api
 from app.opening import show_clip
-from geotlm_lm import FrameSpec, GeoTLMError, Motion
+from geotlm_lm import MAX_QUESTION_CHARACTERS, FrameSpec, GeoTLMError, Motion
 from geotlm_lm.core.errors import MissingDependency
-from tests.app.fakes import TURNING, FakeAnswerer
+from tests.app.fakes import NOTE, TURNING, FakeAnswerer
 
 
 def saved(folder, name="clip.npy", top=200):
@@ -44,6 +45,18 @@ def test_what_an_answer_leans_to_stands_behind_it(path):
     assert reply.sentence.endswith(".  (97 % sure) If it turns at all, it goes clockwise.")
     *_, streamed = handlers.converse(answerer, shown, TURNING, {})
     assert streamed.sentence == reply.sentence
+
+
+def test_an_answers_own_notes_are_shown_beside_it(path):
+    answerer = FakeAnswerer()
+    shown = show_clip(answerer, path)
+    assert shown.encoded.clip.notes  # those are told beside the clip
+    assert handlers.ask(answerer, shown, "Which way?").notes == f"- {NOTE}"
+    assert handlers.ask(answerer, shown, TURNING).notes == f"- {NOTE}"
+
+
+def test_programs_are_told_how_long_a_question_may_be():
+    assert f"at most {MAX_QUESTION_CHARACTERS} characters" in Api.ask.__doc__
 
 
 def test_words_come_as_they_are_generated_and_last_the_whole_reply(path):

@@ -75,3 +75,25 @@ def test_a_recording_that_fails_is_told_by_its_own_name_and_nothing_stays_of_the
     assert next(steps) == (None, [], "")
     with pytest.raises(GeoTLMError, match="^broken.npy: "):
         next(steps)
+
+
+def test_watching_ends_with_nothing_left_where_something_else_is_wanted(frames, tmp_path):
+    np.savez(tmp_path / "clip.npz", frames=np.stack(frames), fps=25.0)
+    path = str(tmp_path / "clip.npz")
+    for change in (live_tab.clear_all, lambda wanted: setattr(wanted, "path", "other.npz")):
+        wanted = live_tab.Wanted()
+        steps = live_tab.watch_recording(FakeAnswerer(), path, wanted)
+        next(steps)
+        assert wanted.path == path
+        change(wanted)
+        assert list(steps) == [live_tab.NOTHING]
+
+
+def test_a_camera_is_followed_anew_after_everything_was_emptied(frames):
+    wanted, following = live_tab.Wanted(), None
+    for frame in frames[:3]:
+        following, *_ = live_tab.follow(FakeAnswerer(), frame, following, wanted)
+    assert live_tab.clear_all(wanted) == live_tab.NOTHING
+    # What was on its way then comes back with the next frame, and must not go on.
+    following, _, rows, _ = live_tab.follow(FakeAnswerer(), frames[3], following, wanted)
+    assert (following.watcher.account.frames, rows) == (1, [])
