@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm.answering.answer import Encoded
 from geotlm_lm.answering.schema import answer_schema
 from geotlm_lm.conversation.retell import CAMERA
-from geotlm_lm.core.atomic import replacing, write_text_atomically
+from geotlm_lm.core.atomic import only_writer, replacing
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.recordings.read import read_clip
@@ -71,29 +71,41 @@ def answer_all(
 
     Raises:
         UsageError: If an unfinished run of other clips, questions, frame or rate, or of another
-            model or version, lies beside `out`, or a file that is none.
+            model or version, lies beside `out`, or a file that is none, or if another process is
+            at it.
         ValueError: If there is no question.
     """
     if not questions:
         raise ValueError("a run takes 1 question or more, found none")
     part = out.with_name(f"{out.name}.part")
     settings = _settings(answerer, clips, questions, fps, frame)
-    kept, errors = _continued(part, settings, len(questions))
-    if not kept:
-        write_text_atomically(part, f"{json.dumps(settings)}\n")
-    with part.open("a", encoding="utf-8") as stream:
-        for number, clip in enumerate(clips):
-            if number >= kept // len(questions):
-                rows = list(rows_of(answerer, clip, questions, fps, frame))
-                stream.write("".join(f"{json.dumps(row)}\n" for row in rows))
-                stream.flush()
-                errors += sum(row["error"] is not None for row in rows)
-            progress(number + 1, len(clips))
+    with only_writer(part) as is_alone:
+        if not is_alone:
+            raise UsageError(
+                f"{part}: another run is writing it, expected one at a time; wait for it, or give "
+                f"another --out."
+            )
+        kept, errors = _continued(part, settings, len(questions))
+        if not kept:
+            part.write_text(f"{json.dumps(settings)}\n", encoding="utf-8")
+        with part.open("a", encoding="utf-8") as stream:
+            for number, clip in enumerate(clips):
+                if number >= kept // len(questions):
+                    rows = list(rows_of(answerer, clip, questions, fps, frame))
+                    stream.write("".join(f"{json.dumps(row)}\n" for row in rows))
+                    stream.flush()
+                    errors += sum(row["error"] is not None for row in rows)
+                progress(number + 1, len(clips))
+        _take_place(part, out)
+    return BatchResult(len(clips) * len(questions), errors, kept)
+
+
+def _take_place(part: Path, out: Path) -> None:
+    """Let the rows of a complete run take the place of `out`."""
     with part.open("rb") as written, replacing(out) as stream:
         next(written)  # what the run was of
         shutil.copyfileobj(written, stream)
     part.unlink()
-    return BatchResult(len(clips) * len(questions), errors, kept)
 
 
 def rows_of(
@@ -153,7 +165,7 @@ def _continued(part: Path, settings: dict[str, Any], per_clip: int) -> tuple[int
 
     What is behind them, half a clip or half a row, is cut off.
     """
-    if not part.exists():
+    if not part.exists() or part.stat().st_size == 0:
         return 0, 0
     kept = errors = pending = 0
     with part.open("r+b") as stream:

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all; knows nothing of what is in them."""
+"""Files that appear whole or not at all, by one writer; knows nothing of what is in them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None
 
 
 @contextmanager
@@ -26,6 +31,37 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
+
+
+@contextmanager
+def only_writer(path: Path) -> Iterator[bool]:
+    """Yield whether no other process is in such a block about `path`; it is made if it is missing.
+
+    The system forgets the claim with the process, however that ends. Where it has no such claims,
+    everybody is told to be the only one.
+    """
+    if fcntl is None:
+        yield True
+        return
+    while True:
+        with path.open("ab") as stream:
+            try:
+                fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                yield False
+                return
+            except OSError:  # a file system without claims
+                pass
+            if _is_still(stream, path):  # else the one before has just taken it away
+                yield True
+                return
+
+
+def _is_still(stream: IO[bytes], path: Path) -> bool:
+    try:
+        return os.path.samestat(os.fstat(stream.fileno()), path.stat())
+    except FileNotFoundError:
+        return False
 
 
 def write_text_atomically(path: Path, text: str) -> None:

@@ -106,6 +106,24 @@ def test_a_stopped_run_leaves_no_file_and_continues_with_the_same_rows(bundle, c
     assert not out.with_name("answers.jsonl.part").exists()
 
 
+def test_two_runs_do_not_write_the_same_rows_file(bundle, clips, tmp_path):
+    out, found, answerer = tmp_path / "x.jsonl", clips_in(clips), feeling(bundle, "left")
+    refused = []
+
+    def meanwhile(done, total):
+        with pytest.raises(UsageError) as error:
+            answer_all(answerer, found, QUESTIONS, out)
+        refused.append(str(error.value))
+
+    answer_all(answerer, found, QUESTIONS, out, progress=meanwhile)
+    assert set(refused) == {
+        f"{out}.part: another run is writing it, expected one at a time; wait for it, or give "
+        f"another --out."
+    }
+    assert len(rows_in(out)) == 6
+    assert answer_all(answerer, found, QUESTIONS, out).continued == 0  # the claim is gone
+
+
 def without_times(path):
     rows = rows_in(path)
     for row in rows:
