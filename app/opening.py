@@ -29,6 +29,7 @@ ADVICE = {
     "pass --layout THW": "save frames[..., None], or use the command line with --layout THW",
     "or, with --layout THW, (T,H,W)": "or, on the command line with --layout THW, (T,H,W)",
     "pass --layout": "use the command line with --layout",
+    "pass --square-pixels": "use the command line with --square-pixels",
 }
 """What is said to a person at the command line, and to one who has none."""
 

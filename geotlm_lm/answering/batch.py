@@ -9,9 +9,10 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm.answering.answer import Encoded
@@ -24,6 +25,10 @@ from geotlm_lm.recordings.read import read_clip
 
 if TYPE_CHECKING:
     from geotlm_lm.answering.answerer import Answerer
+
+Reading = Mapping[str, Any]
+NOTHING_SAID: Reading = MappingProxyType({})
+"""How recordings are read where nobody says so: as each file says, the rest guessed."""
 
 Progress = Callable[[int, int], None]
 """Called with the number of clips done, and of all."""
@@ -50,7 +55,7 @@ def answer_all(
     questions: Sequence[str],
     out: Path,
     *,
-    fps: float | None = None,
+    reading: Reading = NOTHING_SAID,
     frame: FrameSpec = CAMERA,
     progress: Progress = lambda done, total: None,
 ) -> BatchResult:
@@ -65,7 +70,7 @@ def answer_all(
         clips: Recordings.
         questions: What to ask about each.
         out: The file to write.
-        fps: Frames per second of the recordings; None to take what each file says.
+        reading: How the recordings are read, as options of `read_clip` but the background.
         frame: What is known of how all of them were taken.
         progress: Told how many clips are done.
 
@@ -78,7 +83,7 @@ def answer_all(
     if not questions:
         raise ValueError("a run takes 1 question or more, found none")
     part = out.with_name(f"{out.name}.part")
-    settings = _settings(answerer, clips, questions, fps, frame)
+    settings = _settings(answerer, clips, questions, reading, frame)
     with only_writer(part) as is_alone:
         if not is_alone:
             raise UsageError(
@@ -91,7 +96,7 @@ def answer_all(
         with part.open("a", encoding="utf-8") as stream:
             for number, clip in enumerate(clips):
                 if number >= kept // len(questions):
-                    rows = list(rows_of(answerer, clip, questions, fps, frame))
+                    rows = list(rows_of(answerer, clip, questions, reading, frame))
                     stream.write("".join(f"{json.dumps(row)}\n" for row in rows))
                     stream.flush()
                     errors += sum(row["error"] is not None for row in rows)
@@ -112,11 +117,11 @@ def rows_of(
     answerer: Answerer,
     clip: Path,
     questions: Sequence[str],
-    fps: float | None = None,
+    reading: Reading = NOTHING_SAID,
     frame: FrameSpec = CAMERA,
 ) -> Iterator[dict[str, Any]]:
     """Yield the rows of one clip, which is encoded once."""
-    encoded, error = _encode(answerer, clip, fps)
+    encoded, error = _encode(answerer, clip, reading)
     for question in questions:
         answer = None
         if encoded is not None:
@@ -127,9 +132,9 @@ def rows_of(
         yield {"clip": clip.name, "question": question, "answer": answer, "error": error}
 
 
-def _encode(answerer: Answerer, clip: Path, fps: float | None) -> tuple[Encoded | None, str | None]:
+def _encode(answerer: Answerer, clip: Path, reading: Reading) -> tuple[Encoded | None, str | None]:
     try:
-        return answerer.encode(read_clip(clip, fps=fps)), None
+        return answerer.encode(read_clip(clip, **reading)), None
     except GeoTLMError as error:
         return None, str(error)
 
@@ -138,14 +143,14 @@ def _settings(
     answerer: Answerer,
     clips: Sequence[Path],
     questions: Sequence[str],
-    fps: float | None,
+    reading: Reading,
     frame: FrameSpec,
 ) -> dict[str, Any]:
     """Return what decides the rows, so that no other run's are taken for them.
 
     The schema is among it: a run that an older version began had other fields.
     """
-    asked = [list(questions), fps, frame.to_dict()]
+    asked = [list(questions), dict(reading), frame.to_dict()]
     told = json.dumps([[_stamp(clip) for clip in clips], asked, answer_schema()])
     digest = hashlib.sha256(told.encode()).hexdigest()[:16]
     return {"model": answerer.bundle.digest(), "asked": digest}

@@ -19,6 +19,7 @@ from geotlm_lm.cli.options import (
     LayoutName,
     MmPerPixel,
     Precision,
+    SquarePixels,
     require_question,
     span_of,
 )
@@ -34,6 +35,7 @@ def answer(
     layout: LayoutName = None,
     background: Background = None,
     fps: FramesPerSecond = None,
+    square_pixels: SquarePixels = False,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
@@ -55,7 +57,9 @@ def answer(
     from geotlm_lm.recordings.read import read_clip
 
     span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)
-    recording = read_clip(clip, layout=layout, fps=fps, background=background)
+    recording = read_clip(
+        clip, layout=layout, fps=fps, background=background, square_pixels=square_pixels
+    )
 
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer

@@ -12,8 +12,10 @@ import typer
 from geotlm_lm.cli.options import (
     BundleFolder,
     FramesPerSecond,
+    LayoutName,
     MmPerPixel,
     Precision,
+    SquarePixels,
     require_writable_file,
 )
 from geotlm_lm.core.errors import UsageError
@@ -37,7 +39,9 @@ def batch(
         Path, typer.Option(help="Text file, one question a line; # begins a comment.")
     ],
     out: Annotated[Path, typer.Option(help="Where the rows go, one JSON object a line.")],
+    layout: LayoutName = None,
     fps: FramesPerSecond = None,
+    square_pixels: SquarePixels = False,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
@@ -50,9 +54,11 @@ def batch(
     Example: geotlm-lm batch --clips recordings --questions questions.txt --out answers.jsonl
     """
     from geotlm_lm.recordings.listing import clips_in
+    from geotlm_lm.recordings.pixels import check_layout
     from geotlm_lm.recordings.read import require_rate
 
     require_rate(fps)
+    reading = {"layout": check_layout(layout), "fps": fps, "square_pixels": square_pixels}
     frame = FrameSpec(mm_per_px=mm_per_px)
     found, asked = clips_in(clips), read_questions(questions)
     require_writable_file(out, "--out", inputs=[questions, *found])
@@ -70,7 +76,7 @@ def batch(
         found,
         asked,
         out,
-        fps=fps,
+        reading=reading,
         frame=frame,
         progress=lambda done, total: report("answered", done, total),
     )

@@ -16,6 +16,7 @@ from geotlm_lm.cli.options import (
     LayoutName,
     MmPerPixel,
     Precision,
+    SquarePixels,
     span_of,
 )
 from geotlm_lm.core.errors import GeoTLMError
@@ -43,6 +44,7 @@ def chat(
     layout: LayoutName = None,
     background: Background = None,
     fps: FramesPerSecond = None,
+    square_pixels: SquarePixels = False,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
@@ -56,14 +58,15 @@ def chat(
     from geotlm_lm.recordings.read import read_clip
 
     span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)
-    recording = read_clip(clip, layout=layout, fps=fps, background=background)
+    reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels}
+    recording = read_clip(clip, background=background, **reading)
 
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer
 
     answerer = Answerer.load(model, precision=precision)
     encoded = answerer.encode(recording, span=span)
-    Conversation(answerer, encoded, frame, layout=layout, fps=fps).run()
+    Conversation(answerer, encoded, frame, **reading).run()
 
 
 _SAID_PLAINLY = {"quit": "/quit", "exit": "/quit", "bye": "/quit", "help": "/help"}
@@ -79,6 +82,7 @@ class Conversation:
         frame: The frame of reference it begins with.
         layout: Axes of every array that is read later; None to guess.
         fps: Frames per second of every recording that is read later; None to take what it says.
+        square_pixels: Whether all their pixels are square.
     """
 
     def __init__(
@@ -89,11 +93,12 @@ class Conversation:
         *,
         layout: str | None = None,
         fps: float | None = None,
+        square_pixels: bool = False,
     ) -> None:
         self.answerer = answerer
         self.session: Session = answerer.session(encoded, frame or FrameSpec())
         self.is_json = False
-        self._reading = {"layout": layout, "fps": fps}
+        self._reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels}
         self._tell_notes(encoded.clip.notes)
 
     def run(self) -> None:

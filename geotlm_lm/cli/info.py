@@ -17,6 +17,7 @@ from geotlm_lm.cli.options import (
     FrameSpan,
     FramesPerSecond,
     LayoutName,
+    SquarePixels,
     span_of,
 )
 
@@ -33,6 +34,7 @@ def info(
     layout: LayoutName = None,
     background: Background = None,
     fps: FramesPerSecond = None,
+    square_pixels: SquarePixels = False,
     encoder: EncoderName = None,
     weights: EncoderWeights = None,
     heads: EncoderHeads = None,
@@ -57,7 +59,9 @@ def info(
         from geotlm_lm.recordings.read import read_clip
 
         span = span_of(frames)
-        recording = read_clip(clip, layout=layout, fps=fps, background=background)
+        recording = read_clip(
+            clip, layout=layout, fps=fps, background=background, square_pixels=square_pixels
+        )
         facts = describe(recording, span)
     if as_json:
         print(json.dumps(facts))

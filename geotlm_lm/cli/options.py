@@ -32,6 +32,14 @@ LayoutName = Annotated[
         "--layout", help="Axes of an array: THWC, TCHW or THW (grey). [default: guessed, stated]"
     ),
 ]
+SquarePixels = Annotated[
+    bool,
+    typer.Option(
+        "--square-pixels",
+        help="The camera's picture is square: frames of 224x224 are else taken for a 4:3 picture "
+        "squashed to a square.",
+    ),
+]
 Background = Annotated[
     Path | None,
     typer.Option(

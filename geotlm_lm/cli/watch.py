@@ -15,6 +15,7 @@ from geotlm_lm.cli.options import (
     BundleFolder,
     Force,
     FramesPerSecond,
+    LayoutName,
     Precision,
     require_new_file,
     require_question,
@@ -44,6 +45,7 @@ def watch(
         bool,
         typer.Option("--at-its-rate", help="Play a recording as a camera would, dropping frames."),
     ] = False,
+    layout: LayoutName = None,
     fps: FramesPerSecond = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
@@ -63,7 +65,7 @@ def watch(
         require_new_file(draw, "--draw", is_forced=force, inputs=[Path(source)])
     from geotlm_lm.live.sources import open_source
 
-    stream = open_source(source, at_its_rate=at_its_rate, fps=fps)
+    stream = open_source(source, at_its_rate=at_its_rate, fps=fps, layout=layout)
 
     # Imported only now: a camera that does not open must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer

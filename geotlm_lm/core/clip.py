@@ -19,6 +19,8 @@ class Clip:
 
     Args:
         frames: uint8, shape (t, rows, columns, 3), t >= 1; not copied, read-only through the clip.
+            Those of 224 x 224 stand for a 4:3 picture that was squashed to a square; give a square
+            camera's in another size.
         fps: Frames per second of that recording, the rate `frame_numbers` count in, however many of
             its frames are here; None when unknown. One that no camera has counts as unknown, and a
             note says so.

@@ -19,6 +19,7 @@ import cv2
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
+from geotlm_lm.recordings.pixels import check_layout
 from geotlm_lm.recordings.read import read_clip, require_rate
 from geotlm_lm.recordings.video import VIDEO_SUFFIXES, quiet_capture
 
@@ -93,12 +94,13 @@ class Recording:
     Args:
         path: A video, an array, or a folder of images.
         fps: Frames per second of the whole recording; None to take what the file says.
+        layout: Axes of an array; None to guess.
 
     Raises:
         UnreadableClip: If it is missing or holds no frames, in one sentence.
     """
 
-    def __init__(self, path: Path, fps: float | None = None) -> None:
+    def __init__(self, path: Path, fps: float | None = None, layout: str | None = None) -> None:
         self.name, self.dropped = str(path), 0
         self._path, self._is_video = path, path.suffix.lower() in VIDEO_SUFFIXES
         if not path.exists():
@@ -111,7 +113,7 @@ class Recording:
                     )
                 told = float(capture.get(cv2.CAP_PROP_FPS))
         else:
-            self._clip = read_clip(path)
+            self._clip = read_clip(path, layout=layout)
             told = self._clip.fps or 0.0
         self._recorded_fps, self.is_rate_assumed = _rate(fps, told)
         self.fps = self._recorded_fps / (1 if self._is_video else _stride(self._clip))
@@ -233,7 +235,11 @@ class Camera:
 
 
 def open_source(
-    name: str, *, at_its_rate: bool = False, fps: float | None = None
+    name: str,
+    *,
+    at_its_rate: bool = False,
+    fps: float | None = None,
+    layout: str | None = None,
 ) -> Recording | Played | Camera:
     """Return the stream called `name`: a camera's number, a device file, or a recording.
 
@@ -241,18 +247,20 @@ def open_source(
         name: For example "0", "/dev/video0" or "clip.avi".
         at_its_rate: Play a recording as fast as it was taken, and drop what is too late.
         fps: Frames per second; None to take what the recording or the camera says.
+        layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); None to guess.
 
     Raises:
         MissingDependency: If a camera does not open.
         UnreadableClip: If a file is missing or holds no frames.
-        UsageError: If the frame rate makes no sense.
+        UsageError: If the frame rate or the layout makes no sense.
     """
     require_rate(fps)
+    check_layout(layout)
     if name.isdecimal() and len(name) < 4:
         return Camera(int(name), fps)
     if name.startswith("/dev/"):
         return Camera(name, fps)
-    recording = Recording(Path(name), fps)
+    recording = Recording(Path(name), fps, layout)
     return Played(recording) if at_its_rate else recording
 
 

@@ -11,6 +11,7 @@ from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.recordings.arrays import read_archive, read_array, read_still_array
 from geotlm_lm.recordings.choose import require_motion
 from geotlm_lm.recordings.images import IMAGE_SUFFIXES, read_folder, read_still_image
+from geotlm_lm.recordings.pixel_shape import with_pixel_shape
 from geotlm_lm.recordings.pixels import Layout, check_layout
 from geotlm_lm.recordings.video import VIDEO_SUFFIXES, read_video
 
@@ -23,6 +24,7 @@ def read_clip(
     layout: str | None = None,
     fps: float | None = None,
     background: str | Path | None = None,
+    square_pixels: bool = False,
 ) -> Clip:
     """Return the recording at `path`, of any length from 2 frames.
 
@@ -32,6 +34,8 @@ def read_clip(
             it is not used, and a note says so.
         fps: Frames per second of the whole recording; None to take what the file says.
         background: An image or .npy file of the idle gel; None to take what the file holds.
+        square_pixels: Whether the camera's pixels are square though the frames are of 224 x 224,
+            which else are taken for a 4:3 picture squashed to a square.
 
     Raises:
         UnreadableClip: If a file is missing, damaged, or holds no clip, in one sentence.
@@ -54,7 +58,7 @@ def read_clip(
         clip = replace(clip, fps=fps)
     if background is not None:
         clip = replace(clip, background=read_background(background))
-    return clip
+    return with_pixel_shape(clip, is_square=square_pixels)
 
 
 def require_rate(fps: float | None) -> None:
@@ -79,7 +83,7 @@ def read_background(path: str | Path) -> Frames:
         UnreadableClip: If the file is missing or holds no single image.
     """
     path = Path(path)
-    _require_file(path)
+    _require_file(path, "an image")
     if path.suffix.lower() == ".npy":
         return read_still_array(path)
     if path.suffix.lower() in IMAGE_SUFFIXES:
@@ -122,9 +126,9 @@ def _require_there(path: Path) -> Path:
     return path
 
 
-def _require_file(path: Path) -> None:
+def _require_file(path: Path, wanted: str = "a recording") -> None:
     if not _require_there(path).is_file():
-        raise UnreadableClip(f"{path}: is not a regular file; give a recording.")
+        raise UnreadableClip(f"{path}: is not a regular file; give {wanted}.")
     if path.stat().st_size == 0:
         raise UnreadableClip(f"{path}: is empty (0 bytes); copy or record it again.")
     try:

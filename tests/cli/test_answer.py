@@ -129,3 +129,12 @@ def test_the_number_format_reaches_the_loader(capsys, answerer, clip_path):
     assert answerer.precisions == ["float32", "int8"]
     code, _, err = run(capsys, *asked, "--precision", "float8")
     assert (code, err.split(",")[0]) == (2, "found precision 'float8'")
+
+
+def test_square_pixels_are_told_to_the_reader(capsys, answerer, tmp_path):
+    path = tmp_path / "square.npy"
+    np.save(path, np.random.default_rng(0).integers(0, 255, (4, 224, 224, 3)).astype(np.uint8))
+    asked = ("answer", "--clip", path, "--q", "Which way?")
+    run(capsys, *asked)
+    run(capsys, *asked, "--square-pixels")
+    assert [clip.frames.shape[1:3] for clip in answerer.clips] == [(224, 224), (224, 223)]

@@ -160,3 +160,22 @@ def test_rows_replace_an_empty_file_and_those_of_an_earlier_run(invoke, tmp_path
     for _ in range(2):
         assert invoke("--out", str(out)).exit_code == 0
         assert len(out.read_text().splitlines()) == 2
+
+
+def test_grey_arrays_are_read_with_their_layout(invoke, tmp_path):
+    grey = recording().frames.mean(axis=-1).astype(np.uint8)
+    np.save(tmp_path / "clips" / "cap.npy", grey)
+    assert invoke().stdout.endswith("2 rows, 2 of them errors\n")
+    assert invoke("--layout", "THW").stdout.endswith("2 rows, 0 of them errors\n")
+    assert isinstance(invoke("--layout", "HW").exception, UsageError)
+
+
+def test_square_pixels_are_told_to_the_reader_of_every_clip(invoke, tmp_path):
+    np.save(tmp_path / "clips" / "cap.npy", recording(size=(224, 224)).frames)
+    notes = []
+    for options in ((), ("--square-pixels",)):
+        assert invoke(*options).exit_code == 0
+        rows = (tmp_path / "deep" / "answers.jsonl").read_text().splitlines()
+        notes.append(" ".join(json.loads(rows[0])["answer"]["notes"]))
+    assert "squashed to a square" in notes[0]
+    assert "as asked" in notes[1]

@@ -202,3 +202,14 @@ def test_a_motion_whose_frames_cannot_be_read_does_not_end_the_stream():
     event = SimpleNamespace(phase="end")
     told = _words(Blind(), watcher, event, "How far?")
     assert told == "I cannot read this motion's frames: the frames are black."
+
+
+def test_a_grey_array_is_watched_with_its_layout(capsys, tmp_path):
+    frames = gel()
+    path = tmp_path / "grey.npy"
+    np.save(path, np.stack([next(frames) for _ in range(12)]).mean(axis=-1).astype(np.uint8))
+    code, _, err = run(capsys, "--source", path)
+    assert (code, err.count("pass --layout THW")) == (3, 1)
+    code, _, err = run(capsys, "--source", path, "--layout", "THW")
+    assert (code, "12 frames" in err) == (0, True)
+    assert run(capsys, "--source", "recording.avi", "--layout", "HW")[0] == 2

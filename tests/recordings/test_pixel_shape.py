@@ -1,0 +1,49 @@
+"""Whether 224 x 224 frames were squashed cannot be seen; who reads them is told, and may say."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.core.geometry import filled_size
+from geotlm_lm.recordings.pixel_shape import SQUASHED, UNSQUASHED
+from geotlm_lm.recordings.read import read_clip
+
+
+@pytest.fixture
+def recording(tmp_path):
+    """Return what writes a recording with an idle gel, of a size, and its path."""
+
+    def write(rows, columns):
+        rng = np.random.default_rng(0)
+        frames = rng.integers(0, 255, (3, rows, columns, 3)).astype(np.uint8)
+        np.savez(tmp_path / "clip.npz", frames=frames, background=frames[0])
+        return frames, tmp_path / "clip.npz"
+
+    return write
+
+
+def test_a_square_of_224_pixels_is_taken_for_a_squashed_picture_and_that_is_said(recording):
+    frames, path = recording(224, 224)
+    clip = read_clip(path)
+    assert np.array_equal(clip.frames, frames)
+    assert filled_size(*clip.frames.shape[1:3]) == (224, 224)
+    assert SQUASHED in clip.notes
+
+
+def test_square_pixels_are_taken_as_they_are_where_the_user_says_so(recording):
+    frames, path = recording(224, 224)
+    clip = read_clip(path, square_pixels=True)
+    # As every other square picture: three quarters of our square, idle gel beside it.
+    assert filled_size(*clip.frames.shape[1:3]) == filled_size(256, 256) == (224, 168)
+    assert np.array_equal(clip.frames, frames[:, :, :-1])
+    assert np.array_equal(clip.background, frames[0, :, :-1])
+    assert UNSQUASHED in clip.notes
+    assert SQUASHED not in clip.notes
+
+
+@pytest.mark.parametrize("size", [(240, 320), (256, 256), (320, 240)])
+@pytest.mark.parametrize("is_square", [True, False])
+def test_pictures_of_another_size_are_as_they_were(recording, size, is_square):
+    frames, path = recording(*size)
+    clip = read_clip(path, square_pixels=is_square)
+    assert np.array_equal(clip.frames, frames)
+    assert not {SQUASHED, UNSQUASHED} & set(clip.notes)
