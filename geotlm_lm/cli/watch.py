@@ -24,6 +24,7 @@ from geotlm_lm.core.errors import UnreadableClip, UsageError
 
 if TYPE_CHECKING:
     from geotlm_lm.live.events import MotionEvent
+    from geotlm_lm.live.film import Film
 
 
 def watch(
@@ -59,10 +60,7 @@ def watch(
     """
     if question is not None:
         require_question(question)
-    if draw is not None:
-        if draw.suffix != ".mp4":
-            raise UsageError(f"--draw {draw} was given, expected a name that ends in .mp4.")
-        require_new_file(draw, "--draw", is_forced=force, inputs=[Path(source)])
+    _require_film(draw, source, is_forced=force)
     from geotlm_lm.live.sources import open_source
 
     stream = open_source(source, at_its_rate=at_its_rate, fps=fps, layout=layout)
@@ -73,11 +71,7 @@ def watch(
 
     answerer = Answerer.load(model, precision=precision)
     watcher = Watcher(model_reader(answerer))
-    film = None
-    if draw is not None:
-        from geotlm_lm.live.film import Film
-
-        film = Film(draw, stream.fps)
+    film = None if draw is None else _film(draw, stream.fps)
     assumed = ", as is assumed; give the rate by --fps" if stream.is_rate_assumed else ""
     print(f"note: {source} at {stream.fps:g} frames per second{assumed}.", file=sys.stderr)
     try:
@@ -91,6 +85,22 @@ def watch(
         if watcher.warning is not None:
             print(f"note: {watcher.warning}", file=sys.stderr)
         _account(watcher.account.to_dict() | {"dropped": stream.dropped}, as_json)
+
+
+def _require_film(path: Path | None, source: str, *, is_forced: bool) -> None:
+    if path is None:
+        if is_forced:
+            raise UsageError("--force lets --draw replace a file; give --draw, or leave it out.")
+        return
+    if path.suffix != ".mp4":
+        raise UsageError(f"--draw {path} was given, expected a name that ends in .mp4.")
+    require_new_file(path, "--draw", is_forced=is_forced, inputs=[Path(source)])
+
+
+def _film(path: Path, fps: float) -> Film:
+    from geotlm_lm.live.film import Film
+
+    return Film(path, fps)
 
 
 def _events(stream: Any, watcher: Any, film: Any) -> Iterator[MotionEvent]:

@@ -33,10 +33,28 @@ def write_card(folder: Path, bundle: Bundle, scores: dict[str, Any], seconds: fl
 
 
 def _card(folder: Path, bundle: Bundle, scores: dict[str, Any], seconds: float) -> str:
+    return f"""---
+license: apache-2.0
+tags: [tactile, gelsight, robotics]
+---
+# Embedded tactile-language bundle
+
+{_how_made(folder, bundle, seconds)}
+
+{_scored(scores)}
+
+## Limits
+
+One contact, one motion per clip. Directions are told in the camera image, object relative to
+sensor. A smooth ball turning about its own axis does not change a markerless
+image and cannot be read.
+"""
+
+
+def _how_made(folder: Path, bundle: Bundle, seconds: float) -> str:
     made = bundle.provenance
     config = bundle.model.backbone.vit.config
     preset, machine = made["preset"], made["machine"]
-    amounts = scores["amounts"]
     modes = ", ".join(
         f"{mode} {value:.3f}" for mode, value in made["dgr_validation_accuracy"].items()
     )
@@ -45,12 +63,7 @@ def _card(folder: Path, bundle: Bundle, scores: dict[str, Any], seconds: float) 
     pretrained_on = preset["pretraining_clips"] + preset["head_clips"] - fresh
     parameters = sum(one.numel() for one in bundle.odometer.parameters())
     size_mb = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
-    return f"""---
-license: apache-2.0
-tags: [tactile, gelsight, robotics]
----
-# Embedded tactile-language bundle
-
+    return f"""\
 Answers questions about the motion of a touched object in a four-frame clip of a GelSight-like
 sensor. Every weight was trained on simulated clips alone, {markers:.0%} of them on gels
 with markers, {WORN_SHARE:.0%} damaged by compression, a dim or drifting camera or a faint touch.
@@ -69,9 +82,12 @@ with markers, {WORN_SHARE:.0%} damaged by compression, a dim or drifting camera 
 - Command: `{made["command"]}`, {seconds / 60:.0f} min on {machine["processor"]}
   ({machine["cores"]} cores, {made["device"]}), torch {machine["versions"]["torch"]}, commit
   {made["commit"] or "unknown"}.
-- Size: {size_mb:.1f} MB, perception in half precision; computed in float32.
+- Size: {size_mb:.1f} MB, perception in half precision; computed in float32."""
 
-## Scores on simulated everyday objects never trained on
+
+def _scored(scores: dict[str, Any]) -> str:
+    amounts = scores["amounts"]
+    return f"""## Scores on simulated everyday objects never trained on
 
 {scores["clips"]} clips, {scores["unreadable_clips"]} left out because their motion changes the
 image by less than the camera's noise or is the lesser one in it. Generated answers are free text
@@ -92,14 +108,7 @@ within 2 pixels of the 224-pixel image or a fifth of {_share(amounts["px"])} of 
 
 | question type | seen wordings | held-out wordings |
 |---|---|---|
-{_type_rows(scores)}
-
-## Limits
-
-One contact, one motion per clip. Directions are told in the camera image, object relative to
-sensor. A smooth ball turning about its own axis does not change a markerless
-image and cannot be read.
-"""
+{_type_rows(scores)}"""
 
 
 def _odometer_made(made: dict[str, Any]) -> str:

@@ -213,3 +213,11 @@ def test_a_grey_array_is_watched_with_its_layout(capsys, tmp_path):
     code, _, err = run(capsys, "--source", path, "--layout", "THW")
     assert (code, "12 frames" in err) == (0, True)
     assert run(capsys, "--source", "recording.avi", "--layout", "HW")[0] == 2
+
+
+def test_force_without_a_drawing_is_refused(capsys, recording):
+    assert run(capsys, "--source", recording, "--force") == (
+        2,
+        "",
+        "--force lets --draw replace a file; give --draw, or leave it out.\n",
+    )
