@@ -11,7 +11,7 @@ from geotlm_lm import MAX_QUESTION_CHARACTERS
 
 from . import clip_side, handlers
 from .facts import checked, facts_of, fields_of, told_for
-from .told import MODEL, gradio, told
+from .told import gradio, model_at, told
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -86,13 +86,13 @@ def _connect_talk(
     stated, framed = [clip[one] for one in FRAME_PARTS[:2]], [clip[one] for one in FRAME_PARTS[2:]]
     beside = [*(talk[name] for name in ANSWER_PARTS), last, *stated, *framed]
     outputs = [talk["chat"], talk["question"], *beside]
-    private = {"api_visibility": "private"}
+    private, at_chat = {"api_visibility": "private"}, model_at(talk["chat"])
     asked = [shown, talk["question"], talk["chat"], *stated]
     running = [
-        trigger(answer, asked, outputs, **private, **MODEL)
+        trigger(answer, asked, outputs, **at_chat)
         for trigger in (talk["ask"].click, talk["question"].submit)
     ]
-    running.append(talk["retry"].click(again, asked, outputs, **private, **MODEL))
+    running.append(talk["retry"].click(again, asked, outputs, **at_chat))
     talk["stop"].click(None, None, None, cancels=running, api_visibility="private")
     talk["chat"].clear(
         partial(_forget, answerer, len(stale) - 1),

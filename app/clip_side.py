@@ -12,7 +12,7 @@ from . import handlers
 from .facts import MIRRORED, OTHER_SIDE, SENSOR_MOVES, TURNS, told_for
 from .opening import SUFFIXES, newest, show_clip
 from .playing import add_play_button
-from .told import MODEL, gradio, told
+from .told import gradio, model_at, told
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -119,14 +119,14 @@ def connect(answerer: Answerer, shown: Any, clip: dict[str, Any], stale: list[An
 
     # Postponed annotations are text, and the toolkit looks for the event's type itself.
     open_example.__annotations__["event"] = gr.SelectData
-    private = {"api_visibility": "private"}
+    private, at_picture = {"api_visibility": "private"}, model_at(clip["picture"])
     file, anew = clip["path"], [*outputs, clip["path"], *span]
-    file.upload(told(open_clip), [file, *looked_at], anew, **private, **MODEL)
+    file.upload(told(open_clip), [file, *looked_at], anew, **at_picture)
     for trigger in (file.clear, file.delete):
-        trigger(told(take_away), [file, *looked_at], anew, **private, **MODEL)
-    clip["gallery"].select(told(open_example), looked_at, anew, **private, **MODEL)
+        trigger(told(take_away), [file, *looked_at], anew, **at_picture)
+    clip["gallery"].select(told(open_example), looked_at, anew, **at_picture)
     given = [source, *span, *looked_at]
-    clip["read"].click(told(read_again), given, outputs, **private, **MODEL)
+    clip["read"].click(told(read_again), given, outputs, **at_picture)
     pictured = [shown, clip["view"], clip["number"]]
     for control in (clip["view"], clip["number"]):
         control.change(handlers.draw, pictured, clip["picture"], **private)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from . import handlers
 from .clip_side import BUTTONS
 from .opening import SUFFIXES, show_clip
-from .told import MODEL, gradio, told
+from .told import gradio, model_at, told
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -44,7 +44,7 @@ def build(answerer: Answerer) -> None:
 
     (first, first_picture, first_text), (second, second_picture, second_text) = sides
     outputs = [first_picture, second_picture, first_text, second_text, verdict, details]
-    go.click(told(compare_both), [first, second], outputs, api_visibility="private", **MODEL)
+    go.click(told(compare_both), [first, second], outputs, **model_at(verdict))
     for path, picture, text in sides:
         emptied = [picture, text, verdict, details]
         # Not queued: it would empty what a click right after the upload has told.

@@ -22,7 +22,7 @@ from geotlm_lm import (
 
 from .clip_side import BUTTONS
 from .opening import by_its_name
-from .told import MODEL, gradio, told
+from .told import MODEL, gradio, model_at, told
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -99,7 +99,7 @@ def build(answerer: Answerer) -> None:
     private = {"api_visibility": "private"}
     watch = told(partial(watch_recording, answerer))
     shown = [seen, events, account]
-    go.click(watch, [path, wanted], shown, **private, **MODEL)
+    go.click(watch, [path, wanted], shown, **model_at(seen))
     path.change(_want, [path, wanted], shown, **private, queue=False)
     clear.click(clear_all, wanted, shown, **private, queue=False)
     camera.stream(

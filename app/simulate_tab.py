@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from . import handlers
 from .clip_side import BUTTONS
 from .playing import add_play_button
 from .simulating import OBJECTS, simulate, touch_of
-from .told import MODEL, gradio, told
+from .told import gradio, model_at, told
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -40,11 +41,16 @@ def build(answerer: Answerer) -> None:
                 truth = gr.Image(label="True displacement", interactive=False, buttons=BUTTONS)
                 read = gr.Image(label="Learned shear change", interactive=False, buttons=BUTTONS)
 
-    def run(seen: str, place: float, name: str, *numbers: float | None) -> tuple[Any, ...]:
+    def run(seen: str, place: float, name: str, *numbers: float | None) -> Iterator[tuple]:
         *lengths, seed = numbers
-        made = simulate(answerer, touch_of(name, dict(zip(LENGTHS, lengths, strict=True)), seed))
+        try:
+            touch = touch_of(name, dict(zip(LENGTHS, lengths, strict=True)), seed)
+            made = simulate(answerer, touch)
+        except Exception:
+            yield None, None, None, None, "", None  # what was said of the touch before
+            raise
         right = "right" if made.facts["is_right"] else f"wrong: {made.facts['true_motion']}"
-        return (
+        yield (
             made.shown,
             handlers.draw(made.shown, seen, place),
             made.truth_picture,
@@ -54,7 +60,7 @@ def build(answerer: Answerer) -> None:
         )
 
     outputs = [shown, picture, truth, read, sentence, facts]
-    go.click(told(run), [view, number, *sliders], outputs, api_visibility="private", **MODEL)
+    go.click(told(run), [view, number, *sliders], outputs, **model_at(picture))
     for control in (view, number):
         control.change(handlers.draw, [shown, view, number], picture, api_visibility="private")
 

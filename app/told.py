@@ -64,3 +64,12 @@ def _shown(error: GeoTLMError, is_page: bool) -> Exception:
 
 MODEL = {"concurrency_limit": 1, "concurrency_id": "model"}
 """Every use of the model waits for the one before, whichever tab or program it comes from."""
+
+
+def model_at(*parts: Any) -> dict[str, Any]:
+    """Return the options of a page's event that uses the model.
+
+    Args:
+        parts: Where it is seen that it runs, or failed; else every part that it fills would say so.
+    """
+    return {"api_visibility": "private", "show_progress_on": list(parts), **MODEL}

@@ -199,6 +199,8 @@ def test_what_is_no_recording_is_told_in_a_sentence_and_the_page_goes_on(
     broken.write_bytes(b"no recording")
     browser.upload("Recording", broken)
     browser.wait_for(f"{TEXT}.includes('broken.npy: is cut off or is no numpy file')")
+    # Said once beside the sentence: where the picture would stand.
+    browser.wait_for(f"{TEXT}.match(/^Error$/gm).length == 2", seconds=20)
     assert "Traceback" not in browser.run(TEXT)
     browser.open(browser.run("location.href"))
     browser.upload("Recording", recordings["bright"])
@@ -223,6 +225,11 @@ def test_a_touch_is_simulated_and_asked_about(browser):
     browser.wait_for(f"{TEXT}.includes('(wrong: clockwise)') || {TEXT}.includes('(right)')")
     pictures = "[...document.images].filter(i => i.offsetParent && i.naturalWidth > 100)"
     browser.wait_for(f"{pictures}.length > 2")
+    browser.fill("Seed", "99999999999")  # beyond the greatest
+    browser.click("Simulate and ask", "button.primary")
+    browser.wait_for(f"{pictures}.length < 2 && {TEXT}.includes('seed is')", seconds=30)
+    assert "(wrong: clockwise)" not in browser.run(TEXT)
+    assert "(right)" not in browser.run(TEXT)
 
 
 def test_a_recording_is_watched(browser, tmp_path):
