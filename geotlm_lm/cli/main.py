@@ -14,6 +14,7 @@ from geotlm_lm.cli.answer import answer
 from geotlm_lm.cli.app import app as serve_app
 from geotlm_lm.cli.batch import batch
 from geotlm_lm.cli.chat import chat
+from geotlm_lm.cli.ending import ended_in_order
 from geotlm_lm.cli.evaluate import evaluate
 from geotlm_lm.cli.info import info
 from geotlm_lm.cli.manifest import manifest
@@ -74,8 +75,13 @@ def main(arguments: list[str] | None = None) -> None:
     """Run a command and exit: 0 done, 2 wrong call or full disk, 130 stopped, else the error's own.
 
     An error the user can repair becomes one sentence on stderr; any other exception is a defect
-    and keeps its trace (exit code 1).
+    and keeps its trace (exit code 1). A request to end (SIGTERM) is followed as Ctrl-C is.
     """
+    with ended_in_order():
+        _run(arguments)
+
+
+def _run(arguments: list[str] | None) -> None:
     command = typer.main.get_command(app)
     words = sys.argv[1:] if arguments is None else arguments
     stopped = "Stopped." if words[:1] and words[0] in WITHOUT_FILES else STOPPED

@@ -22,9 +22,12 @@ def check_layout(layout: str | None) -> Layout | None:
 
     Raises:
         UsageError: If it names no layout.
+        TypeError: If it is no text.
     """
     if layout is None:
         return None
+    if not isinstance(layout, str):
+        raise TypeError(f"a layout is a str such as 'THWC', found {type(layout).__name__}")
     if layout.upper() not in get_args(Layout):
         raise UsageError(
             f"The layout '{layout}' is unknown, expected one of {', '.join(get_args(Layout))}; "

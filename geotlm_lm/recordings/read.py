@@ -40,12 +40,18 @@ def read_clip(
     Raises:
         UnreadableClip: If a file is missing, damaged, or holds no clip, in one sentence.
         UsageError: If the layout or the frame rate makes no sense.
-        TypeError: If `path` is none, such as an array, or the frame rate is no number.
+        TypeError: If `path` or `background` is none, such as an array, the frame rate is no number,
+            or the layout no text.
     """
     if not isinstance(path, str | PathLike):
         raise TypeError(
             f"read_clip takes a path, found {type(path).__name__}; make a clip of an array by "
             f"Clip(frames)"
+        )
+    if background is not None and not isinstance(background, str | PathLike):
+        raise TypeError(
+            f"the background is a path, found {type(background).__name__}; give an image in memory "
+            f"by dataclasses.replace(clip, background=image)"
         )
     path = Path(path)
     checked = check_layout(layout)

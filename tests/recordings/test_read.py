@@ -228,3 +228,21 @@ def test_a_long_folder_is_read_at_a_stride(tmp_path, room_for_six):
     clip = read_clip(tmp_path)
     assert clip.frame_numbers == (0, 2, 4, 6)
     assert np.array_equal(clip.frames, frames[::2])
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        (
+            {"background": FRAMES[0]},
+            "the background is a path, found ndarray; give an image in memory by "
+            "dataclasses.replace(clip, background=image)",
+        ),
+        ({"layout": 3}, "a layout is a str such as 'THWC', found int"),
+    ],
+)
+def test_what_is_of_another_type_is_told_in_a_sentence(tmp_path, given, sentence):
+    np.save(tmp_path / "clip.npy", FRAMES)
+    with pytest.raises(TypeError) as error:
+        read_clip(tmp_path / "clip.npy", **given)
+    assert str(error.value) == sentence
