@@ -155,6 +155,10 @@ def _bodies(which: str) -> tuple[str, ...]:
     return TRAINING_OBJECTS if which == "training" else EVERYDAY_OBJECTS
 
 
+RATE_AFTER_S = 0.5
+"""Two processes that end their first shards together would else seem to take no time at all."""
+
+
 def progress_and_rate(clock: Callable[[], float] = time.perf_counter) -> Callable[[int, int], None]:
     """Return what prints the clips done and, from the second report on, the clips per second.
 
@@ -168,11 +172,11 @@ def progress_and_rate(clock: Callable[[], float] = time.perf_counter) -> Callabl
 
     def show(done: int, total: int) -> None:
         now, rate = clock(), ""
-        if first:
-            before, began = first[0]
-            rate = f", {(done - before) / max(now - began, 1e-9):.1f} clips/s"
-        else:
+        if not first:
             first.append((done, now))
+        before, began = first[0]
+        if now - began > RATE_AFTER_S:
+            rate = f", {(done - before) / (now - began):.1f} clips/s"
         print(f"simulated {done} of {total} clips{rate}", file=sys.stderr)
 
     return show

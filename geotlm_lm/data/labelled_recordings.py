@@ -160,7 +160,8 @@ def find_labelled_recordings(folder: str | Path) -> list[LabelledRecordings]:
     if not found:
         raise UnreadableClip(
             f"{folder}: found no CSV table with the columns clip, first_frame, last_frame and "
-            f"direction, neither here nor in the folders inside; write one row per motion."
+            f"direction, separated by commas, neither here nor in the folders inside; write one "
+            f"row per motion."
         )
     return found
 

@@ -215,6 +215,10 @@ def real_cases(folder: str | Path) -> dict[str, RealCases]:
     usable = {one.folder.resolve().name: RealCases(one) for one in found if one.rows}
     if not usable:
         skipped = sum((one.skipped for one in found), Counter())
+        if not skipped:
+            raise UnreadableClip(
+                f"{folder}: the tables of windows hold no row; write one row per motion."
+            )
         raise UnreadableClip(
             f"{folder}: no row has a usable direction (left out: {dict(skipped)}); expected one of "
             f"{', '.join(Motion)}."

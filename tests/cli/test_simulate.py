@@ -167,3 +167,14 @@ def test_the_rate_counts_from_the_first_report(capsys):
         "simulated 128 of 164 clips, 32.0 clips/s",
         "simulated 164 of 164 clips, 20.0 clips/s",
     ]
+
+
+def test_shards_that_end_together_tell_no_rate(capsys):
+    times = iter([10.0, 10.001, 12.0])
+    show = progress_and_rate(clock=lambda: next(times))
+    for done in (64, 128, 192):
+        show(done, 192)
+    assert capsys.readouterr().err.splitlines()[1:] == [
+        "simulated 128 of 192 clips",
+        "simulated 192 of 192 clips, 64.0 clips/s",
+    ]
