@@ -30,6 +30,7 @@ from geotlm_lm.answering.several import (
 )
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
+from geotlm_lm.conversation.clip_names import clips_by_number
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asks_from_object
@@ -47,7 +48,6 @@ from geotlm_lm.conversation.two_claims import (
 from geotlm_lm.conversation.two_clips import (
     asks_each_amount,
     asks_of_one,
-    clips_by_number,
     relates,
 )
 from geotlm_lm.conversation.untold import never_told, untold

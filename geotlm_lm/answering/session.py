@@ -17,6 +17,7 @@ from geotlm_lm.answering.expected import require_encoded, require_frame
 from geotlm_lm.answering.several import Comparison, Order
 from geotlm_lm.answering.streaming import Listener, pieces
 from geotlm_lm.conversation.asked_units import with_unit
+from geotlm_lm.conversation.clip_names import clips_by_number
 from geotlm_lm.conversation.doubts import doubted
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
@@ -26,7 +27,7 @@ from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.scale import with_pixel_size
 from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.conversation.two_claims import asks_of_two
-from geotlm_lm.conversation.two_clips import asks_of_one, clips_by_number
+from geotlm_lm.conversation.two_clips import asks_of_one
 from geotlm_lm.conversation.two_parts import two_parts
 from geotlm_lm.conversation.wording import level
 from geotlm_lm.core.frame_spec import FrameSpec

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.motion_verbs import TURN
 from geotlm_lm.core.labels import Motion
 
 _MOTION = r"(?:motion|movement|slide|slip|shift|direction)"
 _ALONG = r"(?:along|in|on)(?: the)? [+-]?"
-_TURNING = re.compile(r"\b(?:turn|rotat|twist|spin|swivel)")
+_TURNING = re.compile(rf"\b{TURN}")
 
 _AXES = (
     (

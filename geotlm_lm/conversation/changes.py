@@ -14,13 +14,14 @@ from geotlm_lm.conversation.claims import asks_yes_or_no, claimed_motion
 from geotlm_lm.conversation.fact_words import HALF_TURN
 from geotlm_lm.conversation.kind_phrases import RULES
 from geotlm_lm.conversation.kind_words import GEL, HOLDER
+from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE, TURN
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, mirror, reverse, turn_by_quarter
 
 Change = Literal["undo", "turned", "vertical", "mirrored", "reversed", "viewpoint", "actor"]
 
-_MOVE = r"(?:mov|rotat|turn|twist|slid|shift|driv|go|travel)(?:e|es|ed|ing|s)?"
+_MOVE = rf"(?:driv|go|{GO}|{SLIDE}|{TURN}){ENDING}"
 _MOTION = r"(?:motion|movement|rotation|turn|slide|shift|direction)"
 _NO_PLACE = "".join(
     rf"(?<!\b{word} )"

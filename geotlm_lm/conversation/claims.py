@@ -8,6 +8,15 @@ from difflib import get_close_matches
 from geotlm_lm.conversation.asides import ONE_OF_TWO, STILL_SO, UP_TO_AN_END
 from geotlm_lm.conversation.axes import claimed_axis
 from geotlm_lm.conversation.kind_words import GEL
+from geotlm_lm.conversation.motion_verbs import (
+    GOES,
+    PRESSES,
+    SLIDE,
+    SLIDES,
+    TURN,
+    TURNS,
+    forms,
+)
 from geotlm_lm.conversation.option_labels import labelled
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class
@@ -15,7 +24,7 @@ from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class
 _TO = r"\b(?:to|towards?)"
 _TOWARDS, _EDGE = rf"{_TO}(?: the)?", r"(?:edge|border|side|end)\b"
 
-_TURNING = r"\b(?:turn|rotat|twist|spin|swivel)(?:s|es|ed|n?ing|e)?(?: to(?:wards)? the)?"
+_TURNING = rf"\b{TURN}(?:s|es|ed|n?ing|e)?(?: to(?:wards)? the)?"
 """What turns left turns counterclockwise, as a cap does: "left" alone would be a slide."""
 
 _LOST_CONTACT = (
@@ -74,8 +83,8 @@ NAMES: tuple[tuple[Motion, str], ...] = (
 clockwise turn and "pressing down" no slide."""
 
 CLASS_NAMES: tuple[tuple[MotionClass, str], ...] = (
-    (MotionClass.ROTATION, r"\b(?:turn|rotat|twist|spin|spun|swivel|revolv)\w*"),
-    (MotionClass.SLIDE, r"\b(?:slid|slip|drag|glid|skid|translat)\w*"),
+    (MotionClass.ROTATION, rf"\b{TURN}\w*"),
+    (MotionClass.SLIDE, rf"\b(?:{SLIDE}|translat)\w*"),
 )
 """Words of a kind of motion that leave its direction open."""
 
@@ -86,13 +95,11 @@ _NO_OBJECT = r"(?! (?:out|my|your|the|it|this|that|rule)\b)"
 _VERBS: tuple[tuple[MotionClass, str], ...] = (
     (
         MotionClass.ROTATION,
-        rf"{_NO_NOUN}\b(?:turn(?:s|ed|ing)?|rotat(?:e|es|ed|ing|ion)|twist(?:s|ed|ing)?"
-        rf"|spin(?:s|ning)?|spun|swivel(?:s|l?ed|l?ing)?|revolv(?:e|es|ed|ing))\b{_NO_OBJECT}",
+        rf"{_NO_NOUN}\b(?:{forms(TURNS)}|rotation)\b{_NO_OBJECT}",
     ),
     (
         MotionClass.SLIDE,
-        rf"{_NO_NOUN}\b(?:slid(?:e|es|ing)?|slip(?:s|ped|ping)?|drag(?:s|ged|ging)?"
-        rf"|glid(?:e|es|ed|ing)|skid(?:s|ded|ding)?)\b{_NO_OBJECT}",
+        rf"{_NO_NOUN}\b{forms(SLIDES)}\b{_NO_OBJECT}",
     ),
 )
 """What the touched object does by itself: no "turntable", "my turn", "turns out", "I turned it"."""
@@ -121,13 +128,12 @@ _YES_OR_NO = re.compile(
 
 _NO_ARTICLE = r"(?<!\bthe )(?<!\ba )(?<!\bthis )(?<!\bmy )"
 
+_DONE = TURNS + SLIDES + GOES + PRESSES
 _PREDICATES = re.compile(
     rf"\b(?:is|are|was|were|isn't|wasn't) (?:\w+ ){{1,4}}?{_NO_ARTICLE}"
-    r"(?:turn|rotat|twist|spinn|swivel|slid|slipp|dragg|glid|skidd|mov|go|head|travel|shift|creep"
-    r"|drift|press|push|lift|releas|rest)ing\b"
+    rf"(?:{forms(_DONE, 'gerund')}|resting)\b"
     rf"|\b(?:does|do|did|doesn't|didn't) (?:\w+ ){{1,4}}?{_NO_ARTICLE}"
-    r"(?:turn|rotate|twist|spin|swivel|slide|slip|drag|glide|skid|move|go|head|travel|shift|creep"
-    r"|drift|press|push|lift|release|rest)\b"
+    rf"(?:{forms(_DONE, 'base')}|rest)\b"
     r"|\b(?:is|was|isn't|wasn't) (?:it|this|that|there) (?:an? |any |some )?"
     r"(?:(?:pure|simple|real|clean) )?"
     r"(?:turn|twist|rotation|spin|slide|slip|slippage|translation|press|release)\b"

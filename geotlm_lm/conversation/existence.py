@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.motion_verbs import GO, SLIDE, STIR, TURN, WOBBLE
 from geotlm_lm.conversation.plain_text import plain_text
 
 _GEL = r"(?:gel|sensor|pad|skin|fingertip|finger|gripper)"
@@ -30,8 +31,7 @@ _IS_THERE_CONTACT = re.compile(
     r"(?:thanks|please|yes or no|be brief|just asking|in this clip|\W)*$"
 )
 _OF_MOTION = re.compile(
-    r"\b(?:un|im)?(?:mov|motion|mobil|budg|stirr?|wiggl|jiggl|wobbl|shift|creep|drift|travel|slid"
-    r"|slip|turn|rotat|twist|spin|spun|swivel|drag|still|static|station|rest|dynamic|happen"
+    rf"\b(?:un|im)?(?:{TURN}|{SLIDE}|{GO}|{STIR}|{WOBBLE}|motion|mobil|still|static|station|rest|dynamic|happen"
     r"|chang|activ|translat|displac|clock|push|press|pull|squash|squeez|way|direction)\w*"
     r"|\b(?:go|goes|going|gone|went)\b|\bdo(?:es|ing)? (?:some|any)thing\b"
 )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from geotlm_lm.conversation.claims import asks_yes_or_no, claimed_motion
+from geotlm_lm.conversation.motion_verbs import GOES, forms
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, reverse
 
@@ -28,9 +29,7 @@ _HALVES: dict[Half, str] = {
     "right": rf"right(?:[ -]hand)? {_PART}",
 }
 _OF_WHAT = r"(?: of (?:it|(?:the|this|that|my|its) (?!clip\b|video\b|recording\b|image\b)\w+))?"
-_GOES = (
-    r"(?:go|goes|going|move|moves|moving|moved|travel|travels|travell?ing|shift|shifts|shifting)"
-)
+_GOES = forms(GOES)
 _ASKED = tuple(
     (
         half,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from geotlm_lm.conversation.clip_names import CLIP, FIRST_OR_SECOND
 from geotlm_lm.conversation.kind_words import (
     ALONE,
     EXTENT_OF,
@@ -13,8 +14,9 @@ from geotlm_lm.conversation.kind_words import (
     PICTURE,
     SUPPOSED,
 )
+from geotlm_lm.conversation.motion_verbs import GOES, SLIDES, TURNS, forms
 
-_GO = r"(?:go|goes|move|moves|moved|turn|turns|turned|slide|slides|slid|went)"
+_GO = forms(TURNS + SLIDES + GOES, "base", "third", "past")
 _MEASURES = r"(?:degrees?|deg|mm|millimet(?:re|er)s?|pixels?|px)"
 
 COUNTED = (
@@ -27,8 +29,8 @@ MOVEMENT = r"(?:rotation|turn(?:ing)?|slip|slide|sliding|travel|motion)"
 """A motion, as a noun."""
 
 _MOVES_OR_END = (
-    rf"(?: {_GO}\b| (?:rotate|twist|spin|drag|slip|travel|make|heading|itself)\b"
-    r"| (?:go|mov|turn|rotat|twist|spinn|slid|dragg|slipp)ing\b|$|[?,:.])"
+    rf"(?: {_GO}\b| (?:make|itself)\b"
+    rf"| {forms(TURNS + SLIDES + GOES, 'gerund')}\b|$|[?,:.])"
 )
 
 RULES: dict[str, tuple[str, ...]] = {
@@ -115,8 +117,8 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\b(?:the two|these two|two|both) (?:clips?|motions|of them)\b",
         rf"\bcompared?\b(?! (?:to|with) (?:the|its) (?:\w+ )?{MOMENT}\b)",
         r"\bdiffer\w*\b",
-        r"\bthe (?:first|second|other|last) (?:one|clip)\b",
-        r"\bfirst or (?:the )?second\b",
+        rf"\bthe (?:first|second|other|last) {CLIP}\b",
+        rf"\b{FIRST_OR_SECOND}",
         r"\balike\b",
         r"\bsecond or (?:the )?first\b",
         rf"\bdo they {_GO}\b",

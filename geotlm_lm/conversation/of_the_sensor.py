@@ -6,6 +6,7 @@ import re
 
 from geotlm_lm.conversation.claims import claims_motion
 from geotlm_lm.conversation.kinds import asked_amount, asked_kind, asks_whether_moving
+from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
 from geotlm_lm.conversation.plain_text import plain_text
 
 _SENSOR = re.compile(
@@ -14,7 +15,7 @@ _SENSOR = re.compile(
 )
 _OBJECT = re.compile(
     r"\b(?:does|do|did|is|was|has) (?:the|my) object (?:itself )?"
-    r"(?:mov|go|turn|rotat|twist|spin|slid|slip|travel|shift)\w*"
+    rf"(?:go|{GO}|{SLIDE}|{TURN})\w*"
 )
 
 

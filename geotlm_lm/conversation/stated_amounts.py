@@ -9,6 +9,7 @@ from typing import Literal
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.claims import asks_yes_or_no, motions_named
 from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
 from geotlm_lm.conversation.number_words import NUMBER
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.quantities import Quantity, quantities, without_quantities
@@ -130,8 +131,8 @@ _BOUND_AFTER = re.compile(
 )
 
 _OF_MOTION = re.compile(
-    r"\b(?:turn|rotat|twist|spin|spun|swivel|revol|slid|slip|mov|travel|shift|drag|creep|drift|cover"
-    r"|displac|exceed|reach)\w*|\b(?:go|goes|gone|going|went|made?|making|makes?|done)\b"
+    rf"\b(?:{TURN}|{SLIDE}|{GO}|cover|displac|exceed|reach)\w*"
+    r"|\b(?:go|goes|gone|going|went|made?|making|makes?|done)\b"
     r"|\b(?:do|does|did)(?:n't)? (?:it|this|that|(?:the|my) \w+) (?:not |really )?do\b"
     r"|\b(?:it|this|that|(?:the|my) \w+) (?:did|does)(?! not\b| \w+ing\b)\b"
 )

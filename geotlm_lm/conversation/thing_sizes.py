@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
 from geotlm_lm.conversation.number_words import NUMBER
 from geotlm_lm.conversation.quantities import MOTION_NOUN, UNITS
 
@@ -19,7 +20,7 @@ _NO_NOUN = (
     r"|it|is|was|this|that)\w*\b)"
 )
 _THE = r"(?:the|this|that|these|those|an?|my|your|its|our)"
-_GOES = r"(?:turn|rotat|twist|spin|spun|slid|slip|mov|go|went|travel|shift|drift|press|push|cover)"
+_GOES = rf"(?:{TURN}|{SLIDE}|{GO}|go|went|press|push|cover)"
 _A_THING = rf"\b{_THE} (?:(?!{_GOES})[a-z]+ )?{_NO_NOUN}(?!{_GOES})[a-z]\w*"
 
 _SIZES = tuple(

@@ -8,6 +8,15 @@ from typing import Literal
 
 from geotlm_lm.conversation.axes import claimed_axis
 from geotlm_lm.conversation.claims import CLASS_NAMES, asks_yes_or_no, motions_named
+from geotlm_lm.conversation.clip_names import (
+    CLIP,
+    FIRST,
+    FIRST_OR_SECOND,
+    SECOND,
+    clip_named,
+    place_of,
+)
+from geotlm_lm.conversation.motion_verbs import TURN
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import Motion, motion_class
 
@@ -34,21 +43,17 @@ _TAG = re.compile(
 _PLAINLY = re.compile(r"^\W*(?:(?:and|so|ok|now|but)[, ]+)*(?:do|did|are|were|the|same)\b")
 _FALSE = re.compile(r"\b(?:is|was) it (?:false|wrong|untrue) that\b")
 
-_WHICH_CLIP = r"(?:one|clip|recording|video)"
-_CLIP = (
-    rf"(?:the )?(?:{_WHICH_CLIP} )?(?P<{{}}>first|second|1|2|one|two)(?: {_WHICH_CLIP})?(?:'s\b)?"
-)
 _CHANGED = (
     r"(?:(?P<mirrored>mirrored|flipped|mirror image)"
     r"|(?P<reversed>(?:played |run )?(?:backwards?|in reverse)|reversed?|the reverse))"
 )
 _SUPPOSED = re.compile(
-    rf",?\s*\b(?:if|suppose|supposing|when|with) {_CLIP.format('clip')} "
+    rf",?\s*\b(?:if|suppose|supposing|when|with) {clip_named('clip')} "
     rf"(?:(?:were|was|is|had been|got) )?{_CHANGED}\b,?"
 )
 _IMAGE_OF = re.compile(
-    rf"\b{_CLIP.format('clip')}(?: is| was)? (?:just |only |simply )?(?:the |a )?{_CHANGED}"
-    rf"(?: (?:image|version|copy))? of {_CLIP.format('other')}"
+    rf"\b{clip_named('clip')}(?: is| was)? (?:just |only |simply )?(?:the |a )?{_CHANGED}"
+    rf"(?: (?:image|version|copy))? of {clip_named('other')}"
 )
 _UNDO = re.compile(
     r"\b(?:undo(?:es)?|cancel|reverse|revert|neutralise|neutralize) (?:each other|one another|out"
@@ -59,13 +64,13 @@ _UNDO = re.compile(
 _OF_WHOM: tuple[tuple[Of, str], ...] = (
     ("neither", r"\b(?:neither|none of (?:them|the two|these))\b"),
     ("one", r"\b(?:only|just|exactly) one\b"),
-    ("first", rf"\bonly (?:the first|clip 1)\b(?: {_WHICH_CLIP})?"),
-    ("second", rf"\bonly (?:the second|clip 2)\b(?: {_WHICH_CLIP})?"),
-    ("which", rf"\bwhich(?: {_WHICH_CLIP}| of (?:them|the two|these|the two clips))?\b"),
+    ("first", rf"\bonly {FIRST}\b(?: {CLIP})?"),
+    ("second", rf"\bonly {SECOND}\b(?: {CLIP})?"),
+    ("which", rf"\bwhich(?: {CLIP}| of (?:them|the two|these|the two clips))?\b"),
     (
         "either",
-        rf"\b(?:either|any(?: {_WHICH_CLIP})?|one) of (?:the two|them|these)(?: clips?)?\b"
-        rf"|\beither(?: {_WHICH_CLIP})?\b|\bat least one\b",
+        rf"\b(?:either|any(?: {CLIP})?|one) of (?:the two|them|these)(?: clips?)?\b"
+        rf"|\beither(?: {CLIP})?\b|\bat least one\b",
     ),
     (
         "both",
@@ -79,10 +84,7 @@ _NO_CLIP = re.compile(
     r"|order)\b|\bhow\b|\bwhy\b|\bcomes? first\b"
 )
 _IF_ANY = re.compile(r",? if (?:any|either)(?: of them)?\b,?")
-_OFFERED = re.compile(
-    r"[,:]? (?:the )?first(?: one)?,? or (?:the )?second(?: one)?\b"
-    r"|^(?:the )?first or (?:the )?second[,:]"
-)
+_OFFERED = re.compile(rf"[,:]? {FIRST_OR_SECOND}|^{FIRST_OR_SECOND}[,:]")
 _DENIED = re.compile(
     r"(?<!^is)(?<!^are)(?<!^do)(?<!^does)(?<!^did)n't\b|(?<!\bor )\bnot\b(?! (?:touch|in contact))"
     r"|\b(?:never|without)\b(?! contact)"
@@ -91,13 +93,13 @@ _TOUCHED = re.compile(r"\b(?:touch\w*|contact\w*)\b")
 _MOVES = re.compile(r"\b(?:mov(?:e|es|ed|ing)|in motion|budg\w+|shift(?:s|ed|ing)?)\b")
 
 _EACH = re.compile(
-    rf"(?:(?:and|so) )?(?:is|was|does|did|do)(?:n't)? {_CLIP.format('one')} (?P<of_one>.+?),? "
-    rf"(?:and|while|but) (?:is |does )?{_CLIP.format('other')} (?P<of_other>.+?)"
+    rf"(?:(?:and|so) )?(?:is|was|does|did|do)(?:n't)? {clip_named('one')} (?P<of_one>.+?),? "
+    rf"(?:and|while|but) (?:is |does )?{clip_named('other')} (?P<of_other>.+?)"
 )
 
 _SUBJECT = re.compile(
     rf"(?:^|[,;:.!] |\b(?:and|so|but|ok|now) )(?:is|was|does|did|has)(?:n't)? "
-    rf"(?:it true that )?{_CLIP.format('subject')} (?!of\b)"
+    rf"(?:it true that )?{clip_named('subject')} (?!of\b)"
 )
 _AS_MUCH = re.compile(
     r"\b(?:same|equal|similar|identical) (?:amounts?|angles?|distances?|extent|speeds?|rates?"
@@ -172,7 +174,7 @@ def supposed_change(question: str) -> tuple[str, int, Change] | None:
     if said is None:
         return None
     rest = re.sub(r"\bwould(?= (?:they|both|the two|these)\b)", "do", text.replace(said[0], " "))
-    which = int(said["clip"] in ("second", "2", "two"))
+    which = place_of(said["clip"])
     return " ".join(rest.split()).strip(" ,"), which, "mirrored" if said["mirrored"] else "reversed"
 
 
@@ -214,7 +216,7 @@ def claimed_share(question: str) -> ShareClaim | None:
 def claimed_subject(question: str) -> int | None:
     """Return which clip, 0 or 1, a yes-or-no question is about: "is the second one faster?"."""
     said = _SUBJECT.search(plain_text(question))
-    return None if said is None else int(said["subject"] in ("second", "2", "two"))
+    return None if said is None else place_of(said["subject"])
 
 
 def asks_same_amount(question: str) -> str | None:
@@ -225,13 +227,13 @@ def asks_same_amount(question: str) -> str | None:
     return "rate" if _SPEED.search(text) else "magnitude"
 
 
-_TURNS = re.compile(r"\b(?:turn|rotat|twist|spin)")
+_TURNS = re.compile(rf"\b{TURN}")
 
 
 def claimed_each(question: str) -> tuple[frozenset[Motion], frozenset[Motion]] | None:
     """Return what a question claims of the first clip and of the second; None where not of both."""
     said = _EACH.fullmatch(plain_text(question).rstrip("?!. "))
-    if said is None or {said["one"], said["other"]} not in ({"first", "second"}, {"1", "2"}):
+    if said is None or place_of(said["one"]) == place_of(said["other"]):
         return None
     of_other = said["of_other"]
     if _TURNS.search(said["of_one"]) and re.fullmatch("left|right", of_other):
@@ -239,7 +241,7 @@ def claimed_each(question: str) -> tuple[frozenset[Motion], frozenset[Motion]] |
     claims = _meant(said["of_one"]), _meant(of_other)
     if None in claims:
         return None
-    return claims if said["one"] in ("first", "1") else claims[::-1]
+    return claims[::-1] if place_of(said["one"]) else claims
 
 
 def _meant(text: str) -> frozenset[Motion] | None:

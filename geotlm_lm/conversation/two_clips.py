@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import motions_named, offered_options
+from geotlm_lm.conversation.claims import motions_named
+from geotlm_lm.conversation.clip_names import named_alone, place_named
+from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
 from geotlm_lm.conversation.plain_text import plain_text
 
 _MOTION_NOUN = (
@@ -13,7 +15,7 @@ _MOTION_NOUN = (
 )
 _MOTION = re.compile(
     rf"\b{_MOTION_NOUN}\b|\b(?:go(?:es|ing)?|went)\b"
-    r"|\b(?:mov|rotat|turn|twist|spin|spun|slid|slip|drag|glid|travel|shift|head)\w*"
+    rf"|\b(?:head|{GO}|{SLIDE}|{TURN})\w*"
 )
 _RELATION = re.compile(
     r"\b(?:same|opposites?|differ\w*|compar\w*|alike|similar\w*|identical\w*|equal\w*"
@@ -41,32 +43,12 @@ _EACH_ALIKE = re.compile(
 _EACH_AMOUNT = re.compile(r"\bhow (?:far|much|fast|quick(?:ly)?|slow(?:ly)?)\b")
 _EACH_RATE = re.compile(r"\b(?:fast|quick|quickly|slow|slowly)\b")
 
-_VERB = r"(?:go|mov|turn|rotat|twist|spin|slid|slip|head|travel|press|lift|touch|still)\w*"
-_GOES = (
-    r"(?:goes|going|went|still|headed|(?:mov|rotat)(?:es|ed|ing)|slid(?:es|ing)?|spun"
-    r"|(?:turn|twist|spin|slip|head|travel|press|lift|touch)(?:n|p)?(?:s|es|ed|ing))\b"
-)
-"""Verbs that are no nouns: "the first turn" is no clip."""
-
-_CLIP = r"(?:one|clip|recording|video)"
-_ONE = re.compile(
-    rf"\b(?:(?:the )?{_CLIP} (?:number )?(?P<number>1|2|one|two)"
-    rf"|the (?P<place>first|1st|second|2nd)(?: {_CLIP}\b|(?= {_GOES})|(?=\W*$)|(?=,))"
-    rf"|(?<=does )the (?P<asked>first|1st|second|2nd)(?= {_VERB}))(?P<own>'s\b)?"
-)
 _OF_BOTH = re.compile(
     r"\b(?:than|further|farther|more|less|larger|smaller|faster|slower|they|them|both|these|two"
     r"|other|this|that|like|it)\b"
 )
 _WITHIN = re.compile(r"(?:^| )in $")
 _IT = re.compile(r"\bit\b")
-_NAMED = r"(?:\b[Tt]he )?\b(?:[Cc]lip|[Rr]ecording|[Vv]ideo) "
-_B = re.compile(rf"(?:{_NAMED}[Bb]|\bB)\b(?![).:])")
-_A = re.compile(rf"(?:{_NAMED}(?:A|a(?=\W*$))|(?<=[a-z,] )A)\b(?![).:])")
-_OPENING_A = re.compile(r"^A\b")
-"""An article, unless a B is named too."""
-
-_FIRST = ("first", "1st", "1", "one")
 _NOTHING_ASKED = re.compile(r"\W*(?:and|so|ok|now|what|how|about|of|[ ,])*\bits?\b\W*")
 
 
@@ -98,10 +80,9 @@ def asks_of_one(question: str) -> tuple[int, str] | None:
     no more than "and the first one?".
     """
     text = re.sub(r" of (?:the two|them|both)\b", "", plain_text(question))
-    found = list(_ONE.finditer(text))
-    if len(found) != 1 or _RELATION.search(text):
+    one = named_alone(text)
+    if one is None or _RELATION.search(text):
         return None
-    (one,) = found
     before, after = text[: one.start()], text[one.end() :]
     is_place = _WITHIN.search(before) and _IT.search(before + after) and not one["own"]
     if is_place:  # "which way does it turn in the second clip?"
@@ -109,15 +90,4 @@ def asks_of_one(question: str) -> tuple[int, str] | None:
     if _OF_BOTH.search(_IT.sub("", before + after) if is_place else before + after):
         return None
     asked = f"{before}{'' if is_place else 'its' if one['own'] else 'it'}{after}"
-    is_first = (one["number"] or one["place"] or one["asked"]) in _FIRST
-    return int(not is_first), "" if _NOTHING_ASKED.fullmatch(asked) else asked
-
-
-def clips_by_number(question: str) -> str:
-    """Return a question with "A" and "B", as two clips may be called, told as first and second."""
-    if question.isupper() or offered_options(question):
-        return question
-    text = _B.sub("the second one", question)
-    if text != question:
-        text = _OPENING_A.sub("the first one", text)
-    return _A.sub("the first one", text)
+    return place_named(one), "" if _NOTHING_ASKED.fullmatch(asked) else asked

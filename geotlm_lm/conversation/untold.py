@@ -8,6 +8,7 @@ from geotlm_lm.conversation.axes import claimed_axis
 from geotlm_lm.conversation.claims import motions_named
 from geotlm_lm.conversation.kind_words import PICTURE
 from geotlm_lm.conversation.kinds import asks_direction
+from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE, TURN
 from geotlm_lm.conversation.number_words import NUMBER
 from geotlm_lm.conversation.plain_text import plain_text
 
@@ -92,10 +93,7 @@ _A_THING = (
     rf"(?!{PICTURE}|(?:contact|touch|imprint|pixel|frame|view|turn|slide|slip|shift|motion|movement"
     r"|rotation|displacement|angle|distance|step|path|error|amount|change)s?\b)\w+"
 )
-_GOES = (
-    r"(?:go|mov|slid|slip|drag|glid|head|travel|drift|creep|shift|turn|rotat|twist|spin|spun|com)"
-    r"(?:e|es|s|ed|ing|ped|ping|ning|ged|ging)?"
-)
+_GOES = rf"(?:(?:com|go|head|{GO}|{SLIDE}|{TURN}){ENDING})"
 _DOES_IT = r"(?:(?:and|so|but)[, ]+)?(?:does|did|is|was|has) (?:it|this|that|(?:the|my) \w+)"
 _ASIDE = (
     r"(?:left|right|top|bottom|upper|lower|sides?|up|down|other|opposite|same|halt|stop|rest"

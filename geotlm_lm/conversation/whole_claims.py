@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from geotlm_lm.conversation.axes import claimed_axis
 from geotlm_lm.conversation.claims import CLASS_NAMES, motions_named
+from geotlm_lm.conversation.motion_verbs import ENDING, GO, STIR
 from geotlm_lm.conversation.option_labels import labelled
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionClass, motion_class
@@ -64,8 +65,7 @@ TORSION = re.compile(r"\b(?:torsion\w*|rotational|rotary|angular)(?: (?:slip\w*|
 """A slip that is a turn."""
 
 _MOVES = re.compile(
-    r"\b(?:mov(?:e|es|ed|ing|ement)|motion|budg(?:e|es|ed|ing)|stirr?(?:s|ed|ing)?|happen(?:s|ed|ing)?"
-    r"|shift(?:s|ed|ing)?|going on)\b"
+    rf"\b(?:(?:{GO}|{STIR}){ENDING}|movement|motion|happen(?:s|ed|ing)?|going on)\b"
 )
 _TOUCHES = re.compile(r"\b(?:touch(?:es|ed|ing)?|contact)\b")
 _HOLD = r"(?:press|push|hold|grip|squeez|touch)"

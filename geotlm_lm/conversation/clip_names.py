@@ -1,0 +1,70 @@
+"""How one of two clips is named: "the first one", "clip 2", "B"."""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.conversation.claims import offered_options
+from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN, VERBS, forms
+
+CLIP = r"(?:one|clip|recording|video)"
+"""What stands for a clip."""
+
+FIRST, SECOND = r"(?:the first|clip 1)", r"(?:the second|clip 2)"
+FIRST_OR_SECOND = rf"(?:the )?first(?: {CLIP})?,? or (?:the )?second(?: {CLIP})?\b"
+_PLACE = r"(?:first|1st|second|2nd)"
+_NUMBER = r"(?:1|2|one|two)"
+_FIRST = ("first", "1st", "1", "one")
+
+_VERB = rf"(?:go|head|press|lift|touch|still|{GO}|{SLIDE}|{TURN})\w*"
+_GOES = rf"(?:still|{forms(VERBS, 'third', 'past', 'gerund')})\b"
+"""Verbs that are no nouns: "the first turn" is no clip."""
+
+_ALONE = re.compile(
+    rf"\b(?:(?:the )?{CLIP} (?:number )?(?P<number>{_NUMBER})"
+    rf"|the (?P<place>{_PLACE})(?: {CLIP}\b|(?= {_GOES})|(?=\W*$)|(?=,))"
+    rf"|(?<=does )the (?P<asked>{_PLACE})(?= {_VERB}))(?P<own>'s\b)?"
+)
+
+_LETTERED = r"(?:\b[Tt]he )?\b(?:[Cc]lip|[Rr]ecording|[Vv]ideo) "
+_B = re.compile(rf"(?:{_LETTERED}[Bb]|\bB)\b(?![).:])")
+_A = re.compile(rf"(?:{_LETTERED}(?:A|a(?=\W*$))|(?<=[a-z,] )A)\b(?![).:])")
+_OPENING_A = re.compile(r"^A\b")
+"""An article, unless a B is named too."""
+
+
+def clip_named(group: str) -> str:
+    """Return a pattern of a clip by its place or number, which is the group of this name.
+
+    For where the words around it leave no doubt that a clip is meant.
+    """
+    return rf"(?:the )?(?:{CLIP} )?(?P<{group}>{_PLACE}|{_NUMBER})(?: {CLIP})?(?:'s\b)?"
+
+
+def place_of(word: str) -> int:
+    """Return which clip, 0 or 1, a word for its place or number names."""
+    return int(word not in _FIRST)
+
+
+def named_alone(text: str) -> re.Match[str] | None:
+    """Return where `text`, in lower case, names one clip and no other; None elsewhere.
+
+    The group `own` holds the "'s" of "the second one's direction".
+    """
+    found = list(_ALONE.finditer(text))
+    return found[0] if len(found) == 1 else None
+
+
+def place_named(named: re.Match[str]) -> int:
+    """Return which clip, 0 or 1, `named_alone` has found."""
+    return place_of(named["number"] or named["place"] or named["asked"])
+
+
+def clips_by_number(question: str) -> str:
+    """Return a question with "A" and "B", as two clips may be called, told as first and second."""
+    if question.isupper() or offered_options(question):
+        return question
+    text = _B.sub("the second one", question)
+    if text != question:
+        text = _OPENING_A.sub("the first one", text)
+    return _A.sub("the first one", text)
