@@ -17,6 +17,7 @@ from geotlm_lm.conversation.claims import (
 )
 from geotlm_lm.conversation.existence import passes_for, speaks_of_motion
 from geotlm_lm.conversation.half_ways import asked_half, claimed_half
+from geotlm_lm.conversation.indirect import claim_within
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
 from geotlm_lm.conversation.option_meanings import offers_neither, option_sets
 from geotlm_lm.conversation.retell import VERDICTS
@@ -135,6 +136,7 @@ def passes_over_a_claim(slots: Slots | None, question: str) -> bool:
     """
     if asked_kind(question) is not None:
         return False
+    question = claim_within(question)
     is_declined = slots is not None and slots.kind == "refusal"
     if not (claims_motion(question) or (is_declined and _names_one_alone(question))):
         return False

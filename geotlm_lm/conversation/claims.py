@@ -171,6 +171,8 @@ ALIKE = 0.85
 """Similarity from which a word may be a mistyped other one: of "pressing" without an s it is 0.93,
 of "shifting" and "lifting" 0.80."""
 
+_OR_NOT = re.compile(r",? or not\b(?! \w)")
+
 _STILL_GOING = re.compile(rf"{STILL_SO}|\bstill (?=in contact\b)", re.IGNORECASE)
 
 
@@ -213,7 +215,7 @@ def claimed_class(text: str) -> MotionClass | None:
 
 def claims_end(text: str) -> bool:
     """Tell whether a yes-or-no question claims that a motion, or the contact, is over."""
-    text = re.sub(r"\bor not\b", " ", plain_text(text))
+    text = _OR_NOT.sub(" ", plain_text(text))
     if not asks_yes_or_no(text) or _ANOTHER_TIME.search(text) or _NO_END.search(text):
         return False
     return bool(_ENDED.search(text) or re.search(_LOST_CONTACT, text))
@@ -273,7 +275,7 @@ def claims_motion(text: str) -> bool:
     Touch can tell that, in whatever words the rest is asked. Of 9,000 questions from the templates
     about contact, about any motion at all or beyond touch, none passes for one.
     """
-    text = plain_text(text)
+    text = _OR_NOT.sub(" ", plain_text(text))
     if claims_end(text):
         return True
     if _OF_SOMETHING_ELSE.search(text):

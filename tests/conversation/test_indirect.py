@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.conversation.indirect import asked_within
+from geotlm_lm.conversation.indirect import asked_within, claim_within
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 
@@ -23,6 +23,22 @@ from geotlm_lm.data.questions import questions_for
         ("we don't know if it is sliding", "Is it sliding?"),
         ("I wonder which way it turns", "Which way it turns?"),
         ("I cannot see what direction it goes; do you know?", "What direction it goes?"),
+        ("could you tell me if it is slipping or not", "Is it slipping or not?"),
+        (
+            "Could you please tell me whether the cap turns clockwise?",
+            "Does the cap turn clockwise?",
+        ),
+        ("can you say whether the part slid", "Did the part slide?"),
+        ("Hello, would you mind telling me if the bead is sliding?", "Is the bead sliding?"),
+        ("I would like to know if it turns left.", "Does it turn left?"),
+        ("do you know if it is rotating?", "Is it rotating?"),
+        ("Any idea if there is contact?", "Is there contact?"),
+        (
+            "I was wondering whether you might be able to tell me which way the cap is turning?",
+            "Which way the cap is turning?",
+        ),
+        ("Is it possible to tell whether my part moved?", "Did my part move?"),
+        ("I need to know whether it spun to the left", "Did it spin to the left?"),
     ],
 )
 def test_the_question_inside_is_asked(text, asked):
@@ -43,6 +59,19 @@ def test_the_question_inside_is_asked(text, asked):
 )
 def test_other_texts_stay_as_they_are(text):
     assert asked_within(text) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "asked"),
+    [
+        ("Tell me whether it is still.", "Is it still?"),
+        ("Can you tell whether it goes left?", "Does it go left?"),
+        ("check if the part slid", "Did the part slide?"),
+        ("could you tell me if it slips", "Does it slip?"),
+    ],
+)
+def test_a_claim_is_found_behind_what_models_know_too(text, asked):
+    assert claim_within(text) == asked
 
 
 @pytest.mark.parametrize("wordings", ["seen", "held_out"])
