@@ -26,7 +26,7 @@ from geotlm_lm.conversation.about_recording import (
 )
 from geotlm_lm.conversation.claims import without_adverbs
 from geotlm_lm.conversation.context import without_context
-from geotlm_lm.conversation.either_or import without_opposites
+from geotlm_lm.conversation.either_or import OF_THE_END, asked_whether_over, without_opposites
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.frame_questions import asks_frame, frame_to_settle
@@ -39,6 +39,7 @@ from geotlm_lm.conversation.place import place_in_picture
 from geotlm_lm.conversation.reasons import contact_place
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.scale import asks_scale, told_scale, with_pixel_size
+from geotlm_lm.conversation.short_questions import in_full
 from geotlm_lm.conversation.spelling import as_words, spelt
 from geotlm_lm.conversation.stated_amounts import (
     UNJUDGED,
@@ -90,6 +91,10 @@ def answer_question(
         asked, frame = of_it, replace(frame, actor="sensor")
     elif frame.actor == "sensor" and names_the_object(asked):
         frame = replace(frame, actor="object")
+    if (going := asked_whether_over(asked)) is not None:
+        answer = answer_question(bundle, encoded, going, frame)
+        is_going = answer.decided == "yes"
+        return replace(answer, notes=(*answer.notes, OF_THE_END)) if is_going else answer
     parts = two_parts(asked)
     if parts is not None:
         return both(*(answer_question(bundle, encoded, part, frame) for part in parts))
@@ -111,7 +116,7 @@ def answer_question(
 def _as_known(text: str, frame: FrameSpec) -> str:
     """Return what a text asks, spelt rightly and in words that rules and model know."""
     words = as_words(without_context(spelt(initials_spelt_out(text))))
-    asked = without_opposites(without_adverbs(asked_within(words)))
+    asked = without_opposites(without_adverbs(in_full(asked_within(words))))
     return of_a_thread(in_known_words(asked), frame.thread is not None)
 
 

@@ -18,6 +18,7 @@ from geotlm_lm.conversation.claims import (
 from geotlm_lm.conversation.existence import passes_for, speaks_of_motion
 from geotlm_lm.conversation.half_ways import asked_half, claimed_half
 from geotlm_lm.conversation.indirect import claim_within
+from geotlm_lm.conversation.kind_choices import offered_kinds
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
 from geotlm_lm.conversation.option_meanings import offers_neither, option_sets
 from geotlm_lm.conversation.retell import VERDICTS
@@ -65,6 +66,8 @@ def read_by_rule(question: str) -> str | None:
         return "verify"
     if kind is None and asked_half(question) is not None:
         return "direction"
+    if kind is None and offered_kinds(question) is not None:
+        return "class"
     is_choice = option_sets(question) is not None or offers_neither(question)
     return "choice" if kind in (None, "negation") and is_choice else None
 

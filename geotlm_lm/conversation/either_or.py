@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.kind_choices import REST
+from geotlm_lm.conversation.motion_verbs import GOES, SLIDES, TURNS, forms
 from geotlm_lm.conversation.plain_text import plain_text
 
-_REST = r"(?:still|stationary|static|at rest|motionless|immobile|stable|at a standstill|not moving)"
 _MOTION = r"(?:moving|in motion|in movement|dynamic|mobile)"
 _TOUCH = r"(?:touching|touched|in contact|contact)"
 _NO_TOUCH = r"(?:not (?:touching|touched|in contact)|no contact|untouched)"
@@ -39,12 +40,39 @@ _MOVES_HOW = "Which way is it moving?"
 _IS_TOUCHED = "Is anything touching the gel?"
 
 _OPPOSITES = (
-    (_either(_MOTION, _REST), _MOVES_HOW),
+    (_either(_MOTION, REST), _MOVES_HOW),
     (_either(_ACROSS, _ALONG), _MOVES_HOW),
     (_either(_AHEAD, _BACK), _MOVES_HOW),
     (re.compile(rf"\W*{_SIGNED}(?:positive or negative|negative or positive)\W*"), _MOVES_HOW),
     (_either(_TOUCH, _NO_TOUCH), _IS_TOUCHED),
 )
+
+
+_IT = r"(?:it|this|that|(?:the|my) \w+)"
+_GOING = rf"(?P<going>{forms(TURNS + SLIDES + GOES, 'gerund')}|in motion)"
+_IS_GOING = rf"(?:(?:is|was) )?(?:{_IT} )?(?:still )?{_GOING}"
+_IS_OVER = (
+    rf"(?:(?:has|had|did|is|was) )?(?:{_IT} )?(?:now |already |just )?(?:(?:stop(?:ped)?"
+    rf"|halt(?:ed)?|come to (?:rest|a stop|a halt))(?: {forms(TURNS + SLIDES + GOES, 'gerund')})?"
+    rf"|(?:over|finished|ended|done)(?: now)?|{REST} (?:now|again))"
+)
+_OVER_OR_NOT = tuple(
+    re.compile(rf"\W*(?:(?:and|so|ok|now|but)[, ]+)*{one},? or {other}(?: now| already)?[ ?.!]*")
+    for one, other in ((_IS_GOING, _IS_OVER), (_IS_OVER, _IS_GOING))
+)
+
+OF_THE_END = (
+    "It goes so between the first and the last frame used; whether it goes on after, or stopped "
+    "within them, I cannot tell: `geotlm-lm watch` tells when each motion of a recording ends."
+)
+"""Said beside an answer to whether a motion is over."""
+
+
+def asked_whether_over(question: str) -> str | None:
+    """Return "Is it turning?" of "is it still turning or did it stop?"; None of any other text."""
+    text = plain_text(question)
+    said = next((found for words in _OVER_OR_NOT if (found := words.fullmatch(text))), None)
+    return said and f"Is it {said['going']}?"
 
 
 def without_opposites(question: str) -> str:

@@ -22,6 +22,7 @@ from geotlm_lm.conversation.changes import asked_changes, claimed_remedy
 from geotlm_lm.conversation.claims import claimed, motions_named, offered_options
 from geotlm_lm.conversation.doubts import doubted
 from geotlm_lm.conversation.half_ways import Half, asked_half, claimed_half, way_of
+from geotlm_lm.conversation.kind_choices import offered_kinds
 from geotlm_lm.conversation.option_meanings import (
     OptionSets,
     offers_neither,
@@ -203,8 +204,11 @@ def _class(felt: Felt) -> Told:
     for motion, probability in felt.probabilities.items():
         word = motion_class(motion).value
         shares[word] = shares.get(word, 0.0) + probability
-    kind = motion_class(felt.motion)
-    return Told(KIND_SENTENCES[kind], None, felt.frame, shares, kind.value)
+    kind, offered = motion_class(felt.motion), offered_kinds(felt.question)
+    text = KIND_SENTENCES[kind]
+    if offered is not None and kind not in offered:
+        text = f"None of these: {clause(felt.frame.tell(felt.motion), felt.frame)}."
+    return Told(text, None, felt.frame, shares, kind.value)
 
 
 def _confidence(felt: Felt) -> Told:

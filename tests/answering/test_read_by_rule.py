@@ -4,6 +4,7 @@ import pytest
 
 from geotlm_lm.answering import OPEN_QUESTION
 from geotlm_lm.answering.overruling import read_by_rule
+from geotlm_lm.conversation.either_or import OF_THE_END
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
 from tests.answering.scripted import answerer_saying, feeling, recording
@@ -91,6 +92,38 @@ def test_what_a_rule_reads_is_answered_by_the_motion_told_openly(
     assert (answer.text, answer.decided, answer.told_by) == (text, decided, "rule")
     assert answer.confidence == pytest.approx(answer.options[answer.decided])
     assert answer.direction == Motion(felt)
+
+
+@pytest.mark.parametrize(
+    ("felt", "text", "decided"),
+    [
+        ("left", "A slide.", "slide"),
+        ("still", "A still contact.", "still"),
+        ("clockwise", "None of these: it goes clockwise in the camera image.", "rotation"),
+        ("none", "None of these: the gel is untouched.", "none"),
+    ],
+)
+def test_of_a_kind_or_rest_it_is_told_which(bundle, felt, text, decided):
+    answer = asked(bundle, felt, "Is it slipping or stationary?")
+    assert (answer.text, answer.decided, answer.kind) == (text, decided, "class")
+
+
+@pytest.mark.parametrize(
+    ("felt", "text", "is_limited"),
+    [
+        ("clockwise", "Yes, it goes clockwise in the camera image.", True),
+        ("left", "No, it goes left in the camera image.", False),
+        ("still", "No, it is touching but not moving.", False),
+    ],
+)
+def test_whether_it_goes_on_is_told_as_far_as_it_is_known(bundle, felt, text, is_limited):
+    answer = asked(bundle, felt, "Is it still turning or did it stop?")
+    assert (answer.text, OF_THE_END in answer.notes) == (text, is_limited)
+
+
+@pytest.mark.parametrize(("question", "decided"), [("turning?", "yes"), ("Up or not?", "no")])
+def test_a_word_alone_is_judged(bundle, question, decided):
+    assert asked(bundle, "clockwise", question).decided == decided
 
 
 def test_a_model_of_few_kinds_is_judged_by_the_same_rules(bundle):

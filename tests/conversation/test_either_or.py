@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.conversation.either_or import without_opposites
+from geotlm_lm.conversation.either_or import asked_whether_over, without_opposites
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 
@@ -65,3 +65,25 @@ def test_no_question_of_the_templates_is_read_otherwise(wordings):
         label = MotionLabel(motion, rotation_deg=12.0 if motion in ROTATIONS else 0.0)
         for asked in questions_for(label, rng, wordings=wordings, per_type=8):
             assert without_opposites(asked.question) == asked.question
+
+
+@pytest.mark.parametrize(
+    ("question", "going"),
+    [
+        ("Is it still moving or did it stop?", "Is it moving?"),
+        ("so is the cap still turning, or has it stopped?", "Is it turning?"),
+        ("Did it stop or is it still sliding?", "Is it sliding?"),
+        ("still moving or already over", "Is it moving?"),
+        ("Has it come to rest or is it in motion?", "Is it in motion?"),
+    ],
+)
+def test_still_going_or_over_asks_whether_it_goes(question, going):
+    assert asked_whether_over(question) == going
+
+
+@pytest.mark.parametrize(
+    "question",
+    ["Is it moving or still?", "Is it still moving?", "Did it stop?", "Is it moving or turning?"],
+)
+def test_other_questions_ask_nothing_of_the_end(question):
+    assert asked_whether_over(question) is None

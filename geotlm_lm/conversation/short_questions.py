@@ -1,0 +1,50 @@
+"""Claims of a word or two, put as whole questions: "turning?", "up or not?", "slip == true?"."""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.conversation.claims import claimed_motion
+from geotlm_lm.conversation.motion_verbs import SLIDES as SLIDE_VERBS
+from geotlm_lm.conversation.motion_verbs import TURNS, forms
+from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.core.labels import ROTATIONS, SLIDES
+
+_LEAD = r"(?:(?:and|so|or|ok|okay|now|but|then|maybe|query|check|still)[,:]? +)*"
+_YES_OR_NO = (
+    r"(?:yes or no|yes/no|y/n|true or false|true/false|affirm(?:ative)? or negative"
+    r"|correct or not|or not|or no)"
+)
+_TAIL = rf"(?:[,.:;?]? *(?:{_YES_OR_NO}|(?:==?|is) ?true|then|again|already|at all))*[ ?.!]*"
+_IS = r"(?:(?:is|was) )?"
+
+_TURNING = re.compile(rf"{_LEAD}{_IS}{forms(TURNS, 'gerund')}{_TAIL}")
+_SLIDING = re.compile(rf"{_LEAD}{_IS}{forms(SLIDE_VERBS, 'gerund')}{_TAIL}")
+_ROTATION = re.compile(rf"{_LEAD}{_IS}(?:a )?(?:rot(?:ation)?|twist|spin){_TAIL}")
+_SLIP = re.compile(rf"{_LEAD}{_IS}(?:a )?(?:slip|slippage|translation){_TAIL}")
+_WAY = re.compile(rf"{_LEAD}{_IS}(?P<way>[\w-]+)(?P<or>[,.:;?]? *{_YES_OR_NO})[ ?.!]*")
+_MOVING = re.compile(rf"{_LEAD}{_IS}(?:moving|in motion|any motion){_TAIL}")
+
+MOST_WORDS = 8
+"""Of a claim that is no sentence, with all that may stand around it."""
+
+_KINDS = (
+    (_MOVING, "Is it moving?"),
+    (_TURNING, "Is it turning?"),
+    (_ROTATION, "Is it turning?"),
+    (_SLIDING, "Is it sliding?"),
+    (_SLIP, "Is it slipping?"),
+)
+
+
+def in_full(question: str) -> str:
+    """Return a claim of a word or two as a question for a yes or a no; any other text as it is."""
+    text = plain_text(question)
+    if len(text.split()) > MOST_WORDS:
+        return question
+    said = _WAY.fullmatch(text)
+    motion = said and claimed_motion(said["way"])
+    if motion:
+        verb = "turning " if motion in ROTATIONS else "going " if motion in SLIDES else ""
+        return f"Is it {verb}{said['way']}?"
+    return next((asked for words, asked in _KINDS if words.fullmatch(text)), question)
