@@ -40,6 +40,7 @@ from geotlm_lm.conversation.reasons import contact_place
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.scale import asks_scale, told_scale, with_pixel_size
 from geotlm_lm.conversation.short_questions import in_full
+from geotlm_lm.conversation.signed_axes import asked_of_axes, counts_pixels
 from geotlm_lm.conversation.spelling import as_words, spelt
 from geotlm_lm.conversation.stated_amounts import (
     UNJUDGED,
@@ -85,12 +86,7 @@ def answer_question(
         return plain(encoded, settled, "frame", stated.frame)
     if not stated.is_stated and states_more(stated.rest):
         return plain(encoded, UNREAD, "frame", frame)
-    frame = stated.frame
-    asked = _as_known(stated.rest, frame)
-    if (of_it := as_of_it(asked)) is not None:
-        asked, frame = of_it, replace(frame, actor="sensor")
-    elif frame.actor == "sensor" and names_the_object(asked):
-        frame = replace(frame, actor="object")
+    asked, frame = _as_known(stated.rest, stated.frame)
     if (going := asked_whether_over(asked)) is not None:
         answer = answer_question(bundle, encoded, going, frame)
         is_going = answer.decided == "yes"
@@ -113,11 +109,27 @@ def answer_question(
     return _with_slip_told(asked, with_lean(bundle, encoded, asked, answer))
 
 
-def _as_known(text: str, frame: FrameSpec) -> str:
-    """Return what a text asks, spelt rightly and in words that rules and model know."""
+def _as_known(text: str, frame: FrameSpec) -> tuple[str, FrameSpec]:
+    """Return what a text asks, spelt rightly and in words that rules and model know.
+
+    With it the frame to answer in: who names the sensor or the object asks of that one's motion,
+    and rows and columns are those of the image as it was recorded.
+    """
+    if counts_pixels(text):
+        frame = CAMERA
+    asked = _in_known_words(text, frame)
+    if (of_it := as_of_it(asked)) is not None:
+        return of_it, replace(frame, actor="sensor")
+    if frame.actor == "sensor" and names_the_object(asked):
+        frame = replace(frame, actor="object")
+    return asked, frame
+
+
+def _in_known_words(text: str, frame: FrameSpec) -> str:
     words = as_words(without_context(spelt(initials_spelt_out(text))))
     asked = without_opposites(without_adverbs(in_full(asked_within(words))))
-    return of_a_thread(in_known_words(asked), frame.thread is not None)
+    asked = asked_of_axes(asked) or in_known_words(asked)
+    return of_a_thread(asked, frame.thread is not None)
 
 
 def _with_slip_told(asked: str, answer: Answer) -> Answer:

@@ -126,6 +126,21 @@ def test_a_word_alone_is_judged(bundle, question, decided):
     assert asked(bundle, "clockwise", question).decided == decided
 
 
+@pytest.mark.parametrize(
+    ("question", "decided"),
+    [
+        ("does the row index decrease?", "yes"),
+        ("is dy positive?", "no"),
+        ("is it moving along -y?", "yes"),
+        ("is it moving along +y?", "no"),
+        ("The image is upside down. Is dy positive?", "yes"),
+        ("The image is upside down. Does the row index decrease?", "yes"),
+    ],
+)
+def test_a_sign_of_an_axis_is_a_way_and_rows_are_those_recorded(bundle, question, decided):
+    assert asked(bundle, "up", question).decided == decided
+
+
 def test_a_model_of_few_kinds_is_judged_by_the_same_rules(bundle):
     answerer = feeling(bundle, "still")
     answer = answerer.ask(answerer.encode(recording()), "It's not slipping, right?")
