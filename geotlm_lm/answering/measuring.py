@@ -194,10 +194,28 @@ def _slide_scale(encoded: Encoded, frame: FrameSpec) -> tuple[str, float]:
     if frame.mm_per_px is None:
         return "px", math.hypot(across, along)
     # A camera's own pixels are square; those of our square image are wider than high.
+    return "mm", frame.mm_per_px * math.hypot(across, along * _height_of_a_pixel(encoded))
+
+
+def way_in_recording(encoded: Encoded, unit: str) -> tuple[float, float]:
+    """Return which way the imprint slid, right and down, as a vector of length 1 in `unit`.
+
+    Args:
+        encoded: The clip.
+        unit: "px" of the recording's frames, or "mm".
+    """
+    (right, down), (wide, high) = way_of_slide(encoded.stem_inputs), _own_pixels(encoded)
+    across, along = right * wide, down * high
+    along *= _height_of_a_pixel(encoded) if unit == "mm" else 1.0
+    length = math.hypot(across, along)
+    return across / length, along / length
+
+
+def _height_of_a_pixel(encoded: Encoded) -> float:
+    """Return how much higher than wide a pixel of the recording's frames is."""
     rows, columns = encoded.clip.frames.shape[1:3]
     camera_rows, camera_columns = camera_size(rows, columns)
-    height = camera_rows / rows * columns / camera_columns
-    return "mm", frame.mm_per_px * math.hypot(across, along * height)
+    return camera_rows / rows * columns / camera_columns
 
 
 def _own_pixels(encoded: Encoded) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from geotlm_lm.answering.answer import (
     evidence,
     offered_letters,
 )
+from geotlm_lm.answering.components import in_components
 from geotlm_lm.answering.hearing import (
     AMOUNT_QUESTION,
     EVIDENCE_QUESTION,
@@ -37,9 +38,10 @@ from geotlm_lm.answering.overruling import (
 )
 from geotlm_lm.answering.withholding import plain, unless_withheld
 from geotlm_lm.checkpoint import Bundle
-from geotlm_lm.conversation.axes import axes_named
+from geotlm_lm.conversation.axes import asks_components, axes_named
 from geotlm_lm.conversation.claims import presumed_class
 from geotlm_lm.conversation.kinds import LATER_KINDS, asked_kind, is_ruled_out
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.reasons import halves
 from geotlm_lm.conversation.retell import (
     ALWAYS_RETOLD,
@@ -178,10 +180,14 @@ def answer_amount(
     axes = axes_named(question.lower()) if motion in SLIDES else []
     if motion is None or answer.abstained:
         return answer
+    is_of_parts = asks_components(plain_text(question))
+    if is_of_parts and motion in SLIDES:
+        return in_components(encoded, answer, motion, frame)
     if len(axes) > 1:  # of both the one is told that it goes along
         return replace(answer, text=f"{sentence(way, frame)} {answer.text}")
     is_along_another = bool(axes) and way not in axes[0]
-    if not is_along_another and presumed in (None, motion_class(motion)):
+    is_of_another = is_along_another or is_of_parts
+    if not is_of_another and presumed in (None, motion_class(motion)):
         return answer
     _, denial, *_ = VERDICTS["premise"]
     denial = denial.format(clause(way, frame))

@@ -25,6 +25,26 @@ _AXES = (
     (frozenset({Motion.PRESS, Motion.RELEASE}), rf"\b{_ALONG}z\b"),
 )
 
+_AND = r"(?:,? and |, ?|/| & )"
+_EXTENT = r"(?:components?|displacements?|shifts?|distances?|travels?|offsets?|parts?|amounts?)"
+_LEVEL = r"(?:horizontal|vertical)(?:ly)?"
+COMPONENTS = (
+    rf"\bd ?x{_AND}d ?y\b|\bdelta[ -]?x{_AND}(?:delta[ -]?)?y\b|\bx{_AND}(?:the )?y[ -]{_EXTENT}\b"
+    rf"|\b{_LEVEL}{_AND}(?:the )?{_LEVEL} {_EXTENT}\b"
+    r"|\b(?:translation|displacement|motion|slide|sliding|shift|slip) vector\b"
+    rf"|\bcomponents of (?:the|its) {_MOTION}"
+    r"|\bhow (?:much|far|fast|many \w+)(?: (?:is|was|did|does) \S+(?: \w+)?)? "
+    r"(?:(?:in|along)(?: the)? x|horizontally)\b.* (?:(?:in|along)(?: the)? y|vertically)\b"
+)
+"""Asks how far it went in x and how far in y."""
+
+_COMPONENTS = re.compile(COMPONENTS)
+
+
+def asks_components(text: str) -> bool:
+    """Tell whether `text`, in lower case, asks how far it went along both axes of the image."""
+    return bool(_COMPONENTS.search(text))
+
 
 def claimed_axis(text: str) -> frozenset[Motion]:
     """Return the two motions along the one axis that `text` names; none if it names none, or two.

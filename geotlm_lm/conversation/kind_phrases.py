@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from geotlm_lm.conversation.axes import COMPONENTS
 from geotlm_lm.conversation.clip_names import CLIP, FIRST_OR_SECOND
 from geotlm_lm.conversation.kind_words import (
     ALONE,
@@ -176,6 +177,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\b(?:fast|slow|slowly|quick|quickly) or (?:fast|slow|slowly|quick|quickly)\b",
     ),
     "magnitude": (
+        COMPONENTS,
         r"\bhow far\b(?! or)",
         rf"\bhow (?:large|big|small) (?:(?:is|was|are|were) )?{EXTENT_OF}",
         r"\bhow (?:large|big|small)(?: (?:is|was) (?:this|that))?\W*$",

@@ -2,7 +2,7 @@
 
 import pytest
 
-from geotlm_lm.conversation.axes import claimed_axis
+from geotlm_lm.conversation.axes import asks_components, claimed_axis
 from geotlm_lm.conversation.claims import claimed, claims_motion
 from geotlm_lm.core.labels import Motion
 
@@ -56,3 +56,26 @@ def test_a_choice_among_ways_claims_no_axis(text):
 def test_an_axis_is_a_claim(text):
     assert claims_motion(text)
     assert claimed(text) == ACROSS
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "how much in x and in y?",
+        "how many pixels in x and how many in y?",
+        "give me dx and dy",
+        "delta x, delta y",
+        "translation vector in px?",
+        "what are the horizontal and vertical components",
+        "how fast does it go along x and along y?",
+    ],
+)
+def test_parts_of_a_slide_are_asked_for(text):
+    assert asks_components(text)
+
+
+@pytest.mark.parametrize(
+    "text", ["how far along x?", "is it moving along x or y?", "is dx positive?", "x and y"]
+)
+def test_one_axis_asks_for_no_parts(text):
+    assert not asks_components(text)
