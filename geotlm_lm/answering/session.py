@@ -19,6 +19,7 @@ from geotlm_lm.answering.streaming import Listener, pieces
 from geotlm_lm.conversation.asked_units import with_unit
 from geotlm_lm.conversation.clip_names import clips_by_number
 from geotlm_lm.conversation.doubts import doubted
+from geotlm_lm.conversation.follow_ups import asks_again_now, of_another
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.conversation.plain_text import plain_text
@@ -72,6 +73,7 @@ class Turn:
         is_repeated: Whether it is an earlier answer said again.
         frame: The frame of reference before it.
         encoded: The clip that questions were about.
+        meant: The question as it was understood: a whole one, without what it says of the frame.
     """
 
     question: str
@@ -79,6 +81,7 @@ class Turn:
     is_repeated: bool = False
     frame: FrameSpec = CAMERA
     encoded: Encoded | None = None
+    meant: str = ""
 
 
 class Session:
@@ -143,14 +146,17 @@ class Session:
             UsageError: If the question is empty or too long.
         """
         typed = check_question(question)
-        question = with_pixel_size(typed, self.encoded.clip.frames.shape[2])
+        question = self._tied(typed)
+        question = with_pixel_size(question, self.encoded.clip.frames.shape[2])
         question = corrected(question, self.frame)
         amount = getattr(self.last, "amount", None)
         question = question if amount is None else with_unit(question, amount.unit)
         repeated = self._said_again(question)
         answer = repeated or self._reply(question, listen)
-        self.history.append(Turn(typed, answer, repeated is not None, self.frame, self.encoded))
-        self.frame = read_facts(question, self.frame).lasting
+        stated, is_repeated = read_facts(question, self.frame), repeated is not None
+        turn = Turn(typed, answer, is_repeated, self.frame, self.encoded, stated.rest)
+        self.history.append(turn)
+        self.frame = stated.lasting
         return answer
 
     def take_back(self, question: str) -> None:
@@ -171,6 +177,15 @@ class Session:
         return [
             {"question": turn.question, "answer": turn.answer.to_dict()} for turn in self.history
         ]
+
+    def _tied(self, question: str) -> str:
+        """Return what a question asks that is whole only with the one before it."""
+        turn = self.last_turn
+        if turn is not None and asks_again_now(question):
+            is_noted = getattr(self.history[-1].answer, "kind", None) == "frame"
+            if is_noted or turn.encoded is not self.encoded:
+                return turn.meant
+        return of_another(question, turn and turn.meant)
 
     def _said_again(self, question: str) -> Reply | None:
         """Return the last answer again where the question doubts it or asks for it; else None."""

@@ -83,6 +83,32 @@ def test_facts_last_and_change_what_is_told(session):
     assert session.ask("Which way?").text == "Clockwise, in the camera image."
 
 
+def test_the_object_is_asked_the_same_as_the_sensor(session):
+    session.ask("Which way does the sensor move?")
+    told = session.ask("And the object?")
+    assert told.text == "Clockwise, in the camera image."
+    assert session.ask("No, I meant the sensor.").text.startswith("The sensor goes counterclock")
+
+
+def test_now_asks_the_question_before_in_the_new_frame(session):
+    session.ask("The image is mirrored. Does it turn clockwise?")
+    session.ask("The image is not mirrored.")
+    assert session.ask("And now?").decided == "yes"
+    session.ask("I look from the object's side.")
+    told = session.ask("and now?")
+    assert (told.decided, told.direction) == ("no", Motion.COUNTERCLOCKWISE)
+
+
+def test_now_asks_the_question_before_of_a_new_clip(session):
+    first = session.ask("Does it turn clockwise?")
+    session.add_clip(session.answerer.encode(recording(seed=2)))
+    assert session.ask("And now?").decided == first.decided == "yes"
+
+
+def test_now_alone_asks_nothing(session):
+    assert session.ask("and now?").abstained
+
+
 def test_a_turn_is_taken_back_with_what_it_said_of_the_frame(session):
     session.ask("Which way?")
     session.ask("The image is mirrored. Which way?")

@@ -1,0 +1,38 @@
+"""What a text of a few words asks after the question before it: "and the object?", "and now?"."""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.conversation.kind_words import HOLDER
+from geotlm_lm.conversation.kinds import asked_amount
+from geotlm_lm.conversation.plain_text import plain_text
+
+_OF_ANOTHER = re.compile(
+    r"\W*(?:(?:no|nope|sorry|wait|ok|so|but)[,.:!]? +)*"
+    r"(?:and(?: what about| how about)?|what about|how about|i (?:meant?|am asking about)) "
+    rf"(?:(?:that )?of )?(?P<who>(?:the|my) (?:{HOLDER}|object|part|thing|item|workpiece))"
+    r"(?: itself)?(?: then| instead)?[ ?.!]*"
+)
+_NOW = re.compile(
+    r"\W*(?:(?:ok|and|so|then)[, ]+)*(?:now|and now|so|and|then|so then|what now)[ ?.!]*"
+)
+_ASKS = {"magnitude": "How far does {} move?", "rate": "How fast does {} move?"}
+
+
+def of_another(question: str, before: str | None) -> str:
+    """Return the question before as of another one, where `question` names no more than that one.
+
+    "And the object?" asks of the object what was asked of the sensor: how far, how fast, or else
+    which way. Any other question stays as it is.
+    """
+    said = _OF_ANOTHER.fullmatch(plain_text(question))
+    if said is None:
+        return question
+    kind = None if before is None else asked_amount(before)
+    return _ASKS.get(kind, "Which way does {} move?").format(said["who"])
+
+
+def asks_again_now(question: str) -> bool:
+    """Tell whether `question` asks what was asked before, as things stand now: "and now?"."""
+    return bool(_NOW.fullmatch(plain_text(question)))
