@@ -26,6 +26,8 @@ from geotlm_lm.conversation.about_recording import (
 )
 from geotlm_lm.conversation.claims import without_adverbs
 from geotlm_lm.conversation.context import without_context
+from geotlm_lm.conversation.courtesies import without_courtesies
+from geotlm_lm.conversation.denials import plainly_denied
 from geotlm_lm.conversation.either_or import OF_THE_END, asked_whether_over, without_opposites
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
@@ -73,7 +75,7 @@ def answer_question(
         frame: In which to tell directions.
         listen: Told the model's words piece by piece, as far as they stand in the answer.
     """
-    question = with_pixel_size(question, encoded.clip.frames.shape[2])
+    question = with_pixel_size(without_courtesies(question), encoded.clip.frames.shape[2])
     if not is_english(question):
         return plain(encoded, ENGLISH_ONLY, None, frame)
     stated = read_facts(question, frame)
@@ -126,7 +128,7 @@ def _as_known(text: str, frame: FrameSpec) -> tuple[str, FrameSpec]:
 
 
 def _in_known_words(text: str, frame: FrameSpec) -> str:
-    words = as_words(without_context(spelt(initials_spelt_out(text))))
+    words = plainly_denied(as_words(without_context(spelt(initials_spelt_out(text)))))
     asked = without_opposites(without_adverbs(in_full(asked_within(words))))
     asked = asked_of_axes(asked) or in_known_words(asked)
     return of_a_thread(asked, frame.thread is not None)

@@ -18,6 +18,7 @@ from geotlm_lm.answering.several import Comparison, Order
 from geotlm_lm.answering.streaming import Listener, pieces
 from geotlm_lm.conversation.asked_units import with_unit
 from geotlm_lm.conversation.clip_names import clips_by_number
+from geotlm_lm.conversation.courtesies import without_courtesies
 from geotlm_lm.conversation.doubts import doubted
 from geotlm_lm.conversation.follow_ups import asks_again_now, of_another
 from geotlm_lm.conversation.frame_facts import read_facts
@@ -146,7 +147,7 @@ class Session:
             UsageError: If the question is empty or too long.
         """
         typed = check_question(question)
-        question = self._tied(typed)
+        question = self._tied(without_courtesies(typed))
         question = with_pixel_size(question, self.encoded.clip.frames.shape[2])
         question = corrected(question, self.frame)
         amount = getattr(self.last, "amount", None)

@@ -141,6 +141,18 @@ def test_a_sign_of_an_axis_is_a_way_and_rows_are_those_recorded(bundle, question
     assert asked(bundle, "up", question).decided == decided
 
 
+@pytest.mark.parametrize(
+    ("question", "felt", "decided"),
+    [
+        ("Is it anything but a rotation?", "clockwise", "no"),
+        ("Is it anything but a rotation?", "left", "yes"),
+        ("Sorry to bother you, but it can't be sliding, can it?", "left", "no"),
+    ],
+)
+def test_a_denial_in_other_words_is_judged(bundle, question, felt, decided):
+    assert asked(bundle, felt, question).decided == decided
+
+
 def test_a_model_of_few_kinds_is_judged_by_the_same_rules(bundle):
     answerer = feeling(bundle, "still")
     answer = answerer.ask(answerer.encode(recording()), "It's not slipping, right?")

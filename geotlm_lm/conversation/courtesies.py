@@ -1,0 +1,33 @@
+"""What is said around a question and asks nothing: greetings, excuses, a radio's "over"."""
+
+from __future__ import annotations
+
+import re
+
+_GREETING = (
+    r"(?:hi|hello|hey)(?: there| again| all)?|good (?:morning|afternoon|evening|day)|dear \w+"
+    r"|(?:sorry|excuse me|pardon me)(?: (?:to|for) (?:bother|interrupt|disturb|ask)\w*"
+    r"(?: (?:you|this|again))*)?|(?:many )?thanks(?: a lot| so much)?"
+    r"|thank you(?: (?:so|very) much)?|um+|uh+|hm+|roger(?: that)?|copy(?: that)?"
+    r"|(?:just )?one (?:more|last|other|final|quick) (?:thing|question)|quick (?:one|check)"
+)
+_OPENS = re.compile(rf"^(?:(?:{_GREETING})(?:[,:;.!]+| -+)? +(?:but |and )?)+(?=\S)", re.IGNORECASE)
+_FILLER = re.compile(r"(?<=\w),? \b(?:um+|uh+|erm+)\b,?(?= )", re.IGNORECASE)
+_CLOSES = re.compile(
+    r"(?:[,;]? (?:by any chance|if you (?:don't|do not) mind|thanks in advance|question mark"
+    r"|if i may ask)|[,;] over(?: and out)?)+(?P<mark>[ .!?]*)$",
+    re.IGNORECASE,
+)
+
+
+def without_courtesies(text: str) -> str:
+    """Return `text` without what is said around its question; a text of nothing else as it is.
+
+    What models have read around questions ("please", "just asking") stays.
+    """
+    rest = _FILLER.sub("", _OPENS.sub("", text))
+    closed = _CLOSES.search(rest)
+    if closed is None:
+        return rest
+    mark = closed["mark"].strip() or ("?" if "question mark" in closed[0].lower() else "")
+    return f"{rest[: closed.start()]}{mark}"
