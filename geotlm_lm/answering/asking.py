@@ -31,7 +31,7 @@ from geotlm_lm.conversation.denials import plainly_denied
 from geotlm_lm.conversation.either_or import OF_THE_END, asked_whether_over, without_opposites
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
-from geotlm_lm.conversation.frame_questions import asks_frame, frame_to_settle
+from geotlm_lm.conversation.frame_questions import asks_frame, frame_to_settle, of_another_frame
 from geotlm_lm.conversation.indirect import asked_within
 from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.known_words import SLIP_IS_A_SLIDE, in_known_words, names_slip
@@ -39,6 +39,7 @@ from geotlm_lm.conversation.of_the_sensor import as_of_it, names_the_object
 from geotlm_lm.conversation.option_meanings import initials_spelt_out
 from geotlm_lm.conversation.place import place_in_picture
 from geotlm_lm.conversation.reasons import contact_place
+from geotlm_lm.conversation.reported import asked_of_report
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.scale import asks_scale, told_scale, with_pixel_size
 from geotlm_lm.conversation.short_questions import in_full
@@ -89,6 +90,9 @@ def answer_question(
     if not stated.is_stated and states_more(stated.rest):
         return plain(encoded, UNREAD, "frame", frame)
     asked, frame = _as_known(stated.rest, stated.frame)
+    if (another := of_another_frame(asked)) is not None:
+        answer = answer_question(bundle, encoded, another[0], frame)
+        return replace(answer, notes=(*answer.notes, another[1]))
     if (going := asked_whether_over(asked)) is not None:
         answer = answer_question(bundle, encoded, going, frame)
         is_going = answer.decided == "yes"
@@ -130,7 +134,7 @@ def _as_known(text: str, frame: FrameSpec) -> tuple[str, FrameSpec]:
 def _in_known_words(text: str, frame: FrameSpec) -> str:
     words = plainly_denied(as_words(without_context(spelt(initials_spelt_out(text)))))
     asked = without_opposites(without_adverbs(in_full(asked_within(words))))
-    asked = asked_of_axes(asked) or in_known_words(asked)
+    asked = asked_of_report(asked) or asked_of_axes(asked) or in_known_words(asked)
     return of_a_thread(asked, frame.thread is not None)
 
 

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-STILL_SO = r"\bstill (?=(?!during\b)\w+ing\b|(?:held|gripped|grasped|clamped|attached|there)\b)"
+from geotlm_lm.conversation.motion_verbs import GOES, SLIDES, TURNS, forms
+
+STILL_SO = (
+    r"\bstill (?=(?!during\b)\w+ing\b|(?:held|gripped|grasped|clamped|attached|there)\b"
+    rf"|{forms(TURNS + SLIDES + GOES, 'base', 'third')}\b|touch(?:es)?\b)"
+)
 """The "still" of what has not changed."""
 
 UP_TO_AN_END = r"\b(?:pick|set|end|show)\w* up\b"

@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from geotlm_lm.conversation.claims import asks_yes_or_no, claimed_motion
+from geotlm_lm.conversation.claims import asks_yes_or_no, claimed, claimed_motion
 from geotlm_lm.conversation.fact_words import HALF_TURN
 from geotlm_lm.conversation.kind_phrases import RULES
 from geotlm_lm.conversation.kind_words import GEL, HOLDER
@@ -73,6 +73,11 @@ _WORDS: tuple[tuple[Change, re.Pattern[str]], ...] = tuple(
 _SHOULD_I = re.compile(
     r"(?:^|[,;:.!] |\b(?:and|so|but) )(?:should|shall|must|do) (?:i|we|the \w+)\b"
 )
+_ACT = re.compile(
+    r"\b(?:push|pull|press)(?:ing)?(?: it)?\b(?= (?:to )?(?:the )?(?:left|right|up|down))"
+)
+"""What somebody does to move it a way: "should I push left?" asks for no press."""
+
 _WHICH = re.compile(r"\b(?:which|what|how|where|or)\b")
 
 
@@ -140,6 +145,19 @@ def asked_changes(question: str, kind: Change) -> Changes:
 
 def claimed_remedy(question: str) -> Motion | None:
     """Return the one motion that a yes-or-no question takes for what undoes another; else None."""
-    text = plain_text(question)
+    text = _ACT.sub(" ", plain_text(question))
     asks = asks_yes_or_no(text) or _SHOULD_I.search(text)
     return claimed_motion(text) if asks and not _WHICH.search(text) else None
+
+
+def claimed_of_change(question: str) -> frozenset[Motion]:
+    """Return the motions that a yes-or-no question claims of the changed clip; none where it asks.
+
+    "If the image were mirrored, would it slide left?"
+    """
+    text = plain_text(question)
+    if not asks_yes_or_no(text) or _WHICH.search(text):
+        return frozenset()
+    for _, words in _WORDS:
+        text = words.sub(" ", text)
+    return claimed(f"Is it so: {text}") or frozenset()

@@ -68,7 +68,8 @@ NAMES: tuple[tuple[Motion, str], ...] = (
     (
         Motion.RELEASE,
         r"\breleas(?:e|es|ed|ing)\b|\blift(?:s|ed|ing)?\b(?: off)?|\bcom(?:es|ing) off\b"
-        r"|\blet(?:ting)? go\b",
+        r"|\blet(?:ting)? go\b|\bpull(?:s|ed|ing)? (?:away|off|back)\b"
+        rf"|\bleav(?:e|es|ing) (?:the |my )?{GEL}\b",
     ),
     (Motion.PRESS, r"\b(?:press|push)(?:es|ed|ing)?\b(?: in(?:to)?| down)?"),
     (Motion.LEFT, r"\bleft(?:wards?)?\b"),
@@ -131,9 +132,9 @@ _NO_ARTICLE = r"(?<!\bthe )(?<!\ba )(?<!\bthis )(?<!\bmy )"
 _DONE = TURNS + SLIDES + GOES + PRESSES
 _PREDICATES = re.compile(
     rf"\b(?:is|are|was|were|isn't|wasn't) (?:\w+ ){{1,4}}?{_NO_ARTICLE}"
-    rf"(?:{forms(_DONE, 'gerund')}|resting)\b"
+    rf"(?:{forms(_DONE, 'gerund')}|resting|leaving)\b"
     rf"|\b(?:does|do|did|doesn't|didn't) (?:\w+ ){{1,4}}?{_NO_ARTICLE}"
-    rf"(?:{forms(_DONE, 'base')}|rest)\b"
+    rf"(?:{forms(_DONE, 'base')}|rest|leave)\b"
     r"|\b(?:is|was|isn't|wasn't) (?:it|this|that|there) (?:an? |any |some )?"
     r"(?:(?:pure|simple|real|clean) )?"
     r"(?:turn|twist|rotation|spin|slide|slip|slippage|translation|press|release)\b"

@@ -16,6 +16,7 @@ from geotlm_lm.conversation.kinds import (
     asks_direction,
     asks_whether_moving,
 )
+from geotlm_lm.conversation.known_words import in_known_words
 from geotlm_lm.conversation.quantities import quantities
 
 _SENTENCES = re.compile(r"(?<=[.!;])\s+(?=\S)")
@@ -57,6 +58,8 @@ def without_context(question: str) -> str:
     if any(_FELT.match(one.lower()) for one in before):
         return question
     is_done = all(_SOMEBODY.match(one.lower()) for one in before)
+    if is_done and in_known_words(last) != last:
+        return last  # asks for contact or slip, whatever was done
     if not (_is_open(last) or (is_done and _claims(last))):
         return question
     if motions_named(context) and (

@@ -16,12 +16,15 @@ _STAYED = (
 )
 _OTHER_SIDE = (
     r"(?:the )?(?:objects?'?s?|object's|other|opposite) (?:side|viewpoint|point of view|view)"
+    r"|the side opposite (?:(?:of|to) )?the sensor"
+    r"|(?:the|my) (?:\w+'s )?side,? opposite (?:(?:of|to) )?the sensor"
 )
 LOOK = r"(?:(?:i|we)(?:'m| am|'re| are)? |as )?(?:look|looking|see|seen|view|viewing|viewed|told)"
 _MOVED = r"(?:moved|moves|turned|turns|slid|slides|is moving|was moving)"
 _THING = r"(?!(?:sensor|gel|pad|camera|gripper|robot|finger)\b)\w+"
 _I_MOVED = rf"(?:{_SENSOR} {_MOVED}|(?:i|we) (?:moved?|turned?|rotated?) {_SENSOR})"
 _TOUCHES = r"(?:touch|touches|touched|is on|is at|presses on|sees|see|looks at|look at|holds|grips)"
+_TOUCHING = rf"(?:i'm|i am|we're|we are|{_SENSOR} is) (?:touching|holding|gripping|looking at)"
 _THREADED = r"(?:thread|threads|screw|bolt|nut|threaded)"
 _USUAL = r"(?:normal|standard|ordinary|usual|regular|common)"
 _HEADED = r"(?:screw|bolt|nut|cap|lid|knob|jar|bottle|valve|tap|plug|object)"
@@ -50,7 +53,7 @@ _HAND = (
 )
 
 _SIDE = (
-    rf"(?:{_SENSOR}|i|we) {_TOUCHES} (?:the|its) {{0}}(?: of (?:the|my) \w+)?"
+    rf"(?:(?:{_SENSOR}|i|we) {_TOUCHES}|{_TOUCHING}) (?:the|its) {{0}}(?: of (?:the|my) \w+)?"
     r"|(?:it is |it's )?(?:touched|gripped|held) (?:at|by|from|on) (?:the|its) {0}(?: side)?"
     r"|(?:the )?{0} side"
 )
@@ -101,7 +104,8 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
         {"image_mirrored": True, **_UPSIDE_DOWN},
     ),
     (
-        rf"(?:{LOOK}(?: it| at (?:it|(?:the|my) \w+))? )?from (?:{_OTHER_SIDE}|behind|the object)",
+        rf"(?:{LOOK}(?: it| at (?:it|(?:the|my) \w+))? )?from (?:{_OTHER_SIDE}|behind|the object)"
+        rf"|{LOOK} through the object",
         {"viewpoint": "object"},
     ),
     (rf"(?:i am|i'm|i stand|i sit) (?:on|at) {_OTHER_SIDE}", {"viewpoint": "object"}),

@@ -42,7 +42,7 @@ _SUPPOSED = re.compile(
     rf"|{_HOLDER} (?:was|were|had been) (?:turned|rotated) {HALF_TURN})"
     rf"|{IMAGE} (?:is|was|were|had been) {ON_ITS_HEAD}"
     rf"|{MOUNTED.format('is|was|were')} (?:upside[ -]down|on its head))"
-    rf"|had {IMAGE} been {ON_ITS_HEAD})\b\s*[,:;.]?",
+    rf"|had {IMAGE} been {ON_ITS_HEAD}|were {IMAGE} {ON_ITS_HEAD})\b\s*[,:;.]?",
     re.IGNORECASE,
 )
 """An image that is turned for the length of a question, as it is where the sensor is turned."""
@@ -91,7 +91,9 @@ _LEAD = re.compile(
     r"|actually|remember(?: that)?|so|and|now|but)[:,]? +)"
 )
 _BREAK = re.compile(
-    r"\s*(?:[,;]|\.(?!\d)|\band\b|\bbut\b)\s*|\s+(?=(?:touched|gripped|held) (?:at|by|from|on)\b)"
+    r"\s*(?:[,;]|\.(?!\d)|\band\b|\bbut\b)\s*"
+    r"|\s+(?=(?:touched|gripped|held) (?:at|by|from|on)\b"
+    r"|(?:seen|viewed) (?:at|from) (?:the|its) (?:head|shank|tip)\b)"
 )
 _ENDS = re.compile(r"[!;:,\n]|\.(?!\d)")
 

@@ -34,6 +34,13 @@ _OF_REFERENCE = re.compile(
     r"|tell (?:it|that|directions)(?: in)?))?\W*$))"
     r"(?: (?:is|are|was|were|do|did|does) .*| of .*)?\W*"
 )
+_ANOTHER = re.compile(
+    r",? ?\b(?:expressed )?(?:in|relative to|with respect to|wrt) (?:the |my )?"
+    r"(?P<name>(?:world|base|robot(?:'s)?(?: base)?|tool|tcp|flange|wrist|table|global|gripper)"
+    r"(?:'s)? (?:frame|coordinate (?:frame|system)|coordinates|axes))(?: of reference)?,?"
+)
+_NOT_KNOWN = "Nothing tells how the camera stands in the {}: ways are told as its image shows them."
+_MOVES_HOW = "Which way is it moving?"
 _TOLD = (
     "No touch tells whether the image is mirrored or turned; I take this frame: {}; say for "
     "example 'the image is mirrored' or 'the image is not mirrored'."
@@ -51,6 +58,20 @@ def frame_to_settle(text: str, frame: FrameSpec) -> str | None:
     if not (_ASKED.fullmatch(text) or _LEFT_OPEN.fullmatch(text)):
         return None
     return _TOLD.format(known(frame))
+
+
+def of_another_frame(question: str) -> tuple[str, str] | None:
+    """Return what is asked for in a frame that no recording tells of, and what to say of that.
+
+    None where no such frame is named: "which way does it go in the world frame?" names one.
+    """
+    text = plain_text(question)
+    said = _ANOTHER.search(text)
+    if said is None:
+        return None
+    rest = f"{text[: said.start()]}{text[said.end() :]}".strip()
+    is_asked = len(re.findall(r"\w+", rest)) > 1
+    return rest if is_asked else _MOVES_HOW, _NOT_KNOWN.format(said["name"])
 
 
 def asks_frame(question: str) -> bool:

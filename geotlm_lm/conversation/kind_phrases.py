@@ -18,6 +18,7 @@ from geotlm_lm.conversation.kind_words import (
 from geotlm_lm.conversation.motion_verbs import GOES, SLIDES, TURNS, forms
 
 _GO = forms(TURNS + SLIDES + GOES, "base", "third", "past")
+_ALONG = r"(?:vertically|horizontally|left[ -]to[ -]right|top[ -]to[ -]bottom)"
 _MEASURES = r"(?:degrees?|deg|mm|millimet(?:re|er)s?|pixels?|px)"
 
 COUNTED = (
@@ -58,7 +59,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\bmirror\w*\b",
         rf"\bflip(?:s|ped)? (?:(?:a|the|this|my) )?{PICTURE}\b",
         rf"\b{PICTURE} (?:\w+ ){{0,2}}flipped\b",
-        rf"{LEADS}flip(?:ped)?{ALONE}",
+        rf"{LEADS}flip(?:ped)?(?: {_ALONG})?{ALONE}",
         rf"{SUPPOSED}flipped\b|\bthe flipped direction\b",
         r"\b(?:after|in|with) (?:a|the) (?:[\w-]+ (?:to right )?)?flip\b",
     ),
@@ -184,6 +185,8 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\b(?:by )?how much\b",
         r"\b(?:amount|extent|displacement)\b",
         rf"\bhow many {COUNTED}\b",
+        rf"^\W*(?:in )?{COUNTED} ?(?:/|per) ?frame\W*$",
+        r"\btheta\b",
         rf"^(?:and |now )?in {COUNTED}(?: (?:please|then|instead|now))?\W*$",
         r"^(?:and )?(?:what(?:'s| is| was) )?(?:the |its )?(?:(?:rotation|turning) )?angle\W*$",
         rf"\b(?:more|less) than \S+ {_MEASURES}\b",

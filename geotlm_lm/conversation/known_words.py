@@ -38,6 +38,7 @@ _SAID: tuple[tuple[str, str], ...] = (
         rf"|(?:is|was) (?:the |my )?object {_JUST}(?:gone|lost|missing)"
         rf"|(?:is|was) (?:the |my )?{_HOLDER} {_JUST}(?:empty|free|clear)|empty {_HOLDER}"
         rf"|(?:is|was) (?:the |my )?{GEL} {_JUST}idle|(?:the )?(?:contact|object|{_HOLD}) lost"
+        rf"|(?:is|was) (?:{_IT}) {_JUST}(?:gone|lost)"
         rf"|lost (?:it|(?:the )?object|(?:the )?{_HOLD})",
         _IS_LOST,
     ),
@@ -46,6 +47,9 @@ _SAID: tuple[tuple[str, str], ...] = (
         rf"(?:(?:hold|holding|held|gripp?(?:ing|ed)?|grasp(?:ing|ed)?) (?:(?:the|my) \w+|{_THING})"
         rf"|(?:got|have|caught|got hold of) {_THING})"
         rf"|(?:do|did|can|could) you (?:feel|sense|detect|notice) {_THING}"
+        rf"|(?:do|did|have) (?:i|we) (?:have|got|get) (?:any |a )?contact"
+        rf"|(?:is|was) there {_THING} (?:in|inside|between) (?:the|my|its|our) "
+        rf"(?:gripper|hand|jaws?|fingers?|{_HOLD})"
         r"|anything|something|(?:is |was )?(?:an |any )?object (?:present|detected)"
         r"|(?:is|was) there really (?:something|anything)"
         rf"|(?:is|was) {_IT} {_JUST}(?:being )?(?:held|gripped|grasped)"

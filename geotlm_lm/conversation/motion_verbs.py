@@ -51,6 +51,7 @@ drift drifts drifted drifting
 PRESSES = _verbs("""
 press presses pressed pressing
 push pushes pushed pushing
+pull pulls pulled pulling
 lift lifts lifted lifting
 release releases released releasing
 """)

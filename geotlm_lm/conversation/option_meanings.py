@@ -20,8 +20,14 @@ _REST = re.compile(
 
 _INITIALS = {"l": "left", "r": "right", "u": "up", "d": "down"}
 _INITIAL = r"[lrud]"
-_ONLY_INITIALS = re.compile(rf"\W*{_INITIAL}(?:(?: ?[,/] ?| )(?:or )?{_INITIAL}){{1,3}}\W*")
-_NEITHER = re.compile(r"(?:,| or) (?:neither|none of (?:these|them)|something else)\W*$")
+_CHOOSE = r"(?:(?:return|answer|reply|say|output|print|choose|pick)(?: with)?(?: one of)?:? )?"
+_ONLY_INITIALS = re.compile(
+    rf"\W*{_CHOOSE}{_INITIAL}(?:(?: ?[,/] ?| )(?:or )?{_INITIAL}){{1,3}}\W*"
+)
+_NEITHER = re.compile(
+    r"(?:,|/| or) ?(?:neither|none(?: of (?:these|them))?|something else|not \w+ing"
+    r"|no (?:rotation|turn|slide|slip|motion|movement))\W*$"
+)
 
 OptionSets = Mapping[str, tuple[str, frozenset[Motion]]]
 """By label the words of an option and the motions of which it is true."""

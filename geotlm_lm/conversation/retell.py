@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from geotlm_lm.conversation.changes import asked_changes, claimed_remedy
+from geotlm_lm.conversation.changes import asked_changes, claimed_of_change, claimed_remedy
 from geotlm_lm.conversation.claims import claimed, motions_named, offered_options
 from geotlm_lm.conversation.doubts import doubted
 from geotlm_lm.conversation.half_ways import Half, asked_half, claimed_half, way_of
@@ -89,10 +89,14 @@ def _changed(felt: Felt) -> Told:
         return f"{said[:-1]}{ends}."
 
     told = directed(felt, frame, text, changes.of)
-    claim = claimed_remedy(felt.question) if "undo" in changes.names else None
-    if claim is None:
+    if "undo" in changes.names:
+        claims = {claimed_remedy(felt.question)} - {None}
+    else:
+        claims = claimed_of_change(felt.question)
+    if not claims:
         return told
-    share, word = told.options.get(claim.value, 0.0), "yes" if claim == told.direction else "no"
+    share = min(sum(told.options.get(motion.value, 0.0) for motion in claims), 1.0)
+    word = "yes" if told.direction in claims else "no"
     return replace(
         told,
         text=f"{word.capitalize()}, {lowered(told.text)}",

@@ -18,7 +18,8 @@ _SCALE_IS = (
     r"|(?:(?:(?:the|a) )?(?:scale|resolution) (?:is|of)|it is|it's|at) )?"
 )
 _PIXEL_IS = (
-    rf"(?:(?:a|one|1|each|every) {_PIXEL}|(?:(?:the|a) )?(?:pixel size|size of (?:a|one) {_PIXEL})|"
+    rf"(?:(?:a|one|1|each|every|my|the) {_PIXEL}"
+    rf"|(?:(?:the|a|my) )?(?:pixel (?:size|pitch|spacing)|size of (?:a|one) {_PIXEL})|"
     rf"(?:the |my )?pixels)"
 )
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.conversation.changes import asked_changes, claimed_remedy
+from geotlm_lm.conversation.changes import asked_changes, claimed_of_change, claimed_remedy
 from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.retell import CAMERA, Felt, retell
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -166,3 +166,23 @@ def test_a_question_of_the_templates_supposes_one_change(type_id, wordings):
         for asked in questions_for(label, rng, types=[type_id], wordings=wordings, per_type=8):
             assert asked_changes(asked.question, kind).names == {kind}, asked
             assert claimed_remedy(asked.question) is None, asked
+
+
+@pytest.mark.parametrize(
+    ("question", "claims"),
+    [
+        ("If the image were mirrored, would it slide left?", {Motion.LEFT}),
+        ("Is it clockwise if flipped left to right?", {Motion.CLOCKWISE}),
+        ("played backwards, is it turning?", set(ROTATIONS)),
+        ("If the image were mirrored, which way would it slide?", set()),
+        ("mirrored, is it going left or right?", set()),
+        ("and mirrored?", set()),
+    ],
+)
+def test_a_claim_of_the_changed_clip_is_read(question, claims):
+    assert claimed_of_change(question) == claims
+
+
+def test_who_pushes_asks_for_no_press():
+    assert claimed_remedy("To bring it back, should I push left?") == Motion.LEFT
+    assert claimed_remedy("should I press to undo it?") == Motion.PRESS

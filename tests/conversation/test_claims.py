@@ -5,6 +5,7 @@ import pytest
 from geotlm_lm.conversation.claims import (
     claimed,
     claimed_class,
+    claimed_motion,
     claims_motion,
     motions_named,
     nearly_named,
@@ -207,3 +208,22 @@ def test_which_finger_it_is_is_no_motion(text, named):
 )
 def test_what_is_left_out_is_not_claimed_and_edges_are_ways(text, motions):
     assert claimed(text) == motions
+
+
+@pytest.mark.parametrize(
+    ("text", "motion"),
+    [
+        ("is the coin being pulled away?", Motion.RELEASE),
+        ("is it leaving the sensor?", Motion.RELEASE),
+        ("does it still touch?", None),
+        ("does it still turn?", None),
+        ("is it still?", Motion.STILL),
+    ],
+)
+def test_what_leaves_is_lifted_and_what_still_goes_is_not_still(text, motion):
+    assert claimed_motion(text) == motion
+
+
+@pytest.mark.parametrize("text", ["is the coin leaving the gel?", "is it slipping or not?"])
+def test_claims_of_leaving_and_those_that_ask_or_not_are_claims(text):
+    assert claims_motion(text)

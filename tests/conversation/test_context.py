@@ -85,3 +85,8 @@ def test_what_somebody_did_is_no_claim_about_what_is_felt(question, asked):
 )
 def test_what_is_taken_for_granted_of_the_object_stays(question):
     assert without_context(question) == question
+
+
+def test_what_somebody_did_is_context_of_a_question_for_contact():
+    asked = "Is there anything in the hand?"
+    assert without_context(f"The robot closed its hand and missed. {asked}") == asked

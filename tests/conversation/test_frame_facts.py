@@ -338,3 +338,27 @@ def test_a_fact_is_taken_back_in_ordinary_words(text, before, after):
 )
 def test_what_may_be_said_of_the_object_takes_nothing_back(text):
     assert not read_facts(text, MIRRORED).is_stated
+
+
+@pytest.mark.parametrize(
+    ("text", "fields"),
+    [
+        (
+            "a standard right-hand thread seen from the head",
+            {"thread": "right", "contact_side": "head"},
+        ),
+        ("I'm touching the head", {"contact_side": "head"}),
+        ("My pixel is 0.05 mm.", {"mm_per_px": 0.05}),
+        ("pixel pitch is 60 \u00b5m", {"mm_per_px": 0.06}),
+        ("I look through the object", {"viewpoint": "object"}),
+        ("viewed from the operator's side, opposite the sensor", {"viewpoint": "object"}),
+    ],
+)
+def test_facts_in_the_words_of_a_workshop_are_read(text, fields):
+    assert read_facts(text, FrameSpec()).frame == FrameSpec(**fields)
+
+
+def test_an_image_that_were_upside_down_holds_for_its_question():
+    stated = read_facts("Were the picture upside down, would it be going down?", FrameSpec())
+    assert (stated.frame.image_upside_down, stated.lasting) == (True, FrameSpec())
+    assert stated.rest == "is it going down?"

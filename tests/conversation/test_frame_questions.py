@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.conversation.frame_questions import asks_frame, frame_to_settle
+from geotlm_lm.conversation.frame_questions import (
+    asks_frame,
+    frame_to_settle,
+    of_another_frame,
+)
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
@@ -73,3 +77,22 @@ def test_no_template_of_a_mirrored_clip_asks_for_one():
 )
 def test_who_asks_for_the_frame_of_reference_is_understood(text, asks):
     assert asks_frame(text) is asks
+
+
+@pytest.mark.parametrize(
+    ("question", "rest", "name"),
+    [
+        ("In the world frame, which way does it turn?", "which way does it turn?", "world frame"),
+        ("is it clockwise in robot base coordinates?", "is it clockwise?", "robot base coord"),
+        ("in the tool frame?", "Which way is it moving?", "tool frame"),
+    ],
+)
+def test_a_frame_that_nothing_tells_of_is_named(question, rest, name):
+    asked, said = of_another_frame(question)
+    assert asked == rest
+    assert name in said
+
+
+@pytest.mark.parametrize("question", ["in the last frame?", "in the camera frame", "which way?"])
+def test_other_frames_are_none_of_these(question):
+    assert of_another_frame(question) is None

@@ -303,3 +303,22 @@ def test_no_question_of_another_kind_asks_whether_anything_moves():
 )
 def test_an_amount_is_asked_for_beside_a_motion_taken_for_granted(question, kind, amount):
     assert (asked_kind(question), asked_amount(question)) == (kind, amount)
+
+
+@pytest.mark.parametrize(
+    ("question", "kind"),
+    [
+        ("px/frame?", "magnitude"),
+        ("deg per frame", "magnitude"),
+        ("Report theta in radians.", "magnitude"),
+        ("is it up if flipped vertically?", "mirrored"),
+        ("give me dx and dy", "magnitude"),
+    ],
+)
+def test_kinds_in_the_words_of_engineers(question, kind):
+    assert asked_kind(question) == kind
+
+
+def test_a_sense_of_rotation_is_a_direction():
+    assert asks_direction("what is the sense of rotation?")
+    assert asks_direction("rotation sign")

@@ -136,3 +136,15 @@ def test_no_question_of_the_templates_is_read_otherwise(wordings):
 )
 def test_a_motion_called_slip_is_known(text, names):
     assert names_slip(text) is names
+
+
+@pytest.mark.parametrize(
+    ("question", "known"),
+    [
+        ("do we have contact", "Is anything touching the gel?"),
+        ("Is there anything in the hand?", "Is anything touching the gel?"),
+        ("is it gone?", "Has contact been lost?"),
+    ],
+)
+def test_contact_in_the_words_of_a_radio(question, known):
+    assert in_known_words(question) == known

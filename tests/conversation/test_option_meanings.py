@@ -110,3 +110,19 @@ def test_no_question_of_the_templates_is_read_otherwise(wordings):
             assert option_sets(asked.question) is None, asked
             assert not offers_neither(asked.question), asked
             assert initials_spelt_out(asked.question) == asked.question
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "clockwise / counterclockwise / not rotating",
+        "left or right, no motion?",
+        "up, down or none",
+    ],
+)
+def test_what_is_none_of_them_may_be_said_so(question):
+    assert offers_neither(question)
+
+
+def test_initials_after_a_command_are_spelt_out():
+    assert initials_spelt_out("return L, R, U or D") == "left or right or up or down?"

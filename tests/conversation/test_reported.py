@@ -1,0 +1,38 @@
+"""A claim of somebody else is judged as if it were asked."""
+
+import pytest
+
+from geotlm_lm.conversation.reported import asked_of_report
+
+
+@pytest.mark.parametrize(
+    ("text", "asked"),
+    [
+        (
+            "My colleague claims it slid to the left. Is he right?",
+            "Is it true that it slid to the left?",
+        ),
+        ("The log says it went right. Is that wrong?", "Is it false that it went right?"),
+        ("I think it turns clockwise, am I right?", "Is it true that it turns clockwise?"),
+        (
+            "My colleague says it goes left but I say right. Who is right?",
+            "Which way is it moving?",
+        ),
+    ],
+)
+def test_what_is_reported_is_asked(text, asked):
+    assert asked_of_report(text) == asked
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Is it going right?",
+        "Who is right?",
+        "He says it is red. Is he right?",
+        "My colleague says it goes left.",
+        "It slid to the left. Is that right?",
+    ],
+)
+def test_other_texts_report_nothing(text):
+    assert asked_of_report(text) is None
