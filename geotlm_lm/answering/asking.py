@@ -11,6 +11,7 @@ from typing import Any
 
 from geotlm_lm.answering.amount_verdicts import judged_amount
 from geotlm_lm.answering.answer import Answer, Encoded, evidence
+from geotlm_lm.answering.hearing import OPEN_QUESTION
 from geotlm_lm.answering.joining import both
 from geotlm_lm.answering.leaning import with_lean
 from geotlm_lm.answering.overruling import read_by_rule
@@ -24,7 +25,7 @@ from geotlm_lm.conversation.about_recording import (
     asked_of_recording,
     told_of_recording,
 )
-from geotlm_lm.conversation.claims import without_adverbs
+from geotlm_lm.conversation.claims import asks_both_kinds, without_adverbs
 from geotlm_lm.conversation.context import without_context
 from geotlm_lm.conversation.courtesies import without_courtesies
 from geotlm_lm.conversation.denials import plainly_denied
@@ -54,7 +55,7 @@ from geotlm_lm.conversation.statements import UNREAD, states_more
 from geotlm_lm.conversation.thread_words import of_a_thread
 from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.conversation.two_parts import two_parts
-from geotlm_lm.conversation.untold import asks_place, never_told, untold
+from geotlm_lm.conversation.untold import ONE_KIND, asks_place, never_told, untold
 from geotlm_lm.conversation.wording import capitalised, known
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import ROTATIONS
@@ -90,13 +91,11 @@ def answer_question(
     if not stated.is_stated and states_more(stated.rest):
         return plain(encoded, UNREAD, "frame", frame)
     asked, frame = _as_known(stated.rest, stated.frame)
-    if (another := of_another_frame(asked)) is not None:
-        answer = answer_question(bundle, encoded, another[0], frame)
-        return replace(answer, notes=(*answer.notes, another[1]))
-    if (going := asked_whether_over(asked)) is not None:
-        answer = answer_question(bundle, encoded, going, frame)
-        is_going = answer.decided == "yes"
-        return replace(answer, notes=(*answer.notes, OF_THE_END)) if is_going else answer
+    if (limited := _as_far_as_known(asked)) is not None:
+        rest, limit = limited
+        answer = answer_question(bundle, encoded, rest, frame)
+        is_limited = limit != OF_THE_END or answer.decided == "yes"
+        return replace(answer, notes=(*answer.notes, limit)) if is_limited else answer
     parts = two_parts(asked)
     if parts is not None:
         return both(*(answer_question(bundle, encoded, part, frame) for part in parts))
@@ -136,6 +135,19 @@ def _in_known_words(text: str, frame: FrameSpec) -> str:
     asked = without_opposites(without_adverbs(in_full(asked_within(words))))
     asked = asked_of_report(asked) or asked_of_axes(asked) or in_known_words(asked)
     return of_a_thread(asked, frame.thread is not None)
+
+
+def _as_far_as_known(asked: str) -> tuple[str, str] | None:
+    """Return what of a question a recording tells of, and what it does not; None where it may all.
+
+    Whether a motion is over is limited only where it goes at all.
+    """
+    if (another := of_another_frame(asked)) is not None:
+        return another
+    if asks_both_kinds(asked):
+        return OPEN_QUESTION, ONE_KIND
+    going = asked_whether_over(asked)
+    return None if going is None else (going, OF_THE_END)
 
 
 def _with_slip_told(asked: str, answer: Answer) -> Answer:

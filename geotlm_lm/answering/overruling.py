@@ -6,20 +6,13 @@ from collections.abc import Mapping
 
 from geotlm_lm.answering.answer import offered_letters
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
-from geotlm_lm.conversation.claims import (
-    claimed,
-    claimed_motion,
-    claims_end,
-    claims_motion,
-    motions_named,
-    nearly_named,
-    offered_options,
-)
+from geotlm_lm.conversation.claims import claimed, claims_end, claims_motion, offered_options
 from geotlm_lm.conversation.existence import passes_for, speaks_of_motion
 from geotlm_lm.conversation.half_ways import asked_half, claimed_half
 from geotlm_lm.conversation.indirect import claim_within
 from geotlm_lm.conversation.kind_choices import offered_kinds
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
+from geotlm_lm.conversation.motion_names import claimed_motion, motions_named, nearly_named
 from geotlm_lm.conversation.option_meanings import offers_neither, option_sets
 from geotlm_lm.conversation.retell import VERDICTS
 from geotlm_lm.conversation.whole_claims import whole_claim

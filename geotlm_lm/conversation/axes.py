@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.motion_verbs import TURN
+from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
 from geotlm_lm.core.labels import Motion
 
 _MOTION = r"(?:motion|movement|slide|slip|shift|direction)"
+_IS_IT = r"(?:is|was) (?:it|this)"
 _ALONG = r"(?:along|in|on)(?: the)? [+-]?"
 _TURNING = re.compile(rf"\b{TURN}")
 
@@ -15,12 +16,12 @@ _AXES = (
     (
         frozenset({Motion.LEFT, Motion.RIGHT}),
         rf"\b(?:horizontally|sideways|sidewards?|(?:from )?side to side|{_ALONG}x"
-        rf"|horizontal {_MOTION}|{_MOTION} (?:\w+ )?(?:horizontal|sideways))\b",
+        rf"|horizontal {_MOTION}|(?:{_MOTION}|{_IS_IT}) (?:\w+ )?(?:horizontal|sideways))\b",
     ),
     (
         frozenset({Motion.UP, Motion.DOWN}),
         rf"\b(?:vertically|up and down|{_ALONG}(?:x (?:and|or) )?y|vertical {_MOTION}"
-        rf"|{_MOTION} (?:\w+ )?vertical)\b",
+        rf"|(?:{_MOTION}|{_IS_IT}) (?:\w+ )?vertical)\b",
     ),
     (frozenset({Motion.PRESS, Motion.RELEASE}), rf"\b{_ALONG}z\b"),
 )
@@ -32,6 +33,8 @@ COMPONENTS = (
     rf"\bd ?x{_AND}d ?y\b|\bdelta[ -]?x{_AND}(?:delta[ -]?)?y\b|\bx{_AND}(?:the )?y[ -]{_EXTENT}\b"
     rf"|\b{_LEVEL}{_AND}(?:the )?{_LEVEL} {_EXTENT}\b"
     r"|\b(?:translation|displacement|motion|slide|sliding|shift|slip) vector\b"
+    r"|^\W*(?:the )?d ?[xy](?: (?:in )?(?:px|pixels|mm))?\W*$|\bheading in (?:degrees|radians)\b"
+    rf"|\b(?:at|in) (?:what|which) angle (?:does|did|is|was) \S+(?: \w+)? (?:{SLIDE}|{GO}|go)"
     rf"|\bcomponents of (?:the|its) {_MOTION}"
     r"|\bhow (?:much|far|fast|many \w+)(?: (?:is|was|did|does) \S+(?: \w+)?)? "
     r"(?:(?:in|along)(?: the)? x|horizontally)\b.* (?:(?:in|along)(?: the)? y|vertically)\b"

@@ -10,10 +10,11 @@ import re
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from geotlm_lm.conversation.claims import asks_yes_or_no, claimed, claimed_motion
+from geotlm_lm.conversation.claims import asks_yes_or_no, claimed
 from geotlm_lm.conversation.fact_words import HALF_TURN
 from geotlm_lm.conversation.kind_phrases import RULES
 from geotlm_lm.conversation.kind_words import GEL, HOLDER
+from geotlm_lm.conversation.motion_names import claimed_motion
 from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE, TURN
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.frame_spec import FrameSpec

@@ -1,13 +1,12 @@
-"""Which motions a text names, by their words alone; doubtful words name nothing."""
+"""Of which motions a yes-or-no question claims that they go on, by its words alone."""
 
 from __future__ import annotations
 
 import re
-from difflib import get_close_matches
 
-from geotlm_lm.conversation.asides import ONE_OF_TWO, STILL_SO, UP_TO_AN_END
+from geotlm_lm.conversation.asides import STILL_SO
 from geotlm_lm.conversation.axes import claimed_axis
-from geotlm_lm.conversation.kind_words import GEL
+from geotlm_lm.conversation.motion_names import LOST_CONTACT, claimed_motion, motions_named
 from geotlm_lm.conversation.motion_verbs import (
     GOES,
     PRESSES,
@@ -21,71 +20,12 @@ from geotlm_lm.conversation.option_labels import labelled
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class
 
-_TO = r"\b(?:to|towards?)"
-_TOWARDS, _EDGE = rf"{_TO}(?: the)?", r"(?:edge|border|side|end)\b"
-
-_TURNING = rf"\b{TURN}(?:s|es|ed|n?ing|e)?(?: to(?:wards)? the)?"
-"""What turns left turns counterclockwise, as a cap does: "left" alone would be a slide."""
-
-_LOST_CONTACT = (
-    r"(?<!without )\b(?:lost|los(?:e|es|ing)|broken?|breaks?|ended) (?:the |its |all )?contact\b"
-    r"|\bcontact (?:(?:is|was|has|been|being|just|already) ){0,3}(?:lost|gone|broken|ended|over)\b"
-    r"|\b(?:been|was|got) let go\b"
-)
-
-_NO_MOTION = re.compile(
-    r"am i right|(?:what|which|option|answer|letter|one) is right|(?:is|was|sounds?) that right"
-    r"|(?:are|be) right|right (?:or wrong|that|to say|now)"
-    r"|, right\b(?!,? (?:\w+,? )?or\b)|\b(?:upper|lower|left|right|both) hal(?:f|ves)"
-    r"|(?:left|right)[ -]hand\w*"
-    r"|left[ -](?:to[ -])?right|up to\b|upside[ -]down|speed\w* up|slow\w* down|screw\w* in"
-    r"|\bwithout (?:los|break)ing (?:the )?contact\b"
-    r"|\b(?:from|along|off|at) the (?:left|right|top|bottom|upper|lower)\b"
-    rf"|{STILL_SO}|{UP_TO_AN_END}|{ONE_OF_TWO}"
-)
-"""Words of motion in another sense; taken out before motions are looked for."""
-
 _BESIDES = re.compile(r"\b(?:without|anything but|other than|apart from)(?: any)? \w+")
 """What a claim leaves out: "does it move without slipping?"."""
 
-NAMES: tuple[tuple[Motion, str], ...] = (
-    (
-        Motion.COUNTERCLOCKWISE,
-        rf"\b(?:counter|anti)[ -]?clock-?wise\b|\bccw\b|{_TURNING} left(?:wards?)?\b",
-    ),
-    (Motion.CLOCKWISE, rf"\bclock-?wise\b|\bcw\b|{_TURNING} right(?:wards?)?\b"),
-    (
-        Motion.NONE,
-        r"\bno contact\b|\bnot (?:touching|in contact)\b|\buntouched\b|\bout of contact\b"
-        rf"|\baway from the {GEL}\b|\boff the {GEL} entirely\b|\bempty {GEL}\b|\bnothing\b"
-        rf"|{_LOST_CONTACT}",
-    ),
-    (
-        Motion.STILL,
-        r"\bstill\b|\bat rest\b|\bstatic\b|\bstationary\b|\bat a standstill\b"
-        rf"|\bresting(?: on the {GEL})?\b|\bmotionless\b",
-    ),
-    (
-        Motion.RELEASE,
-        r"\breleas(?:e|es|ed|ing)\b|\blift(?:s|ed|ing)?\b(?: off)?|\bcom(?:es|ing) off\b"
-        r"|\blet(?:ting)? go\b|\bpull(?:s|ed|ing)? (?:away|off|back)\b"
-        rf"|\bleav(?:e|es|ing) (?:the |my )?{GEL}\b",
-    ),
-    (Motion.PRESS, r"\b(?:press|push)(?:es|ed|ing)?\b(?: in(?:to)?| down)?"),
-    (Motion.LEFT, r"\bleft(?:wards?)?\b"),
-    (Motion.RIGHT, r"\bright(?:wards?)?\b"),
-    (Motion.UP, rf"\bup(?:wards?)?\b|{_TO} the top\b|{_TOWARDS} (?:upper|top) {_EDGE}"),
-    (
-        Motion.DOWN,
-        rf"\bdown(?:wards?)?\b|{_TO} the bottom\b|{_TOWARDS} (?:lower|bottom) {_EDGE}",
-    ),
-)
-"""In the order they are looked for; what is found is taken out, so that "counterclockwise" names no
-clockwise turn and "pressing down" no slide."""
-
 CLASS_NAMES: tuple[tuple[MotionClass, str], ...] = (
     (MotionClass.ROTATION, rf"\b{TURN}\w*"),
-    (MotionClass.SLIDE, rf"\b(?:{SLIDE}|translat)\w*"),
+    (MotionClass.SLIDE, rf"\b{SLIDE}\w*"),
 )
 """Words of a kind of motion that leave its direction open."""
 
@@ -135,8 +75,8 @@ _PREDICATES = re.compile(
     rf"(?:{forms(_DONE, 'gerund')}|resting|leaving)\b"
     rf"|\b(?:does|do|did|doesn't|didn't) (?:\w+ ){{1,4}}?{_NO_ARTICLE}"
     rf"(?:{forms(_DONE, 'base')}|rest|leave)\b"
-    r"|\b(?:is|was|isn't|wasn't) (?:it|this|that|there) (?:an? |any |some )?"
-    r"(?:(?:pure|simple|real|clean) )?"
+    r"|\b(?:is|was|isn't|wasn't) (?:it|this|that|there|(?:the|this) (?:motion|movement)) "
+    r"(?:an? |any |some )?(?:(?:pure|simple|real|clean) )?"
     r"(?:turn|twist|rotation|spin|slide|slip|slippage|translation|press|release)\b"
     r"|\b(?:is|was) (?:\w+ ){1,3}?(?:stationary|motionless|at rest|at a standstill)\b"
 )
@@ -149,55 +89,9 @@ _OF_SOMETHING_ELSE = re.compile(
 )
 """Words by which a question is about another time, another actor or what no touch tells."""
 
-_OFTEN_MISTYPED = (
-    "clockwise",
-    "counterclockwise",
-    "anticlockwise",
-    "left",
-    "right",
-    "leftwards",
-    "rightwards",
-    "upwards",
-    "downwards",
-    "down",
-    "still",
-    "pressing",
-    "pushing",
-    "lifting",
-    "releasing",
-    "touching",
-)
-
-ALIKE = 0.85
-"""Similarity from which a word may be a mistyped other one: of "pressing" without an s it is 0.93,
-of "shifting" and "lifting" 0.80."""
-
 _OR_NOT = re.compile(r",? or not\b(?! \w)")
 
 _STILL_GOING = re.compile(rf"{STILL_SO}|\bstill (?=in contact\b)", re.IGNORECASE)
-
-
-def motions_named(text: str) -> set[Motion]:
-    """Return every motion that `text` names."""
-    text = _NO_MOTION.sub(" ", plain_text(text))
-    found = set()
-    for motion, words in NAMES:
-        text, count = re.subn(words, " ", text)
-        if count:
-            found.add(motion)
-    return found
-
-
-def claimed_motion(text: str) -> Motion | None:
-    """Return the one motion that `text` names; None if it names none, or several."""
-    named = motions_named(text)
-    return named.pop() if len(named) == 1 else None
-
-
-def nearly_named(text: str) -> bool:
-    """Tell whether a word of `text` may be a mistyped motion, such as "clokwise"."""
-    words = re.findall(r"[a-z]+", _NO_MOTION.sub(" ", text.lower()))
-    return any(get_close_matches(word, _OFTEN_MISTYPED, 1, ALIKE) for word in words)
 
 
 def asks_yes_or_no(text: str) -> bool:
@@ -219,7 +113,7 @@ def claims_end(text: str) -> bool:
     text = _OR_NOT.sub(" ", plain_text(text))
     if not asks_yes_or_no(text) or _ANOTHER_TIME.search(text) or _NO_END.search(text):
         return False
-    return bool(_ENDED.search(text) or re.search(_LOST_CONTACT, text))
+    return bool(_ENDED.search(text) or re.search(LOST_CONTACT, text))
 
 
 def claimed(question: str) -> frozenset[Motion] | None:
@@ -276,7 +170,7 @@ def claims_motion(text: str) -> bool:
     Touch can tell that, in whatever words the rest is asked. Of 9,000 questions from the templates
     about contact, about any motion at all or beyond touch, none passes for one.
     """
-    text = _OR_NOT.sub(" ", plain_text(text))
+    text = _BESIDES.sub(" ", _OR_NOT.sub(" ", plain_text(text)))
     if claims_end(text):
         return True
     if _OF_SOMETHING_ELSE.search(text):
@@ -291,6 +185,19 @@ def claims_motion(text: str) -> bool:
     if len(kinds) > 1:
         return False  # asks which of them it is
     return claimed_motion(text) is not None or claimed_class(text) is not None
+
+
+_BOTH = re.compile(
+    r"\b(?:as well as|and also|and at the same time|plus|combin\w+|together with|and simultaneously"
+    r"|while also|both)\b"
+)
+
+
+def asks_both_kinds(text: str) -> bool:
+    """Tell whether `text` asks if it turns and slides at once."""
+    text = plain_text(text)
+    kinds = {kind for kind, words in CLASS_NAMES if re.search(words, text)}
+    return len(kinds) == 2 and bool(_BOTH.search(text)) and not motions_named(text)
 
 
 def offered_options(question: str) -> dict[str, Motion]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import asks_yes_or_no, claimed, motions_named, offered_options
+from geotlm_lm.conversation.claims import asks_yes_or_no, claimed, offered_options
 from geotlm_lm.conversation.kind_words import PICTURE
 from geotlm_lm.conversation.kinds import (
     asked_amount,
@@ -17,6 +17,7 @@ from geotlm_lm.conversation.kinds import (
     asks_whether_moving,
 )
 from geotlm_lm.conversation.known_words import in_known_words
+from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.quantities import quantities
 
 _SENTENCES = re.compile(r"(?<=[.!;])\s+(?=\S)")

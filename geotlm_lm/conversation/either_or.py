@@ -29,6 +29,12 @@ _OPENS = (
     r"|gripper|finger)\w+) (?:(?:now|moving|sliding|going|move|slide|go) )?)?"
 )
 
+_CONTACT = r"(?:(?:is|was|did|does|has) (?:the )?contact (?:being |been )?)?"
+_MADE, _BROKEN = (
+    r"(?:made?|mak(?:e|ing)|beg(?:in|an|inning)|start(?:ed|ing)?|established)",
+    r"(?:br(?:eak|eaking|oken)|lost|los(?:e|ing)|end(?:ed|ing)?|stop(?:ped|ping)?)",
+)
+
 
 def _either(one: str, other: str) -> re.Pattern[str]:
     """Return what matches a whole question that offers both, in either order."""
@@ -45,6 +51,7 @@ _OPPOSITES = (
     (_either(_AHEAD, _BACK), _MOVES_HOW),
     (re.compile(rf"\W*{_SIGNED}(?:positive or negative|negative or positive)\W*"), _MOVES_HOW),
     (_either(_TOUCH, _NO_TOUCH), _IS_TOUCHED),
+    (re.compile(rf"\W*{_CONTACT}(?:{_MADE} or {_BROKEN}|{_BROKEN} or {_MADE})\W*"), _MOVES_HOW),
 )
 
 

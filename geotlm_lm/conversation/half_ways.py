@@ -6,7 +6,8 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from geotlm_lm.conversation.claims import asks_yes_or_no, claimed_motion
+from geotlm_lm.conversation.claims import asks_yes_or_no
+from geotlm_lm.conversation.motion_names import claimed_motion
 from geotlm_lm.conversation.motion_verbs import GOES, forms
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, reverse

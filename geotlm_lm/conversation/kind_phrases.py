@@ -198,7 +198,8 @@ RULES: dict[str, tuple[str, ...]] = {
         rf"\b{MOVEMENT} (?:angle|distance)\b",
         r"\b(?:what(?:'s| is| was) the|by (?:what|which)|give(?: me)? the|tell me the) (?:total )?"
         r"(?:angle|distance)\b(?! (?:between|from|to|of (?:view|the axis)))",
-        r"^(?:the )?(?:angle|distance)(?: in \w+)?\W*$",
+        rf"^(?:the )?(?:angle|distance)(?: in \w+| {_MEASURES})?\W*$",
+        rf"\b(?:express|report|give|convert|state)\b.* in {COUNTED}\W*$",
     ),
 }
 """Words that tell each kind, in the order the kinds are tried."""

@@ -11,8 +11,9 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
-from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered_options
+from geotlm_lm.conversation.claims import offered_options
 from geotlm_lm.conversation.kind_phrases import COUNTED, MOVEMENT, RULES
+from geotlm_lm.conversation.motion_names import claimed_motion, motions_named
 from geotlm_lm.conversation.motion_verbs import STIR, WOBBLE
 from geotlm_lm.conversation.plain_text import plain_text
 

@@ -18,7 +18,7 @@ _WHO = r"(?:i|we|you|the (?:gripper|robot|hand))"
 _THING = r"(?:it|something|anything|(?:an|the|my) object)"
 _JUST = r"(?:(?:just|already|now|still|really|actually) )?"
 _LEAD = r"(?:(?:and|so|ok|now|but|hey|please|tell me)[,:]? +)*"
-_TAIL = r"(?:[,.:;?]? *(?:please|yes or no|or not|answer yes or no|now|at all|again|yet))*[ ?.!]*"
+_TAIL = r"(?:[,.:;?]? *(?:please|yes or no|or not|answer yes or no|now|at all|again|yet))*[ ?.!=]*"
 _SLIP = r"(?:slip(?:s|page|ping)?)"
 
 _IS_TOUCHED = "Is anything touching the gel?"

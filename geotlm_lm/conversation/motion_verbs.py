@@ -8,7 +8,7 @@ Form = Literal["base", "third", "past", "gerund"]
 Verb = tuple[str, str, str, str]
 
 TURN = r"(?:turn|rotat|twist|spin|spun|swivel|revolv)"
-SLIDE = r"(?:slid|slip|drag|glid|skid)"
+SLIDE = r"(?:slid|slip|drag|glid|skid|translat)"
 GO = r"(?:mov|travel|shift|creep|drift)"
 STIR = r"(?:budg|stirr?)"
 WOBBLE = r"(?:wiggl|jiggl|wobbl)"
@@ -37,6 +37,7 @@ slip slips slipped slipping
 drag drags dragged dragging
 glide glides glided gliding
 skid skids skidded skidding
+translate translates translated translating
 """)
 GOES = _verbs("""
 go goes went going

@@ -11,6 +11,14 @@ _BEFORE, _ALSO_BEFORE = (
     re.compile(rf"\(?({label})[).:=]\s*(.*?)(?=[,;]?\s*\(?{label}|$)")
     for label in (_LETTER, _LISTED)
 )
+_STANDS_FOR = re.compile(
+    r"\b([A-F0-6]) (?:FOR|IF|MEANS|MEANING|WHEN|STANDS FOR) (.+?)"
+    r"(?=[,;.]? (?:AND |OR |ELSE )*(?:(?:SAY|ANSWER|REPLY|RETURN|WITH) )?[A-F0-6] |[.?!]|$)"
+)
+_SAID_IF = re.compile(
+    r"\bIF (?!YOU\b)([^,;.]+?),? (?:THEN )?(?:SAY|ANSWER|REPLY|RETURN|PICK|CHOOSE|PRINT|WRITE)"
+    r"(?: WITH)? ([A-F0-6])\b"
+)
 _BEHIND = re.compile(r"([^()]*)\(([A-F1-6])\)")
 _TAIL = re.compile(
     r"[.?!;]+(?:\s.*)?$|\s(?:(?:answer|reply) with|which\b"
@@ -24,8 +32,9 @@ Labelled = list[tuple[str, str]]
 def labelled(text: str, says: Callable[[str], bool]) -> Labelled:
     """Return every label of a multiple choice with the words of its option.
 
-    Labels stand before their options, "A) left" or "1. left", or in brackets behind them, "left
-    (A)": they are read the way in which more options say something, before where both say as much.
+    Labels stand before their options, "A) left", "1. left" or "A for left", or behind them, "left
+    (A)" or "if left say A": they are read the way in which more options say something, before where
+    both say as much.
 
     Args:
         text: In upper case.
@@ -33,7 +42,9 @@ def labelled(text: str, says: Callable[[str], bool]) -> Labelled:
     """
     before = _BEFORE.findall(text)
     before = max(before, _in_sequence(_ALSO_BEFORE.findall(text)), key=len)
+    before = max(before, _STANDS_FOR.findall(text), key=len)
     behind = [(label, option) for option, label in _BEHIND.findall(text)]
+    behind = behind or [(label, option) for option, label in _SAID_IF.findall(text)]
 
     def understood(found: Labelled) -> int:
         return sum(says(option) for _, option in found)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from geotlm_lm.conversation.claims import motions_named
+from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.option_labels import labelled, without_tail
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.whole_claims import EVERY, claimed_set

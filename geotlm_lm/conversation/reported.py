@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import motions_named
+from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.plain_text import plain_text
 
 _SAYS = (

@@ -19,10 +19,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from geotlm_lm.conversation.changes import asked_changes, claimed_of_change, claimed_remedy
-from geotlm_lm.conversation.claims import claimed, motions_named, offered_options
+from geotlm_lm.conversation.claims import claimed, offered_options
 from geotlm_lm.conversation.doubts import doubted
 from geotlm_lm.conversation.half_ways import Half, asked_half, claimed_half, way_of
 from geotlm_lm.conversation.kind_choices import offered_kinds
+from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.option_meanings import (
     OptionSets,
     offers_neither,

@@ -25,8 +25,8 @@ _PIXEL_IS = (
 
 _SIZES = (
     rf"{_SCALE_IS}{_NUMBER} ?{_LENGTH}{_PER}{_PIXEL}",
-    rf"{_PIXEL_IS} (?:is|are|was|were|measures?|of|=) {_NUMBER} ?{_LENGTH}"
-    rf"(?: wide| long|{_PER}{_PIXEL})?",
+    rf"(?:{_PIXEL_IS} (?:is|are|was|were|measures?|of|=)|pixel (?:size|pitch):?) {_NUMBER}"
+    rf" ?{_LENGTH}(?: wide| long|{_PER}{_PIXEL})?",
     rf"mm[_ ]per[_ ]{_PIXEL} ?(?:is|=|:)? ?{_NUMBER}",
 )
 _DENSITY = rf"{_SCALE_IS}{_NUMBER} ?{_PIXEL}{_PER}{_LENGTH}"

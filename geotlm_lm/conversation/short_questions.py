@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import claimed_motion
+from geotlm_lm.conversation.motion_names import claimed_motion
 from geotlm_lm.conversation.motion_verbs import SLIDES as SLIDE_VERBS
 from geotlm_lm.conversation.motion_verbs import TURNS, forms
 from geotlm_lm.conversation.plain_text import plain_text

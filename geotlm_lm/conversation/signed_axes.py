@@ -49,6 +49,12 @@ _GOES_ALONG = re.compile(
 
 _MOVES_HOW = "Which way is it moving?"
 
+_TOWARDS = re.compile(
+    r"\b(?:in the direction of|towards?|to) (?:the )?(?P<how>increasing|larger|higher|greater"
+    r"|decreasing|smaller|lower) (?:(?P<across>x|columns?)|y|rows?)"
+    r"(?: (?:values?|numbers?|indices|index|coordinates?))?\b"
+)
+
 
 def asked_of_axes(question: str) -> str | None:
     """Return what a question about the sign of x or y asks of a way; None of any other question.
@@ -61,6 +67,10 @@ def asked_of_axes(question: str) -> str | None:
     if (said := _SIGN.fullmatch(text)) is not None:
         is_across = said["x"] or said["column"]
         return f"Is it moving {_way(bool(is_across), said['plus'] is not None)}?"
+    if (towards := _TOWARDS.search(text)) is not None:
+        is_plus = towards["how"] in ("increasing", "larger", "higher", "greater")
+        way = _way(towards["across"] is not None, is_plus)
+        return f"{text[: towards.start()]}{way}{text[towards.end() :]}"
     along = _GOES_ALONG.search(text)
     if along is None or " or " in text:
         return None

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
-from geotlm_lm.conversation.claims import asks_yes_or_no, motions_named
+from geotlm_lm.conversation.claims import asks_yes_or_no
 from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
 from geotlm_lm.conversation.number_words import NUMBER
 from geotlm_lm.conversation.plain_text import plain_text

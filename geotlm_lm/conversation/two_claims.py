@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from geotlm_lm.conversation.axes import claimed_axis
-from geotlm_lm.conversation.claims import CLASS_NAMES, asks_yes_or_no, motions_named
+from geotlm_lm.conversation.claims import CLASS_NAMES, asks_yes_or_no
 from geotlm_lm.conversation.clip_names import (
     CLIP,
     FIRST,
@@ -16,6 +16,7 @@ from geotlm_lm.conversation.clip_names import (
     clip_named,
     place_of,
 )
+from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import TURN
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import Motion, motion_class

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import motions_named
 from geotlm_lm.conversation.clip_names import named_alone, place_named
+from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
 from geotlm_lm.conversation.plain_text import plain_text
 

@@ -5,13 +5,9 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
-from geotlm_lm.conversation.claims import (
-    claimed_motion,
-    claims_motion,
-    motions_named,
-    offered_options,
-)
+from geotlm_lm.conversation.claims import claims_motion, offered_options
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
+from geotlm_lm.conversation.motion_names import claimed_motion, motions_named
 from geotlm_lm.conversation.untold import asks_place
 from geotlm_lm.conversation.wording import capitalised
 from geotlm_lm.core.labels import DIRECTED

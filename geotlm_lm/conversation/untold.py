@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.axes import claimed_axis
-from geotlm_lm.conversation.claims import motions_named
 from geotlm_lm.conversation.kind_words import PICTURE
 from geotlm_lm.conversation.kinds import asks_direction
+from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE, TURN
 from geotlm_lm.conversation.number_words import NUMBER
 from geotlm_lm.conversation.plain_text import plain_text
@@ -34,6 +34,8 @@ _NO_COMPARISON = (
 _SETS = "I tell which way it turns in the camera image, not what that sets."
 ONE_MOTION = "I see one motion per clip; give me the parts as clips of their own, in order."
 """Said where parts of a clip are asked for."""
+
+ONE_KIND = "I tell the one motion that shows most, not whether a lesser one goes with it."
 
 _NEAREST = "I tell the nearest of left, right, up and down, and no angle between them."
 _AXIS = (

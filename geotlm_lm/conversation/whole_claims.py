@@ -11,7 +11,8 @@ import re
 from dataclasses import dataclass
 
 from geotlm_lm.conversation.axes import claimed_axis
-from geotlm_lm.conversation.claims import CLASS_NAMES, motions_named
+from geotlm_lm.conversation.claims import CLASS_NAMES
+from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import ENDING, GO, STIR
 from geotlm_lm.conversation.option_labels import labelled
 from geotlm_lm.conversation.plain_text import plain_text
@@ -90,7 +91,7 @@ _KIND_NOTED = re.compile(
 _NOTED_OR_NOT = re.compile(rf"(?P<noun>{_NOUN})[:,]? (?:yes/no|y/n|yes or no)")
 _LINEAR = re.compile(r"\b(?:linear|translational) (?:motion|movement|slip)")
 _OF_AN_AXIS = re.compile(
-    r"(?:is|was) (?:the|its|this|that) (?:motion|movement|slide|slip|shift) (?:\w+ )?"
+    r"(?:is|was) (?:it|(?:the|its|this|that) (?:motion|movement|slide|slip|shift)) (?:\w+ )?"
     r"(?:horizontal|vertical|sideways)"
 )
 

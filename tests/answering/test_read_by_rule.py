@@ -5,6 +5,7 @@ import pytest
 from geotlm_lm.answering import OPEN_QUESTION
 from geotlm_lm.answering.overruling import read_by_rule
 from geotlm_lm.conversation.either_or import OF_THE_END
+from geotlm_lm.conversation.untold import ONE_KIND
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
 from tests.answering.scripted import answerer_saying, feeling, recording
@@ -151,6 +152,19 @@ def test_a_sign_of_an_axis_is_a_way_and_rows_are_those_recorded(bundle, question
 )
 def test_a_denial_in_other_words_is_judged(bundle, question, felt, decided):
     assert asked(bundle, felt, question).decided == decided
+
+
+@pytest.mark.parametrize(
+    ("question", "limit"),
+    [
+        ("Does it slide as well as rotate?", ONE_KIND),
+        ("Which way does it turn in the world frame?", "Nothing tells how the camera stands in"),
+    ],
+)
+def test_what_no_recording_tells_is_said_beside_the_answer(bundle, question, limit):
+    answer = asked(bundle, "clockwise", question)
+    assert answer.text == "Clockwise, in the camera image."
+    assert any(note.startswith(limit) for note in answer.notes)
 
 
 def test_a_model_of_few_kinds_is_judged_by_the_same_rules(bundle):

@@ -68,6 +68,8 @@ def test_an_axis_is_a_claim(text):
         "translation vector in px?",
         "what are the horizontal and vertical components",
         "how fast does it go along x and along y?",
+        "at what angle does it slide?",
+        "dx px",
     ],
 )
 def test_parts_of_a_slide_are_asked_for(text):

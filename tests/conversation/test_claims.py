@@ -3,15 +3,14 @@
 import pytest
 
 from geotlm_lm.conversation.claims import (
+    asks_both_kinds,
     claimed,
     claimed_class,
-    claimed_motion,
     claims_motion,
-    motions_named,
-    nearly_named,
     presumed_class,
 )
 from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.motion_names import claimed_motion, motions_named, nearly_named
 from geotlm_lm.core.labels import Motion, MotionClass, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.data.questions import questions_for
@@ -226,4 +225,44 @@ def test_what_leaves_is_lifted_and_what_still_goes_is_not_still(text, motion):
 
 @pytest.mark.parametrize("text", ["is the coin leaving the gel?", "is it slipping or not?"])
 def test_claims_of_leaving_and_those_that_ask_or_not_are_claims(text):
+    assert claims_motion(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Does it slide as well as rotate?",
+        "is it rotation plus translation?",
+        "both turning and slipping",
+    ],
+)
+def test_a_turn_and_a_slide_at_once_are_asked_for(text):
+    assert asks_both_kinds(text)
+
+
+@pytest.mark.parametrize("text", ["does it turn or slide?", "do both turn?", "is it turning?"])
+def test_one_of_two_kinds_is_not_both(text):
+    assert not asks_both_kinds(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "motion"),
+    [
+        ("is it clockwise rather than counterclockwise?", Motion.CLOCKWISE),
+        ("does it go up instead of down?", Motion.UP),
+    ],
+)
+def test_what_is_compared_with_is_not_claimed(text, motion):
+    assert claimed_motion(text) == motion
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Does it rotate without sliding?",
+        "Is the motion pure rotation?",
+        "did the imprint translate?",
+    ],
+)
+def test_these_claim_a_kind(text):
     assert claims_motion(text)

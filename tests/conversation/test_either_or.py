@@ -87,3 +87,11 @@ def test_still_going_or_over_asks_whether_it_goes(question, going):
 )
 def test_other_questions_ask_nothing_of_the_end(question):
     assert asked_whether_over(question) is None
+
+
+@pytest.mark.parametrize(
+    "question",
+    ["Did the contact begin or end?", "make or break?", "Is contact being made or broken?"],
+)
+def test_contact_made_or_broken_asks_how_it_moves(question):
+    assert without_opposites(question) == "Which way is it moving?"

@@ -349,6 +349,7 @@ def test_what_may_be_said_of_the_object_takes_nothing_back(text):
         ),
         ("I'm touching the head", {"contact_side": "head"}),
         ("My pixel is 0.05 mm.", {"mm_per_px": 0.05}),
+        ("Pixel size 0.06 mm.", {"mm_per_px": 0.06}),
         ("pixel pitch is 60 \u00b5m", {"mm_per_px": 0.06}),
         ("I look through the object", {"viewpoint": "object"}),
         ("viewed from the operator's side, opposite the sensor", {"viewpoint": "object"}),

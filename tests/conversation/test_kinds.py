@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered_options
+from geotlm_lm.conversation.claims import offered_options
 from geotlm_lm.conversation.kinds import (
     asked_amount,
     asked_kind,
@@ -11,6 +11,7 @@ from geotlm_lm.conversation.kinds import (
     asks_whether_moving,
     is_ruled_out,
 )
+from geotlm_lm.conversation.motion_names import claimed_motion, motions_named
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 from geotlm_lm.data.templates import load_templates
@@ -311,6 +312,8 @@ def test_an_amount_is_asked_for_beside_a_motion_taken_for_granted(question, kind
         ("px/frame?", "magnitude"),
         ("deg per frame", "magnitude"),
         ("Report theta in radians.", "magnitude"),
+        ("Express the rotation in turns", "magnitude"),
+        ("angle deg", "magnitude"),
         ("is it up if flipped vertically?", "mirrored"),
         ("give me dx and dy", "magnitude"),
     ],

@@ -2,7 +2,8 @@
 
 import pytest
 
-from geotlm_lm.conversation.claims import motions_named, offered_options
+from geotlm_lm.conversation.claims import offered_options
+from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.option_labels import labelled, without_tail
 from geotlm_lm.core.labels import Motion
 
@@ -69,3 +70,16 @@ def test_right_is_a_way_in_a_list_and_a_tag_at_the_end(text, named):
 def test_labels_behind_their_options_go_as_far_as_those_before():
     text = "LEFT (A), RIGHT (B), UP (C), DOWN (D), CLOCKWISE (E), COUNTERCLOCKWISE (F)?"
     assert [label for label, _ in labelled(text, lambda words: "WISE" in words)] == list("ABCDEF")
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("ANSWER A FOR LEFT AND B FOR RIGHT.", [("A", "LEFT"), ("B", "RIGHT")]),
+        ("SAY 0 IF LEFT, 1 IF RIGHT", [("0", "LEFT"), ("1", "RIGHT")]),
+        ("IF IT MOVES LEFT SAY A, IF RIGHT SAY B.", [("A", "IT MOVES LEFT"), ("B", "RIGHT")]),
+        ("A MEANS LEFT, B MEANS RIGHT", [("A", "LEFT"), ("B", "RIGHT")]),
+    ],
+)
+def test_labels_may_stand_for_their_options_in_words(text, found):
+    assert labelled(text, lambda option: "LEFT" in option or "RIGHT" in option) == found

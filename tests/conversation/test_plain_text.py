@@ -2,7 +2,7 @@
 
 import pytest
 
-from geotlm_lm.conversation.claims import claimed_motion
+from geotlm_lm.conversation.motion_names import claimed_motion
 from geotlm_lm.conversation.plain_text import plain_text
 
 

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geotlm_lm.conversation.claims import claimed_motion, motions_named, offered_options
+from geotlm_lm.conversation.claims import offered_options
 from geotlm_lm.conversation.english import is_english
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.motion_names import claimed_motion, motions_named
 from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.fuzzing.questions import QUESTIONS, WORDS

@@ -21,6 +21,8 @@ from geotlm_lm.data.questions import questions_for
         ("is it moving in the +y direction", "is it moving down"),
         ("Does the object slide along -x?", "does the object slide left?"),
         ("Is the bead going towards positive x?", "is the bead going right?"),
+        ("Is it moving in the direction of increasing columns?", "is it moving right?"),
+        ("towards smaller y?", "up?"),
         ("What is the sign of delta y?", "Which way is it moving?"),
         ("Does the row index increase or decrease?", "Which way is it moving?"),
     ],

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.conversation.claims import claimed_motion, offered_options
+from geotlm_lm.conversation.claims import offered_options
+from geotlm_lm.conversation.motion_names import claimed_motion
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.groups import draw_claim, in_every_order, reworded, said_and_denied
 
