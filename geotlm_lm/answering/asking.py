@@ -133,7 +133,8 @@ def _as_known(text: str, frame: FrameSpec) -> tuple[str, FrameSpec]:
 def _in_known_words(text: str, frame: FrameSpec) -> str:
     words = plainly_denied(as_words(without_context(spelt(initials_spelt_out(text)))))
     asked = without_opposites(without_adverbs(in_full(asked_within(words))))
-    asked = asked_of_report(asked) or asked_of_axes(asked) or in_known_words(asked)
+    asked = asked_of_report(asked) or asked
+    asked = asked_of_axes(asked) or in_known_words(asked)
     return of_a_thread(asked, frame.thread is not None)
 
 

@@ -75,6 +75,7 @@ _PREDICATES = re.compile(
     rf"(?:{forms(_DONE, 'gerund')}|resting|leaving)\b"
     rf"|\b(?:does|do|did|doesn't|didn't) (?:\w+ ){{1,4}}?{_NO_ARTICLE}"
     rf"(?:{forms(_DONE, 'base')}|rest|leave)\b"
+    rf"|\b(?:is|was) (?:\w+ ){{1,4}}?being {forms(TURNS + SLIDES, 'past')}\b"
     r"|\b(?:is|was|isn't|wasn't) (?:it|this|that|there|(?:the|this) (?:motion|movement)) "
     r"(?:an? |any |some )?(?:(?:pure|simple|real|clean) )?"
     r"(?:turn|twist|rotation|spin|slide|slip|slippage|translation|press|release)\b"

@@ -42,6 +42,7 @@ _FELT = re.compile(
 """Begins what is taken for granted of the object: a premise, which is judged."""
 
 _OF_THE_FRAME = re.compile(rf"\b(?:{PICTURE}|upside|pixels?|thread|side)\b")
+_RECORDED = re.compile(rf"\b(?:this|the) {PICTURE} (?:was|is) (?:recorded|taken|made|shot)\b")
 _CHANGES = ("mirrored", "reversed", "viewpoint", "undo", "thread")
 
 
@@ -53,7 +54,7 @@ def without_context(question: str) -> str:
     somebody did is context.
     """
     *before, last = _SENTENCES.split(question.strip())
-    context = " ".join(before).lower()
+    context = _RECORDED.sub(" ", " ".join(before).lower())
     if not before or offered_options(question):
         return question
     if any(_FELT.match(one.lower()) for one in before):

@@ -22,7 +22,9 @@ _OTHER_SIDE = (
 LOOK = r"(?:(?:i|we)(?:'m| am|'re| are)? |as )?(?:look|looking|see|seen|view|viewing|viewed|told)"
 _MOVED = r"(?:moved|moves|turned|turns|slid|slides|is moving|was moving)"
 _THING = r"(?!(?:sensor|gel|pad|camera|gripper|robot|finger)\b)\w+"
-_I_MOVED = rf"(?:{_SENSOR} {_MOVED}|(?:i|we) (?:moved?|turned?|rotated?) {_SENSOR})"
+_OVER = r"(?: (?:over|across|along|past) (?:a|an|the|my)(?: \w+){1,2}?)?"
+_I_MOVE = rf"(?:i|we) (?:moved?|turned?|rotated?|dragged?|slid|swept|twisted) {_SENSOR}{_OVER}"
+_I_MOVED = rf"(?:{_SENSOR} {_MOVED}|{_I_MOVE})"
 _TOUCHES = r"(?:touch|touches|touched|is on|is at|presses on|sees|see|looks at|look at|holds|grips)"
 _TOUCHING = rf"(?:i'm|i am|we're|we are|{_SENSOR} is) (?:touching|holding|gripping|looking at)"
 _THREADED = r"(?:thread|threads|screw|bolt|nut|threaded)"
@@ -55,6 +57,8 @@ _HAND = (
 _SIDE = (
     rf"(?:(?:{_SENSOR}|i|we) {_TOUCHES}|{_TOUCHING}) (?:the|its) {{0}}(?: of (?:the|my) \w+)?"
     r"|(?:it is |it's )?(?:touched|gripped|held) (?:at|by|from|on) (?:the|its) {0}(?: side)?"
+    r"|(?:i|we) (?:hold|held|grip|gripped|touch|touched) (?:the|my) \w+ (?:at|by|on) "
+    r"(?:the|its) {0}"
     r"|(?:the )?{0} side"
 )
 _SEEN_AT = rf"|(?:{LOOK} )?(?:from|at) (?:the|its) {{}}(?: side)?"
@@ -83,7 +87,7 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
     ),
     (r"there(?:'s| is) no mirror(?: in the (?:optics|camera|sensor))?", {"image_mirrored": False}),
     (
-        rf"{IMAGE} (?:is|was) {ON_ITS_HEAD}"
+        rf"{IMAGE} (?:is|was|hangs|sits|stands|(?:is|was) (?:hanging|sitting)) {ON_ITS_HEAD}"
         rf"|{MOUNTED.format('is|was')} (?:upside[ -]down|on its head)"
         r"|(?:an )?upside[ -]down (?:image|camera|video|clip|recording)",
         _UPSIDE_DOWN,
@@ -124,7 +128,7 @@ FACTS: tuple[tuple[str, dict[str, Any]], ...] = (
         {"actor": "sensor"},
     ),
     (rf"(?:the|my) {_THING} (?:{_STAYED}),? (?:and |but |while )?{_I_MOVED}", {"actor": "sensor"}),
-    (rf"(?:i|we) moved? {_SENSOR}(?:,? (?:and )?not (?:the|my) \w+)?", {"actor": "sensor"}),
+    (rf"{_I_MOVE}(?:,? (?:and )?not (?:the|my) \w+)?", {"actor": "sensor"}),
     (r"(?:the|my) object (?:is|was)(?: held)? (?:fixed|clamped)", {"actor": "sensor"}),
     (
         rf"(?:the|my) \w+ {_MOVED},? (?:and )?not {_SENSOR}",

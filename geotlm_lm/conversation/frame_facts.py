@@ -188,6 +188,11 @@ def _read(text: str, frame: FrameSpec) -> Stated:
     if fields:
         told = replace(frame, **fields)
         return Stated(told, told, "", True)
+    asked, mark, said = text.rpartition("?")
+    fields = _fields(said) if asked and said else {}
+    if fields and fields.keys().isdisjoint(UPRIGHT):  # a turn is told before
+        told = replace(frame, **fields)
+        return replace(_read(asked + mark, told), is_stated=True)
     for end in sorted((match.start() for match in _ENDS.finditer(text)), reverse=True):
         rest = text[end + 1 :].strip()
         fields = _fields(text[:end])

@@ -14,7 +14,7 @@ from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.claims import offered_options
 from geotlm_lm.conversation.kind_phrases import COUNTED, MOVEMENT, RULES
 from geotlm_lm.conversation.motion_names import claimed_motion, motions_named
-from geotlm_lm.conversation.motion_verbs import STIR, WOBBLE
+from geotlm_lm.conversation.motion_verbs import GO, STIR, WOBBLE
 from geotlm_lm.conversation.plain_text import plain_text
 
 LATER_KINDS = frozenset(RULES) | {"negation", "premise"}
@@ -46,7 +46,7 @@ _DIRECTION = re.compile(
 _WHETHER_MOVING = re.compile(
     r"(?:^|[,;:.!] |\b(?:and|so|but|ok|now) )(?:does|do|did|is|was|has|have)(?:n't)? "
     r"(?:(?!you\b|price|market|temperature)\S+ ){1,4}?"
-    rf"(?:mov|shift|{STIR}|{WOBBLE})(?:e|s|es|ed|ing)?"
+    rf"(?:{GO}|{STIR}|{WOBBLE})(?:e|s|es|ed|ing)?"
     r"(?: (?:at all|any|a bit|a little|yet|somehow|one bit))?\W*$"
 )
 _MORE_THAN_DIRECTION = re.compile(

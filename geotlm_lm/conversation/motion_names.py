@@ -30,6 +30,7 @@ _NO_MOTION = re.compile(
     r"|, right\b(?!,? (?:\w+,? )?or\b)|\b(?:upper|lower|left|right|both) hal(?:f|ves)"
     r"|(?:left|right)[ -]hand\w*"
     r"|left[ -](?:to[ -])?right|up to\b|upside[ -]down|speed\w* up|slow\w* down|screw\w* in"
+    r"|look\w* (?:down|up) (?:at|on|into|from)\b"
     r"|\bwithout (?:los|break)ing (?:the )?contact\b"
     r"|\b(?:from|along|off|at) the (?:left|right|top|bottom|upper|lower)\b"
     rf"|{STILL_SO}|{UP_TO_AN_END}|{ONE_OF_TWO}"
@@ -57,9 +58,14 @@ NAMES: tuple[tuple[Motion, str], ...] = (
         Motion.RELEASE,
         r"\breleas(?:e|es|ed|ing)\b|\blift(?:s|ed|ing)?\b(?: off)?|\bcom(?:es|ing) off\b"
         r"|\blet(?:ting)? go\b|\bpull(?:s|ed|ing)? (?:away|off|back)\b"
+        r"|\b(?:detach|reced|retreat)(?:e|es|s|ed|ing)?\b|\btak(?:es|ing) off\b"
         rf"|\bleav(?:e|es|ing) (?:the |my )?{GEL}\b",
     ),
-    (Motion.PRESS, r"\b(?:press|push)(?:es|ed|ing)?\b(?: in(?:to)?| down)?"),
+    (
+        Motion.PRESS,
+        r"\b(?:press|push)(?:es|ed|ing)?\b(?: in(?:to)?| down)?|\bindent(?:s|ed|ing)?\b"
+        r"|\bsink(?:s|ing)? in(?:to)?\b|\b(?:approach|land)(?:es|s|ed|ing)?\b",
+    ),
     (Motion.LEFT, r"\bleft(?:wards?)?\b"),
     (Motion.RIGHT, r"\bright(?:wards?)?\b"),
     (Motion.UP, rf"\bup(?:wards?)?\b|{_TO} the top\b|{_TOWARDS} (?:upper|top) {_EDGE}"),

@@ -7,7 +7,7 @@ from typing import Literal
 Form = Literal["base", "third", "past", "gerund"]
 Verb = tuple[str, str, str, str]
 
-TURN = r"(?:turn|rotat|twist|spin|spun|swivel|revolv)"
+TURN = r"(?:turn|rotat|twist|spin|spun|swivel|pivot|revolv)"
 SLIDE = r"(?:slid|slip|drag|glid|skid|translat)"
 GO = r"(?:mov|travel|shift|creep|drift)"
 STIR = r"(?:budg|stirr?)"
@@ -27,6 +27,7 @@ turn turns turned turning
 rotate rotates rotated rotating
 twist twists twisted twisting
 spin spins spun spinning
+pivot pivots pivoted pivoting
 swivel swivels swiveled swiveling
 swivel swivels swivelled swivelling
 revolve revolves revolved revolving
@@ -54,6 +55,11 @@ press presses pressed pressing
 push pushes pushed pushing
 pull pulls pulled pulling
 lift lifts lifted lifting
+indent indents indented indenting
+sink sinks sank sinking
+approach approaches approached approaching
+detach detaches detached detaching
+recede recedes receded receding
 release releases released releasing
 """)
 RESTS = _verbs("""

@@ -1,4 +1,4 @@
-"""Claims of others put up for judgement: "my colleague says it goes left. Is he right?"."""
+"""Claims and expectations put up for judgement: "she says it goes left. Is she right?"."""
 
 from __future__ import annotations
 
@@ -23,15 +23,23 @@ _WHO_IS_RIGHT = re.compile(
     r"(?P<claims>.+?)\b(?:who(?:'s| is| was| of (?:us|them) is)|which (?:of us|one|of them)? ?is)"
     rf" {_RIGHT}[ ?.!]*"
 )
+_EXPECTED = re.compile(
+    r"(?:.*[.!;] )?(?:and |so |but |now )?(?P<who>it|this|that|(?:the|my) (?:\w+ )?\w+) "
+    r"(?:should|must|ought to|has to|is (?:supposed|expected|meant) to) (?P<be>be )?"
+    r"(?P<what>[^.,;?!]+?)"
+    r"(?: (?:now|by now))?[.,;!] (?:so |and |but )?(?:is|was|does|did|has) (?:it|this|that)[ ?.!]*"
+)
 _MOVES_HOW = "Which way is it moving?"
 
 
 def asked_of_report(question: str) -> str | None:
-    """Return what somebody's claim of a motion asks, put up for judgement; None of any other text.
+    """Return what a claim, or an expectation, put up for judgement asks; None of any other text.
 
     Of claims that differ ("he says left, I say right; who is right?") it is asked which way it is.
     """
     text = plain_text(question)
+    if (said := _EXPECTED.fullmatch(text)) is not None:
+        return f"{'Is' if said['be'] else 'Does'} {said['who']} {said['what']}?"
     if not _PUT_UP.search(text):
         return None
     if (said := _JUDGED.fullmatch(text)) is not None and len(motions_named(said["claim"])) == 1:

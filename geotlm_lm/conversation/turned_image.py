@@ -47,6 +47,7 @@ _FACTS = tuple(
     for words in (
         rf"(?P<image>{_IMAGE}){_IS}(?P<mirrored> (?:mirrored|flipped) and)?(?: recorded)? {_TURNED}"
         rf" {_TURN}",
+        rf"(?P<image>{_PICTURE}) {_TURNED} {_TURN}",
         rf"{_I} {_TURNED} (?P<image>{_IMAGE}) {_TURN}",
         rf"{_CAMERA}{_IS} {_TURNED} {_TURN}",
         rf"(?:{_CAMERA}|{_HOLDER}){_IS} {_MOUNTED}(?: {_TURNED})? {_TURN}",

@@ -217,6 +217,11 @@ def test_what_is_left_out_is_not_claimed_and_edges_are_ways(text, motions):
         ("does it still touch?", None),
         ("does it still turn?", None),
         ("is it still?", Motion.STILL),
+        ("is it detaching?", Motion.RELEASE),
+        ("is it receding", Motion.RELEASE),
+        ("does it sink in?", Motion.PRESS),
+        ("is it approaching?", Motion.PRESS),
+        ("looking down at it, is it clockwise?", Motion.CLOCKWISE),
     ],
 )
 def test_what_leaves_is_lifted_and_what_still_goes_is_not_still(text, motion):
@@ -262,6 +267,8 @@ def test_what_is_compared_with_is_not_claimed(text, motion):
         "Does it rotate without sliding?",
         "Is the motion pure rotation?",
         "did the imprint translate?",
+        "is the part being dragged?",
+        "is it pivoting?",
     ],
 )
 def test_these_claim_a_kind(text):

@@ -87,6 +87,12 @@ def test_what_is_taken_for_granted_of_the_object_stays(question):
     assert without_context(question) == question
 
 
+def test_what_went_before_the_recording_is_context():
+    asked = "Where does it go now?"
+    before = "The bead rolled to the left twice, then this clip was recorded."
+    assert without_context(f"{before} {asked}") == asked
+
+
 def test_what_somebody_did_is_context_of_a_question_for_contact():
     asked = "Is there anything in the hand?"
     assert without_context(f"The robot closed its hand and missed. {asked}") == asked

@@ -350,6 +350,13 @@ def test_what_may_be_said_of_the_object_takes_nothing_back(text):
         ("I'm touching the head", {"contact_side": "head"}),
         ("My pixel is 0.05 mm.", {"mm_per_px": 0.05}),
         ("Pixel size 0.06 mm.", {"mm_per_px": 0.06}),
+        ("The camera hangs upside down.", {"image_upside_down": True}),
+        ("image rotated 90 cw", {"image_quarter_turn": "clockwise"}),
+        ("I dragged the sensor over a fixed plate.", {"actor": "sensor"}),
+        (
+            "I hold the nut at its head, normal thread.",
+            {"thread": "right", "contact_side": "head"},
+        ),
         ("pixel pitch is 60 \u00b5m", {"mm_per_px": 0.06}),
         ("I look through the object", {"viewpoint": "object"}),
         ("viewed from the operator's side, opposite the sensor", {"viewpoint": "object"}),
@@ -363,3 +370,9 @@ def test_an_image_that_were_upside_down_holds_for_its_question():
     stated = read_facts("Were the picture upside down, would it be going down?", FrameSpec())
     assert (stated.frame.image_upside_down, stated.lasting) == (True, FrameSpec())
     assert stated.rest == "is it going down?"
+
+
+def test_facts_may_follow_the_question():
+    stated = read_facts("Does it tighten? Right-hand thread, touched at the head.", FrameSpec())
+    assert stated.frame == FrameSpec(thread="right", contact_side="head")
+    assert stated.rest == "Does it tighten?"

@@ -322,6 +322,10 @@ def test_kinds_in_the_words_of_engineers(question, kind):
     assert asked_kind(question) == kind
 
 
+def test_a_drift_is_a_motion():
+    assert asks_whether_moving("Did my part drift?")
+
+
 def test_a_sense_of_rotation_is_a_direction():
     assert asks_direction("what is the sense of rotation?")
     assert asks_direction("rotation sign")

@@ -14,6 +14,8 @@ from geotlm_lm.conversation.reported import asked_of_report
         ),
         ("The log says it went right. Is that wrong?", "Is it false that it went right?"),
         ("I think it turns clockwise, am I right?", "Is it true that it turns clockwise?"),
+        ("The bead should be at rest now. Is it?", "Is the bead at rest?"),
+        ("It is supposed to slide right. Does it?", "Does it slide right?"),
         (
             "My colleague says it goes left but I say right. Who is right?",
             "Which way is it moving?",
