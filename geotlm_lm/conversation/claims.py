@@ -190,7 +190,7 @@ def claims_motion(text: str) -> bool:
 
 _BOTH = re.compile(
     r"\b(?:as well as|and also|and at the same time|plus|combin\w+|together with|and simultaneously"
-    r"|while also|both)\b"
+    r"|while also|both|more than (?:it|a|an|the)|rather than (?:it|a|an|the))\b"
 )
 
 

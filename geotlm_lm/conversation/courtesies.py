@@ -13,6 +13,9 @@ _GREETING = (
 )
 _OPENS = re.compile(rf"^(?:(?:{_GREETING})(?:[,:;.!]+| -+)? +(?:but |and )?)+(?=\S)", re.IGNORECASE)
 _FILLER = re.compile(r"(?<=\w),? \b(?:um+|uh+|erm+)\b,?(?= )", re.IGNORECASE)
+_YES_NO = re.compile(r"[,:]? yes,? no(?=[ .!?]*$)", re.IGNORECASE)
+"""No denial: "is it slipping yes no"."""
+
 _CLOSES = re.compile(
     r"(?:[,;]? (?:by any chance|if you (?:don't|do not) mind|thanks in advance|question mark"
     r"|if i may ask)|[,;] over(?: and out)?)+(?P<mark>[ .!?]*)$",
@@ -25,7 +28,7 @@ def without_courtesies(text: str) -> str:
 
     What models have read around questions ("please", "just asking") stays.
     """
-    rest = _FILLER.sub("", _OPENS.sub("", text))
+    rest = _YES_NO.sub(", yes or no", _FILLER.sub("", _OPENS.sub("", text)))
     closed = _CLOSES.search(rest)
     if closed is None:
         return rest

@@ -22,6 +22,7 @@ from geotlm_lm.conversation.fact_words import (
     UPRIGHT,
 )
 from geotlm_lm.conversation.kind_words import HOLDER
+from geotlm_lm.conversation.motion_verbs import GOES, SLIDES, TURNS, forms
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.scale import is_courtesy, read_scale, scale_beside
 from geotlm_lm.conversation.statements import states_more
@@ -57,6 +58,21 @@ _WITH_ANOTHER = re.compile(
     r"(?P<fact>[^?]+?)(?: instead)?[ ?]*[?]",
     re.IGNORECASE,
 )
+_SUPPOSED_THREAD = re.compile(
+    r"(?:if|suppose|supposing)(?: that)? (?:it|this|that|(?:the|my) \w+) (?:were|was|is|had|has) "
+    r"(?P<fact>[^,]+),\s+(?=\w)",
+    re.IGNORECASE,
+)
+_INSTEAD = re.compile(
+    r"(?:had|if|suppose|supposing|assuming)(?: that)? (?:the |my )?(?:sensor|gripper|gel|robot"
+    rf"|finger) (?:had )?{forms(TURNS + SLIDES + GOES, 'past')} instead"
+    r"(?: of (?:it|(?:the|my) \w+))?[,:]?\s+(?=\w)",
+    re.IGNORECASE,
+)
+_WOULD_THAT_BE = re.compile(
+    r"^(?:which|what) (?:way|direction) would (?:that|it|this) (?:be|have been)\W*$", re.IGNORECASE
+)
+_WOULD_HAVE = re.compile(r"\bwould (it|the \w+|my \w+) have\b", re.IGNORECASE)
 _TIGHTER_OR_LOOSER = "Is it tightening or loosening?"
 
 _SUPPOSED_FACTS = re.compile(
@@ -139,7 +155,8 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
         stated = read_facts(beside.rest, replace(frame, **beside.fields))
         kept = {"mm_per_px": frame.mm_per_px} if beside.is_supposed else {}
         return replace(stated, lasting=replace(stated.lasting, **kept), is_stated=True)
-    stated = supposed or _supposed_thread(text, frame) or _read(text, frame)
+    supposed = supposed or _supposed_mover(text, frame) or _supposed_thread(text, frame)
+    stated = supposed or _read(text, frame)
     seen = _AS_SEEN.search(stated.rest)
     if seen is None:
         return stated
@@ -152,6 +169,15 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
 
 def _asks(text: str) -> bool:
     return not states_more(text) and not _NOTHING_ASKED.fullmatch(text)
+
+
+def _supposed_mover(text: str, frame: FrameSpec) -> Stated | None:
+    """Return a question that supposes that the sensor moves in the object's place."""
+    said = _INSTEAD.match(text)
+    if said is None:
+        return None
+    asked = _WOULD_HAVE.sub(r"has \1", _WOULD_THAT_BE.sub(_OPEN_QUESTION, text[said.end() :]))
+    return Stated(replace(frame, actor="sensor"), frame, asked, True)
 
 
 def _supposed_scale(text: str, frame: FrameSpec) -> Stated | None:
@@ -167,10 +193,16 @@ def _supposed_scale(text: str, frame: FrameSpec) -> Stated | None:
 
 
 def _supposed_thread(text: str, frame: FrameSpec) -> Stated | None:
-    """Return the question what another thread, or end of it, would do: "and with a left-hand one?".
+    """Return a question of a thread that is supposed.
+
+    Or the question what another thread, or end of it, would do: "and with a left-hand one?".
 
     It holds for this question alone.
     """
+    if (supposed := _SUPPOSED_THREAD.match(text)) is not None:
+        fields = _fields(f"it is {supposed['fact']}")
+        if fields and fields.keys() <= OF_A_THREAD:
+            return Stated(replace(frame, **fields), frame, text[supposed.end() :], True)
     another = _WITH_ANOTHER.fullmatch(text)
     fields = _fields(another["fact"]) if another else {}
     if not fields or not fields.keys() <= OF_A_THREAD:

@@ -78,7 +78,9 @@ _SAID: tuple[tuple[str, str], ...] = (
         _TURNS,
     ),
     (
-        rf"(?:(?:is|was) there )?(?:(?:any|some|a) )?{_SLIP}(?: (?:detected|present|happening))?"
+        rf"(?:is|was|did|does|has|have) (?:the |any |a )?{_SLIP} (?:(?:been|being) )?"
+        r"(?:(?:occur|happen)(?:s|r?ed|r?ing)?|start(?:ed|ing)?|begun|beginning|present|detected)"
+        rf"|(?:(?:is|was) there )?(?:(?:any|some|a) )?{_SLIP}(?: (?:detected|present|happening))?"
         rf"|(?:do|did|can|could|have) you (?:feel|felt|sense|notice|noticed|detect|detected|see) "
         rf"(?:any |some |a )?{_SLIP}",
         _SLIPS,

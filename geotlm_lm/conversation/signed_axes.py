@@ -26,7 +26,8 @@ _SHRINKS = (
     rf"|{_GETS} (?:smaller|less)"
 )
 _LEAD = r"(?:(?:and|so|ok|now|but|please|then)[,:]? +)*"
-_END = r"(?:[,.]? *(?:yes or no|or not|then|please))*[ ?.!]*"
+_THEN = r"(?:yes or no|or not|then|please|(?:in|of) (?:it|this(?: clip| recording)?))"
+_END = rf"(?:[,.]? *{_THEN})*[ ?.!]*"
 _SIGN = re.compile(
     rf"{_LEAD}(?:(?:is|was|does|did|do|are) )?(?:the sign of )?{_AXIS} ?(?:(?:is|are) )?"
     rf"(?:(?P<plus>positive|plus|>=? ?0|\+|{_GROWS})|(?P<minus>negative|minus|<=? ?0|-|{_SHRINKS}))"

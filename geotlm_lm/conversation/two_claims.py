@@ -109,6 +109,8 @@ _AS_MUCH = re.compile(
 )
 _SPEED = re.compile(r"\b(?:speeds?|rates?|velocity|fast|quick(?:ly)?)\b")
 
+_COMPARED = re.compile(r"\b(?:further|farther|faster|slower|quicker)\b(?! than (?!the\b|clip\b))")
+
 _OF_REST = frozenset({Motion.STILL, Motion.NONE})
 MOVING = frozenset(Motion) - _OF_REST
 TOUCHED = frozenset(Motion) - {Motion.NONE}
@@ -145,7 +147,9 @@ class ShareClaim:
 def asks_of_two(question: str) -> bool:
     """Tell whether a question surely is about two clips: "which one slides?", "do both turn?"."""
     asked = (claimed_share, claimed_each, claimed_image, supposed_change, asks_same_amount)
-    return asks_undoing(question) or any(read(question) is not None for read in asked)
+    is_compared = claimed_subject(question) is not None and _COMPARED.search(question.lower())
+    is_of_two = is_compared or asks_undoing(question)
+    return bool(is_of_two) or any(read(question) is not None for read in asked)
 
 
 def claimed_relation(question: str) -> RelationClaim | None:

@@ -112,7 +112,8 @@ _WAY_TO = (
 
 _ACT = (
     r"(?:close|open|grip|grasp|regrasp|hold|squeeze|push|pull|lift|let go|release|stop|wait|retry"
-    r"|slow down|speed up|increase|decrease|reduce|continue|proceed|go on|move on|pick|drop)\b"
+    r"|slow down|speed up|increase|decrease|reduce|continue|proceed|go on|move on|pick|drop"
+    r"|(?:tighten|loosen) (?:my|the|our) (?:grip|grasp|hold))\b"
 )
 
 _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
@@ -138,6 +139,8 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
             r"^\W*(?:(?:and|so|ok|but)[, ]+)?"
             r"(?:(?:should|shall|must) (?:i|we|the (?:robot|gripper))|do (?:i|we) (?:have|need) to)"
             rf" (?:now |better )?{_ACT}"
+            rf"|^\W*(?:(?:and|so|ok|but)[, ]+)?can (?:i|we) (?:now |safely )?{_ACT}"
+            r"|^\W*(?:(?:and|so|ok|but)[, ]+)?what should (?:i|we) do\b(?! to\b)"
             rf"|\bis it (?:safe|ok|okay|fine|time|wise) to {_ACT}"
         ),
         _ADVICE,

@@ -238,6 +238,7 @@ def test_claims_of_leaving_and_those_that_ask_or_not_are_claims(text):
     [
         "Does it slide as well as rotate?",
         "is it rotation plus translation?",
+        "does it turn more than it slides?",
         "both turning and slipping",
     ],
 )

@@ -39,6 +39,8 @@ def test_claims_know_the_short_ordinals_as_well():
         {Motion.STILL},
         {Motion.COUNTERCLOCKWISE},
     )
+    assert asks_of_two("Does the 1st turn faster?")
+    assert not asks_of_two("Is the first one faster than 3 mm/s?")
     assert asks_of_two("If clip 1st were mirrored, would they turn the same way?")
 
 

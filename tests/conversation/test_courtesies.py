@@ -15,6 +15,7 @@ from geotlm_lm.conversation.courtesies import without_courtesies
         ("is it sliding question mark", "is it sliding?"),
         ("copy, say direction of turn, over", "say direction of turn"),
         ("Good morning, is it still?", "is it still?"),
+        ("slipping yes no", "slipping, yes or no"),
     ],
 )
 def test_what_stands_around_a_question_is_left_out(text, rest):

@@ -376,3 +376,29 @@ def test_facts_may_follow_the_question():
     stated = read_facts("Does it tighten? Right-hand thread, touched at the head.", FrameSpec())
     assert stated.frame == FrameSpec(thread="right", contact_side="head")
     assert stated.rest == "Does it tighten?"
+
+
+@pytest.mark.parametrize(
+    ("text", "fields", "rest"),
+    [
+        (
+            "If this were a left-hand thread touched at the head, would it tighten?",
+            {"thread": "left", "contact_side": "head"},
+            "would it tighten?",
+        ),
+        (
+            "Had the sensor moved instead, would it have gone left?",
+            {"actor": "sensor"},
+            "has it gone left?",
+        ),
+        (
+            "Supposing the sensor had turned instead, which way would that be?",
+            {"actor": "sensor"},
+            "Which way does it move?",
+        ),
+    ],
+)
+def test_what_is_supposed_of_a_thread_or_a_mover_holds_for_its_question(text, fields, rest):
+    stated = read_facts(text, FrameSpec())
+    assert (stated.frame, stated.lasting) == (FrameSpec(**fields), FrameSpec())
+    assert stated.rest == rest

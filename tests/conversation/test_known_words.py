@@ -144,6 +144,9 @@ def test_a_motion_called_slip_is_known(text, names):
         ("do we have contact", "Is anything touching the gel?"),
         ("Is there anything in the hand?", "Is anything touching the gel?"),
         ("is it gone?", "Has contact been lost?"),
+        ("did slip occur", "Is it slipping?"),
+        ("has slippage started?", "Is it slipping?"),
+        ("is slip occurring", "Is it slipping?"),
     ],
 )
 def test_contact_in_the_words_of_a_radio(question, known):

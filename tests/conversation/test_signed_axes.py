@@ -23,6 +23,7 @@ from geotlm_lm.data.questions import questions_for
         ("Is the bead going towards positive x?", "is the bead going right?"),
         ("Is it moving in the direction of increasing columns?", "is it moving right?"),
         ("towards smaller y?", "up?"),
+        ("does the row index decrease in it?", "Is it moving up?"),
         ("What is the sign of delta y?", "Which way is it moving?"),
         ("Does the row index increase or decrease?", "Which way is it moving?"),
     ],

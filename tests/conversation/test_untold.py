@@ -207,3 +207,14 @@ def test_no_question_of_the_templates_is_never_told(wordings):
         label = MotionLabel(motion, rotation_deg=12.0 if motion in ROTATIONS else 0.0)
         for asked in questions_for(label, rng, wordings=wordings, per_type=8):
             assert never_told(asked.question) is None or asked.type_id == "T17", asked
+
+
+@pytest.mark.parametrize(
+    "question", ["Can I lift it safely?", "should I tighten my grip?", "What should I do?"]
+)
+def test_what_to_do_about_it_is_not_told(question):
+    assert never_told(question).endswith("not what to do about it.")
+
+
+def test_what_somebody_can_tell_is_no_advice():
+    assert never_told("What should I do to undo it?") is None
