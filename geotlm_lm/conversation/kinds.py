@@ -9,11 +9,12 @@ none of the kinds every model holds: direction, yes or no, choice, class, contac
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.claims import offered_options
 from geotlm_lm.conversation.kind_phrases import COUNTED, MOVEMENT, RULES
-from geotlm_lm.conversation.motion_names import claimed_motion, motions_named
+from geotlm_lm.conversation.motion_names import KEPT, claimed_motion, motions_named
 from geotlm_lm.conversation.motion_verbs import GO, STIR, WOBBLE
 from geotlm_lm.conversation.plain_text import plain_text
 
@@ -108,6 +109,7 @@ def is_ruled_out(question: str, kind: str | None) -> bool:
     return kind != told
 
 
+@lru_cache(maxsize=KEPT)
 def asked_kind(question: str) -> str | None:
     """Return the kind of `question` if its words tell one of the later kinds; else None."""
     text = plain_text(question)

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import re
 from difflib import get_close_matches
+from functools import lru_cache
 
 from geotlm_lm.conversation.asides import ONE_OF_TWO, STILL_SO, UP_TO_AN_END
 from geotlm_lm.conversation.kind_words import GEL
 from geotlm_lm.conversation.motion_verbs import TURN
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.core.labels import Motion
+
+KEPT = 64
+"""Texts that are kept as read: many rules read one question, one after another."""
 
 _TO = r"\b(?:to|towards?)"
 _TOWARDS, _EDGE = rf"{_TO}(?: the)?", r"(?:edge|border|side|end)\b"
@@ -64,7 +68,8 @@ NAMES: tuple[tuple[Motion, str], ...] = (
     (
         Motion.PRESS,
         r"\b(?:press|push)(?:es|ed|ing)?\b(?: in(?:to)?| down)?|\bindent(?:s|ed|ing)?\b"
-        r"|\bsink(?:s|ing)? in(?:to)?\b|\b(?:approach|land)(?:es|s|ed|ing)?\b",
+        r"|\bsink(?:s|ing)? in(?:to)?\b"
+        rf"|\b(?:approach|land)(?:es|s|ed|ing)?\b(?! (?:the|a|my|its) (?!{GEL}\b))",
     ),
     (Motion.LEFT, r"\bleft(?:wards?)?\b"),
     (Motion.RIGHT, r"\bright(?:wards?)?\b"),
@@ -103,13 +108,18 @@ of "shifting" and "lifting" 0.80."""
 
 def motions_named(text: str) -> set[Motion]:
     """Return every motion that `text` names."""
-    text = _NO_MOTION.sub(" ", plain_text(text))
+    return set(_named(plain_text(text)))
+
+
+@lru_cache(maxsize=KEPT)
+def _named(text: str) -> frozenset[Motion]:
+    text = _NO_MOTION.sub(" ", text)
     found = set()
     for motion, words in NAMES:
         text, count = re.subn(words, " ", text)
         if count:
             found.add(motion)
-    return found
+    return frozenset(found)
 
 
 def claimed_motion(text: str) -> Motion | None:

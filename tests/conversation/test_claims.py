@@ -221,6 +221,8 @@ def test_what_is_left_out_is_not_claimed_and_edges_are_ways(text, motions):
         ("is it receding", Motion.RELEASE),
         ("does it sink in?", Motion.PRESS),
         ("is it approaching?", Motion.PRESS),
+        ("is it approaching the gel?", Motion.PRESS),
+        ("Is it approaching the left edge?", Motion.LEFT),
         ("looking down at it, is it clockwise?", Motion.CLOCKWISE),
     ],
 )
