@@ -274,8 +274,8 @@ ENDLESS = """
 import sys, time
 from geotlm_lm.cli import main
 def info():
-    print("begun", flush=True)
     try:
+        print("begun", flush=True)
         time.sleep({seconds})
     finally:
         print("closed", flush=True)

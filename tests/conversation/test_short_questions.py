@@ -34,6 +34,7 @@ def test_a_word_is_asked_as_a_question(text, asked):
         "turning or sliding?",
         "the turning cap?",
         "touching or not?",
+        "nothing or not?",
         "right or wrong?",
         "which way is it turning?",
         "turning left?",
