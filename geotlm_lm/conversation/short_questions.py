@@ -8,7 +8,7 @@ from geotlm_lm.conversation.motion_names import claimed_motion
 from geotlm_lm.conversation.motion_verbs import SLIDES as SLIDE_VERBS
 from geotlm_lm.conversation.motion_verbs import TURNS, forms
 from geotlm_lm.conversation.plain_text import plain_text
-from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.labels import ROTATIONS, SLIDES
 
 _LEAD = r"(?:(?:and|so|or|ok|okay|now|but|then|maybe|query|check|still)[,:]? +)*"
 _YES_OR_NO = (
@@ -44,8 +44,6 @@ def in_full(question: str) -> str:
         return question
     said = _WAY.fullmatch(text)
     motion = said and claimed_motion(said["way"])
-    if motion is Motion.NONE:  # "nothing or not?" is known to models
-        return question
     if motion:
         verb = "turning " if motion in ROTATIONS else "going " if motion in SLIDES else ""
         return f"Is it {verb}{said['way']}?"

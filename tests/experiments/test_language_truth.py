@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.answering import OPEN_QUESTION, Answerer
+from geotlm_lm.conversation.short_questions import in_full
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
@@ -55,7 +56,9 @@ def answer_of(bundle, asked, felt, frame=CAMERA, *, knows_all=True, says=None):
     """What the product answers when the model feels `felt`, and says what is right of that."""
     opened = bundle.grammar.sentence(Slots("direction", Motion(felt)))
     grammar = bundle.grammar if knows_all else first_kinds_of(bundle.grammar)
-    sentences = {asked.question: says or asked.answer, OPEN_QUESTION: opened, "*": opened}
+    # A claim of a word or two is put to the model as a whole question.
+    said = dict.fromkeys((asked.question, in_full(asked.question)), says or asked.answer)
+    sentences = said | {OPEN_QUESTION: opened, "*": opened}
     # Sure of its words even among the forty answers to a choice: doubt is not the matter here.
     measures = {"deg": 20.0, "px": 10.0}
     return answerer_saying(
