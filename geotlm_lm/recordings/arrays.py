@@ -35,6 +35,9 @@ def read_array(path: Path, layout: Layout | None = None) -> Clip:
 def read_archive(path: Path, layout: Layout | None = None) -> Clip:
     """Return the clip in a .npz file with `frames` and, optionally, `fps` and `background`.
 
+    Where no array is called `frames`, the only other one is taken for them: `numpy.savez(path,
+    frames)` calls it `arr_0`. A note says so.
+
     Args:
         path: Of the file.
         layout: Of the axes of `frames`; None to guess.
@@ -45,14 +48,12 @@ def read_archive(path: Path, layout: Layout | None = None) -> Clip:
     name = str(path)
     with _refusing_damage(name), zipfile.ZipFile(path) as archive:
         keys = sorted(entry.removesuffix(".npy") for entry in archive.namelist())
-        if "frames" not in keys:
-            raise UnreadableClip(
-                f"{name}: found the keys {', '.join(keys) or 'none'}, expected 'frames' (and "
-                f"optionally 'fps', 'background'); save the frames under that key."
-            )
-        frames = _read_member(archive, "frames", name)
-        others = {k: _read_member(archive, k, name) for k in ("fps", "background") if k in keys}
+        key = _key_of_frames(keys, name)
+        frames = _read_member(archive, key, name)
+        others = {k: _read_member(archive, k, name) for k in BESIDES if k in keys}
     clip = _to_clip(frames, layout, name)
+    if key != "frames":
+        clip = clip.with_note(f"The array '{key}' was taken for the frames.")
     fps = others.get("fps")
     background = others.get("background")
     return Clip(
@@ -63,6 +64,20 @@ def read_archive(path: Path, layout: Layout | None = None) -> Clip:
         frame_numbers=clip.frame_numbers,
         notes=clip.notes,
     )
+
+
+BESIDES = ("fps", "background")
+"""Keys of an archive that hold no frames."""
+
+
+def _key_of_frames(keys: list[str], name: str) -> str:
+    others = [key for key in keys if key not in BESIDES]
+    if "frames" not in keys and len(others) != 1:
+        raise UnreadableClip(
+            f"{name}: found the keys {', '.join(keys) or 'none'}, expected 'frames' (and "
+            f"optionally 'fps', 'background'); save the frames under that key."
+        )
+    return "frames" if "frames" in keys else others[0]
 
 
 def read_still_array(path: Path) -> Frames:

@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings import limits, video
 from geotlm_lm.recordings.pixels import layout_of
 from geotlm_lm.recordings.read import read_clip
@@ -43,6 +44,21 @@ def test_an_archive_brings_its_frame_rate_and_background(tmp_path):
     assert np.array_equal(clip.frames, FRAMES)
     assert clip.fps == 25
     assert np.array_equal(clip.background, FRAMES[0])
+
+
+@pytest.mark.parametrize("beside", [{}, {"fps": 25.0, "background": FRAMES[0]}])
+def test_the_only_array_of_an_archive_is_taken_for_the_frames(tmp_path, beside):
+    np.savez(tmp_path / "clip.npz", FRAMES, **beside)
+    clip = read_clip(tmp_path / "clip.npz")
+    np.testing.assert_array_equal(clip.frames, FRAMES)
+    assert clip.fps == beside.get("fps")
+    assert "The array 'arr_0' was taken for the frames." in clip.notes
+
+
+def test_of_two_arrays_neither_is_taken_for_the_frames(tmp_path):
+    np.savez(tmp_path / "clip.npz", FRAMES, FRAMES)
+    with pytest.raises(UnreadableClip, match="found the keys arr_0, arr_1, expected 'frames'"):
+        read_clip(tmp_path / "clip.npz")
 
 
 def test_grey_frames_are_read_when_the_layout_says_so(tmp_path):
