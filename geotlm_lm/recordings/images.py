@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,8 +34,8 @@ def read_folder(folder: Path) -> Clip:
     paths, idle = found.frames, found.idle
     if not paths:
         raise UnreadableClip(
-            f"{folder}: the folder holds no images, expected {', '.join(IMAGE_SUFFIXES)}; "
-            f"give the folder the frames lie in."
+            f"{folder}: the folder holds {_held_instead(folder)}, expected "
+            f"{', '.join(IMAGE_SUFFIXES)}; give the folder the frames lie in, or convert them."
         )
     first = read_still_image(paths[0])
     stride = stride_for(len(paths), *first.shape[:2], str(paths[0]))
@@ -62,6 +63,16 @@ def read_folder(folder: Path) -> Clip:
         frame_numbers=tuple(range(0, len(paths), stride)),
         notes=notes,
     )
+
+
+def _held_instead(folder: Path) -> str:
+    """Return what is to be told of a folder without images: what most of its files are."""
+    endings = Counter(one.suffix.lower() for one in listed(folder) if one.is_file())
+    del endings[""]
+    if not endings:
+        return "no images"
+    [(ending, count)] = endings.most_common(1)
+    return f"no images but {count} {ending} file{'s' * (count > 1)}"
 
 
 @dataclass(frozen=True)

@@ -69,13 +69,23 @@ def test_a_pipe_is_refused_before_it_is_opened(tmp_path):
     assert str(caught.value) == f"{path}: is not a regular file; give a recording."
 
 
-def test_a_folder_without_images_is_refused(tmp_path):
-    (tmp_path / "notes.txt").write_text("no image")
+@pytest.mark.parametrize(
+    ("names", "held"),
+    [
+        ([], "no images"),
+        (["README", "LICENCE", "setup"], "no images"),
+        (["notes.txt"], "no images but 1 .txt file"),
+        (["notes.txt", "1.tiff", "2.TIFF"], "no images but 2 .tiff files"),
+    ],
+)
+def test_a_folder_without_images_is_refused(tmp_path, names, held):
+    for name in names:
+        (tmp_path / name).write_text("no image")
     with pytest.raises(UnreadableClip) as caught:
         read_clip(tmp_path)
     assert str(caught.value) == (
-        f"{tmp_path}: the folder holds no images, expected .png, .jpg, .jpeg, .bmp; "
-        f"give the folder the frames lie in."
+        f"{tmp_path}: the folder holds {held}, expected .png, .jpg, .jpeg, .bmp; "
+        f"give the folder the frames lie in, or convert them."
     )
 
 
