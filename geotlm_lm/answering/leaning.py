@@ -30,6 +30,9 @@ LEAST_TOTAL = 0.02
 """Probability that these motions hold together in the language model's opinion. From half of it on
 12 more windows lean to a turn, 10 rightly, but 11 more presses."""
 
+LEAST = 1e-12
+"""What a motion keeps of an opinion that gives it none: the other's then decides among the rest."""
+
 KINDS = frozenset(("direction", "viewpoint"))
 """Kinds of questions about which way the object goes, as the clip shows it."""
 
@@ -78,5 +81,5 @@ def _shares(
     in_the_image = [answer.frame.in_the_image(motion) for motion in among]
     token = encoded.perception.fused_token
     read = bundle.model.probe.probabilities(token, in_the_image)[0].double().numpy()
-    both = np.sqrt(said * read)
+    both = np.sqrt(said.clip(LEAST) * read.clip(LEAST))
     return dict(zip(among, (both / both.sum()).tolist(), strict=True))

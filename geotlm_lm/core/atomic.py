@@ -35,7 +35,7 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
 
 @contextmanager
 def only_writer(path: Path) -> Iterator[bool]:
-    """Yield whether no other process is in such a block about `path`; it is made if it is missing.
+    """Yield whether no other process is in such a block about `path`, made if missing.
 
     The system forgets the claim with the process, however that ends. Where it has no such claims,
     everybody is told to be the only one.
@@ -43,6 +43,7 @@ def only_writer(path: Path) -> Iterator[bool]:
     if fcntl is None:
         yield True
         return
+    path.parent.mkdir(parents=True, exist_ok=True)
     while True:
         with path.open("ab") as stream:
             try:

@@ -1,4 +1,4 @@
-"""What Ctrl-C may break off and what it must wait for; knows nothing of what is trained."""
+"""What Ctrl-C and SIGTERM may break off and must wait for; knows nothing of what is trained."""
 
 from __future__ import annotations
 
@@ -12,18 +12,22 @@ from multiprocessing import active_children, parent_process
 
 @contextmanager
 def whole_step() -> Iterator[None]:
-    """Let Ctrl-C wait until the block is done: half an optimiser step must not be saved."""
+    """Let Ctrl-C and SIGTERM wait until the block is done: half a step must not be saved."""
     if threading.current_thread() is not threading.main_thread():
         yield  # Python delivers signals to the main thread only.
         return
     caught: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, _: caught.append(number))
+    before = {
+        number: signal.signal(number, lambda number, _: caught.append(number))
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler or signal.SIG_DFL)  # None: it was set outside Python
     if caught:
-        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(caught[0])
 
 
 @contextmanager

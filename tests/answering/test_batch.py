@@ -34,7 +34,7 @@ def rows_in(path):
 
 
 def test_every_clip_and_question_gets_a_row_in_order(bundle, clips, tmp_path):
-    out = tmp_path / "answers.jsonl"
+    out = tmp_path / "a folder to be made" / "answers.jsonl"
     result = answer_all(feeling(bundle, "left"), clips_in(clips), QUESTIONS, out)
     rows = rows_in(out)
     assert [(row["clip"], row["question"]) for row in rows] == [

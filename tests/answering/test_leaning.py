@@ -149,6 +149,11 @@ def test_the_probe_tips_what_the_words_leave_open():
     assert lean.share == pytest.approx(0.75)  # the geometric mean of 1 : 1 and 9 : 1
 
 
+def test_opinions_that_share_no_motion_tip_nothing():
+    opposed = answered({"press": 0.8, "clockwise": 0.2, "counterclockwise": 0.0})
+    assert leaning(TURN, opposed, odds={"clockwise": 0.0, "counterclockwise": 1.0}) == opposed
+
+
 def test_where_the_probe_holds_the_opposite_nothing_leans():
     answer = answered(PRESS_THEN_CLOCKWISE)
     assert leaning(TURN, answer, odds={"clockwise": 0.1, "counterclockwise": 0.9}) == answer

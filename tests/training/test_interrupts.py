@@ -20,16 +20,23 @@ main(["train", "--preset", "smoke", "--out", sys.argv[1], "--workers", "2"])
 """
 
 
-def test_an_interrupt_waits_until_the_step_is_taken():
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_waits_until_the_step_is_taken(number):
     done = []
 
     def step():
         with whole_step():
-            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(number)
             done.append("step")
 
-    with pytest.raises(KeyboardInterrupt):
-        step()
+    # As a command takes a request to end.
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            step()
+        assert signal.getsignal(number) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGTERM, before)
     assert done == ["step"]
 
 
