@@ -285,6 +285,8 @@ def _retold(
     bundle: Bundle, encoded: Encoded, question: str, heard: Heard, frame: FrameSpec
 ) -> Answer:
     slots, options = heard.slots, heard.options
+    if slots.direction is None:  # "it slides": which way, the open question tells
+        return from_open_question(bundle, encoded, question, slots.kind, frame, heard)
     if not set(options) <= {motion.value for motion in Motion}:
         # Probabilities of a verdict or of letters name no motion: those of the open question do.
         options = score(bundle, encoded, OPEN_QUESTION, "direction")

@@ -7,7 +7,7 @@ from geotlm_lm.answering import NOT_UNDERSTOOD, OPEN_QUESTION, deciding_word
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.conversation.english import ENGLISH_ONLY
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import Motion, MotionClass
 from geotlm_lm.language.parse_answer import KINDS, Slots
 from tests.answering.scripted import answerer_saying, feeling, recording
 
@@ -209,6 +209,16 @@ def test_a_frame_tells_directions_and_judges_claims_in_it(bundle):
     assert answer.text == "Counterclockwise, seen from the object's side."
     assert (answer.direction, answer.frame) == (Motion.COUNTERCLOCKWISE, frame)
     assert answer.confidence == pytest.approx(SURE)
+
+
+def test_a_kind_of_motion_heard_for_a_turned_camera_is_told_of_the_open_answer(bundle):
+    slide = bundle.grammar.sentence(Slots("class", motion_class=MotionClass.SLIDE))
+    opened = bundle.grammar.sentence(Slots("direction", Motion.LEFT))
+    answerer = answerer_saying(bundle, {"*": slide, OPEN_QUESTION: opened})
+    encoded, frame = answerer.encode(recording()), FrameSpec(image_quarter_turn="clockwise")
+    # What is asked in words that no rule knows: its kind is what the model takes it for.
+    answer = answerer.ask(encoded, "in why itres?ay does its its it slide?", frame=frame)
+    assert (answer.kind, answer.text) == ("class", "A slide.")
 
 
 def test_facts_of_the_world_alone_leave_the_models_words(bundle):
