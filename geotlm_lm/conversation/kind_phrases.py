@@ -35,6 +35,14 @@ _MOVES_OR_END = (
     rf"| {forms(TURNS + SLIDES + GOES, 'gerund')}\b|$|[?,:.])"
 )
 
+_EXTENT = (
+    r"(?:it|this|that|the (?:answer|result|reply|value)"
+    r"|(?:(?:the|its|this|that) )?(?:(?:total|whole|overall|net|full|mean|estimated|measured) )?"
+    rf"(?:(?:{MOVEMENT} )?(?:amount|extent|distance|angle)|theta|displacement|shift|movement"
+    rf"|{MOVEMENT})(?: of (?:it|(?:(?:the|this|its|my) )?\w+)| (?:that )?(?:it|the \w+) {_GO})?)"
+)
+"""What is stated in a unit as an amount: the motion's extent, and no place, size or direction."""
+
 RULES: dict[str, tuple[str, ...]] = {
     "thread": (
         r"\b(?:un)?screw(?:ed|ing)\b|\bunscrews?\b|\b(?:it|this|that|he|she|one) screws\b",
@@ -183,7 +191,7 @@ RULES: dict[str, tuple[str, ...]] = {
         rf"\bhow (?:large|big|small) (?:(?:is|was|are|were) )?{EXTENT_OF}",
         r"\bhow (?:large|big|small)(?: (?:is|was) (?:this|that))?\W*$",
         r"\b(?:by )?how much\b",
-        r"\b(?:amount|extent|displacement)\b",
+        r"\b(?:amount|extent|displacement(?! vector\b))\b",
         rf"\bhow many {COUNTED}\b",
         rf"^\W*(?:in )?{COUNTED} ?(?:/|per) ?frame\W*$",
         r"\btheta\b",
@@ -199,7 +207,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\b(?:what(?:'s| is| was) the|by (?:what|which)|give(?: me)? the|tell me the) (?:total )?"
         r"(?:angle|distance)\b(?! (?:between|from|to|of (?:view|the axis)))",
         rf"^(?:the )?(?:angle|distance)(?: in \w+| {_MEASURES})?\W*$",
-        rf"\b(?:express|report|give|convert|state)\b.* in {COUNTED}\W*$",
+        rf"\b(?:express|report|give|convert|state)(?: (?:me|us))? {_EXTENT} in {COUNTED}\W*$",
     ),
 }
 """Words that tell each kind, in the order the kinds are tried."""

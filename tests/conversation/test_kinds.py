@@ -329,3 +329,35 @@ def test_a_drift_is_a_motion():
 def test_a_sense_of_rotation_is_a_direction():
     assert asks_direction("what is the sense of rotation?")
     assert asks_direction("rotation sign")
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Give me the direction as an angle in degrees",
+        "Report which way it moves in degrees",
+        "Give me the direction of rotation in degrees",
+        "Report the position of the cable in pixels.",
+        "State where the contact is in pixels",
+        "Give the size of the image in pixels",
+        "Report the uncertainty in pixels",
+        "Give the diameter of the cap in mm",
+    ],
+)
+def test_what_is_given_in_a_unit_may_be_no_amount_of_motion(question):
+    assert asked_kind(question) is None
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Give me the rotation in degrees",
+        "Report the angle it turned in degrees",
+        "give it in radians",
+        "Express the answer in mm",
+        "State the travel of the cable in pixels",
+        "Convert that in mm.",
+    ],
+)
+def test_an_extent_given_in_a_unit_is_an_amount(question):
+    assert asked_kind(question) == "magnitude"
