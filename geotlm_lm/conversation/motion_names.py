@@ -21,6 +21,12 @@ _TOWARDS, _EDGE = rf"{_TO}(?: the)?", r"(?:edge|border|side|end)\b"
 _TURNING = rf"\b{TURN}(?:s|es|ed|n?ing|e)?(?: to(?:wards)? the)?"
 """What turns left turns counterclockwise, as a cap does: "left" alone would be a slide."""
 
+_NO_WAY = r"(?! (?:to(?:wards?)? )?(?:the )?(?:left|right|up|down|top|bottom)(?:wards?)?\b)"
+"""What is pulled back to a side slides there, and is not lifted off."""
+
+_NO_NOUN = r"(?<!\bthe )(?<!\bmy )(?<!\byour )(?<!\bits )"
+"""The indent is what shows of an object, and the approach what came before."""
+
 LOST_CONTACT = (
     r"(?<!without )\b(?:lost|los(?:e|es|ing)|broken?|breaks?|ended) (?:the |its |all )?contact\b"
     r"|\bcontact (?:(?:is|was|has|been|being|just|already) ){0,3}(?:lost|gone|broken|ended|over)\b"
@@ -61,15 +67,16 @@ NAMES: tuple[tuple[Motion, str], ...] = (
     (
         Motion.RELEASE,
         r"\breleas(?:e|es|ed|ing)\b|\blift(?:s|ed|ing)?\b(?: off)?|\bcom(?:es|ing) off\b"
-        r"|\blet(?:ting)? go\b|\bpull(?:s|ed|ing)? (?:away|off|back)\b"
+        rf"|\blet(?:ting)? go\b|\bpull(?:s|ed|ing)? (?:away|off|back)\b{_NO_WAY}"
         r"|\b(?:detach|reced|retreat)(?:e|es|s|ed|ing)?\b|\btak(?:es|ing) off\b"
         rf"|\bleav(?:e|es|ing) (?:the |my )?{GEL}\b",
     ),
     (
         Motion.PRESS,
-        r"\b(?:press|push)(?:es|ed|ing)?\b(?: in(?:to)?| down)?|\bindent(?:s|ed|ing)?\b"
+        r"\b(?:press|push)(?:es|ed|ing)?\b(?: in(?:to)?| down)?"
+        rf"|{_NO_NOUN}\bindents?\b|\bindent(?:ed|ing)\b"
         r"|\bsink(?:s|ing)? in(?:to)?\b"
-        rf"|\b(?:approach|land)(?:es|s|ed|ing)?\b(?! (?:the|a|my|its) (?!{GEL}\b))",
+        rf"|{_NO_NOUN}\b(?:approach|land)(?:es|s|ed|ing)?\b(?! (?:the|a|my|its) (?!{GEL}\b))",
     ),
     (Motion.LEFT, r"\bleft(?:wards?)?\b"),
     (Motion.RIGHT, r"\bright(?:wards?)?\b"),

@@ -276,3 +276,23 @@ def test_what_is_compared_with_is_not_claimed(text, motion):
 )
 def test_these_claim_a_kind(text):
     assert claims_motion(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("Which way does the indent move?", set()),
+        ("Does the indent move up?", {Motion.UP}),
+        ("Does the indent rotate clockwise?", {Motion.CLOCKWISE}),
+        ("Was the approach slow?", set()),
+        ("Does it indent the gel?", {Motion.PRESS}),
+        ("Is the coin approaching?", {Motion.PRESS}),
+        ("Is it being pulled back to the left?", {Motion.LEFT}),
+        ("Is it pulled back up?", {Motion.UP}),
+        ("Is the cable pulled off to the left?", {Motion.LEFT}),
+        ("Is the cable pulled off?", {Motion.RELEASE}),
+        ("Is it pulled back to the start?", {Motion.RELEASE}),
+    ],
+)
+def test_an_indent_is_a_thing_and_what_is_pulled_to_a_side_slides(text, named):
+    assert motions_named(text) == named
