@@ -8,12 +8,17 @@ from dataclasses import replace
 from geotlm_lm.answering.amounts import NAMES
 from geotlm_lm.answering.answer import Answer, Encoded
 from geotlm_lm.answering.measuring import way_in_recording
-from geotlm_lm.conversation.wording import sentence
+from geotlm_lm.conversation.wording import clause, sentence
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, along
 
 LEAST_SHARE = 0.5
 """Share of the whole that goes the way told: of less, the two are no parts of one slide."""
+
+
+def without_components(answer: Answer, way: Motion, frame: FrameSpec) -> Answer:
+    """Return the amount of a turn, of which nobody claimed that it slides, with the turn's way."""
+    return replace(answer, text=f"It does not slide: {clause(way, frame)}. {answer.text}")
 
 
 def in_components(encoded: Encoded, answer: Answer, motion: Motion, frame: FrameSpec) -> Answer:

@@ -11,7 +11,7 @@ from geotlm_lm.answering.answer import (
     evidence,
     offered_letters,
 )
-from geotlm_lm.answering.components import in_components
+from geotlm_lm.answering.components import in_components, without_components
 from geotlm_lm.answering.hearing import (
     AMOUNT_QUESTION,
     EVIDENCE_QUESTION,
@@ -183,11 +183,12 @@ def answer_amount(
     is_of_parts = asks_components(plain_text(question))
     if is_of_parts and motion in SLIDES:
         return in_components(encoded, answer, motion, frame)
+    if is_of_parts:
+        return without_components(answer, way, frame)
     if len(axes) > 1:  # of both the one is told that it goes along
         return replace(answer, text=f"{sentence(way, frame)} {answer.text}")
     is_along_another = bool(axes) and way not in axes[0]
-    is_of_another = is_along_another or is_of_parts
-    if not is_of_another and presumed in (None, motion_class(motion)):
+    if not is_along_another and presumed in (None, motion_class(motion)):
         return answer
     _, denial, *_ = VERDICTS["premise"]
     denial = denial.format(clause(way, frame))

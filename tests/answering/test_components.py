@@ -56,4 +56,6 @@ def test_no_parts_are_told_where_the_alignments_go_another_way():
 def test_what_turns_has_no_parts(bundle):
     answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
     answer = answerer.ask(answerer.encode(recording()), "How much in x and in y?")
-    assert answer.text.startswith("But no, it goes clockwise in the camera image. About 13 degrees")
+    assert answer.text.startswith(
+        "It does not slide: it goes clockwise in the camera image. About 13 degrees"
+    )
