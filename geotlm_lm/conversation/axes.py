@@ -8,7 +8,7 @@ from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
 from geotlm_lm.core.labels import Motion
 
 _MOTION = r"(?:motion|movement|slide|slip|shift|direction)"
-_IS_IT = r"(?:is|was) (?:it|this)"
+_IS_IT = r"(?:is|was) (?:it|this|that)"
 _ALONG = r"(?:along|in|on)(?: the)? [+-]?"
 _TURNING = re.compile(rf"\b{TURN}")
 
@@ -16,7 +16,8 @@ _AXES = (
     (
         frozenset({Motion.LEFT, Motion.RIGHT}),
         rf"\b(?:horizontally|sideways|sidewards?|(?:from )?side to side|{_ALONG}x"
-        rf"|horizontal {_MOTION}|(?:{_MOTION}|{_IS_IT}) (?:\w+ )?(?:horizontal|sideways))\b",
+        rf"|(?:horizontal|sideways) {_MOTION}"
+        rf"|(?:{_MOTION}|{_IS_IT}) (?:\w+ )?(?:horizontal|sideways))\b",
     ),
     (
         frozenset({Motion.UP, Motion.DOWN}),
@@ -29,7 +30,14 @@ _AXES = (
 _AND = r"(?:,? and |, ?|/| & )"
 _EXTENT = r"(?:components?|displacements?|shifts?|distances?|travels?|offsets?|parts?|amounts?)"
 _LEVEL = r"(?:horizontal|vertical)(?:ly)?"
+_JUDGES = (
+    r"(?:(?:and|so|but|ok|now)[, ]+)*(?:(?:is|was|are|were|does|did|do|has) (?!you\b|it possible\b)"
+    r"|any )|.*\b(?:which|what) (?:way|direction)\b|.*\bpoint"
+)
+"""Asks for a verdict, or for the way, and for no parts."""
+
 COMPONENTS = (
+    rf"^(?!\W*(?:{_JUDGES})).*?(?:"
     rf"\bd ?x{_AND}d ?y\b|\bdelta[ -]?x{_AND}(?:delta[ -]?)?y\b|\bx{_AND}(?:the )?y[ -]{_EXTENT}\b"
     rf"|\b{_LEVEL}{_AND}(?:the )?{_LEVEL} {_EXTENT}\b"
     r"|\b(?:translation|displacement|motion|slide|sliding|shift|slip) vector\b"
@@ -37,7 +45,7 @@ COMPONENTS = (
     rf"|\b(?:at|in) (?:what|which) angle (?:does|did|is|was) \S+(?: \w+)? (?:{SLIDE}|{GO}|go)"
     rf"|\bcomponents of (?:the|its) {_MOTION}"
     r"|\bhow (?:much|far|fast|many \w+)(?: (?:is|was|did|does) \S+(?: \w+)?)? "
-    r"(?:(?:in|along)(?: the)? x|horizontally)\b.* (?:(?:in|along)(?: the)? y|vertically)\b"
+    r"(?:(?:in|along)(?: the)? x|horizontally)\b.* (?:(?:in|along)(?: the)? y|vertically)\b)"
 )
 """Asks how far it went in x and how far in y."""
 

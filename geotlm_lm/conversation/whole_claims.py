@@ -91,8 +91,10 @@ _KIND_NOTED = re.compile(
 _NOTED_OR_NOT = re.compile(rf"(?P<noun>{_NOUN})[:,]? (?:yes/no|y/n|yes or no)")
 _LINEAR = re.compile(r"\b(?:linear|translational) (?:motion|movement|slip)")
 _OF_AN_AXIS = re.compile(
-    r"(?:is|was) (?:it|(?:the|its|this|that) (?:motion|movement|slide|slip|shift)) (?:\w+ )?"
-    r"(?:horizontal|vertical|sideways)"
+    r"(?:is|was) (?:it|this|that|(?:the|its|this|that) (?:motion|movement|slide|slip|shift)) "
+    r"(?:\w+ )?(?:horizontal|vertical|sideways)"
+    r"|(?:(?:is|was) there (?:(?:an?|any|some) )?|(?:any|some) )(?:horizontal|vertical|sideways) "
+    r"(?:motion|movement|slide|slip|shift)(?: at all| there)?"
 )
 
 

@@ -81,3 +81,21 @@ def test_parts_of_a_slide_are_asked_for(text):
 )
 def test_one_axis_asks_for_no_parts(text):
     assert not asks_components(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "does the motion vector point up?",
+        "is there a slip vector?",
+        "which way does the motion vector point?",
+        "is the x and y displacement zero?",
+    ],
+)
+def test_a_verdict_on_a_vector_asks_for_no_parts(text):
+    assert not asks_components(text)
+
+
+@pytest.mark.parametrize("text", ["what is the motion vector?", "is it possible to get dx and dy?"])
+def test_a_vector_that_is_asked_for_has_parts(text):
+    assert asks_components(text)
