@@ -31,7 +31,7 @@ from geotlm_lm.conversation.courtesies import without_courtesies
 from geotlm_lm.conversation.denials import plainly_denied
 from geotlm_lm.conversation.either_or import OF_THE_END, asked_whether_over, without_opposites
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
-from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.conversation.frame_facts import read_facts, turn_told_after
 from geotlm_lm.conversation.frame_questions import asks_frame, frame_to_settle, of_another_frame
 from geotlm_lm.conversation.indirect import asked_within
 from geotlm_lm.conversation.kinds import asked_kind
@@ -51,7 +51,7 @@ from geotlm_lm.conversation.stated_amounts import (
     claimed_amount,
     claims_unread_amount,
 )
-from geotlm_lm.conversation.statements import UNREAD, states_more
+from geotlm_lm.conversation.statements import TURN_TOLD_AFTER, UNREAD, states_more
 from geotlm_lm.conversation.thread_words import of_a_thread
 from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.conversation.two_parts import two_parts
@@ -81,6 +81,10 @@ def answer_question(
     if not is_english(question):
         return plain(encoded, ENGLISH_ONLY, None, frame)
     stated = read_facts(question, frame)
+    if turn_told_after(stated.rest):
+        rest = stated.rest[: stated.rest.rindex("?") + 1]
+        answer = answer_question(bundle, encoded, rest, stated.frame, listen)
+        return replace(answer, notes=(*answer.notes, TURN_TOLD_AFTER))
     if not stated.rest:
         noted = plain(encoded, f"Noted: {known(stated.frame)}.", "frame", stated.frame)
         return replace(noted, abstained=False, confidence=1.0)

@@ -93,6 +93,12 @@ _OF_SOMETHING_ELSE = re.compile(
 _OR_NOT = re.compile(r",? or not\b(?! \w)")
 
 _STILL_GOING = re.compile(rf"{STILL_SO}|\bstill (?=in contact\b)", re.IGNORECASE)
+_STILL_AT_END = re.compile(
+    r"^((?:does|did) (?:it|this|that|(?:the|my) \w+) "
+    rf"{forms(TURNS + SLIDES + GOES, 'base')}) still(?=[ ?.!]*$)",
+    re.IGNORECASE,
+)
+"""What it "does still" it goes on doing."""
 
 
 def asks_yes_or_no(text: str) -> bool:
@@ -214,4 +220,4 @@ def offered_options(question: str) -> dict[str, Motion]:
 
 def without_adverbs(question: str) -> str:
     """Return a question without the "still" of "is it still turning?", which claims no rest."""
-    return _STILL_GOING.sub("", question)
+    return _STILL_AT_END.sub(r"\1", _STILL_GOING.sub("", question))

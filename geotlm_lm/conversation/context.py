@@ -37,12 +37,14 @@ _SOMEBODY = re.compile(
 
 _FELT = re.compile(
     r"\W*(?:(?:and|so|then|now|ok)[,: ]+)*(?:(?:i|we) (?:can |do )?(?:see|saw|think|thought"
-    r"|believe|know|notice[sd]?|feel|felt|guess|observed?)\b|(?:it|this|that)\b)"
+    r"|believe|know|notice[sd]?|feel|felt|guess|observed?)\b"
+    rf"|(?:it|this|that)\b(?! {PICTURE}))"
 )
 """Begins what is taken for granted of the object: a premise, which is judged."""
 
 _OF_THE_FRAME = re.compile(rf"\b(?:{PICTURE}|upside|pixels?|thread|side)\b")
 _RECORDED = re.compile(rf"\b(?:this|the) {PICTURE} (?:was|is) (?:recorded|taken|made|shot)\b")
+_TOUCHING = re.compile(r"\b(?:touch\w*|contact)\b")
 _CHANGES = ("mirrored", "reversed", "viewpoint", "undo", "thread")
 
 
@@ -60,7 +62,7 @@ def without_context(question: str) -> str:
     if any(_FELT.match(one.lower()) for one in before):
         return question
     is_done = all(_SOMEBODY.match(one.lower()) for one in before)
-    if is_done and in_known_words(last) != last:
+    if is_done and (in_known_words(last) != last or _asks_contact(last)):
         return last  # asks for contact or slip, whatever was done
     if not (_is_open(last) or (is_done and _claims(last))):
         return question
@@ -72,6 +74,11 @@ def without_context(question: str) -> str:
     is_choice = asks_yes_or_no(context) or re.search(r"\bor\b", context)
     passes_for_a_claim = motions_named(context) or quantities(context)
     return last if is_told and passes_for_a_claim and not is_choice else question
+
+
+def _asks_contact(text: str) -> bool:
+    lower = text.lower()
+    return bool(_TOUCHING.search(lower)) and asks_yes_or_no(lower) and not motions_named(text)
 
 
 def _claims(text: str) -> bool:

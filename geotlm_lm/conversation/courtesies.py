@@ -12,6 +12,7 @@ _GREETING = (
     r"|(?:just )?one (?:more|last|other|final|quick) (?:thing|question)|quick (?:one|check)"
 )
 _OPENS = re.compile(rf"^(?:(?:{_GREETING})(?:[,:;.!]+| -+)? +(?:but |and )?)+(?=\S)", re.IGNORECASE)
+_NOTHING_ELSE = re.compile(rf"(?:(?:{_GREETING})[ ,:;.!?-]*)+", re.IGNORECASE)
 _FILLER = re.compile(r"(?<=\w),? \b(?:um+|uh+|erm+)\b,?(?= )", re.IGNORECASE)
 _YES_NO = re.compile(r"[,:]? yes,? no(?=[ .!?]*$)", re.IGNORECASE)
 """No denial: "is it slipping yes no"."""
@@ -28,6 +29,8 @@ def without_courtesies(text: str) -> str:
 
     What models have read around questions ("please", "just asking") stays.
     """
+    if _NOTHING_ELSE.fullmatch(text):
+        return text
     rest = _YES_NO.sub(", yes or no", _FILLER.sub("", _OPENS.sub("", text)))
     closed = _CLOSES.search(rest)
     if closed is None:

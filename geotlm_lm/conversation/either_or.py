@@ -7,6 +7,7 @@ import re
 from geotlm_lm.conversation.kind_choices import REST
 from geotlm_lm.conversation.motion_verbs import GOES, SLIDES, TURNS, forms
 from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.question import MOVES_HOW
 
 _MOTION = r"(?:moving|in motion|in movement|dynamic|mobile)"
 _TOUCH = r"(?:touching|touched|in contact|contact)"
@@ -42,16 +43,25 @@ def _either(one: str, other: str) -> re.Pattern[str]:
     return re.compile(rf"\W*{_OPENS}(?:{one}{then}{other}|{other}{then}{one})\W*")
 
 
-_MOVES_HOW = "Which way is it moving?"
 _IS_TOUCHED = "Is anything touching the gel?"
 
+_TURN, _SLIDE = (
+    rf"(?:an? )?(?:{forms(verbs, 'gerund', 'base')}|{nouns})"
+    for verbs, nouns in ((TURNS, "rotation"), (SLIDES, "translation"))
+)
+_OR_BOTH = re.compile(
+    rf"\W*{_OPENS}(?:either )?(?:{_TURN}(?:,| or) {_SLIDE}|{_SLIDE}(?:,| or) {_TURN}),? or both\W*"
+)
+"""One motion is told, so that a choice among both kinds and the two together is one of a kind."""
+
 _OPPOSITES = (
-    (_either(_MOTION, REST), _MOVES_HOW),
-    (_either(_ACROSS, _ALONG), _MOVES_HOW),
-    (_either(_AHEAD, _BACK), _MOVES_HOW),
-    (re.compile(rf"\W*{_SIGNED}(?:positive or negative|negative or positive)\W*"), _MOVES_HOW),
+    (_either(_MOTION, REST), MOVES_HOW),
+    (_either(_ACROSS, _ALONG), MOVES_HOW),
+    (_either(_AHEAD, _BACK), MOVES_HOW),
+    (re.compile(rf"\W*{_SIGNED}(?:positive or negative|negative or positive)\W*"), MOVES_HOW),
     (_either(_TOUCH, _NO_TOUCH), _IS_TOUCHED),
-    (re.compile(rf"\W*{_CONTACT}(?:{_MADE} or {_BROKEN}|{_BROKEN} or {_MADE})\W*"), _MOVES_HOW),
+    (_OR_BOTH, "Is it sliding or turning?"),
+    (re.compile(rf"\W*{_CONTACT}(?:{_MADE} or {_BROKEN}|{_BROKEN} or {_MADE})\W*"), MOVES_HOW),
 )
 
 

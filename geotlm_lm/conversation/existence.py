@@ -31,7 +31,8 @@ _IS_THERE_CONTACT = re.compile(
     r"(?:thanks|please|yes or no|be brief|just asking|in this clip|\W)*$"
 )
 _OF_MOTION = re.compile(
-    rf"\b(?:un|im)?(?:{TURN}|{SLIDE}|{GO}|{STIR}|{WOBBLE}|motion|mobil|still|static|station|rest|dynamic|happen"
+    rf"\b(?:un|im)?(?:{TURN}|{SLIDE}|{GO}|{STIR}|{WOBBLE}|motion|mobil|still|static"
+    r"|station|rest|dynamic|happen"
     r"|chang|activ|translat|displac|clock|push|press|pull|squash|squeez|way|direction)\w*"
     r"|\b(?:go|goes|going|gone|went)\b|\bdo(?:es|ing)? (?:some|any)thing\b"
 )

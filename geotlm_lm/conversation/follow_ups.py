@@ -24,12 +24,14 @@ def of_another(question: str, before: str | None) -> str:
     """Return the question before as of another one, where `question` names no more than that one.
 
     "And the object?" asks of the object what was asked of the sensor: how far, how fast, or else
-    which way. Any other question stays as it is.
+    which way. Of what holds the sensor it asks which way alone: it goes as
+    far as the object does. Any other question stays as it is.
     """
     said = _OF_ANOTHER.fullmatch(plain_text(question))
     if said is None:
         return question
-    kind = None if before is None else asked_amount(before)
+    is_of_it = before is not None and not re.search(rf"\b{HOLDER}$", said["who"])
+    kind = asked_amount(before) if is_of_it else None
     return _ASKS.get(kind, "Which way does {} move?").format(said["who"])
 
 

@@ -167,6 +167,15 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
     return replace(stated, frame=replace(stated.frame, viewpoint="sensor"), rest=rest)
 
 
+def turn_told_after(text: str) -> bool:
+    """Tell whether `text` is a question with a turn of the image told behind it, left unread.
+
+    A turn is told before a question: behind one it may be of what happened in between.
+    """
+    asked, _, said = text.rpartition("?")
+    return bool(asked) and not _fields(said).keys().isdisjoint(UPRIGHT)
+
+
 def _asks(text: str) -> bool:
     return not states_more(text) and not _NOTHING_ASKED.fullmatch(text)
 

@@ -6,6 +6,7 @@ import re
 
 from geotlm_lm.conversation.fact_words import IMAGE, ON_ITS_HEAD
 from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.question import MOVES_HOW
 from geotlm_lm.conversation.wording import known
 from geotlm_lm.core.frame_spec import FrameSpec
 
@@ -40,7 +41,6 @@ _ANOTHER = re.compile(
     r"(?:'s)? (?:frame|coordinate (?:frame|system)|coordinates|axes))(?: of reference)?,?"
 )
 _NOT_KNOWN = "Nothing tells how the camera stands in the {}: ways are told as its image shows them."
-_MOVES_HOW = "Which way is it moving?"
 _TOLD = (
     "No touch tells whether the image is mirrored or turned; I take this frame: {}; say for "
     "example 'the image is mirrored' or 'the image is not mirrored'."
@@ -71,7 +71,7 @@ def of_another_frame(question: str) -> tuple[str, str] | None:
         return None
     rest = f"{text[: said.start()]}{text[said.end() :]}".strip()
     is_asked = len(re.findall(r"\w+", rest)) > 1
-    return rest if is_asked else _MOVES_HOW, _NOT_KNOWN.format(said["name"])
+    return rest if is_asked else MOVES_HOW, _NOT_KNOWN.format(said["name"])
 
 
 def asks_frame(question: str) -> bool:

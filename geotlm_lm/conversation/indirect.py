@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.motion_verbs import VERBS, base_of, forms
+from geotlm_lm.conversation.motion_names import claimed_motion
+from geotlm_lm.conversation.motion_verbs import GOES, VERBS, base_of, forms
 from geotlm_lm.conversation.wording import capitalised
 
 _HELLO = r"(?:(?:sorry|hm+|well|hi|hello|hey|please|so|and|ok|now)[,:.]? +)*"
@@ -44,15 +45,25 @@ _CLAUSE = (
     rf"{_SUBJECT}(?:(?P<does>'s| is| was| has| does| did)\b(?P<rest> .+?)"
     rf"| (?P<verb>{forms(VERBS, 'third', 'past')})\b(?P<way>.*?))"
 )
-_WHETHER = re.compile(rf"{_LEAD} (?:whether|if) {_CLAUSE}{_ENDS}", re.IGNORECASE)
+_WHETHER = re.compile(rf"{_LEAD} (?:whether(?: or not)?|if) {_CLAUSE}{_ENDS}", re.IGNORECASE)
 _TOLD_WHETHER = re.compile(
-    rf"(?:{_LEAD}|{_TOLD_TO}) (?:whether|if) {_CLAUSE}{_ENDS}", re.IGNORECASE
+    rf"(?:{_LEAD}|{_TOLD_TO}) (?:whether(?: or not)?|if) {_CLAUSE}{_ENDS}", re.IGNORECASE
 )
 _WHICH = re.compile(
     rf"{_HELLO}{_WONDERS}{_IF_YOU_CAN} (?P<asked>(?:which|what) (?:way|direction) .+?){_ENDS}",
     re.IGNORECASE,
 )
 """Of who wonders alone: "can you tell me which way it turns?" is known to models."""
+
+_OR_NOT = re.compile(r"\bwhether or not\b", re.IGNORECASE)
+"""Unlike "whether" alone, new to models after "can you tell" too."""
+
+_HAS_GONE = re.compile(
+    r"(?P<lead>(?:(?:and|so|ok|now|but)[, ]+)*)(?:has|have|had) (?P<who>it|this|that|(?:the|my)"
+    rf" \w+) (?:just |already |now )?(?P<went>{forms(GOES, 'past')}|gone) (?P<way>.+)",
+    re.IGNORECASE,
+)
+"""Models take it for a question whether anything moves, whatever way it names."""
 
 _THIRD = re.compile(forms(VERBS, "third"), re.IGNORECASE)
 
@@ -65,8 +76,9 @@ def asked_within(question: str) -> str:
     text = " ".join(question.replace("\u2019", "'").split())
     if (which := _WHICH.fullmatch(text)) is not None:
         return f"{capitalised(which['asked'])}?"
-    whether = _WHETHER.fullmatch(text)
-    return question if whether is None else _asked(whether)
+    is_either = _OR_NOT.search(text)
+    whether = (_TOLD_WHETHER if is_either else _WHETHER).fullmatch(text)
+    return _in_simple_past(question) if whether is None else _asked(whether)
 
 
 def claim_within(question: str) -> str:
@@ -83,3 +95,13 @@ def _asked(whether: re.Match[str]) -> str:
         return f"{capitalised(does)} {who}{whether['rest']}?"
     does = "Does" if _THIRD.fullmatch(verb) else "Did"
     return f"{does} {who} {base_of(verb.lower())}{whether['way']}?"
+
+
+def _in_simple_past(question: str) -> str:
+    """Return "Did it move right?" of "Has it moved right?"; any other text as it is."""
+    said = _HAS_GONE.fullmatch(question)
+    if said is None or claimed_motion(question) is None:
+        return question
+    verb = base_of(said["went"].lower()) or "go"
+    did = f"{said['lead']}did" if said["lead"] else "Did"
+    return f"{did} {said['who']} {verb} {said['way']}"

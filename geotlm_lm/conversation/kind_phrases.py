@@ -172,10 +172,10 @@ RULES: dict[str, tuple[str, ...]] = {
     "actor": (
         rf"\b(?:did|does|was|is|if|only|moved|but|about"
         r"|(?:motion|movement|direction|rotation|turn|slide|travel|path) of)"
-        rf" the {HOLDER}(?: itself)?{_MOVES_OR_END}",
-        rf"(?:^|[:,!] )(?:and|so|now) the {GEL}(?: itself)?{_MOVES_OR_END}",
-        rf"^(?:\W*\w+\W+){{0,4}}the {GEL} itself\b",
-        rf"\b(?:how|where|which way) the {HOLDER} {_GO}\b",
+        rf" (?:the|my) {HOLDER}(?: itself)?{_MOVES_OR_END}",
+        rf"(?:^|[:,!] )(?:and|so|now) (?:the|my) {GEL}(?: itself)?{_MOVES_OR_END}",
+        rf"^(?:\W*\w+\W+){{0,4}}(?:the|my) {GEL} itself\b",
+        rf"\b(?:how|where|which way) (?:the|my) {HOLDER} {_GO}\b",
     ),
     "rate": (
         r"\bhow (?:fast|quick|quickly|slowly)\b",

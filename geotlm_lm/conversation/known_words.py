@@ -10,6 +10,7 @@ import re
 
 from geotlm_lm.conversation.kind_words import GEL
 from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.question import MOVES_HOW
 
 _HOLD = r"(?:grasp|grip|hold)"
 _HOLDER = rf"(?:gripper|{_HOLD}|hand|jaws?|fingers?|{GEL})"
@@ -25,7 +26,7 @@ _IS_TOUCHED = "Is anything touching the gel?"
 _IS_LOST = "Has contact been lost?"
 _IS_STILL = "Is it holding still?"
 _SLIPS, _TURNS = "Is it slipping?", "Is it turning?"
-_MOVES_HOW, _MOVES = "Which way is it moving?", "Is it moving at all?"
+_MOVES = "Is it moving at all?"
 
 _SAID: tuple[tuple[str, str], ...] = (
     (
@@ -65,7 +66,7 @@ _SAID: tuple[tuple[str, str], ...] = (
         rf"|(?:is|was) it a (?:stable|steady) {_HOLD}",
         _IS_STILL,
     ),
-    (rf"(?:is|was) (?:the|my|this) {_HOLD} (?:secure|safe|firm|tight|good)", _MOVES_HOW),
+    (rf"(?:is|was) (?:the|my|this) {_HOLD} (?:secure|safe|firm|tight|good)", MOVES_HOW),
     (
         r"(?:(?:is|was|did|does|has) )?(?:anything|something)"
         r" (?:happen(?:s|ed|ing)?|chang(?:es|ed|e|ing)|going on)",

@@ -36,6 +36,7 @@ LOST_CONTACT = (
 _NO_MOTION = re.compile(
     r"\b(?:rather than|instead of|as opposed to) (?:to(?:wards?)? )?(?:the )?(?:\w+ing )?[\w-]+"
     r"|am i right|(?:what|which|option|answer|letter|one) is right|(?:is|was|sounds?) that right"
+    r"|\b(?:is|are|was|were|am) (?:he|she|we|they|you|my \w+) right\b"
     r"|(?:are|be) right|right (?:or wrong|that|to say|now)"
     r"|, right\b(?!,? (?:\w+,? )?or\b)|\b(?:upper|lower|left|right|both) hal(?:f|ves)"
     r"|(?:left|right)[ -]hand\w*"

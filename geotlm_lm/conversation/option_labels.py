@@ -19,6 +19,10 @@ _SAID_IF = re.compile(
     r"\bIF (?!YOU\b)([^,;.]+?),? (?:THEN )?(?:SAY|ANSWER|REPLY|RETURN|PICK|CHOOSE|PRINT|WRITE)"
     r"(?: WITH)? ([A-F0-6])\b"
 )
+_SAID_ELSE = re.compile(
+    r"\b(OTHERWISE|ELSE|IF NOT),? (?:(?:SAY|ANSWER|REPLY|RETURN|PICK|CHOOSE|PRINT|WRITE)"
+    r"(?: WITH)? )?([A-F0-6])\b"
+)
 _BEHIND = re.compile(r"([^()]*)\(([A-F1-6])\)")
 _TAIL = re.compile(
     r"[.?!;]+(?:\s.*)?$|\s(?:(?:answer|reply) with|which\b"
@@ -44,7 +48,8 @@ def labelled(text: str, says: Callable[[str], bool]) -> Labelled:
     before = max(before, _in_sequence(_ALSO_BEFORE.findall(text)), key=len)
     before = max(before, _STANDS_FOR.findall(text), key=len)
     behind = [(label, option) for option, label in _BEHIND.findall(text)]
-    behind = behind or [(label, option) for option, label in _SAID_IF.findall(text)]
+    if not behind and (said_if := _SAID_IF.findall(text)):
+        behind = [(label, option) for option, label in said_if + _SAID_ELSE.findall(text)]
 
     def understood(found: Labelled) -> int:
         return sum(says(option) for _, option in found)

@@ -13,6 +13,7 @@ from geotlm_lm.core.labels import DIRECTED, Motion
 
 _REST = re.compile(
     r"(?:it(?:'s| is) )?(?:neither(?: of (?:these|them|the two|both))?|others?|else"
+    r"|otherwise|if not"
     r"|none(?: of (?:these|them|those|the above))?|(?:some|any)thing else"
     r"|another (?:way|direction|motion))"
 )

@@ -6,6 +6,9 @@ from geotlm_lm.core.errors import UsageError
 
 MAX_QUESTION_CHARACTERS = 500
 
+MOVES_HOW = "Which way is it moving?"
+"""Asked in place of what asks openly in words that no model knows."""
+
 
 def check_question(question: str) -> str:
     """Return the question without surrounding blanks.

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.claims import claimed_class
+from geotlm_lm.conversation.indirect import claim_within
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.question import MOVES_HOW
 
 _SAYS = (
     r"(?:say|think|believe|claim|insist|guess|swear|report|write|bet)(?:s|ed)?|said|thought|wrote"
@@ -29,7 +32,9 @@ _EXPECTED = re.compile(
     r"(?P<what>[^.,;?!]+?)"
     r"(?: (?:now|by now))?[.,;!] (?:so |and |but )?(?:is|was|does|did|has) (?:it|this|that)[ ?.!]*"
 )
-_MOVES_HOW = "Which way is it moving?"
+_TOUCHES = re.compile(r"\b(?:touch(?:es|ed|ing)?|in contact)\b")
+_MOVES = re.compile(r"\b(?:mov(?:es|ed|ing)|in motion)\b")
+_DENIED = re.compile(r"n't\b|\b(?:not|never|no|nothing|stopped)\b")
 
 
 def asked_of_report(question: str) -> str | None:
@@ -39,11 +44,32 @@ def asked_of_report(question: str) -> str | None:
     """
     text = plain_text(question)
     if (said := _EXPECTED.fullmatch(text)) is not None:
+        if said["what"].startswith("have ") and not said["be"]:
+            return f"Has {said['who']} {said['what'].removeprefix('have ')}?"
         return f"{'Is' if said['be'] else 'Does'} {said['who']} {said['what']}?"
     if not _PUT_UP.search(text):
         return None
-    if (said := _JUDGED.fullmatch(text)) is not None and len(motions_named(said["claim"])) == 1:
-        true = "true" if said["right"] else "false"
-        return f"Is it {true} that {said['claim']}?"
+    if (said := _JUDGED.fullmatch(text)) is not None:
+        return _judged(said["claim"], bool(said["right"]))
     said = _WHO_IS_RIGHT.fullmatch(text)
-    return _MOVES_HOW if said is not None and len(motions_named(said["claims"])) > 1 else None
+    return MOVES_HOW if said is not None and len(motions_named(said["claims"])) > 1 else None
+
+
+def _judged(claim: str, is_right: bool) -> str | None:
+    """Return what asks whether a claim is right, or wrong; None where nothing is claimed.
+
+    Contact and motion as such are asked for in the words that every model knows.
+    """
+    is_of_a_way = len(motions_named(claim)) == 1
+    if not is_of_a_way and is_right and not _DENIED.search(claim):
+        if _TOUCHES.search(claim):
+            return "Is anything touching the gel?"
+        if _MOVES.search(claim):
+            return "Is it moving at all?"
+        if claimed_class(f"Is it so: {claim}") is not None:
+            asked = f"tell me whether {claim}"
+            return claim_within(asked) if claim_within(asked) != asked else f"Is it so: {claim}?"
+    is_of_a_kind = claimed_class(f"Is it so: {claim}") is not None
+    if not is_of_a_way and not is_of_a_kind:
+        return None
+    return f"Is it {'true' if is_right else 'false'} that {claim}?"

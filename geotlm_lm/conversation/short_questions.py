@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.motion_names import claimed_motion
+from geotlm_lm.conversation.motion_verbs import PRESSES, TURNS, base_of, forms
 from geotlm_lm.conversation.motion_verbs import SLIDES as SLIDE_VERBS
-from geotlm_lm.conversation.motion_verbs import TURNS, forms
 from geotlm_lm.conversation.plain_text import plain_text
-from geotlm_lm.core.labels import ROTATIONS, SLIDES
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 
 _LEAD = r"(?:(?:and|so|or|ok|okay|now|but|then|maybe|query|check|still)[,:]? +)*"
 _YES_OR_NO = (
@@ -45,6 +45,10 @@ def in_full(question: str) -> str:
     said = _WAY.fullmatch(text)
     motion = said and claimed_motion(said["way"])
     if motion:
+        if motion in (Motion.PRESS, Motion.RELEASE):
+            base = base_of(said["way"])
+            done = next((verb[3] for verb in PRESSES if verb[0] == base), said["way"])
+            return f"Is it {done}?"  # "pressed or not" asks for a press, not for contact
         verb = "turning " if motion in ROTATIONS else "going " if motion in SLIDES else ""
         return f"Is it {verb}{said['way']}?"
     return next((asked for words, asked in _KINDS if words.fullmatch(text)), question)

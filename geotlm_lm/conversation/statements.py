@@ -12,6 +12,10 @@ UNREAD = (
     "mirrored' or 'I look from the object's side'."
 )
 
+TURN_TOLD_AFTER = (
+    "What was said of the image after the question is not counted in; tell it before the question."
+)
+
 _STATEMENT = re.compile(
     r"(?:(?:no|well|actually|note(?: that)?|fyi|but|and|so|please note(?: that)?)[,:]? )*"
     r"(?:the|my|our|it'?s|it is|this is|i|we|there(?:'s| is))\b"

@@ -82,8 +82,9 @@ _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
     (
         re.compile(
             r"(?:(?:hi|hello|hey|ok|okay|thanks?|thank you|thx|cool|great|nice|bye|goodbye|help"
+            r"|roger(?: that)?|copy(?: that)?|many thanks|good (?:morning|afternoon|evening|day)"
             r"|quit|exit|stop|what can (?:you|i) (?:do|ask|tell)(?: you| me)?|who are you"
-            r"|how does this work)(?: (?:a lot|very much|there|please|me))?[ ,.!?]*)+"
+            r"|how does this work)(?: (?:a lot|so much|very much|there|please|me))?[ ,.!?]*)+"
         ),
         _TALK,
     ),
@@ -115,6 +116,13 @@ _ACT = (
     r"|slow down|speed up|increase|decrease|reduce|continue|proceed|go on|move on|pick|drop"
     r"|(?:tighten|loosen) (?:my|the|our) (?:grip|grasp|hold))\b"
 )
+
+_ASKS_NO_ADVICE = re.compile(
+    r"\b(?:undo\w*|(?:revers|cancel|counteract)\w*|back|by \w+ing|confidence|certainty|answer"
+    r"|(?:that|this|it) to (?:an?|the|one|left|right|up|down|yes|no|(?:counter|anti)?clockwise)"
+    r")\b"
+)
+"""Asks for what undoes or brings about a motion, or of the answer: no advice."""
 
 _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
     (
@@ -272,7 +280,8 @@ def never_told(question: str) -> str | None:
         return None  # "the video is slowed down. Which way does it move?"
     if _TO_A_PLACE.search(text) and not motions_named(text):
         return _NO_PLACES
-    return next((said for words, said in _NEVER if words.search(text)), None)
+    said = next((said for words, said in _NEVER if words.search(text)), None)
+    return None if said == _ADVICE and _ASKS_NO_ADVICE.search(text) else said
 
 
 def asks_place(question: str) -> bool:

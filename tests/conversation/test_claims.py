@@ -296,3 +296,8 @@ def test_these_claim_a_kind(text):
 )
 def test_an_indent_is_a_thing_and_what_is_pulled_to_a_side_slides(text, named):
     assert motions_named(text) == named
+
+
+def test_what_it_does_still_it_goes_on_doing():
+    assert without_adverbs("Does it slide still?") == "Does it slide?"
+    assert without_adverbs("Is it still?") == "Is it still?"

@@ -96,3 +96,17 @@ def test_what_went_before_the_recording_is_context():
 def test_what_somebody_did_is_context_of_a_question_for_contact():
     asked = "Is there anything in the hand?"
     assert without_context(f"The robot closed its hand and missed. {asked}") == asked
+
+
+@pytest.mark.parametrize(
+    ("text", "rest"),
+    [
+        (
+            "This recording was made on the left gripper finger. Which way does it move?",
+            "Which way does it move?",
+        ),
+        ("I lifted it. Is it still touching?", "Is it still touching?"),
+    ],
+)
+def test_where_it_was_recorded_and_what_was_done_before_contact_are_context(text, rest):
+    assert without_context(text) == rest

@@ -3,6 +3,7 @@
 import pytest
 
 from geotlm_lm.conversation.courtesies import without_courtesies
+from geotlm_lm.conversation.untold import untold
 
 
 @pytest.mark.parametrize(
@@ -27,3 +28,11 @@ def test_what_stands_around_a_question_is_left_out(text, rest):
 )
 def test_other_texts_stay_as_they_are(text):
     assert without_courtesies(text) == text
+
+
+@pytest.mark.parametrize(
+    "text", ["Hi there", "Thanks a lot!", "Thank you very much!", "Copy that", "Hello, good day."]
+)
+def test_nothing_but_courtesies_stays_and_is_talk(text):
+    assert without_courtesies(text) == text
+    assert untold(text) is not None

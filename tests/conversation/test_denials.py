@@ -24,3 +24,15 @@ def test_a_not_stands_in_its_place(text, plain):
 )
 def test_other_texts_stay_as_they_are(text):
     assert plainly_denied(text) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [
+        ("Does it do anything but turn?", "Does it not turn?"),
+        ("Does anything but the cap touch the gel?", "Does anything but the cap touch the gel?"),
+        ("Is it anything but still?", "Is it moving?"),
+    ],
+)
+def test_only_a_sentence_is_made_of_a_denial(text, plain):
+    assert plainly_denied(text) == plain

@@ -95,3 +95,11 @@ def test_other_questions_ask_nothing_of_the_end(question):
 )
 def test_contact_made_or_broken_asks_how_it_moves(question):
     assert without_opposites(question) == "Which way is it moving?"
+
+
+@pytest.mark.parametrize(
+    "question",
+    ["Is it sliding or rotating or both?", "Rotation, slide or both?", "turning, slipping, or both"],
+)
+def test_one_kind_or_both_asks_which_kind(question):
+    assert without_opposites(question) == "Is it sliding or turning?"

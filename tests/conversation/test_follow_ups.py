@@ -3,6 +3,7 @@
 import pytest
 
 from geotlm_lm.conversation.follow_ups import asks_again_now, of_another
+from geotlm_lm.conversation.kinds import asked_kind
 
 WAY = "Which way does the cap turn?"
 
@@ -31,3 +32,10 @@ def test_now_asks_it_again():
     assert asks_again_now("And now?")
     assert asks_again_now("so?")
     assert not asks_again_now("and now which way?")
+
+
+@pytest.mark.parametrize("who", ["my gripper", "my sensor", "my robot hand", "my finger"])
+def test_what_holds_the_sensor_is_asked_its_way(who):
+    asked = of_another(f"and {who}?", "How far?")
+    assert asked == f"Which way does {who} move?"
+    assert asked_kind(asked) == "actor"

@@ -402,3 +402,9 @@ def test_what_is_supposed_of_a_thread_or_a_mover_holds_for_its_question(text, fi
     stated = read_facts(text, FrameSpec())
     assert (stated.frame, stated.lasting) == (FrameSpec(**fields), FrameSpec())
     assert stated.rest == rest
+
+
+def test_a_turn_told_after_a_question_is_noticed():
+    assert turn_told_after("Which way does it go? The image is upside down.")
+    assert not turn_told_after("Which way does it go? The image is mirrored.")
+    assert not turn_told_after("Is the image upside down?")

@@ -81,3 +81,16 @@ def test_no_question_of_the_templates_is_read_otherwise(wordings):
         label = MotionLabel(motion, rotation_deg=12.0 if motion in ROTATIONS else 0.0)
         for asked in questions_for(label, rng, wordings=wordings, per_type=20):
             assert asked_within(asked.question) == asked.question
+
+
+@pytest.mark.parametrize(
+    ("text", "asked"),
+    [
+        ("Can you tell whether or not it turns?", "Does it turn?"),
+        ("Has it moved right?", "Did it move right?"),
+        ("has the nut gone up?", "Did the nut go up?"),
+        ("Has it moved?", "Has it moved?"),
+    ],
+)
+def test_whether_or_not_and_what_has_gone_a_way_are_asked_plainly(text, asked):
+    assert asked_within(text) == asked

@@ -126,3 +126,9 @@ def test_what_is_none_of_them_may_be_said_so(question):
 
 def test_initials_after_a_command_are_spelt_out():
     assert initials_spelt_out("return L, R, U or D") == "left or right or up or down?"
+
+
+def test_otherwise_is_all_the_rest():
+    sets = option_sets("If it goes up say A, otherwise B.")
+    assert true_option(sets, Motion.UP) == "A"
+    assert true_option(sets, Motion.CLOCKWISE) == "B"

@@ -38,3 +38,22 @@ def test_what_is_reported_is_asked(text, asked):
 )
 def test_other_texts_report_nothing(text):
     assert asked_of_report(text) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "asked"),
+    [
+        ("She says it turns. Is she right?", "Does it turn?"),
+        ("We think the nut rotates. Are we right?", "Does the nut rotate?"),
+        ("He believes that it touches. Is he right?", "Is anything touching the gel?"),
+        ("He says it moves. Is he right?", "Is it moving at all?"),
+        ("She says it turns. Is she wrong?", "Is it false that it turns?"),
+        ("It must have slipped. Has it?", "Has it slipped?"),
+    ],
+)
+def test_claims_of_a_kind_and_of_contact_are_put_up_too(text, asked):
+    assert asked_of_report(text).lower() == asked.lower()
+
+
+def test_who_is_right_names_no_slide():
+    assert motions_named("She says it turns. Is she right?") == set()

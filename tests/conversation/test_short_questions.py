@@ -43,3 +43,7 @@ def test_a_word_is_asked_as_a_question(text, asked):
 )
 def test_other_texts_stay_as_they_are(text):
     assert in_full(text) == text
+
+
+def test_what_is_pressed_asks_for_a_press():
+    assert in_full("pressed or not?") == "Is it pressing?"

@@ -218,3 +218,21 @@ def test_what_to_do_about_it_is_not_told(question):
 
 def test_what_somebody_can_tell_is_no_advice():
     assert never_told("What should I do to undo it?") is None
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Can I push it down to undo the motion?",
+        "Can we increase confidence?",
+        "Can I close the cap by turning it clockwise?",
+        "Can I reduce that to left or right?",
+        "Should I push right to undo it?",
+    ],
+)
+def test_what_undoes_a_motion_or_is_asked_of_the_answer_is_no_advice(question):
+    assert never_told(question) is None
+
+
+def test_what_to_do_is_still_declined():
+    assert "what to do" in never_told("Can I squeeze it now?")
