@@ -8,6 +8,7 @@ from geotlm_lm.conversation.claims import (
     claimed_class,
     claims_motion,
     presumed_class,
+    without_adverbs,
 )
 from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.motion_names import claimed_motion, motions_named, nearly_named

@@ -99,7 +99,11 @@ def test_contact_made_or_broken_asks_how_it_moves(question):
 
 @pytest.mark.parametrize(
     "question",
-    ["Is it sliding or rotating or both?", "Rotation, slide or both?", "turning, slipping, or both"],
+    [
+        "Is it sliding or rotating or both?",
+        "Rotation, slide or both?",
+        "turning, slipping, or both",
+    ],
 )
 def test_one_kind_or_both_asks_which_kind(question):
     assert without_opposites(question) == "Is it sliding or turning?"

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.conversation.frame_facts import read_facts, turn_told_after
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for

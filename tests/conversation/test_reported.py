@@ -2,6 +2,7 @@
 
 import pytest
 
+from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.reported import asked_of_report
 
 
