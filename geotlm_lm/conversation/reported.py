@@ -14,6 +14,7 @@ _SAYS = (
     r"(?:say|think|believe|claim|insist|guess|swear|report|write|bet)(?:s|ed)?|said|thought|wrote"
     r"|told (?:me|us)|(?:is|was|am|are|'m) (?:sure|certain|convinced)"
 )
+_SAID = re.compile(rf"\b(?:{_SAYS})\b")
 _WHO = r"(?:i|we|you|he|she|they|somebody|someone|(?:the|my|our|a) (?:\w+ ){0,2}?\w+)"
 _RIGHT, _WRONG = r"(?:right|correct|true|so)", r"(?:wrong|false|mistaken|incorrect)"
 _PUT_UP = re.compile(rf"\b(?:{_RIGHT}|{_WRONG})[ ?.!]*$")
@@ -23,8 +24,8 @@ _JUDGED = re.compile(
     rf"(?:(?P<right>{_RIGHT})|{_WRONG})[ ?.!]*"
 )
 _WHO_IS_RIGHT = re.compile(
-    r"(?P<claims>.+?)\b(?:who(?:'s| is| was| of (?:us|them) is)|which (?:of us|one|of them)? ?is)"
-    rf" {_RIGHT}[ ?.!]*"
+    r"(?P<claims>.+?)\b(?:who(?:'s| is| was| of (?:us|them) is)|(?P<which>which) (?:of us|one"
+    rf"|of them)? ?is) {_RIGHT}[ ?.!]*"
 )
 _EXPECTED = re.compile(
     r"(?:.*[.!;] )?(?:and |so |but |now )?(?P<who>it|this|that|(?:the|my) (?:\w+ )?\w+) "
@@ -52,7 +53,10 @@ def asked_of_report(question: str) -> str | None:
     if (said := _JUDGED.fullmatch(text)) is not None:
         return _judged(said["claim"], bool(said["right"]))
     said = _WHO_IS_RIGHT.fullmatch(text)
-    return MOVES_HOW if said is not None and len(motions_named(said["claims"])) > 1 else None
+    if said is None or len(motions_named(said["claims"])) < 2:
+        return None
+    # "A: up, B: down. Which one is right?" is a choice: nobody says anything.
+    return None if said["which"] and not _SAID.search(said["claims"]) else MOVES_HOW
 
 
 def _judged(claim: str, is_right: bool) -> str | None:

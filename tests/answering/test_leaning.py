@@ -7,6 +7,7 @@ import pytest
 import torch
 
 from geotlm_lm import answer_schema
+from geotlm_lm.answering import Answerer
 from geotlm_lm.answering.answer import Answer, Lean
 from geotlm_lm.answering.leaning import LEAST_SHARE, with_lean
 from geotlm_lm.answering.withholding import UNRECOGNISED
@@ -181,7 +182,9 @@ def pressing(bundle):
     """An answerer that says press, and nearly as likely takes it for clockwise."""
     answerer = answerer_saying(bundle, {"*": "It is pressing in."})
     answerer.bundle.speaker.likes = "Clockwise, in the camera image."
-    return answerer
+    probe = Probing({"clockwise": 0.9, "counterclockwise": 0.1})
+    model = replace(answerer.bundle.model, probe=probe)
+    return Answerer(replace(answerer.bundle, model=model))
 
 
 def test_a_user_who_asks_which_way_it_turns_is_told_through_every_door(bundle):

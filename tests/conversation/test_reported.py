@@ -35,6 +35,8 @@ def test_what_is_reported_is_asked(text, asked):
         "He says it is red. Is he right?",
         "My colleague says it goes left.",
         "It slid to the left. Is that right?",
+        "A: nothing, B: still. Which one is correct?",
+        "left or up, which is right?",
     ],
 )
 def test_other_texts_report_nothing(text):
