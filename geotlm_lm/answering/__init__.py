@@ -15,11 +15,11 @@ from geotlm_lm.answering.answer import (
     four_frames_with_background,
 )
 from geotlm_lm.answering.answerer import Answerer, Why
-from geotlm_lm.answering.hearing import LEAST_SURE, OPEN_QUESTION
+from geotlm_lm.answering.hearing import LEAST_SURE
 from geotlm_lm.answering.replying import NOT_UNDERSTOOD
 from geotlm_lm.answering.session import Session, Turn
 from geotlm_lm.answering.several import Comparison, Order
-from geotlm_lm.conversation.question import check_question
+from geotlm_lm.conversation.question import OPEN_QUESTION, check_question
 
 __all__ = [
     "LEAST_SURE",

@@ -7,7 +7,6 @@ from dataclasses import replace
 from geotlm_lm.answering.answer import GOES_BY, Answer, Encoded
 from geotlm_lm.answering.hearing import (
     AMOUNT_QUESTION,
-    OPEN_QUESTION,
     RATE_QUESTION,
     Heard,
     hear,
@@ -18,6 +17,7 @@ from geotlm_lm.answering.one_way import as_told, told_motion
 from geotlm_lm.answering.replying import answer_amount, from_open_answer
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.claims import claimed
+from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.stated_amounts import Stated, denies_amount, without_amount
 from geotlm_lm.conversation.wording import lowered
 from geotlm_lm.core.frame_spec import FrameSpec

@@ -18,14 +18,14 @@ from geotlm_lm.answering.expected import (
     require_frame,
     require_kind,
 )
-from geotlm_lm.answering.hearing import EVIDENCE_QUESTION, OPEN_QUESTION, hear, score
+from geotlm_lm.answering.hearing import EVIDENCE_QUESTION, hear, score
 from geotlm_lm.answering.replying import is_as_seen
 from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.several import Comparison, Order, tell_order
 from geotlm_lm.answering.streaming import Listener, pieces
 from geotlm_lm.answering.withholding import is_contradicted
 from geotlm_lm.checkpoint import Bundle, load_bundle
-from geotlm_lm.conversation.question import check_question
+from geotlm_lm.conversation.question import OPEN_QUESTION, check_question
 from geotlm_lm.conversation.reasons import chain
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.wording import known, lowered

@@ -11,7 +11,6 @@ from typing import Any
 
 from geotlm_lm.answering.amount_verdicts import judged_amount
 from geotlm_lm.answering.answer import Answer, Encoded, evidence
-from geotlm_lm.answering.hearing import OPEN_QUESTION
 from geotlm_lm.answering.joining import both
 from geotlm_lm.answering.leaning import with_lean
 from geotlm_lm.answering.overruling import read_by_rule
@@ -39,6 +38,7 @@ from geotlm_lm.conversation.known_words import SLIP_IS_A_SLIDE, in_known_words, 
 from geotlm_lm.conversation.of_the_sensor import as_of_it, names_the_object
 from geotlm_lm.conversation.option_meanings import initials_spelt_out
 from geotlm_lm.conversation.place import place_in_picture
+from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.reasons import contact_place
 from geotlm_lm.conversation.reported import asked_of_report
 from geotlm_lm.conversation.retell import CAMERA

@@ -16,7 +16,7 @@ from geotlm_lm.answering.deciding import (
     judge_supposed,
     judge_undoing,
 )
-from geotlm_lm.answering.hearing import AMOUNT_QUESTION, OPEN_QUESTION, RATE_QUESTION, hear
+from geotlm_lm.answering.hearing import AMOUNT_QUESTION, RATE_QUESTION, hear
 from geotlm_lm.answering.measuring import measured
 from geotlm_lm.answering.one_way import as_told
 from geotlm_lm.answering.replying import UNTRAINED
@@ -34,6 +34,7 @@ from geotlm_lm.conversation.clip_names import clips_by_number
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asks_from_object
+from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.turned_image import unclear_turn
 from geotlm_lm.conversation.two_claims import (
     asks_same_amount,

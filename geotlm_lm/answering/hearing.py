@@ -16,9 +16,6 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.recordings.touch import UNTOUCHED_PROBABILITY
 
-OPEN_QUESTION = "Which way is it moving?"
-"""Asked of a model in place of a question it was not trained on."""
-
 AMOUNT_QUESTION = "How far did it go?"
 MOVING_QUESTION = "Is it moving at all?"
 RATE_QUESTION = "How fast did it go?"

@@ -16,7 +16,6 @@ from geotlm_lm.answering.hearing import (
     AMOUNT_QUESTION,
     EVIDENCE_QUESTION,
     MOVING_QUESTION,
-    OPEN_QUESTION,
     RATE_QUESTION,
     Heard,
     Overhear,
@@ -42,6 +41,7 @@ from geotlm_lm.conversation.axes import asks_components, axes_named
 from geotlm_lm.conversation.claims import presumed_class
 from geotlm_lm.conversation.kinds import LATER_KINDS, asked_kind, is_ruled_out
 from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.reasons import halves
 from geotlm_lm.conversation.retell import (
     ALWAYS_RETOLD,

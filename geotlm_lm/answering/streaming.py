@@ -17,7 +17,6 @@ from typing import Any
 from geotlm_lm.answering.answer import Encoded, deciding_word
 from geotlm_lm.answering.hearing import (
     NEVER_DOUBTED,
-    OPEN_QUESTION,
     Scores,
     hear,
     is_doubtful,
@@ -35,6 +34,7 @@ from geotlm_lm.answering.replying import NEEDS_MORE, is_as_seen
 from geotlm_lm.answering.withholding import is_contradicted, is_unfounded
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.kinds import is_ruled_out
+from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.retell import ALWAYS_RETOLD, RETOLD
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.language.parse_answer import Slots

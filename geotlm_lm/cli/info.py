@@ -76,8 +76,9 @@ def describe(recording: Clip, span: tuple[int, int] | None = None) -> dict[str, 
     """Return what is known about a recording and the frames chosen from it, or from `span`."""
     from dataclasses import replace
 
-    from geotlm_lm.recordings.choose import choose_frames, imprint_strength
+    from geotlm_lm.recordings.choose import choose_frames
     from geotlm_lm.recordings.idle import estimate_background
+    from geotlm_lm.recordings.imprints import imprint_strength
 
     chosen = choose_frames(recording, span=span)
     origin = "given" if recording.background is not None else "found in the recording"

@@ -7,7 +7,7 @@ import re
 from geotlm_lm.conversation.kind_choices import REST
 from geotlm_lm.conversation.motion_verbs import GOES, SLIDES, TURNS, forms
 from geotlm_lm.conversation.plain_text import plain_text
-from geotlm_lm.conversation.question import MOVES_HOW
+from geotlm_lm.conversation.question import OPEN_QUESTION
 
 _MOTION = r"(?:moving|in motion|in movement|dynamic|mobile)"
 _TOUCH = r"(?:touching|touched|in contact|contact)"
@@ -55,13 +55,13 @@ _OR_BOTH = re.compile(
 """One motion is told, so that a choice among both kinds and the two together is one of a kind."""
 
 _OPPOSITES = (
-    (_either(_MOTION, REST), MOVES_HOW),
-    (_either(_ACROSS, _ALONG), MOVES_HOW),
-    (_either(_AHEAD, _BACK), MOVES_HOW),
-    (re.compile(rf"\W*{_SIGNED}(?:positive or negative|negative or positive)\W*"), MOVES_HOW),
+    (_either(_MOTION, REST), OPEN_QUESTION),
+    (_either(_ACROSS, _ALONG), OPEN_QUESTION),
+    (_either(_AHEAD, _BACK), OPEN_QUESTION),
+    (re.compile(rf"\W*{_SIGNED}(?:positive or negative|negative or positive)\W*"), OPEN_QUESTION),
     (_either(_TOUCH, _NO_TOUCH), _IS_TOUCHED),
     (_OR_BOTH, "Is it sliding or turning?"),
-    (re.compile(rf"\W*{_CONTACT}(?:{_MADE} or {_BROKEN}|{_BROKEN} or {_MADE})\W*"), MOVES_HOW),
+    (re.compile(rf"\W*{_CONTACT}(?:{_MADE} or {_BROKEN}|{_BROKEN} or {_MADE})\W*"), OPEN_QUESTION),
 )
 
 

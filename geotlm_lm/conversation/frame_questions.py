@@ -6,7 +6,7 @@ import re
 
 from geotlm_lm.conversation.fact_words import IMAGE, ON_ITS_HEAD
 from geotlm_lm.conversation.plain_text import plain_text
-from geotlm_lm.conversation.question import MOVES_HOW
+from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.wording import known
 from geotlm_lm.core.frame_spec import FrameSpec
 
@@ -71,7 +71,7 @@ def of_another_frame(question: str) -> tuple[str, str] | None:
         return None
     rest = f"{text[: said.start()]}{text[said.end() :]}".strip()
     is_asked = len(re.findall(r"\w+", rest)) > 1
-    return rest if is_asked else MOVES_HOW, _NOT_KNOWN.format(said["name"])
+    return rest if is_asked else OPEN_QUESTION, _NOT_KNOWN.format(said["name"])
 
 
 def asks_frame(question: str) -> bool:

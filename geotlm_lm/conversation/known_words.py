@@ -10,7 +10,7 @@ import re
 
 from geotlm_lm.conversation.kind_words import GEL
 from geotlm_lm.conversation.plain_text import plain_text
-from geotlm_lm.conversation.question import MOVES_HOW
+from geotlm_lm.conversation.question import OPEN_QUESTION
 
 _HOLD = r"(?:grasp|grip|hold)"
 _HOLDER = rf"(?:gripper|{_HOLD}|hand|jaws?|fingers?|{GEL})"
@@ -66,7 +66,7 @@ _SAID: tuple[tuple[str, str], ...] = (
         rf"|(?:is|was) it a (?:stable|steady) {_HOLD}",
         _IS_STILL,
     ),
-    (rf"(?:is|was) (?:the|my|this) {_HOLD} (?:secure|safe|firm|tight|good)", MOVES_HOW),
+    (rf"(?:is|was) (?:the|my|this) {_HOLD} (?:secure|safe|firm|tight|good)", OPEN_QUESTION),
     (
         r"(?:(?:is|was|did|does|has) )?(?:anything|something)"
         r" (?:happen(?:s|ed|ing)?|chang(?:es|ed|e|ing)|going on)",

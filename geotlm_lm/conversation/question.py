@@ -6,8 +6,8 @@ from geotlm_lm.core.errors import UsageError
 
 MAX_QUESTION_CHARACTERS = 500
 
-MOVES_HOW = "Which way is it moving?"
-"""Asked in place of what asks openly in words that no model knows."""
+OPEN_QUESTION = "Which way is it moving?"
+"""Known to every model: asked where rules need the motion, and for words that no model knows."""
 
 
 def check_question(question: str) -> str:

@@ -8,7 +8,7 @@ from geotlm_lm.conversation.claims import claimed_class
 from geotlm_lm.conversation.indirect import claim_within
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.plain_text import plain_text
-from geotlm_lm.conversation.question import MOVES_HOW
+from geotlm_lm.conversation.question import OPEN_QUESTION
 
 _SAYS = (
     r"(?:say|think|believe|claim|insist|guess|swear|report|write|bet)(?:s|ed)?|said|thought|wrote"
@@ -56,7 +56,7 @@ def asked_of_report(question: str) -> str | None:
     if said is None or len(motions_named(said["claims"])) < 2:
         return None
     # "A: up, B: down. Which one is right?" is a choice: nobody says anything.
-    return None if said["which"] and not _SAID.search(said["claims"]) else MOVES_HOW
+    return None if said["which"] and not _SAID.search(said["claims"]) else OPEN_QUESTION
 
 
 def _judged(claim: str, is_right: bool) -> str | None:

@@ -6,6 +6,7 @@ import re
 
 from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE
 from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.question import OPEN_QUESTION
 
 _X = r"(?:d ?x|delta[ -]?x|x(?:[ -](?:coordinate|component|displacement|shift|motion|position))?)"
 _Y = _X.replace("x", "y")
@@ -54,8 +55,6 @@ _MOTION = re.compile(
 )
 _ENDED = re.compile(rf"{_END}")
 
-_MOVES_HOW = "Which way is it moving?"
-
 _HOW = r"(?:increasing|larger|higher|greater|decreasing|smaller|lower)"
 _TOWARDS = re.compile(
     rf"\b(?:in the direction of|towards?|to) (?:the )?(?P<how>{_HOW})"
@@ -77,7 +76,7 @@ _OF_A_VECTOR = (
     (
         rf"(?:which|what) (?:way|direction) (?:does|did|is|was) {_VECTOR} "
         rf"(?:point|go|face|pointing|going)(?: (?:to|in|towards?))?{_END}",
-        _MOVES_HOW,
+        OPEN_QUESTION,
     ),
     (
         rf"(?:is|does|did|was) {_VECTOR} (?:point|go|face|pointing|going) "
@@ -97,12 +96,12 @@ _OF_A_VECTOR = (
 
 _THETA = r"(?:the )?(?:theta|(?:rotation|turning) angle|angle of (?:rotation|turning))"
 _OF_A_TURN = (
-    (rf"(?:what (?:is|was) )?(?:the )?sign of {_THETA}{_END}", _MOVES_HOW),
+    (rf"(?:what (?:is|was) )?(?:the )?sign of {_THETA}{_END}", OPEN_QUESTION),
     (rf"(?:is|was) {_THETA} (?:positive|plus|> ?0){_END}", "Is it turning clockwise?"),
     (rf"(?:is|was) {_THETA} (?:negative|minus|< ?0){_END}", "Is it turning counterclockwise?"),
     (
         rf"(?:is|was) {_THETA} (?:positive or negative|negative or positive){_END}",
-        _MOVES_HOW,
+        OPEN_QUESTION,
     ),
 )
 """Clockwise as drawn is positive: from x, to the right, towards y, down."""
@@ -123,15 +122,15 @@ def asked_of_axes(question: str) -> str | None:
             parts = said.groupdict()
             return asked.format(way=parts.get("way"), axis="x" if parts.get("dx") else "y")
     if any(words.fullmatch(text) for words in _EITHER):
-        return _MOVES_HOW
+        return OPEN_QUESTION
     if (said := _SIGN.fullmatch(text)) is not None:
         is_across = said["x"] or said["column"]
         if not is_across and _OPPOSED.fullmatch(said["plus"] or said["minus"]):
-            return _MOVES_HOW
+            return OPEN_QUESTION
         return f"Is it moving {_way(bool(is_across), said['plus'] is not None)}?"
     if (towards := _TOWARDS.search(text)) is not None:
         if towards["either"] or towards["choice"]:
-            return _MOVES_HOW
+            return OPEN_QUESTION
         is_plus = towards["how"] in ("increasing", "larger", "higher", "greater")
         way = _way(towards["across"] is not None, is_plus)
         return f"{text[: towards.start()]}{way}{text[towards.end() :]}"

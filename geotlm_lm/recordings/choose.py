@@ -6,14 +6,14 @@ from collections.abc import Iterable
 from dataclasses import replace
 from numbers import Integral
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.recordings.idle import activity_grey, find_idle, split_in_two
+from geotlm_lm.recordings.imprints import imprints_of, strength_of
 from geotlm_lm.recordings.travel import main_way, travelled_path
 
 CONTACT_SHARE = 0.6
@@ -117,11 +117,6 @@ def require_motion(clip: Clip) -> None:
         )
 
 
-def imprint_strength(clip: Clip) -> NDArray[np.float32]:
-    """Return how strongly each frame is imprinted, in grey levels (rms), shape (t,)."""
-    return _strength(_imprints(activity_grey(clip.frames), clip.background))
-
-
 def _told(clip: Clip) -> Clip:
     numbers = ", ".join(str(number) for number in clip.frame_numbers)
     note = f"Frames {numbers} are used."
@@ -171,8 +166,8 @@ def _indices_of_motion(
     """
     stride = -(-len(clip) // CANDIDATE_LIMIT)
     grey = activity_grey(clip.frames[::stride]) if grey is None else grey[::stride]
-    imprints = _imprints(grey, clip.background)
-    strength = _strength(imprints)
+    imprints = imprints_of(grey, clip.background)
+    strength = strength_of(imprints)
     flat = (imprints / np.maximum(strength, 1e-6)[:, None, None]).reshape(len(imprints), -1)
     likeness = flat @ flat.T / flat.shape[1]
     is_full = strength > _full_contact(strength)
@@ -276,35 +271,6 @@ def _growth(strength: NDArray[np.float32], count: int) -> NDArray[np.int64]:
         return _evenly(int(before[-1]), peak, count)
     faded = int(np.argmax(is_weak))
     return _evenly(int(np.flatnonzero(is_strong[:faded])[-1]), faded, count)
-
-
-def _imprints(grey: NDArray[np.float32], background: Frames | None) -> NDArray[np.float32]:
-    """Return each frame's grey change against the gel, smoothed and free of slow shading.
-
-    Args:
-        grey: `activity_grey` of the frames.
-        background: The gel, in colour; None guesses it.
-    """
-    if background is not None:
-        gel = activity_grey(background[None])[0]
-    else:
-        gel = cv2.GaussianBlur(np.median(grey, axis=0), (0, 0), SHADING_SIGMA)
-    return np.stack([band_pass(image - gel) for image in grey])
-
-
-NOISE_SIGMA, IMPRINT_SIGMA, SHADING_SIGMA = 1.0, 8.0, 12.0
-"""Pixels of the activity image (80 columns): finer is noise, coarser than 8 is a change of light,
-and an imprint is finer than 12."""
-
-
-def band_pass(image: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return an activity image without noise and without slow shading: what an imprint adds."""
-    smooth = cv2.GaussianBlur(image, (0, 0), NOISE_SIGMA)
-    return smooth - cv2.GaussianBlur(smooth, (0, 0), IMPRINT_SIGMA)
-
-
-def _strength(imprints: NDArray[np.float32]) -> NDArray[np.float32]:
-    return np.sqrt(np.square(imprints).mean(axis=(1, 2)))
 
 
 def _evenly(first: int, last: int, count: int) -> NDArray[np.int64]:

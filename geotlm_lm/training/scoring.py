@@ -17,7 +17,7 @@ from geotlm_lm.data.questions import WORDINGS, QuestionAnswer, questions_for
 from geotlm_lm.evaluation.calibration import expected_calibration_error
 from geotlm_lm.probe.linear import LinearProbe
 
-OPEN_QUESTION = "T1"
+OPEN_TYPE = "T1"
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ def true_option_likelihoods(
     """
     rows, truths = [], []
     for row in clips.readable():
-        asked = _asked(clips.labels[row], seed, row, "seen", (OPEN_QUESTION,))[0]
+        asked = _asked(clips.labels[row], seed, row, "seen", (OPEN_TYPE,))[0]
         scores = bundle.speaker.score(clips.fused_tokens[row], asked.question, asked.options)
         rows.append(scores)
         truths.append(asked.options.index(asked.answer))
@@ -149,7 +149,7 @@ def _scored(bundle: Bundle, clips: ClipSet, seed: int) -> dict[str, float]:
 
 def _open_accuracy(replies: Sequence[_Reply], rows: Sequence[int]) -> float:
     wanted = set(rows)
-    return _share([r.is_right for r in replies if r.type_id == OPEN_QUESTION and r.row in wanted])
+    return _share([r.is_right for r in replies if r.type_id == OPEN_TYPE and r.row in wanted])
 
 
 def _probe_accuracy(
@@ -165,7 +165,7 @@ def _false_directions(clips: ClipSet, replies: Sequence[_Reply]) -> float:
         [
             one.claim in DIRECTED
             for one in replies
-            if one.type_id == OPEN_QUESTION and clips.labels[one.row].motion not in DIRECTED
+            if one.type_id == OPEN_TYPE and clips.labels[one.row].motion not in DIRECTED
         ]
     )
 

@@ -1,5 +1,3 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -67,23 +65,6 @@ def test_a_fact_sets_its_field_and_no_other(text, fields):
     stated = read_facts(text, CAMERA)
     assert stated.frame == stated.lasting == FrameSpec(**fields)
     assert (stated.rest, stated.is_stated) == ("", True)
-
-
-@pytest.mark.parametrize(
-    ("text", "before", "after"),
-    [
-        ("the image is not mirrored", MIRRORED, CAMERA),
-        ("I look from the camera", FrameSpec(viewpoint="object"), CAMERA),
-        ("the object moved, not the sensor", FrameSpec(actor="sensor"), CAMERA),
-        ("the image is not upside down", FrameSpec(image_upside_down=True), CAMERA),
-        ("the camera is upright", FrameSpec(image_upside_down=True), CAMERA),
-        ("the sensor isn't mounted upside down", FrameSpec(image_upside_down=True), CAMERA),
-        ("reset the frame", FrameSpec(mm_per_px=0.06), CAMERA),
-        ("reset the frame", FrameSpec(True, "object", "sensor", "head", "left", True), CAMERA),
-    ],
-)
-def test_a_fact_is_taken_back(text, before, after):
-    assert read_facts(text, before).frame == after
 
 
 @pytest.mark.parametrize(
@@ -163,61 +144,6 @@ def test_a_fact_of_the_world_lasts_even_before_a_comma():
     assert stated.rest == "is it tightening?"
 
 
-@pytest.mark.parametrize(
-    ("text", "rest"),
-    [
-        ("Where would it go if the image were upside down?", "Where does it go?"),
-        ("If the camera were mounted upside down, which way?", "which way?"),
-        ("if the image had been flipped upside down which way?", "which way?"),
-        ("Had the image been upside down, which way?", "which way?"),
-        ("Suppose the image is upside down. Which way?", "Which way?"),
-        ("If I turned the picture upside down, where would it go?", "where does it go?"),
-        ("which way, if you rotate the video by 180 degrees", "which way"),
-        ("If I rotated the image 180 degrees clockwise, which way?", "which way?"),
-        ("Suppose I flip the picture upside down: which way?", "which way?"),
-        ("What if we turned the image on its head?", "Which way does it move?"),
-        ("If I had rotated the sensor by 180 degrees, which way?", "which way?"),
-        ("Which way, if I turn the gripper 180 degrees?", "Which way?"),
-        ("If the sensor had been turned by 180 degrees, where would it go?", "where does it go?"),
-        (
-            "If the image were upside down, would the cap be turning left?",
-            "is the cap turning left?",
-        ),
-    ],
-)
-@pytest.mark.parametrize("before", [CAMERA, MIRRORED])
-def test_an_image_supposed_upside_down_is_so_for_its_question_alone(text, rest, before):
-    stated = read_facts(text, before)
-    assert stated.frame == replace(before, image_upside_down=True)
-    assert stated.lasting == before
-    assert stated.rest == rest
-
-
-@pytest.mark.parametrize(
-    ("text", "is_upside_down"),
-    [
-        ("If the image were upside down, which way?", True),
-        ("Had the image been upside down, which way?", True),
-        ("If I turned the picture upside down, which way?", False),
-        ("which way, if you rotate the video by 180 degrees", False),
-    ],
-)
-def test_turning_what_is_upside_down_makes_it_upright(text, is_upside_down):
-    before = FrameSpec(image_upside_down=True)
-    stated = read_facts(text, before)
-    assert stated.frame == FrameSpec(image_upside_down=is_upside_down)
-    assert stated.lasting == before
-
-
-def test_facts_beside_a_supposition_hold():
-    stated = read_facts(
-        "It is a left-hand thread, if the image were upside down, does it tighten?", CAMERA
-    )
-    assert stated.frame == FrameSpec(thread="left", image_upside_down=True)
-    assert stated.lasting == FrameSpec(thread="left")
-    assert stated.rest == "does it tighten?"
-
-
 @pytest.mark.parametrize("type_id", sorted(set(load_templates().types) - {"T11", "T12"}))
 def test_no_question_of_another_type_is_taken_for_a_fact(type_id):
     rng = np.random.default_rng(5)
@@ -247,23 +173,6 @@ def test_facts_are_read_in_more_words(text, field, value):
     stated = read_facts(text, FrameSpec())
     assert stated.rest == ""
     assert getattr(stated.lasting, field) == value
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "No left-hand thread.",
-        "No mirrored image.",
-        "The robot moved and the sensor stayed still.",
-        "the sensor is upside down",
-        "I rotated the sensor by 180 degrees. Which way does it go?",
-        "If I held the sensor upside down, which way does it go?",
-        "Do you know if I rotated the sensor by 180 degrees?",
-        "If I rotated the cap by 180 degrees, which way?",
-    ],
-)
-def test_what_denies_a_fact_or_is_about_the_holder_alone_is_not_read(text):
-    assert not read_facts(text, FrameSpec()).is_stated
 
 
 @pytest.mark.parametrize(
@@ -312,35 +221,6 @@ def test_the_side_that_is_touched_is_told(text, side):
 
 
 @pytest.mark.parametrize(
-    ("text", "before", "after"),
-    [
-        ("the sensor is mounted the right way up", FrameSpec(image_upside_down=True), CAMERA),
-        ("No, the camera is mounted upright.", FrameSpec(image_upside_down=True), CAMERA),
-        ("the image is right side up again", FrameSpec(image_upside_down=True), CAMERA),
-        ("Actually it is not mirrored.", MIRRORED, CAMERA),
-        ("It's not mirrored any more", MIRRORED, CAMERA),
-        ("The image is no longer mirrored.", MIRRORED, CAMERA),
-        ("I look from the sensor's side again.", FrameSpec(viewpoint="object"), CAMERA),
-        ("Forget the pixel size.", FrameSpec(mm_per_px=0.06), CAMERA),
-        ("reset the scale", FrameSpec(mm_per_px=0.06), CAMERA),
-        ("reset", MIRRORED, CAMERA),
-        ("Forget everything.", FrameSpec(True, "object"), CAMERA),
-        ("I'm looking at the object from the other side", CAMERA, FrameSpec(viewpoint="object")),
-    ],
-)
-def test_a_fact_is_taken_back_in_ordinary_words(text, before, after):
-    stated = read_facts(text, before)
-    assert (stated.lasting, stated.rest) == (after, "")
-
-
-@pytest.mark.parametrize(
-    "text", ["it is flipped", "it is not upside down", "reset the gripper", "forget it", "again"]
-)
-def test_what_may_be_said_of_the_object_takes_nothing_back(text):
-    assert not read_facts(text, MIRRORED).is_stated
-
-
-@pytest.mark.parametrize(
     ("text", "fields"),
     [
         (
@@ -366,42 +246,10 @@ def test_facts_in_the_words_of_a_workshop_are_read(text, fields):
     assert read_facts(text, FrameSpec()).frame == FrameSpec(**fields)
 
 
-def test_an_image_that_were_upside_down_holds_for_its_question():
-    stated = read_facts("Were the picture upside down, would it be going down?", FrameSpec())
-    assert (stated.frame.image_upside_down, stated.lasting) == (True, FrameSpec())
-    assert stated.rest == "is it going down?"
-
-
 def test_facts_may_follow_the_question():
     stated = read_facts("Does it tighten? Right-hand thread, touched at the head.", FrameSpec())
     assert stated.frame == FrameSpec(thread="right", contact_side="head")
     assert stated.rest == "Does it tighten?"
-
-
-@pytest.mark.parametrize(
-    ("text", "fields", "rest"),
-    [
-        (
-            "If this were a left-hand thread touched at the head, would it tighten?",
-            {"thread": "left", "contact_side": "head"},
-            "would it tighten?",
-        ),
-        (
-            "Had the sensor moved instead, would it have gone left?",
-            {"actor": "sensor"},
-            "has it gone left?",
-        ),
-        (
-            "Supposing the sensor had turned instead, which way would that be?",
-            {"actor": "sensor"},
-            "Which way does it move?",
-        ),
-    ],
-)
-def test_what_is_supposed_of_a_thread_or_a_mover_holds_for_its_question(text, fields, rest):
-    stated = read_facts(text, FrameSpec())
-    assert (stated.frame, stated.lasting) == (FrameSpec(**fields), FrameSpec())
-    assert stated.rest == rest
 
 
 def test_a_turn_told_after_a_question_is_noticed():

@@ -5,7 +5,6 @@ import pytest
 
 from geotlm_lm.conversation.claims import offered_options
 from geotlm_lm.conversation.kinds import (
-    asked_amount,
     asked_kind,
     asks_direction,
     asks_whether_moving,
@@ -289,24 +288,6 @@ def test_no_question_of_another_kind_asks_whether_anything_moves():
 
 
 @pytest.mark.parametrize(
-    ("question", "kind", "amount"),
-    [
-        ("How many degrees clockwise did it turn?", "premise", "magnitude"),
-        ("How many mm did it slide to the left?", "premise", "magnitude"),
-        ("How fast does it turn clockwise?", "premise", "rate"),
-        ("How many radians?", "magnitude", "magnitude"),
-        ("How many turns did it make?", "magnitude", "magnitude"),
-        ("and in radians?", "magnitude", "magnitude"),
-        ("How many px/s?", "rate", "rate"),
-        ("How many degrees per minute?", "rate", "rate"),
-        ("Since when does it turn clockwise?", "premise", None),
-    ],
-)
-def test_an_amount_is_asked_for_beside_a_motion_taken_for_granted(question, kind, amount):
-    assert (asked_kind(question), asked_amount(question)) == (kind, amount)
-
-
-@pytest.mark.parametrize(
     ("question", "kind"),
     [
         ("px/frame?", "magnitude"),
@@ -329,35 +310,3 @@ def test_a_drift_is_a_motion():
 def test_a_sense_of_rotation_is_a_direction():
     assert asks_direction("what is the sense of rotation?")
     assert asks_direction("rotation sign")
-
-
-@pytest.mark.parametrize(
-    "question",
-    [
-        "Give me the direction as an angle in degrees",
-        "Report which way it moves in degrees",
-        "Give me the direction of rotation in degrees",
-        "Report the position of the cable in pixels.",
-        "State where the contact is in pixels",
-        "Give the size of the image in pixels",
-        "Report the uncertainty in pixels",
-        "Give the diameter of the cap in mm",
-    ],
-)
-def test_what_is_given_in_a_unit_may_be_no_amount_of_motion(question):
-    assert asked_kind(question) is None
-
-
-@pytest.mark.parametrize(
-    "question",
-    [
-        "Give me the rotation in degrees",
-        "Report the angle it turned in degrees",
-        "give it in radians",
-        "Express the answer in mm",
-        "State the travel of the cable in pixels",
-        "Convert that in mm.",
-    ],
-)
-def test_an_extent_given_in_a_unit_is_an_amount(question):
-    assert asked_kind(question) == "magnitude"
