@@ -9,17 +9,18 @@ from typing import Annotated
 import typer
 
 from geotlm_lm.cli.options import Seed, require_writable
+from geotlm_lm.core.errors import UsageError
 
 
 def train(
     out: Annotated[Path, typer.Option(help="Run folder; an interrupted run in it is continued.")],
     preset: Annotated[
-        str,
+        str | None,
         typer.Option(
-            help="smoke (minutes, to see it run) or default (the shipped bundle); with --keep the "
-            "kept bundle's own."
+            help="smoke (minutes, to see it run) or default (the shipped bundle). [default: "
+            "default; with --keep the kept bundle's own]"
         ),
-    ] = "default",
+    ] = None,
     seed: Seed = 0,
     workers: Annotated[int, typer.Option(min=1, help="Processes that simulate.")] = 2,
     keep: Annotated[
@@ -31,14 +32,26 @@ def train(
 
     Example: geotlm-lm train --preset smoke --out runs/smoke
     """
-    require_writable(out, "--out")
     if keep is not None:
+        if preset is not None:
+            raise UsageError(
+                "--preset cannot go with --keep, which uses the kept bundle's own; leave out one "
+                "of them."
+            )
+        from geotlm_lm.checkpoint import read_config
+
+        read_config(keep)  # what is refused leaves no folder behind
+        require_writable(out, "--out")
         from geotlm_lm.training.anew import train_odometer_anew
 
         print(f"training the odometer of {keep} into {out}", file=sys.stderr)
         print(train_odometer_anew(keep, out, seed, workers))
         return
+    from geotlm_lm.training.config import preset_named
+
+    settings = preset_named(preset or "default")
+    require_writable(out, "--out")
     from geotlm_lm.training.train import train as train_bundle
 
-    print(f"training preset {preset} into {out}", file=sys.stderr)
-    print(train_bundle(preset, out, seed, workers))
+    print(f"training preset {settings.name} into {out}", file=sys.stderr)
+    print(train_bundle(settings.name, out, seed, workers))

@@ -31,8 +31,38 @@ def test_options_reach_the_seam_and_the_bundle_is_named(calls, capsys):
     assert capsys.readouterr().out == "runs/a/bundle\n"
 
 
+@pytest.mark.parametrize(
+    ("options", "code", "sentence"),
+    [
+        (["--preset", "huge"], 2, "there is no preset 'huge'; choose one of smoke, default.\n"),
+        (
+            ["--keep", "gone"],
+            4,
+            "gone: found no model bundle there (no config.json); give the folder that `geotlm-lm "
+            "train` wrote.\n",
+        ),
+        (
+            ["--keep", "gone", "--preset", "smoke"],
+            2,
+            "--preset cannot go with --keep, which uses the kept bundle's own; leave out one of "
+            "them.\n",
+        ),
+    ],
+)
+def test_what_is_refused_leaves_no_folder_behind(
+    calls, capsys, tmp_path, monkeypatch, options, code, sentence
+):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as exit_info:
+        main(["train", "--out", "runs", *options])
+    assert (exit_info.value.code, capsys.readouterr().err) == (code, sentence)
+    assert list(tmp_path.iterdir()) == []
+    assert calls == []
+
+
 def test_a_bundle_to_keep_reaches_the_other_seam(monkeypatch, capsys):
     made = []
+    monkeypatch.setattr("geotlm_lm.checkpoint.read_config", lambda folder: {})
 
     def train_odometer_anew(kept, out, seed, workers):
         made.append((kept, out, seed, workers))
