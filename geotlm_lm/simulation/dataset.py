@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import multiprocessing
 import os
-import signal
 import threading
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
@@ -26,6 +25,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError, UsageError
+from geotlm_lm.core.interrupts import children_end_with_it, deaf_children, whole_step
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.threads import one_thread_in_children
 from geotlm_lm.simulation.card import card_of
@@ -196,10 +196,11 @@ def _write_all(shards: list[_Shard], workers: int) -> Iterator[int]:
         initializer=_prepare_worker,
     )
     try:
-        with one_thread_in_children():
-            writing = [pool.submit(_write_shard, shard) for shard in shards]
-        for future in as_completed(writing):
-            yield future.result()
+        with children_end_with_it():
+            with deaf_children(), one_thread_in_children():
+                writing = [pool.submit(_write_shard, shard) for shard in shards]
+            for future in as_completed(writing):
+                yield future.result()
     except BrokenProcessPool as error:
         raise GeoTLMError(
             "A worker was ended from outside, most likely for want of memory; run this again with "
@@ -229,8 +230,6 @@ def _prepare_worker() -> None:
     import cv2
     import torch
 
-    # Ctrl-C reaches every process of a command; the parent lets shards under way be finished.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
@@ -268,7 +267,8 @@ def _write_shard(shard: _Shard) -> int:
     made["object_names"] = np.array(names)
     made["index"] = np.arange(shard.first_index, shard.first_index + shard.count)
     made["labels"] = np.array(json.dumps(labels))
-    _save_atomically(Path(shard.path), made)
+    with whole_step():  # a worker that is ended here leaves its shard, not a part of it
+        _save_atomically(Path(shard.path), made)
     return shard.count
 
 

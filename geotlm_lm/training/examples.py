@@ -19,15 +19,16 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.interrupts import (
+    children_end_with_it,
+    deaf_children,
+    end_if_orphaned,
+    whole_step,
+)
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.core.threads import one_thread_in_children
 from geotlm_lm.training.forms import Recorded, as_recorded, bin_means, truth_in
-from geotlm_lm.training.interrupts import (
-    children_end_with_it,
-    deaf_children,
-    end_if_orphaned,
-)
 from geotlm_lm.training.progress import Progress
 
 if TYPE_CHECKING:
@@ -210,7 +211,7 @@ def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
         about.append([simulated.object_name, recorded.label.to_dict()])
         end_if_orphaned()
     stacked = {name: np.stack(values).astype(np.float16) for name, values in arrays.items()}
-    with replacing(path) as stream:
+    with whole_step(), replacing(path) as stream:  # a worker ended here leaves no part of a file
         np.savez(stream, about=np.array(json.dumps(about)), **stacked)
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn.functional import cross_entropy
 
+from geotlm_lm.core.interrupts import whole_step
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.core.seeding import generator_for, seed_for
@@ -26,7 +27,6 @@ from geotlm_lm.language.decoder import LanguageSize, TactileDecoder
 from geotlm_lm.language.prompt import PromptEncoder
 from geotlm_lm.language.speak import Speaker
 from geotlm_lm.language.tokenizer import VOCABULARY_SIZE, clean_question, train_tokenizer
-from geotlm_lm.training.interrupts import whole_step
 from geotlm_lm.training.language_checkpoint import restore_language, store_language
 
 Progress = Callable[[int, int, float], None]

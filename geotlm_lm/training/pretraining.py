@@ -14,6 +14,7 @@ from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.vit import ViT, ViTConfig
+from geotlm_lm.core.interrupts import whole_step
 from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.config import TrainingPreset
@@ -25,7 +26,6 @@ from geotlm_lm.training.dense import (
     mirrored_at_random,
 )
 from geotlm_lm.training.examples import Examples
-from geotlm_lm.training.interrupts import whole_step
 from geotlm_lm.training.progress import Progress
 
 PRETRAINING_VERSION = 4

@@ -1,3 +1,4 @@
+import contextlib
 import json
 import os
 import signal
@@ -180,3 +181,49 @@ def test_after_kill_9_a_resumed_run_has_lost_and_repeated_nothing(tmp_path, work
     assert indices.tolist() == list(range(30))
     for path in [*shards, killed / "README.md", killed / "dataset.json"]:
         assert path.read_bytes() == (whole / path.name).read_bytes()
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_request_to_end_does_not_wait_for_shards_and_leaves_no_part_of_one(tmp_path, number):
+    # Shards of reference clips with friction take minutes; a worker has begun one after a second.
+    options = ["--count", "200", "--preset", "reference", "--drift", "--workers", "2"]
+    with subprocess.Popen(
+        [sys.executable, "-m", "geotlm_lm", "simulate", "--out", str(tmp_path / "set"), *options],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as run:
+        while not (tmp_path / "set" / "dataset.json").exists():
+            time.sleep(0.05)
+        time.sleep(3.0)
+        if number == signal.SIGINT:
+            os.killpg(run.pid, number)  # as a terminal does: to every process
+        else:
+            run.send_signal(number)
+        try:
+            _, told = run.communicate(timeout=8)  # until no worker holds its end of the pipe
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(run.pid, signal.SIGKILL)
+    assert run.returncode == (130 if number == signal.SIGINT else -number)
+    assert told == "Stopped; files already complete are kept.\n"
+    assert [path.name for path in (tmp_path / "set").iterdir()] == ["dataset.json"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a process is ended there without being asked")
+def test_a_worker_asked_to_end_while_it_writes_leaves_the_whole_shard(tmp_path, monkeypatch):
+    def asked(*arguments):
+        signal.raise_signal(signal.SIGTERM)
+        return save(*arguments)
+
+    save = dataset._save_atomically
+    monkeypatch.setattr(dataset, "_save_atomically", asked)
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            write_dataset(tmp_path, 1, seed=1, objects=OBJECTS, preset="draft")
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert read_shard(tmp_path / "shard-00000.npz")[0]["index"].tolist() == [0]

@@ -1,4 +1,4 @@
-"""Ctrl-C: a step is taken whole, and worker processes end with their parent, silently."""
+"""Ctrl-C: worker processes end with their parent, silently."""
 
 import os
 import signal
@@ -8,8 +8,6 @@ import time
 
 import pytest
 
-from geotlm_lm.training.interrupts import whole_step
-
 SIMULATE = """
 import sys
 from pathlib import Path
@@ -18,39 +16,6 @@ train.write_text_atomically(Path(sys.argv[1]) / "ready", "")
 from geotlm_lm.cli.main import main
 main(["train", "--preset", "smoke", "--out", sys.argv[1], "--workers", "2"])
 """
-
-
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupt_waits_until_the_step_is_taken(number):
-    done = []
-
-    def step():
-        with whole_step():
-            signal.raise_signal(number)
-            done.append("step")
-
-    # As a command takes a request to end.
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            step()
-        assert signal.getsignal(number) is signal.default_int_handler
-    finally:
-        signal.signal(signal.SIGTERM, before)
-    assert done == ["step"]
-
-
-def test_outside_a_step_interrupts_arrive_as_ever():
-    with whole_step():
-        pass
-    with pytest.raises(KeyboardInterrupt):
-        signal.raise_signal(signal.SIGINT)
-
-
-def test_an_error_in_a_step_is_told_as_it_is():
-    with pytest.raises(ZeroDivisionError), whole_step():
-        raise ZeroDivisionError
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
 @pytest.fixture
