@@ -83,11 +83,13 @@ def simulate_one(
 
 
 def write_clip(path: Path, made: SimulatedClip) -> None:
-    """Write frames, background, frame rate, label (JSON) and drift, if solved, to a .npz file."""
+    """Write frames, idle gel, rate, shape of pixels, label (JSON) and drift, if solved, as .npz."""
     import numpy as np
 
     label = json.dumps(made.label.to_dict() | {"object": made.object_name})
     arrays = {"frames": made.clip.frames, "label": np.array(label)}
+    # The simulated camera's picture is of four to three: no reader need assume it.
+    arrays["square_pixels"] = np.array(False)
     if made.clip.background is not None:
         arrays["background"] = made.clip.background
     if made.drift_px is not None:

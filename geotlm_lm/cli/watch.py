@@ -17,6 +17,7 @@ from geotlm_lm.cli.options import (
     FramesPerSecond,
     LayoutName,
     Precision,
+    SquarePixels,
     require_new_file,
     require_question,
 )
@@ -47,6 +48,7 @@ def watch(
         typer.Option("--at-its-rate", help="Play a recording as a camera would, dropping frames."),
     ] = False,
     layout: LayoutName = None,
+    square_pixels: SquarePixels = False,
     fps: FramesPerSecond = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
@@ -76,7 +78,7 @@ def watch(
     print(f"note: {source} at {stream.fps:g} frames per second{assumed}.", file=sys.stderr)
     try:
         # Closed even where nobody reads on: a camera's thread must not outlive the command.
-        with closing(_events(stream, watcher, film)) as events:
+        with closing(_events(stream, watcher, film, square_pixels)) as events:
             for event in events:
                 _tell(event, as_json, _words(answerer, watcher, event, question))
     finally:
@@ -103,12 +105,15 @@ def _film(path: Path, fps: float) -> Film:
     return Film(path, fps)
 
 
-def _events(stream: Any, watcher: Any, film: Any) -> Iterator[MotionEvent]:
+def _events(stream: Any, watcher: Any, film: Any, square_pixels: bool) -> Iterator[MotionEvent]:
     """Yield the events of a stream as they come, and draw each frame if there is a film."""
+    from geotlm_lm.recordings.pixel_shape import with_square_pixels
+
     for frame in stream:
-        events = watcher.push(frame.image, frame.time_s)
+        image = with_square_pixels(frame.image) if square_pixels else frame.image
+        events = watcher.push(image, frame.time_s)
         if film is not None:
-            film.add(frame.image, events, watcher.perceived)
+            film.add(image, events, watcher.perceived)
         yield from events
     yield from watcher.finish()
 

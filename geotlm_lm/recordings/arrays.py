@@ -35,6 +35,8 @@ def read_array(path: Path, layout: Layout | None = None) -> Clip:
 def read_archive(path: Path, layout: Layout | None = None) -> Clip:
     """Return the clip in a .npz file with `frames` and, optionally, `fps` and `background`.
 
+    What it states by `square_pixels` is told by `stated_square_pixels`.
+
     Where no array is called `frames`, the only other one is taken for them: `numpy.savez(path,
     frames)` calls it `arr_0`. A note says so.
 
@@ -50,7 +52,7 @@ def read_archive(path: Path, layout: Layout | None = None) -> Clip:
         keys = sorted(entry.removesuffix(".npy") for entry in archive.namelist())
         key = _key_of_frames(keys, name)
         frames = _read_member(archive, key, name)
-        others = {k: _read_member(archive, k, name) for k in BESIDES if k in keys}
+        others = {k: _read_member(archive, k, name) for k in ("fps", "background") if k in keys}
     clip = _to_clip(frames, layout, name)
     if key != "frames":
         clip = clip.with_note(f"The array '{key}' was taken for the frames.")
@@ -66,7 +68,28 @@ def read_archive(path: Path, layout: Layout | None = None) -> Clip:
     )
 
 
-BESIDES = ("fps", "background")
+def stated_square_pixels(path: Path) -> bool | None:
+    """Return whether a .npz file states by `square_pixels` that they are; None where it does not.
+
+    Raises:
+        UnreadableClip: If what it holds under that name is not one truth value.
+    """
+    with _refusing_damage(str(path)), zipfile.ZipFile(path) as archive:
+        if f"{SQUARE_PIXELS}.npy" not in archive.namelist():
+            return None
+        value = _read_member(archive, SQUARE_PIXELS, str(path))
+    if value.size != 1 or value.dtype.kind not in "bui":
+        raise UnreadableClip(
+            f"{path}: '{SQUARE_PIXELS}' has shape {value.shape} and type {value.dtype}, expected "
+            f"one truth value; save True or False or leave it out."
+        )
+    return bool(value.reshape(()))
+
+
+SQUARE_PIXELS = "square_pixels"
+"""Key of an archive that tells whether the camera's pixels were square when frames were saved."""
+
+BESIDES = ("fps", "background", SQUARE_PIXELS)
 """Keys of an archive that hold no frames."""
 
 

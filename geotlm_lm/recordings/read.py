@@ -8,7 +8,12 @@ from pathlib import Path
 
 from geotlm_lm.core.clip import MOST_FPS, Clip, Frames, require_number
 from geotlm_lm.core.errors import UnreadableClip, UsageError
-from geotlm_lm.recordings.arrays import read_archive, read_array, read_still_array
+from geotlm_lm.recordings.arrays import (
+    read_archive,
+    read_array,
+    read_still_array,
+    stated_square_pixels,
+)
 from geotlm_lm.recordings.choose import require_motion
 from geotlm_lm.recordings.images import IMAGE_SUFFIXES, read_folder, read_still_image
 from geotlm_lm.recordings.pixel_shape import with_pixel_shape
@@ -35,7 +40,8 @@ def read_clip(
         fps: Frames per second of the whole recording; None to take what the file says.
         background: An image or .npy file of the idle gel; None to take what the file holds.
         square_pixels: Whether the camera's pixels are square though the frames are of 224 x 224,
-            which else are taken for a 4:3 picture squashed to a square.
+            which else are what a .npz states by `square_pixels`, or, with a note, taken for a 4:3
+            picture squashed to a square.
 
     Raises:
         UnreadableClip: If a file is missing, damaged, or holds no clip, in one sentence.
@@ -64,7 +70,8 @@ def read_clip(
         clip = replace(clip, fps=fps)
     if background is not None:
         clip = replace(clip, background=read_background(background))
-    return with_pixel_shape(clip, is_square=square_pixels)
+    stated = stated_square_pixels(path) if path.suffix.lower() == ".npz" else None
+    return with_pixel_shape(clip, is_square=square_pixels or stated)
 
 
 def require_rate(fps: float | None) -> None:

@@ -32,6 +32,7 @@ def test_a_clip_is_what_its_command_makes(tmp_path, command):
     # Another processor may round a few pixels differently.
     assert np.abs(made.frames.astype(int) - kept.frames).mean() < 0.05
     assert np.abs(made.background.astype(int) - kept.background).mean() < 0.05
+    assert made.notes == kept.notes
 
 
 @pytest.mark.parametrize("path", handlers.EXAMPLE_CLIPS, ids=lambda path: Path(path).stem)

@@ -25,6 +25,7 @@ def test_a_simulated_clip_is_a_readable_recording_with_its_label(tmp_path, capsy
     clip = read_clip(path)
     assert clip.frames.shape == (4, 224, 224, 3)
     assert clip.background is not None
+    assert not [note for note in clip.notes if "squashed" in note]  # it knows its own camera
     label = json.loads(str(np.load(path)["label"]))
     assert label["motion"] == "left"
     assert label["object"] == "key"

@@ -1,6 +1,7 @@
 """`watch` prints events line by line, says what it cannot open, and draws without a window."""
 
 import json
+from itertools import islice
 from types import SimpleNamespace
 
 import cv2
@@ -221,3 +222,30 @@ def test_force_without_a_drawing_is_refused(capsys, recording):
         "",
         "--force lets --draw replace a file; give --draw, or leave it out.\n",
     )
+
+
+@pytest.mark.parametrize(("options", "columns"), [((), 224), (("--square-pixels",), 223)])
+@pytest.mark.parametrize("name", ["square.npz", "square.avi"])
+def test_frames_of_224_pixels_are_taken_as_asked(
+    capsys, tmp_path, monkeypatch, name, options, columns
+):
+    frames = [cv2.resize(touched(one), (224, 224)) for one in islice(gel(), 30)]
+    frames[:15] = [cv2.resize(one, (224, 224)) for one in islice(gel(), 15)]
+    if name.endswith(".npz"):
+        np.savez(tmp_path / name, frames=np.stack(frames), fps=25.0)
+    else:
+        codec = cv2.VideoWriter_fourcc(*"MJPG")
+        writer = cv2.VideoWriter(str(tmp_path / name), codec, 25.0, (224, 224))
+        for one in frames:
+            writer.write(one)
+        writer.release()
+    widths = set()
+
+    def read(clip, among):
+        widths.add((clip.frames.shape[2], clip.background.shape[1]))
+        return Window(Motion.STILL, 0.8)
+
+    monkeypatch.setattr(watcher_module, "model_reader", lambda answerer: read)
+    drawing = ("--draw", tmp_path / "out.mp4")
+    assert run(capsys, "--source", tmp_path / name, *options, *drawing)[0] == 0
+    assert widths == {(columns, columns)}

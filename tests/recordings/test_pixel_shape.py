@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import filled_size
 from geotlm_lm.recordings.pixel_shape import SQUASHED, UNSQUASHED
 from geotlm_lm.recordings.read import read_clip
@@ -12,10 +13,10 @@ from geotlm_lm.recordings.read import read_clip
 def recording(tmp_path):
     """Return what writes a recording with an idle gel, of a size, and its path."""
 
-    def write(rows, columns):
+    def write(rows, columns, **stated):
         rng = np.random.default_rng(0)
         frames = rng.integers(0, 255, (3, rows, columns, 3)).astype(np.uint8)
-        np.savez(tmp_path / "clip.npz", frames=frames, background=frames[0])
+        np.savez(tmp_path / "clip.npz", frames=frames, background=frames[0], **stated)
         return frames, tmp_path / "clip.npz"
 
     return write
@@ -47,3 +48,24 @@ def test_pictures_of_another_size_are_as_they_were(recording, size, is_square):
     clip = read_clip(path, square_pixels=is_square)
     assert np.array_equal(clip.frames, frames)
     assert not {SQUASHED, UNSQUASHED} & set(clip.notes)
+
+
+def test_what_a_file_states_of_its_pixels_is_not_assumed_and_the_user_knows_better(recording):
+    _, path = recording(224, 224, square_pixels=False)
+    assert not {SQUASHED, UNSQUASHED} & set(read_clip(path).notes)
+    assert read_clip(path).frames.shape[1:3] == (224, 224)
+    assert UNSQUASHED in read_clip(path, square_pixels=True).notes
+    _, path = recording(224, 224, square_pixels=1)
+    assert UNSQUASHED in read_clip(path).notes
+
+
+@pytest.mark.parametrize("stated", [np.array([True, False]), np.array("yes"), 1.5])
+def test_a_shape_of_pixels_that_is_no_truth_value_is_refused_in_a_sentence(recording, stated):
+    _, path = recording(224, 224, square_pixels=stated)
+    value = np.asarray(stated)
+    with pytest.raises(UnreadableClip) as refused:
+        read_clip(path)
+    assert str(refused.value) == (
+        f"{path}: 'square_pixels' has shape {value.shape} and type {value.dtype}, expected one "
+        f"truth value; save True or False or leave it out."
+    )
