@@ -71,8 +71,8 @@ def evaluate(
     encoder: EncoderName = None,
     weights: EncoderWeights = None,
     heads: EncoderHeads = None,
-    run_folder: HeadsRunFolder = Path("runs/encoder"),
-    preset: HeadsPresetName = "default",
+    run_folder: HeadsRunFolder = None,
+    preset: HeadsPresetName = None,
 ) -> None:
     """Judge the model on clips it has never seen, beside linear probes and optical flow.
 
@@ -81,16 +81,21 @@ def evaluate(
     """
     if clips == 0 and real is None and not data:
         raise UsageError("nothing to judge: give --clips above 0, --real with a folder, or --data.")
-    if out is not None:
-        require_record_file(out, "--out", inputs=_inputs(real, data or (), weights))
     require_one_model(model, weights, encoder, heads)
     if weights is not None and precision != "float32":
         raise UsageError("--precision and --weights exclude each other: give one of them.")
+    if weights is None and (preset is not None or run_folder is not None):
+        raise UsageError("--preset and --run-folder need --weights with the encoder's file.")
+    if out is not None:
+        require_record_file(out, "--out", inputs=_inputs(real, data or (), weights))
     if weights is None:
         answerer, name, about = _embedded(model, precision)
     else:
-        require_writable(run_folder, "--run-folder")
-        answerer, name, about = _trained_on(weights, encoder, heads, preset, run_folder, seed)
+        folder = run_folder or Path("runs/encoder")
+        require_writable(folder, "--run-folder")
+        answerer, name, about = _trained_on(
+            weights, encoder, heads, preset or "default", folder, seed
+        )
     from geotlm_lm.experiments.evaluate import evaluate as run
     from geotlm_lm.reports.tables import evaluation_tables
 

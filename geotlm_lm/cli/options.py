@@ -95,15 +95,19 @@ EncoderHeads = Annotated[
     ),
 ]
 HeadsRunFolder = Annotated[
-    Path,
+    Path | None,
     typer.Option(
-        "--run-folder", help="With --weights: tokens and heads are kept here, to continue from."
+        "--run-folder",
+        help="With --weights: tokens and heads are kept here, to continue from. [default: "
+        "runs/encoder]",
     ),
 ]
 HeadsPresetName = Annotated[
-    str,
+    str | None,
     typer.Option(
-        "--preset", help="With --weights: smoke or default, how long the encoder's heads learn."
+        "--preset",
+        help="With --weights: smoke or default, how long the encoder's heads learn. [default: "
+        "default]",
     ),
 ]
 Force = Annotated[

@@ -97,6 +97,14 @@ def test_an_encoder_is_evaluated_from_its_file_to_the_record(
             ["--weights", "a.pth", "--precision", "int8"],
             "--precision and --weights exclude each other: give one of them.\n",
         ),
+        (
+            ["--preset", "smoke"],
+            "--preset and --run-folder need --weights with the encoder's file.\n",
+        ),
+        (
+            ["--run-folder", "a"],
+            "--preset and --run-folder need --weights with the encoder's file.\n",
+        ),
     ],
 )
 def test_options_that_do_not_go_together_are_refused(capsys, arguments, sentence):
