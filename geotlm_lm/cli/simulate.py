@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 from geotlm_lm.cli.options import Force, Seed, require_new_file, require_writable
-from geotlm_lm.cli.simulate_clip import own_body, simulate_one, write_clip
+from geotlm_lm.cli.simulate_clip import own_body, require_shape, simulate_one, write_clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.threads import usable_cores
@@ -107,8 +107,10 @@ def simulate(
         if clip.suffix != ".npz":
             raise UsageError(f"--clip {clip} was given, expected a name that ends in .npz.")
         indenter = own_body(height_map, mm_per_px, relief_mm, object_name)
-        require_new_file(clip, "--clip", is_forced=force)
         name = object_name or ("key" if height_map is None else height_map.stem)
+        if indenter is None:
+            require_shape(name)  # what is refused leaves no folder behind
+        require_new_file(clip, "--clip", is_forced=force)
         made = simulate_one(name, Motion(motion or "clockwise"), indenter=indenter, **scenes)
         write_clip(clip, made)
         print(clip)

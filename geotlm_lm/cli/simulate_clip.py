@@ -44,6 +44,20 @@ def own_body(
     return read_height_map(height_map, mm_per_px, relief_mm=1.0 if relief_mm is None else relief_mm)
 
 
+def require_shape(name: str) -> None:
+    """Refuse a name that no built-in shape has.
+
+    Raises:
+        UsageError: If there is none.
+    """
+    from geotlm_lm.simulation.indenters import INDENTERS
+
+    if name not in INDENTERS:
+        raise UsageError(
+            f"There is no shape '{name}', expected one of {', '.join(sorted(INDENTERS))}."
+        )
+
+
 def simulate_one(
     object_name: str,
     motion: Motion,
@@ -62,14 +76,11 @@ def simulate_one(
         UsageError: If there is no such shape.
     """
     from geotlm_lm.core.seeding import generator_for
-    from geotlm_lm.simulation.indenters import INDENTERS
     from geotlm_lm.simulation.randomise import random_scene
     from geotlm_lm.simulation.simulate import simulate as simulate_scenes
 
-    if indenter is None and object_name not in INDENTERS:
-        raise UsageError(
-            f"There is no shape '{object_name}', expected one of {', '.join(sorted(INDENTERS))}."
-        )
+    if indenter is None:
+        require_shape(object_name)
     rng = generator_for(seed, "single clip", object_name, motion.value)
     scene = random_scene(
         rng,

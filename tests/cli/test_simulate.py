@@ -39,7 +39,8 @@ def test_the_same_seed_writes_the_same_frames(tmp_path):
 
 
 def test_an_unknown_shape_is_refused_with_the_known_ones(tmp_path, capsys):
-    assert run("simulate", "--clip", tmp_path / "a.npz", "--object", "unicorn") == 2
+    assert run("simulate", "--clip", tmp_path / "new" / "a.npz", "--object", "unicorn") == 2
+    assert list(tmp_path.iterdir()) == []
     sentence = capsys.readouterr().err
     assert sentence.startswith("There is no shape 'unicorn', expected one of ")
     assert " key," in sentence
