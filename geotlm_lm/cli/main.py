@@ -104,6 +104,9 @@ def _run(arguments: list[str] | None) -> None:
 def _sentence(message: str) -> str:
     """Return the parser's message as one line that ends by telling where help is."""
     one_line = " ".join(message.split()).rstrip(".")
+    # "Did you mean 'answer'?" asks; what follows a question is a sentence of its own.
+    if one_line.endswith("?"):
+        return f"{one_line} See `geotlm-lm --help`."
     return f"{one_line}; see `geotlm-lm --help`."
 
 

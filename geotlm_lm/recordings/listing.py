@@ -49,7 +49,8 @@ def skipped_in(folder: Path) -> list[Path]:
 
 def _seen_in(folder: Path) -> list[Path]:
     if not os.path.isdir(folder):  # unlike the path's own, it raises nothing
-        raise UnreadableClip(f"{folder}: no such folder; give the one your recordings lie in.")
+        found = "is a file, expected a folder" if os.path.exists(folder) else "no such folder"
+        raise UnreadableClip(f"{folder}: {found}; give the one your recordings lie in.")
     return sorted(one for one in listed(folder) if not one.name.startswith("."))
 
 

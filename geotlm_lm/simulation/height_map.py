@@ -121,6 +121,8 @@ def _read_npy(path: Path) -> NDArray[np.floating]:
     try:
         # Mapped first: a header may declare any size, a mapping only what the file holds.
         return np.array(np.lib.format.open_memmap(path, mode="r"))
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read ({error.strerror}); check the name.") from error
     except Exception as error:
         # A damaged header fails in a dozen ways: ValueError, TokenError, OverflowError, ...
         said = (str(error).splitlines() or [type(error).__name__])[0]

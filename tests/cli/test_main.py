@@ -22,6 +22,10 @@ def run(capsys, *arguments):
 
 WRONG_CALLS = {
     "no command": ([], "Missing command; see `geotlm-lm --help`.\n"),
+    "a slip of the pen": (
+        ["answr"],
+        "No such command 'answr'. Did you mean 'answer'? See `geotlm-lm --help`.\n",
+    ),
     "unknown command": (["ask"], "No such command 'ask'; see `geotlm-lm --help`.\n"),
     "unknown flag": (
         ["answer", "--zzz"],

@@ -96,7 +96,10 @@ def test_files_that_are_no_maps_are_refused(tmp_path):
         ("a.png", "no 8 or 16 bit .png"),
         ("colours.png", "has colours"),
         ("cut.png", "is cut off; copy or save it again"),
-        ("absent.npy", "cannot be read"),
+        (
+            "absent.npy",
+            r"absent\.npy: cannot be read \(No such file or directory\); check the name",
+        ),
         ("absent.png", "cannot be opened"),
     ):
         with pytest.raises(UsageError, match=says):
