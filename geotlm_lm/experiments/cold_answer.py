@@ -16,7 +16,17 @@ RUNS = 5
 
 
 class AnswerFailed(GeoTLMError):
-    """The command line did not answer."""
+    """The command line did not answer.
+
+    Args:
+        message: The sentence.
+        exit_code: The command's own, which tells why.
+    """
+
+    def __init__(self, message: str, exit_code: int) -> None:
+        super().__init__(message)
+        # A negative one is the signal it ended of: not a code to exit with.
+        self.exit_code = exit_code if exit_code > 0 else GeoTLMError.exit_code
 
 
 def cold_answer(clip: Path, question: str, *, command: str, runs: int = RUNS) -> RunRecord:
@@ -41,7 +51,10 @@ def cold_answer(clip: Path, question: str, *, command: str, runs: int = RUNS) ->
         )
         seconds.append(time.perf_counter() - begun)
         if done.returncode:
-            raise AnswerFailed(f"the answer exited with {done.returncode}: {done.stderr.strip()}")
+            raise AnswerFailed(
+                f"the answer exited with {done.returncode}: {done.stderr.strip()}",
+                done.returncode,
+            )
     shown = shlex.join(["geotlm-lm", *arguments[:-1]])
     return RunRecord(
         name="answer",
