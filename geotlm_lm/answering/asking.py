@@ -44,7 +44,12 @@ from geotlm_lm.conversation.reported import asked_of_report
 from geotlm_lm.conversation.retell import CAMERA
 from geotlm_lm.conversation.scale import asks_scale, told_scale, with_pixel_size
 from geotlm_lm.conversation.short_questions import in_full
-from geotlm_lm.conversation.signed_axes import asked_of_axes, counts_pixels
+from geotlm_lm.conversation.signed_axes import (
+    CLOCKWISE_IS_POSITIVE,
+    asked_of_axes,
+    asks_sign_of_turn,
+    counts_pixels,
+)
 from geotlm_lm.conversation.spelling import as_words, spelt
 from geotlm_lm.conversation.stated_amounts import (
     UNJUDGED,
@@ -115,7 +120,8 @@ def answer_question(
         words = listen and StandingWords(bundle, encoded, asked, frame, listen)
         answer = in_words(bundle, encoded, asked, frame, words)
     answer = with_amount(bundle, encoded, asked, answer)
-    return _with_slip_told(asked, with_lean(bundle, encoded, asked, answer))
+    answer = with_lean(bundle, encoded, asked, answer)
+    return _with_meaning_told(stated.rest, asked, answer)
 
 
 def _as_known(text: str, frame: FrameSpec) -> tuple[str, FrameSpec]:
@@ -155,12 +161,24 @@ def _as_far_as_known(asked: str) -> tuple[str, str] | None:
     return None if going is None else (going, OF_THE_END)
 
 
-def _with_slip_told(asked: str, answer: Answer) -> Answer:
-    """Return an answer that denies slip of what turns with a note on what slip is taken for."""
-    is_denied = answer.decided == "no" and answer.direction in ROTATIONS
-    if not is_denied or not names_slip(asked):
+def _with_meaning_told(said: str, asked: str, answer: Answer) -> Answer:
+    """Return an answer on a turn with a note on what the question's words are taken to mean.
+
+    What slip is taken for is told where it is denied, and which sign of an angle is which way where
+    a sign is asked after.
+
+    Args:
+        said: The question before it was put into known words.
+        asked: And after.
+        answer: The answer to it.
+    """
+    if answer.direction not in ROTATIONS:
         return answer
-    return replace(answer, notes=(*answer.notes, SLIP_IS_A_SLIDE))
+    if asks_sign_of_turn(said):
+        return replace(answer, notes=(*answer.notes, CLOCKWISE_IS_POSITIVE))
+    if answer.decided == "no" and names_slip(asked):
+        return replace(answer, notes=(*answer.notes, SLIP_IS_A_SLIDE))
+    return answer
 
 
 def _at_once(bundle: Bundle, encoded: Encoded, asked: str, frame: FrameSpec) -> Answer | None:

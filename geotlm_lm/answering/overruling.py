@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 from geotlm_lm.answering.answer import offered_letters
@@ -23,6 +24,9 @@ from geotlm_lm.language.parse_answer import Slots
 _NO_WAY = ("class", "contact", "moving", "refusal")
 """Kinds of answers that say nothing of a way, which an open question asks for."""
 
+_OPEN = re.compile(r"\W*(?:(?:in )?which|what) (?:way|direction)\b", re.IGNORECASE)
+"""What begins so claims nothing: "which way does the coin approach?"."""
+
 CHECKED = (*VERDICTS, "choice", "class")
 """Kinds whose answers name a motion, or its kind, that the open answer may speak against."""
 
@@ -37,7 +41,7 @@ def asked_openly(slots: Slots | None, question: str) -> str | None:
         question: What was asked.
     """
     if passes_over_a_claim(slots, question):
-        return "verify"
+        return "direction" if _OPEN.match(question) else "verify"
     if passes_over_a_choice(slots, question):
         return "choice"
     if slots is not None and slots.kind in _NO_WAY and asks_direction(question):

@@ -21,6 +21,10 @@ _AHEAD, _BACK = (
     rf"{_AXIS.format(sign + '[xy]')}"
     for sign in (r"(?:\+ ?|positive |plus )", r"(?:- ?|negative |minus )")
 )
+_NEARS, _LEAVES = (
+    r"(?:approach(?:es|ed|ing)?|advanc(?:e|es|ed|ing))",
+    r"(?:(?:retreat|withdraw)(?:s|ed|ing)?|withdrew|reced(?:e|es|ed|ing)|leav(?:e|es|ing))",
+)
 _SIGNED = (
     r"(?:(?:is|was) )?(?:the )?"
     r"(?:d[xy]|delta[ -]?[xy]|[xy]|[xy][ -](?:displacement|shift|motion))(?: is)? "
@@ -59,6 +63,7 @@ _OPPOSITES = (
     (_either(_ACROSS, _ALONG), OPEN_QUESTION),
     (_either(_AHEAD, _BACK), OPEN_QUESTION),
     (re.compile(rf"\W*{_SIGNED}(?:positive or negative|negative or positive)\W*"), OPEN_QUESTION),
+    (_either(_NEARS, _LEAVES), OPEN_QUESTION),
     (_either(_TOUCH, _NO_TOUCH), _IS_TOUCHED),
     (_OR_BOTH, "Is it sliding or turning?"),
     (re.compile(rf"\W*{_CONTACT}(?:{_MADE} or {_BROKEN}|{_BROKEN} or {_MADE})\W*"), OPEN_QUESTION),

@@ -40,7 +40,19 @@ _ANOTHER = re.compile(
     r"(?P<name>(?:world|base|robot(?:'s)?(?: base)?|tool|tcp|flange|wrist|table|global|gripper)"
     r"(?:'s)? (?:frame|coordinate (?:frame|system)|coordinates|axes))(?: of reference)?,?"
 )
+_FROM = (
+    r"(?:above|below|over(?:head)?|underneath|(?:the )?(?:top|bottom|left|right|side|front|outside)"
+    r"|(?:the |my )?(?:gripper|robot|hand|arm|wrist|operator|user))"
+)
+_ANOTHER_VIEW = re.compile(
+    rf",? ?(?:\b(?:as )?(?:seen|viewed|looked at|looking|told) from {_FROM}"
+    r"|\bfrom (?:the|my) (?:gripper|robot|hand|arm|wrist|operator|user)'s"
+    r" (?:perspective|point of view|viewpoint|view|side))(?= *(?:[,:?.!]|$)),?"
+)
 _NOT_KNOWN = "Nothing tells how the camera stands in the {}: ways are told as its image shows them."
+_NO_SUCH_VIEW = (
+    "Nothing tells how the camera stands to that view: ways are told as its image shows them."
+)
 _TOLD = (
     "No touch tells whether the image is mirrored or turned; I take this frame: {}; say for "
     "example 'the image is mirrored' or 'the image is not mirrored'."
@@ -67,11 +79,13 @@ def of_another_frame(question: str) -> tuple[str, str] | None:
     """
     text = plain_text(question)
     said = _ANOTHER.search(text)
+    limit = _NO_SUCH_VIEW if said is None else _NOT_KNOWN.format(said["name"])
+    said = said or _ANOTHER_VIEW.search(text)
     if said is None:
         return None
     rest = f"{text[: said.start()]}{text[said.end() :]}".strip()
     is_asked = len(re.findall(r"\w+", rest)) > 1
-    return rest if is_asked else OPEN_QUESTION, _NOT_KNOWN.format(said["name"])
+    return rest if is_asked else OPEN_QUESTION, limit
 
 
 def asks_frame(question: str) -> bool:

@@ -22,8 +22,8 @@ _ALONG = r"(?:vertically|horizontally|left[ -]to[ -]right|top[ -]to[ -]bottom)"
 _MEASURES = r"(?:degrees?|deg|mm|millimet(?:re|er)s?|pixels?|px)"
 
 COUNTED = (
-    rf"(?:{_MEASURES}|radians?|rads?|arc ?(?:minutes|seconds)|cm|centimet(?:re|er)s?|um|microns?"
-    r"|micromet(?:re|er)s?|inch(?:es)?|turns|revolutions?|rotations?)"
+    rf"(?:{_MEASURES}|radians?|rads?|arc ?(?:minutes|seconds)|(?:minutes|seconds) of arc|cm"
+    r"|centimet(?:re|er)s?|um|microns?|micromet(?:re|er)s?|inch(?:es)?|turns|revolutions?|rotations?)"
 )
 """What is counted of a motion."""
 

@@ -18,8 +18,8 @@ _TURNS = r"(?:turns|revolutions?|rotations?|circles|revs?)\b"
 UNITS: tuple[tuple[str, str, float], ...] = (
     (r"(?:degrees?|degs?)\b|\u00b0", "deg", 1.0),
     (r"(?:radians?|rads?)\b", "deg", math.degrees(1.0)),
-    (r"arc ?min(?:ute)?s?\b", "deg", 1 / 60),
-    (r"arc ?sec(?:ond)?s?\b", "deg", 1 / 3600),
+    (r"(?:arc ?min(?:ute)?s?|minutes? of arc)\b", "deg", 1 / 60),
+    (r"(?:arc ?sec(?:ond)?s?|seconds? of arc)\b", "deg", 1 / 3600),
     (r"(?:px|pixels?)\b", "px", 1.0),
     (r"(?:mm|millimet(?:er|re)s?)\b", "mm", 1.0),
     (r"(?:cm|centimet(?:er|re)s?)\b", "mm", 10.0),

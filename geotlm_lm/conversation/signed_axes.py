@@ -106,9 +106,17 @@ _OF_A_TURN = (
 )
 """Clockwise as drawn is positive: from x, to the right, towards y, down."""
 
+CLOCKWISE_IS_POSITIVE = "Clockwise as drawn is a positive angle: from x, right, towards y, down."
+
 _PLAINLY = tuple(
     (re.compile(rf"{_LEAD}{words}"), asked) for words, asked in (*_OF_A_VECTOR, *_OF_A_TURN)
 )
+
+
+def asks_sign_of_turn(question: str) -> bool:
+    """Tell whether a question is after the sign of the turning angle, which is a convention."""
+    text = plain_text(question)
+    return any(re.fullmatch(f"{_LEAD}{words}", text) for words, _ in _OF_A_TURN)
 
 
 def asked_of_axes(question: str) -> str | None:

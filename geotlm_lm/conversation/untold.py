@@ -91,6 +91,7 @@ _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
 )
 
 _LOAD = r"(?:\w+ )?(?:forces?|torque|newtons?|pressure)(?! (?:point|sensor|gauge|plate))"
+_IN_UNIT = r"(?: in (?:mm|cm|px|pixels|millimet(?:re|er)s|centimet(?:re|er)s|microns|inches))?"
 _A_THING = (
     r"(?:the|this|that|these|those|my|its|your) (?:\w+ )?"
     rf"(?!{PICTURE}|(?:contact|touch|imprint|pixel|frame|view|turn|slide|slip|shift|motion|movement"
@@ -177,8 +178,9 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
     ),
     (
         re.compile(
-            rf"\bhow (?:large|big|small|wide|tall|thick) (?:is|was|are|were) {_A_THING}\W*$"
-            rf"|\b(?:size|diameter|width|length|height|radius) of {_A_THING}\W*$"
+            r"\bhow (?:large|big|small|wide|tall|thick) "
+            rf"(?:is|was|are|were) {_A_THING}{_IN_UNIT}\W*$"
+            rf"|\b(?:size|diameter|width|length|height|radius) of {_A_THING}{_IN_UNIT}\W*$"
         ),
         _SIZE,
     ),

@@ -8,6 +8,7 @@ from geotlm_lm.answering import OPEN_QUESTION
 from geotlm_lm.answering.hearing import MOVING_QUESTION
 from geotlm_lm.answering.overruling import shares_of_the_claim
 from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.conversation.signed_axes import CLOCKWISE_IS_POSITIVE
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
 from tests.answering.scripted import answerer_saying, recording
@@ -216,3 +217,29 @@ def test_a_claim_is_as_probable_as_the_motions_it_would_be_true_of(question, sur
     assert shares_of_the_claim(replace(yes, verdict=False), shares, question, CAMERA) == {}
     assert shares_of_the_claim(yes, {"yes": 0.7, "no": 0.3}, question, CAMERA) == {}
     assert shares_of_the_claim(yes, shares, "Is it fine?", CAMERA) == {}
+
+
+def test_an_open_question_about_an_approach_claims_none(bundle):
+    opened = bundle.grammar.sentence(Slots("direction", Motion.CLOCKWISE))
+    answerer = answerer_saying(bundle, {"*": opened, OPEN_QUESTION: opened})
+    answer = answerer.ask(answerer.encode(recording()), "Which way does the coin approach?")
+    assert (answer.text, answer.decided) == (opened, "clockwise")
+
+
+@pytest.mark.parametrize(
+    ("question", "motion", "is_told"),
+    [
+        ("What is the sign of theta?", Motion.CLOCKWISE, True),
+        ("Is the rotation angle negative?", Motion.COUNTERCLOCKWISE, True),
+        ("Is the rotation angle negative?", Motion.LEFT, False),
+        ("Is it turning clockwise?", Motion.CLOCKWISE, False),
+    ],
+)
+def test_which_turn_is_positive_is_told_where_a_sign_is_asked_after(
+    bundle, question, motion, is_told
+):
+    opened = bundle.grammar.sentence(Slots("direction", motion))
+    answerer = answerer_saying(bundle, {"*": opened, OPEN_QUESTION: opened})
+    answer = answerer.ask(answerer.encode(recording()), question)
+    assert answer.direction is motion
+    assert (CLOCKWISE_IS_POSITIVE in answer.notes) is is_told

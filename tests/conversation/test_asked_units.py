@@ -13,6 +13,7 @@ from geotlm_lm.conversation.asked_units import asked_unit, asks_per_frame, with_
         ("How many radians?", "deg", "radians", math.radians(1)),
         ("how far in cm?", "mm", "cm", 0.1),
         ("How many arcminutes did it turn?", "deg", "arcminutes", 60.0),
+        ("How many minutes of arc did it turn?", "deg", "minutes of arc", 60.0),
         ("Give the rotation angle in radians.", "deg", "radians", math.radians(1)),
         ("How many turns did it make?", "deg", "turns", 1 / 360),
         ("How fast in rpm?", "deg/s", "rpm", 1 / 6),

@@ -91,7 +91,13 @@ def test_other_questions_ask_nothing_of_the_end(question):
 
 @pytest.mark.parametrize(
     "question",
-    ["Did the contact begin or end?", "make or break?", "Is contact being made or broken?"],
+    [
+        "approach or retreat?",
+        "Is it approaching or receding?",
+        "Did the contact begin or end?",
+        "make or break?",
+        "Is contact being made or broken?",
+    ],
 )
 def test_contact_made_or_broken_asks_how_it_moves(question):
     assert without_opposites(question) == "Which way is it moving?"

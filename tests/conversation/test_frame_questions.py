@@ -93,6 +93,23 @@ def test_a_frame_that_nothing_tells_of_is_named(question, rest, name):
     assert name in said
 
 
-@pytest.mark.parametrize("question", ["in the last frame?", "in the camera frame", "which way?"])
+@pytest.mark.parametrize(
+    "question",
+    [
+        "From the gripper's perspective, which way does it turn?",
+        "Viewed from above, which way does it turn?",
+        "Which way does it turn as seen from the robot?",
+        "which way does it turn, looking from the top?",
+    ],
+)
+def test_a_view_that_nothing_tells_of_is_noted(question):
+    asked, said = of_another_frame(question)
+    assert asked.rstrip("?") == "which way does it turn"
+    assert "to that view" in said
+
+
+@pytest.mark.parametrize(
+    "question", ["in the last frame?", "in the camera frame", "seen from behind", "which way?"]
+)
 def test_other_frames_are_none_of_these(question):
     assert of_another_frame(question) is None

@@ -134,6 +134,8 @@ def test_who_asks_for_the_place_of_the_contact_is_understood(text, asks):
         ("Which way does it turn at the end of the clip?", "one motion per clip"),
         ("Did the cap change direction?", "one motion per clip"),
         ("is it going back and forth?", "one motion per clip"),
+        ("Give the width of the cable in mm", "not its size"),
+        ("How wide is the cable in millimetres?", "not its size"),
     ],
 )
 def test_what_passes_for_another_question_is_declined(text, word):
