@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.kind_words import GEL, HOLDER, PICTURE
-from geotlm_lm.conversation.motion_verbs import GOES, SLIDES, TURNS, Verb, forms
+from geotlm_lm.conversation.kind_words import GEL
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.question import OPEN_QUESTION
 
@@ -26,29 +25,8 @@ _SLIP = r"(?:slip(?:s|page|ping)?)"
 _IS_TOUCHED = "Is anything touching the gel?"
 _IS_LOST = "Has contact been lost?"
 _IS_STILL = "Is it holding still?"
-_SLIPS, _SLIDES, _TURNS = "Is it slipping?", "Is it sliding?", "Is it turning?"
+_SLIPS, _TURNS = "Is it slipping?", "Is it turning?"
 _MOVES = "Is it moving at all?"
-
-_OBJECT = (
-    rf"(?:it|this|that|(?:the|my|this|that) (?!(?:{_HOLDER}|{HOLDER}|{PICTURE})\b)"
-    r"(?:\w+ ){0,2}\w+)"
-)
-_ANY = rf"(?:anything|something|{_OBJECT})"
-_HAS = r"(?:has|have|had)(?:n't| not)?"
-_TURNED, _SLID = forms(TURNS, "past"), forms(SLIDES, "past")
-
-
-def _over(verbs: tuple[Verb, ...]) -> str:
-    """Return what asks whether a motion has been: "has the cap turned?"."""
-    return rf"{_HAS} {_ANY} {_JUST}(?:been )?{forms(verbs, 'past')}"
-
-
-def _stated(verbs: tuple[Verb, ...]) -> str:
-    """Return what asks for a motion in the words of a statement: "it slid?", "it moves?"."""
-    past, third = forms(verbs, "past"), forms(verbs, "third")
-    tag = r"(?:,? (?:has|had|did|does|do)(?:n't| not)? (?:it|that))?"
-    return rf"{_ANY}(?:(?:'s| has| had)? {_JUST}(?:been )?{past}| {_JUST}{third}){tag}"
-
 
 _SAID: tuple[tuple[str, str], ...] = (
     (
@@ -89,13 +67,6 @@ _SAID: tuple[tuple[str, str], ...] = (
         _IS_STILL,
     ),
     (rf"(?:is|was) (?:the|my|this) {_HOLD} (?:secure|safe|firm|tight|good)", OPEN_QUESTION),
-    (_stated(GOES), _MOVES),
-    (rf"{_over(TURNS)}|{_stated(TURNS)}", _TURNS),
-    (rf"{_over(SLIDES)}|{_stated(SLIDES)}", _SLIDES),
-    (
-        rf"{_HAS} {_ANY} {_JUST}(?:been )?(?:{_TURNED} or {_SLID}|{_SLID} or {_TURNED})",
-        "Is it sliding or turning?",
-    ),
     (
         r"(?:(?:is|was|did|does|has) )?(?:anything|something)"
         r" (?:happen(?:s|ed|ing)?|chang(?:es|ed|e|ing)|going on)",

@@ -50,18 +50,20 @@ head heads headed heading
 creep creeps crept creeping
 drift drifts drifted drifting
 """)
-PRESSES = _verbs("""
+NEARS = _verbs("""
 press presses pressed pressing
 push pushes pushed pushing
-pull pulls pulled pulling
-lift lifts lifted lifting
 indent indents indented indenting
 sink sinks sank sinking
 approach approaches approached approaching
+""")
+LIFTS = _verbs("""
+lift lifts lifted lifting
 detach detaches detached detaching
 recede recedes receded receding
 release releases released releasing
 """)
+PRESSES = (*NEARS, *LIFTS, ("pull", "pulls", "pulled", "pulling"))
 RESTS = _verbs("""
 rest rests rested resting
 touch touches touched touching

@@ -26,7 +26,7 @@ from tests.answering.scripted import answerer_saying, recording
 def test_a_no_to_nothing_that_was_claimed_is_not_said(bundle, question, text, decided):
     denial = bundle.grammar.sentence(Slots("verify", Motion.DOWN, verdict=False))
     opened = bundle.grammar.sentence(Slots("direction", Motion.CLOCKWISE))
-    answerer = answerer_saying(bundle, {question: denial, OPEN_QUESTION: opened})
+    answerer = answerer_saying(bundle, {"*": denial, OPEN_QUESTION: opened})
     answer = answerer.ask(answerer.encode(recording()), question)
     assert (answer.text, answer.decided) == (text, decided)
 
