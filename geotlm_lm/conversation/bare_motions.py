@@ -39,9 +39,10 @@ _LEAD = (
     r"|(?:please )?(?:check|say|tell me|verify)|can you (?:tell(?: me)?|check))"
     r"(?: that| whether| if)? )?"
 )
+_FAR = r" (?:by )?(?:(?:very|so|that|too|really) )?(?:far|much|a lot|a great deal)"
 _TAIL = (
     r"(?:[,.:;?]* *(?:please|yes or no|or not|now|at all|again|yet|already"
-    r"|(?:in|on) (?:the|this) (?:clip|video|recording)"
+    r"|(?:at least )?a (?:bit|little)|(?:in|on) (?:the|this) (?:clip|video|recording)"
     r")|, *(?:right|correct|no|yes)|,? *(?:is|was|has|had|did|does|do)(?:n't| not)? (?:it|that))*"
     r"[ ?.!]*"
 )
@@ -51,8 +52,13 @@ _GOES = tuple(verb for verb in GOES if verb[0] != "head")  # "heading?" asks whi
 _NOT = r"(?:n't)?"
 
 
-def _asking(verbs: tuple[Verb, ...]) -> re.Pattern[str]:
-    """Return what a whole text is that asks whether a motion by one of `verbs` is seen."""
+def _asking(verbs: tuple[Verb, ...], how_far: str = "") -> re.Pattern[str]:
+    """Return what a whole text is that asks whether a motion by one of `verbs` is seen.
+
+    Args:
+        verbs: Verbs for one kind of motion.
+        how_far: What must follow, such as "far".
+    """
     # A model knows "isn't it turning?"; of "isn't it going?" it makes a motion of its own.
     no = _NOT if verbs is _GOES else ""
     base, third, past, gerund = (forms(verbs, f) for f in ("base", "third", "past", "gerund"))
@@ -72,7 +78,7 @@ def _asking(verbs: tuple[Verb, ...]) -> re.Pattern[str]:
         rf"{_THING}(?:'s| has| had)? {_JUST}(?:been )?(?:{past}|{begun})",
         rf"{_THING} {_JUST}{third}",
     )
-    return re.compile(rf"\W*{_LEAD}(?:{'|'.join(said)}){_TAIL}")
+    return re.compile(rf"\W*{_LEAD}(?:{'|'.join(said)}){how_far}{_TAIL}")
 
 
 _TURNED, _SLID = forms(TURNS, "past"), forms(SLIDES, "past")
@@ -88,6 +94,9 @@ _ASKED = (
     (_asking(_GOES), "Is it moving at all?"),
     (_asking(NEARS), "Is it pressing in?"),
     (_asking(LIFTS), "Is it lifting off?"),
+    (_asking(TURNS, _FAR), "How far did it turn?"),
+    (_asking(SLIDES, _FAR), "How far did it slide?"),
+    (_asking(_GOES, _FAR), "How far did it go?"),
 )
 
 

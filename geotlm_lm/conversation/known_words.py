@@ -35,6 +35,7 @@ _SAID: tuple[tuple[str, str], ...] = (
         rf"(?:the |my )?{_HOLDER}"
         rf"|(?:has|have|had|did) {_WHO} {_JUST}(?:los[et]|miss(?:ed)?|drop(?:ped)?)"
         rf" (?:it|(?:the|my) (?:\w+))"
+        rf"|(?:did|has|have|had) {_IT} {_JUST}(?:fall(?:en)?|drop(?:ped)?)(?: (?:down|off|out))?"
         rf"|(?:is|was) (?:{_IT}|the {_HOLDER}) {_JUST}(?:free of (?:any )?contact|out of touch)"
         rf"|(?:is|was) (?:the |my )?object {_JUST}(?:gone|lost|missing)"
         rf"|(?:is|was) (?:the |my )?{_HOLDER} {_JUST}(?:empty|free|clear)|empty {_HOLDER}"
@@ -48,7 +49,8 @@ _SAID: tuple[tuple[str, str], ...] = (
         rf"(?:(?:hold|holding|held|gripp?(?:ing|ed)?|grasp(?:ing|ed)?) (?:(?:the|my) \w+|{_THING})"
         rf"|(?:got|have|caught|got hold of) {_THING})"
         rf"|(?:do|did|can|could) you (?:feel|sense|detect|notice) {_THING}"
-        rf"|(?:do|did|have) (?:i|we) (?:have|got|get) (?:any |a )?contact"
+        rf"|(?:do|did|have) (?:i|we) (?:have|got|get|made?) (?:any |a )?contact"
+        r"|(?:has|was) contact (?:been )?(?:made|established)"
         rf"|(?:is|was) there {_THING} (?:in|inside|between) (?:the|my|its|our) "
         rf"(?:gripper|hand|jaws?|fingers?|{_HOLD})"
         r"|anything|something|(?:is |was )?(?:an |any )?object (?:present|detected)"
@@ -63,7 +65,12 @@ _SAID: tuple[tuple[str, str], ...] = (
     ),
     (
         rf"(?:(?:is|was) )?(?:(?:it|(?:the|my|this|a) {_HOLD}) )?(?:stable|steady)"
-        rf"|(?:is|was) it a (?:stable|steady) {_HOLD}",
+        rf"|(?:is|was) it a (?:stable|steady) {_HOLD}"
+        rf"|(?:has|have|had) {_IT} {_JUST}(?:settled|rested|held(?: still)?|been (?:still|at rest))"
+        rf"|(?:has|have|had) (?:the|my|this) {_HOLD} {_JUST}held"
+        rf"|(?:did|does) {_IT} {_JUST}(?:settle|rest)"
+        rf"|(?:did|does|has|have|had) {_IT} {_JUST}(?:stay|remain)(?:ed)? "
+        r"(?:put|in place|where it (?:is|was))",
         _IS_STILL,
     ),
     (rf"(?:is|was) (?:the|my|this) {_HOLD} (?:secure|safe|firm|tight|good)", OPEN_QUESTION),

@@ -79,6 +79,20 @@ def test_more_than_a_motion_stays_as_it_is(question):
     assert asked_of_a_motion(question) is None
 
 
+@pytest.mark.parametrize(
+    ("question", "asked"),
+    [
+        ("Has it turned a lot?", "How far did it turn?"),
+        ("Did the cap turn much?", "How far did it turn?"),
+        ("did it slip very far?", "How far did it slide?"),
+        ("Has it moved by much?", "How far did it go?"),
+        ("Has it turned at least a bit?", "Is it turning?"),
+    ],
+)
+def test_whether_it_goes_far_asks_how_far(question, asked):
+    assert asked_of_a_motion(question) == asked
+
+
 @pytest.mark.parametrize("question", ["Has it turned or slid?", "has the cap slipped or rotated?"])
 def test_one_kind_or_the_other_is_a_choice(question):
     assert asked_of_a_motion(question) == "Is it sliding or turning?"

@@ -26,6 +26,8 @@ from geotlm_lm.data.questions import questions_for
         "Is the object gone?",
         "Is the gel clear?",
         "Has my key fallen off the finger?",
+        "Did it fall?",
+        "Has the nut dropped out?",
     ],
 )
 def test_what_is_lost_touches_no_more(question):
@@ -43,6 +45,8 @@ def test_what_is_lost_touches_no_more(question):
         "Is it pressed?",
         "Is the coin pressed against the gel?",
         "Do you feel something?",
+        "Has contact been made?",
+        "Have we made contact?",
         "object detected?",
     ],
 )
@@ -58,7 +62,20 @@ def test_what_is_being_pressed_against_the_gel_is_asked_both(question):
     assert in_known_words(question) == "Is anything touching the gel? Is it pressing in?"
 
 
-@pytest.mark.parametrize("question", ["Is the grasp stable?", "stable?", "Is it steady?"])
+@pytest.mark.parametrize(
+    "question",
+    [
+        "Is the grasp stable?",
+        "stable?",
+        "Is it steady?",
+        "Has it settled?",
+        "Has it been still?",
+        "Did it stay put?",
+        "did the cap remain in place?",
+        "Did it rest?",
+        "Has the grip held?",
+    ],
+)
 def test_what_is_stable_holds_still(question):
     assert in_known_words(question) == "Is it holding still?"
 
