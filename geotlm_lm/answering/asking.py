@@ -24,6 +24,7 @@ from geotlm_lm.conversation.about_recording import (
     asked_of_recording,
     told_of_recording,
 )
+from geotlm_lm.conversation.bare_amounts import asked_of_an_amount
 from geotlm_lm.conversation.bare_motions import asked_of_a_motion
 from geotlm_lm.conversation.claims import asks_both_kinds, without_adverbs
 from geotlm_lm.conversation.context import without_context
@@ -135,10 +136,15 @@ def _as_known(text: str, frame: FrameSpec) -> tuple[str, FrameSpec]:
         frame = CAMERA
     asked = _in_known_words(text, frame)
     if (of_it := as_of_it(asked)) is not None:
-        return asked_of_a_motion(of_it) or of_it, replace(frame, actor="sensor")
+        return _in_bare_words(of_it), replace(frame, actor="sensor")
     if frame.actor == "sensor" and names_the_object(asked):
         frame = replace(frame, actor="object")
-    return asked_of_a_motion(asked) or asked, frame
+    return _in_bare_words(asked), frame
+
+
+def _in_bare_words(asked: str) -> str:
+    """Return a question for a motion or an amount and no more in words that every model knows."""
+    return asked_of_a_motion(asked) or asked_of_an_amount(asked) or asked
 
 
 def _in_known_words(text: str, frame: FrameSpec) -> str:

@@ -39,9 +39,10 @@ _TOPICS: tuple[tuple[Topic, str], ...] = (
     ),
     (
         "size",
-        rf"how many (?:pixels|px) (?:(?:wide|high|tall|large)(?: and (?:wide|high|tall))? "
+        rf"{_OPENS}number of (?:pixels|px) (?:in|of) {_IT}"
+        rf"|how many (?:pixels|px) (?:(?:wide|high|tall|large)(?: and (?:wide|high|tall))? "
         rf"(?:is|are|was|were) {_IT}s?|(?:does|do|has|have) {_IT}s?(?: have)?|(?:are|is) in {_IT}"
-        rf"|per {_FRAMES})",
+        r"|per (?:image|picture|photo))",
     ),
     (
         "rate",
@@ -58,7 +59,11 @@ _TOPICS: tuple[tuple[Topic, str], ...] = (
         rf"how many (?:frames|images|pictures)(?:{_OF_IT}|{_DOES_IT_HAVE}{_OF_IT}|{_USED}"
         rf"| (?:are|were) (?:there )?(?:in|of) {_IT})?",
     ),
-    ("frames", rf"(?:which|what) frames{_USED}"),
+    (
+        "frames",
+        rf"(?:which|what) frames{_USED}"
+        rf"|{_OPENS}(?:number of frames|frame count)(?:{_OF_IT}|{_USED})?",
+    ),
     (
         "duration",
         rf"(?:for )?how long (?:is|was|are|were) {_IT}(?: in (?:s|seconds))?"

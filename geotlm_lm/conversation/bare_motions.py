@@ -13,6 +13,7 @@ from geotlm_lm.conversation.kind_words import GEL, HOLDER, PICTURE
 from geotlm_lm.conversation.motion_verbs import (
     GOES,
     LIFTS,
+    MOVES,
     NEARS,
     PRESSES,
     SLIDES,
@@ -26,21 +27,21 @@ _OTHER = (
     rf"(?:{GEL}|{HOLDER}|{PICTURE}|hand|jaws?|fingers?|grip|grasp|frames?|light|contact|motion"
     rf"|or|and|not|no|only|an?|the|like|seems?|{forms(TURNS + SLIDES + GOES + PRESSES)})"
 )
-_THING = (
+THING = (
     rf"(?:it|this|that|anything|something|(?:the|my|this|that) (?!{_OTHER}\b)\w+"
     rf"(?: (?!{_OTHER}\b)\w+){{0,2}})"
 )
 """What moves: nothing that holds or films it, which would turn the question round."""
 
-_JUST = r"(?:(?:just|already|now|still|really|actually|ever|even|truly|indeed) )?"
-_LEAD = (
+JUST = r"(?:(?:just|already|now|still|really|actually|ever|even|truly|indeed) )?"
+LEAD = (
     r"(?:(?:and|so|ok|now|but|hey|please|well|then)[,:]? +)*"
     r"(?:(?:would you say|do you (?:think|believe)|am i right(?: in thinking)?|i (?:think|guess)"
     r"|(?:please )?(?:check|say|tell me|verify)|can you (?:tell(?: me)?|check))"
     r"(?: that| whether| if)? )?"
 )
 _FAR = r" (?:by )?(?:(?:very|so|that|too|really) )?(?:far|much|a lot|a great deal)"
-_TAIL = (
+TAIL = (
     r"(?:[,.:;?]* *(?:please|yes or no|or not|now|at all|again|yet|already"
     r"|(?:at least )?a (?:bit|little)|(?:in|on) (?:the|this) (?:clip|video|recording)"
     r")|, *(?:right|correct|no|yes)|,? *(?:is|was|has|had|did|does|do)(?:n't| not)? (?:it|that))*"
@@ -48,7 +49,6 @@ _TAIL = (
 )
 _SLIPS = tuple(verb for verb in SLIDES if verb[0] == "slip")
 _SLIDES = tuple(verb for verb in SLIDES if verb not in _SLIPS)
-_GOES = tuple(verb for verb in GOES if verb[0] != "head")  # "heading?" asks which way
 _NOT = r"(?:n't)?"
 
 
@@ -60,43 +60,43 @@ def _asking(verbs: tuple[Verb, ...], how_far: str = "") -> re.Pattern[str]:
         how_far: What must follow, such as "far".
     """
     # A model knows "isn't it turning?"; of "isn't it going?" it makes a motion of its own.
-    no = _NOT if verbs is _GOES else ""
+    no = _NOT if verbs is MOVES else ""
     base, third, past, gerund = (forms(verbs, f) for f in ("base", "third", "past", "gerund"))
     began = rf"(?:start|begin) (?:to {base}|{gerund})"
     begun = rf"(?:started|begun|began) (?:to {base}|{gerund})"
     said = (
-        rf"(?:is|was){no} {_THING} {_JUST}(?:being {past}|{gerund})",
-        rf"was{no} {_THING} {_JUST}{past}",
-        rf"(?:did|does|do){no} {_THING} {_JUST}(?:(?:seem|appear) to )?(?:{base}|{began})",
-        rf"(?:has|have|had){_NOT} {_THING} {_JUST}(?:(?:been )?{past}|been {gerund}|{begun})",
-        rf"(?:could|can|might|may|would) {_THING} {_JUST}(?:be|have been) {gerund}",
+        rf"(?:is|was){no} {THING} {JUST}(?:being {past}|{gerund})",
+        rf"was{no} {THING} {JUST}{past}",
+        rf"(?:did|does|do){no} {THING} {JUST}(?:(?:seem|appear) to )?(?:{base}|{began})",
+        rf"(?:has|have|had){_NOT} {THING} {JUST}(?:(?:been )?{past}|been {gerund}|{begun})",
+        rf"(?:could|can|might|may|would) {THING} {JUST}(?:be|have been) {gerund}",
         rf"(?:(?:is|was) there )?(?:any|some) {gerund}",
         rf"{gerund}|{past}",
         rf"(?:can|could|do|did) you (?:feel|see|sense|detect|notice) "
-        rf"(?:any|some|{_THING}) {gerund}",
-        rf"{_THING}(?:'s| is| was| has been| had been) {_JUST}{gerund}",
-        rf"{_THING}(?:'s| has| had)? {_JUST}(?:been )?(?:{past}|{begun})",
-        rf"{_THING} {_JUST}{third}",
+        rf"(?:any|some|{THING}) {gerund}",
+        rf"{THING}(?:'s| is| was| has been| had been) {JUST}{gerund}",
+        rf"{THING}(?:'s| has| had)? {JUST}(?:been )?(?:{past}|{begun})",
+        rf"{THING} {JUST}{third}",
     )
-    return re.compile(rf"\W*{_LEAD}(?:{'|'.join(said)}){how_far}{_TAIL}")
+    return re.compile(rf"\W*{LEAD}(?:{'|'.join(said)}){how_far}{TAIL}")
 
 
 _TURNED, _SLID = forms(TURNS, "past"), forms(SLIDES, "past")
 _WHICH_KIND = re.compile(
-    rf"\W*{_LEAD}(?:has|have|had){_NOT} {_THING} {_JUST}(?:been )?"
-    rf"(?:{_TURNED} or {_SLID}|{_SLID} or {_TURNED}){_TAIL}"
+    rf"\W*{LEAD}(?:has|have|had){_NOT} {THING} {JUST}(?:been )?"
+    rf"(?:{_TURNED} or {_SLID}|{_SLID} or {_TURNED}){TAIL}"
 )
 _ASKED = (
     (_WHICH_KIND, "Is it sliding or turning?"),
     (_asking(TURNS), "Is it turning?"),
     (_asking(_SLIPS), "Is it slipping?"),
     (_asking(_SLIDES), "Is it sliding?"),
-    (_asking(_GOES), "Is it moving at all?"),
+    (_asking(MOVES), "Is it moving at all?"),
     (_asking(NEARS), "Is it pressing in?"),
     (_asking(LIFTS), "Is it lifting off?"),
     (_asking(TURNS, _FAR), "How far did it turn?"),
     (_asking(SLIDES, _FAR), "How far did it slide?"),
-    (_asking(_GOES, _FAR), "How far did it go?"),
+    (_asking(MOVES, _FAR), "How far did it go?"),
 )
 
 

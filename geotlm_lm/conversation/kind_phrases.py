@@ -178,7 +178,7 @@ RULES: dict[str, tuple[str, ...]] = {
         rf"\b(?:how|where|which way) (?:the|my) {HOLDER} {_GO}\b",
     ),
     "rate": (
-        r"\bhow (?:fast|quick|quickly|slowly)\b",
+        r"\bhow (?:fast|quick|quickly|slow|slowly|rapid|rapidly|swift|swiftly)\b",
         r"\b(?:speed|rate|velocity|omega)\b",
         r"\bper (?:second|minute|hour)\b",
         rf"\b(?:rpm|rps|{COUNTED} ?/ ?(?:s|sec|min))\b",
@@ -201,7 +201,7 @@ RULES: dict[str, tuple[str, ...]] = {
         rf"\b{_MEASURES} or\b",
         r"\b(?:angle or distance|distance or angle)\b",
         rf"\bsize of {EXTENT_OF}",
-        r"\b(?:measure|estimate) (?:the motion|the movement|how)\b",
+        r"\b(?:measure|estimate) (?:the motion|the movement|how)\b(?! (?:direction|sense)\b)",
         r"\bthe size\b(?! of\b)",
         rf"\b{MOVEMENT} (?:angle|distance)\b",
         r"\b(?:what(?:'s| is| was) the|by (?:what|which)|give(?: me)? the|tell me the) (?:total )?"

@@ -8,11 +8,13 @@ GEL = r"(?:gel|sensor|pad|skin|fingertip)"
 HOLDER = rf"(?:{GEL}|finger|gripper|wrist|robot(?:'?s)?(?: arm| hand)?)"
 """What moves the sensor, and the sensor with it."""
 
-EXTENT_OF = (
-    r"(?:the |this |that |its )?(?:\w+ )?"
-    r"(?:it|turn|slide|slip|shift|motion|movement|rotation|displacement|angle|distance|step)\b"
+EXTENDED = (
+    r"(?:turn|slide|slip|shift|motion|movement|rotation|displacement|angle|distance|step|twist"
+    r"|spin|swivel|drift|creep|translation|skid)"
 )
-"""What has a size that is an amount of motion."""
+"""A noun for what has a size that is an amount of motion."""
+
+EXTENT_OF = rf"(?:the |this |that |its )?(?:\w+ )?(?:it|{EXTENDED})\b"
 
 PICTURE = r"(?:clip|image|picture|video|recording|camera)"
 """What is mirrored."""

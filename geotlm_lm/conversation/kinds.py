@@ -39,7 +39,8 @@ _PREMISE = re.compile(
 _DIRECTION = re.compile(
     r"\b(?:which|what) (?:way|direction)\b|\bdirection (?:of|is|was)\b"
     r"|\b(?:sign|sense) of (?:the )?(?:rotation|turn(?:ing)?)\W*$"
-    r"|^(?:the )?(?:rotation|turn(?:ing)?) (?:sign|sense)\W*$"
+    r"|^(?:(?:give(?: me)?|tell me|report|measure|estimate|determine|state) )?(?:the )?"
+    r"(?:rotation|turn(?:ing)?) (?:sign|sense)\W*$"
     r"|^(?:(?:describe|report|say|tell me|give me|what (?:is|was)) )?the (?:motion|movement) of\b"
     rf"|^(?:the )?(?:(?:{MOVEMENT}|movement) )?(?:dir|direction|motion|movement)\W*$"
     r"|\b(?:where|how) (?:is|was|does|did) (?:\S+ ){1,4}(?:go|going|move|moving|moved)\W*$"

@@ -50,6 +50,9 @@ head heads headed heading
 creep creeps crept creeping
 drift drifts drifted drifting
 """)
+MOVES = tuple(verb for verb in GOES if verb[0] != "head")
+"""What goes, but for "heading", which asks which way."""
+
 NEARS = _verbs("""
 press presses pressed pressing
 push pushes pushed pushing

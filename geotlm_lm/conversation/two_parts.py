@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.bare_amounts import asked_of_an_amount
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.claims import claims_motion, offered_options
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
@@ -12,7 +13,10 @@ from geotlm_lm.conversation.untold import asks_place
 from geotlm_lm.conversation.wording import capitalised
 from geotlm_lm.core.labels import DIRECTED
 
-_HOW = r"how (?:far|much|fast|quickly|many|sure)|at (?:what|which) speed"
+_HOW = (
+    r"how (?:far|much|fast|quickly|many|sure)|at (?:what|which) speed"
+    r"|(?:what|which) (?:angle|distance)"
+)
 _AND_HOW = re.compile(
     rf"^(?P<first>.+?)[,;]? (?:and|&) (?:by )?(?P<second>(?:{_HOW}|why(?=\W*$)"
     r"|(?:are|how) (?:you )?(?:sure|certain)(?=\W*$)"
@@ -63,7 +67,7 @@ def _kind(question: str) -> str | None:
     """Return the kind of a question as far as its words tell it."""
     if asks_beyond_touch(question):
         return "refusal"
-    kind = asked_kind(question)
+    kind = asked_kind(asked_of_an_amount(question) or question)
     if kind is not None:
         return kind
     if asks_place(question):

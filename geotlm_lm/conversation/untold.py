@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.axes import claimed_axis
-from geotlm_lm.conversation.kind_words import PICTURE
+from geotlm_lm.conversation.kind_words import EXTENDED, PICTURE
 from geotlm_lm.conversation.kinds import asks_direction
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE, TURN
@@ -94,8 +94,8 @@ _LOAD = r"(?:\w+ )?(?:forces?|torque|newtons?|pressure)(?! (?:point|sensor|gauge
 _IN_UNIT = r"(?: in (?:mm|cm|px|pixels|millimet(?:re|er)s|centimet(?:re|er)s|microns|inches))?"
 _A_THING = (
     r"(?:the|this|that|these|those|my|its|your) (?:\w+ )?"
-    rf"(?!{PICTURE}|(?:contact|touch|imprint|pixel|frame|view|turn|slide|slip|shift|motion|movement"
-    r"|rotation|displacement|angle|distance|step|path|error|amount|change)s?\b)\w+"
+    rf"(?!{PICTURE}|(?:{EXTENDED}|contact|touch|imprint|pixel|frame|view|path|error|amount"
+    r"|change)s?\b)\w+"
 )
 _GOES = rf"(?:(?:com|go|head|{GO}|{SLIDE}|{TURN}){ENDING})"
 _DOES_IT = r"(?:(?:and|so|but)[, ]+)?(?:does|did|is|was|has) (?:it|this|that|(?:the|my) \w+)"

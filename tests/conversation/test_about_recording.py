@@ -22,6 +22,8 @@ TEMPLATES = load_templates()
         ("How many pixels wide is the image?", "size"),
         ("what's the size of the video", "size"),
         ("How many pixels does the image have?", "size"),
+        ("Number of pixels in the image?", "size"),
+        ("What is the number of frames?", "frames"),
         ("What are the dimensions of the frames?", "size"),
         ("What is the frame rate?", "rate"),
         ("How many frames per second?", "rate"),
@@ -50,6 +52,8 @@ def test_a_question_about_the_recording_is_known_by_its_words(text, topic):
     "text",
     [
         "How many pixels did it move?",
+        "How many pixels per frame?",
+        "Number of pixels?",
         "How many frames does it turn?",
         "How long does it turn clockwise?",
         "How long is the cap?",

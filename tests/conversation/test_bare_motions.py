@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.conversation.bare_motions import asked_of_a_motion
-from geotlm_lm.conversation.motion_verbs import GOES, LIFTS, NEARS, SLIDES, TURNS
+from geotlm_lm.conversation.motion_verbs import LIFTS, MOVES, NEARS, SLIDES, TURNS
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 
@@ -12,7 +12,7 @@ ASKED = {
     "Is it turning?": TURNS,
     "Is it sliding?": [verb for verb in SLIDES if verb[0] != "slip"],
     "Is it slipping?": [verb for verb in SLIDES if verb[0] == "slip"],
-    "Is it moving at all?": [verb for verb in GOES if verb[0] != "head"],
+    "Is it moving at all?": MOVES,
     "Is it pressing in?": NEARS,
     "Is it lifting off?": LIFTS,
 }

@@ -1,0 +1,79 @@
+"""How far it goes, and no more: asked without "how far", "how much" or "how many".
+
+"Total rotation?", "slip in mm", "number of degrees it turned" and "did it slide a lot or a little?"
+ask for an amount. A model takes many of them for questions about the direction or the kind.
+"""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.conversation.bare_motions import JUST, LEAD, TAIL, THING
+from geotlm_lm.conversation.kind_phrases import COUNTED
+from geotlm_lm.conversation.motion_verbs import MOVES, SLIDES, TURNS, Verb, forms
+from geotlm_lm.conversation.plain_text import plain_text
+
+_ASK = (
+    r"(?:(?:what(?:'s| is| was)|give(?: me)?|tell me|report|state|show(?: me)?|print"
+    r"|i (?:want|need)|(?:can|could|would) you (?:please )?(?:give me|tell me|report|state)) )?"
+)
+_MEASURE = (
+    r"(?:(?:can|could|would) you )?(?:please )?"
+    r"(?:quantify|measure|compute|calculate|estimate|determine)"
+)
+_THE = r"(?:(?:the|its|this|that|my) )?"
+_SUM = r"(?:total|cumulative|accumulated|net)"
+_OF_IT = r"(?: of (?:it|the \w+))?"
+_EXTENT = r"(?: (?:amount|angle|distance|extent|size|magnitude))?"
+_IN_UNIT = rf"(?: in (?P<unit>{COUNTED}))"
+_MUCH_OR_LITTLE = (
+    r"(?:a lot|much|far),? or (?:(?:only|just) )?(?:a little|a bit|little|not(?: (?:far|much))?)"
+    r"|(?:(?:only|just) )?(?:a little|a bit|little),? or (?:a lot|much|far)"
+)
+
+
+def _asking(verbs: tuple[Verb, ...], nouns: str) -> tuple[re.Pattern[str], ...]:
+    """Return what a whole text is that asks how far a motion by one of `verbs` goes.
+
+    Args:
+        verbs: Verbs for one kind of motion.
+        nouns: Nouns for it beside "turn" or "turning", as a pattern.
+    """
+    base, third, past, gerund = (forms(verbs, f) for f in ("base", "third", "past", "gerund"))
+    noun = rf"(?:{nouns}|{base}|{gerund})"
+    it_went = rf"(?:that )?{THING} {JUST}(?:(?:has |had )?{past}|{third})"
+    did_it_go = (
+        rf"(?:(?:did|does|do) {THING} {JUST}{base}|(?:has|have|had) {THING} {JUST}{past}"
+        rf"|(?:is|was) {THING} {JUST}(?:{past}|{gerund}))"
+    )
+    said = (
+        rf"{_ASK}{_THE}(?:{_SUM} )?{noun}{_EXTENT}{_OF_IT}{_IN_UNIT}",
+        rf"{_ASK}{_THE}{_SUM} {noun}{_EXTENT}{_OF_IT}",
+        rf"{_MEASURE} {_THE}(?:{_SUM} )?{noun}{_EXTENT}{_OF_IT}{_IN_UNIT}?",
+        rf"(?:(?:over|through|by) )?(?:what|which) (?:angle|distance) {did_it_go}",
+        rf"{_ASK}(?:the )?(?:number|count) of (?P<unit>{COUNTED}) {it_went}",
+        rf"(?P<unit>{COUNTED}) {past}",
+        rf"{did_it_go} (?:{_MUCH_OR_LITTLE})",
+    )
+    return tuple(re.compile(rf"\W*{LEAD}{words}{TAIL}") for words in said)
+
+
+_ASKED = (
+    (_asking(TURNS, "rotation"), "turn"),
+    (_asking(SLIDES, "translation|slippage"), "slide"),
+    (_asking(MOVES, "movement|motion|displacement"), "go"),
+)
+_COUNTS = re.compile(rf"\W*{LEAD}(?:the )?(?:number|count) of (?P<unit>{COUNTED}){TAIL}")
+
+
+def asked_of_an_amount(question: str) -> str | None:
+    """Return, in words every model knows, how far of what a whole text asks; None of any other."""
+    text = plain_text(question)
+    if (counts := _COUNTS.fullmatch(text)) is not None:
+        return f"How many {counts['unit']}?"
+    for patterns, verb in _ASKED:
+        said = next(filter(None, (words.fullmatch(text) for words in patterns)), None)
+        if said is not None:
+            unit = said.groupdict().get("unit")
+            return f"How {f'many {unit}' if unit else 'far'} did it {verb}?"
+    return None
