@@ -34,6 +34,7 @@ from geotlm_lm.conversation.either_or import OF_THE_END, asked_whether_over, wit
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts, turn_told_after
 from geotlm_lm.conversation.frame_questions import asks_frame, frame_to_settle, of_another_frame
+from geotlm_lm.conversation.future import NOT_TO_COME, asks_what_comes
 from geotlm_lm.conversation.indirect import asked_within
 from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.known_words import SLIP_IS_A_SLIDE, in_known_words, names_slip
@@ -102,6 +103,8 @@ def answer_question(
     if not stated.is_stated and states_more(stated.rest):
         return plain(encoded, UNREAD, "frame", frame)
     asked, frame = _as_known(stated.rest, stated.frame)
+    if not stated.is_stated and asks_what_comes(asked):
+        return plain(encoded, NOT_TO_COME, "refusal", frame)
     if (limited := _as_far_as_known(asked)) is not None:
         rest, limit = limited
         answer = answer_question(bundle, encoded, rest, frame)

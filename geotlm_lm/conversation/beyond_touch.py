@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.claims import claims_end, claims_motion
+from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.plain_text import plain_text
 
 _IS = r"(?:is|was|are|were|isn't|wasn't)"
@@ -61,6 +62,9 @@ _TOPICS = re.compile(
             rf"^\W*{_LOOKS} or {_LOOKS}\W*$",
             r"\bwhat will (?:\S+ ){1,4}?(?:next|tomorrow|later)\b",
             r"\bpick(?:ed|s)? up\b",
+            rf"\bwhat (?:am i|are (?:we|you)|is the {_MACHINE}) (?:touching|hold|grip|grasp)\w*",
+            rf"\bwhat(?:'s| is) (?:on|in|against|between) (?:the|my|your) (?:{HOLDER}|hand|jaws?)",
+            r"\b(?:more than one|several|multiple|two|how many) (?:contacts?|objects?|things?)\b",
             r"\b(?:tomorrow|in an hour|in the future)\b",
             r"\b(?:is|was|it's|are) (?:\S+ ){0,3}about to (?!the\b|\d)\w+",
             r"\bgoing to (?:fall|drop|break|slip)\b",

@@ -19,7 +19,10 @@ _WHO = r"(?:i|we|you|the (?:gripper|robot|hand))"
 _THING = r"(?:it|something|anything|(?:an|the|my) object)"
 _JUST = r"(?:(?:just|already|now|still|really|actually) )?"
 _LEAD = r"(?:(?:and|so|ok|now|but|hey|please|tell me)[,:]? +)*"
-_TAIL = r"(?:[,.:;?]? *(?:please|yes or no|or not|answer yes or no|now|at all|again|yet))*[ ?.!=]*"
+_TAIL = (
+    r"(?:[,.:;?]? *(?:please|yes or no|or not|answer yes or no|now|at all|again|yet)"
+    r"|, *(?:right|correct)|,? *(?:is|was)n't (?:it|there))*[ ?.!=]*"
+)
 _SLIP = r"(?:slip(?:s|page|ping)?)"
 
 _IS_TOUCHED = "Is anything touching the gel?"
@@ -41,7 +44,8 @@ _SAID: tuple[tuple[str, str], ...] = (
         rf"|(?:is|was) (?:the |my )?{_HOLDER} {_JUST}(?:empty|free|clear)|empty {_HOLDER}"
         rf"|(?:is|was) (?:the |my )?{GEL} {_JUST}idle|(?:the )?(?:contact|object|{_HOLD}) lost"
         rf"|(?:is|was) (?:{_IT}) {_JUST}(?:gone|lost)"
-        rf"|lost (?:it|(?:the )?object|(?:the )?{_HOLD})",
+        rf"|lost (?:it|(?:the )?object|(?:the )?{_HOLD})"
+        r"|(?:did|has|have) (?:the )?contact (?:break|broken|end|ended|stop|stopped|cease|ceased)",
         _IS_LOST,
     ),
     (
@@ -51,6 +55,19 @@ _SAID: tuple[tuple[str, str], ...] = (
         rf"|(?:do|did|can|could) you (?:feel|sense|detect|notice) {_THING}"
         rf"|(?:do|did|have) (?:i|we) (?:have|got|get|made?) (?:any |a )?contact"
         r"|(?:has|was) contact (?:been )?(?:made|established)"
+        r"|(?:did|has|have) (?:the )?contact (?:start|begin|begun|occur|happen)(?:ed|red)?"
+        rf"|(?:is|was) there (?:still|now|already|really) (?:(?:a|any) )?contact"
+        rf"|(?:(?:is|was) (?:the |any )?)?contact {_JUST}(?:present|there|detected|established)"
+        rf"|there(?:'s| is| was) {_JUST}(?:a |some )?contact"
+        rf"|(?:is|was|are|were)n't (?:{_IT}|{_WHO}) {_JUST}(?:touching|touched|in contact)"
+        rf"(?: (?:with )?(?:the {GEL}|{_THING}))?"
+        rf"|(?:feel|felt|sense|sensed) {_THING}|got (?:it|{_THING})"
+        rf"|(?:did|has|have|had) {_WHO} {_JUST}(?:grab(?:bed)?|catch|caught|pick(?:ed)?(?: up)?) "
+        rf"(?:(?:the|my) \w+|{_THING})(?: up)?"
+        rf"|(?:is|was) {_IT} {_JUST}(?:in|inside|between) (?:the|my|its|our) "
+        rf"(?:gripper|hand|jaws?|fingers?|{_HOLD})"
+        rf"|(?:is|was) (?:the|my) object {_JUST}(?:present|there|detected)"
+        rf"|(?:is|was) {_IT} {_JUST}(?:pressing|pushing) (?:against|on|onto) (?:the )?{GEL}"
         rf"|(?:is|was) there {_THING} (?:in|inside|between) (?:the|my|its|our) "
         rf"(?:gripper|hand|jaws?|fingers?|{_HOLD})"
         r"|anything|something|(?:is |was )?(?:an |any )?object (?:present|detected)"
@@ -73,7 +90,14 @@ _SAID: tuple[tuple[str, str], ...] = (
         r"(?:put|in place|where it (?:is|was))",
         _IS_STILL,
     ),
-    (rf"(?:is|was) (?:the|my|this) {_HOLD} (?:secure|safe|firm|tight|good)", OPEN_QUESTION),
+    (
+        rf"(?:is|was) (?:the|my|this) {_HOLD} (?:secure|safe|firm|tight|good)"
+        r"|(?:describe|summari[sz]e)"
+        r"(?: (?:it|this|that|(?:the|this|my) (?:clip|recording|object)))?"
+        r"|(?:(?:the|a|your) )?(?:summary|status|state|result|report)(?: report)?"
+        r"|tell me (?:everything|all)|what do you (?:notice|observe)",
+        OPEN_QUESTION,
+    ),
     (
         r"(?:(?:is|was|did|does|has) )?(?:anything|something)"
         r" (?:happen(?:s|ed|ing)?|chang(?:es|ed|e|ing)|going on)",

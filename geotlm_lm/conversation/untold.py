@@ -73,7 +73,8 @@ _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
     ),
     (
         re.compile(
-            r"\bhow deep\b|\b(?:in)?depth of\b|\bforces?\b|\bnewtons?\b|\btorque\b|\bhow hard\b"
+            r"\bhow (?:deep|hard|firmly)\b|\b(?:in)?depth of\b"
+            r"|\bforces?\b|\bnewtons?\b|\btorque\b"
             r"|\b(?:how much|what|which) (?:is the )?pressure\b|\bstiffness\b"
         ),
         _FORCE,
@@ -129,7 +130,7 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
     (
         re.compile(
             r"\b(?:press|push|squeez)\w*(?: \w+){0,3}? (?:harder|deeper|firmer|stronger|tighter"
-            r"|more (?:firmly|strongly|deeply))\b"
+            r"|more (?:firmly|strongly|deeply))\b|\bhow (?:strongly|tightly|heavily)\b"
         ),
         _FORCE,
     ),
@@ -164,7 +165,10 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
         _QUALITY,
     ),
     (
-        re.compile(r"^\W*(?:is|was) (?:the |this |that |its |my )?\w+ (?:tight|loose|secure)\W*$"),
+        re.compile(
+            r"^\W*(?:is|was) (?:the |this |that |its |my )?\w+ (?:tight|loose|secure)\W*$"
+            r"|\bhow (?:tight|loose|secure) (?:is|was)\b"
+        ),
         _QUALITY,
     ),
     (re.compile(r"\bdiagonal(?:ly)?\W*$"), _NEAREST),

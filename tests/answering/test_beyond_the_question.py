@@ -3,6 +3,7 @@
 import pytest
 
 from geotlm_lm.answering import OPEN_QUESTION
+from geotlm_lm.conversation.future import NOT_TO_COME
 from geotlm_lm.conversation.known_words import SLIP_IS_A_SLIDE
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
@@ -94,3 +95,11 @@ def test_in_or_out_is_told_of_a_thread_that_is_known(bundle):
     assert answerer.ask(encoded, "in or out?").text == DECLINED
     unknown = answerer.ask(encoded, "Is the jar being opened?")
     assert unknown.text.startswith("I cannot tell tightening from loosening: tell me which side")
+
+
+def test_what_comes_next_is_declined_and_what_is_supposed_is_not(bundle):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
+    encoded = answerer.encode(recording())
+    assert answerer.ask(encoded, "Will it slip?").text == NOT_TO_COME
+    supposed = answerer.ask(encoded, "The image is mirrored. Which way will it go?")
+    assert supposed.text.startswith("Right")

@@ -15,6 +15,10 @@ TYPES = load_templates().types
     "question",
     [
         "What colour is the lid?",
+        "What am I touching?",
+        "What is the gripper holding?",
+        "What's on the gel?",
+        "Is there more than one contact?",
         "Is it hot, please?",
         "is the jar made of glass?",
         "Steel or brass?",

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.conversation.known_words import in_known_words, names_slip
+from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 
@@ -28,6 +29,8 @@ from geotlm_lm.data.questions import questions_for
         "Has my key fallen off the finger?",
         "Did it fall?",
         "Has the nut dropped out?",
+        "Did contact break?",
+        "Has the contact ended?",
     ],
 )
 def test_what_is_lost_touches_no_more(question):
@@ -48,6 +51,19 @@ def test_what_is_lost_touches_no_more(question):
         "Has contact been made?",
         "Have we made contact?",
         "object detected?",
+        "Is contact present?",
+        "There is contact, right?",
+        "Is there still contact?",
+        "Isn't it touching?",
+        "Aren't you touching anything?",
+        "Did contact start?",
+        "Feel anything?",
+        "Got it?",
+        "Did I grab the nut?",
+        "Did we pick it up?",
+        "Is it in my hand?",
+        "Is the object present?",
+        "Is something pressing against the gel?",
     ],
 )
 def test_what_is_held_or_pressed_touches(question):
@@ -78,6 +94,11 @@ def test_what_is_being_pressed_against_the_gel_is_asked_both(question):
 )
 def test_what_is_stable_holds_still(question):
     assert in_known_words(question) == "Is it holding still?"
+
+
+@pytest.mark.parametrize("question", ["Describe it", "Summary?", "Status report", "summarise"])
+def test_a_report_tells_the_motion(question):
+    assert in_known_words(question) == OPEN_QUESTION
 
 
 def test_how_secure_a_hold_is_is_told_by_its_motion_without_a_verdict():

@@ -112,6 +112,8 @@ def test_who_asks_for_the_place_of_the_contact_is_understood(text, asks):
         ("How wide is my bottle cap?", "size"),
         ("the diameter of the nut?", "size"),
         ("Is the grip tight?", "how firm"),
+        ("How tight is it?", "how firm"),
+        ("How strongly is it pressed?", "force"),
         ("Is the connector loose?", "how firm"),
         ("Did the part flip?", "flips over"),
         ("Was the box flipped?", "flips over"),

@@ -1,0 +1,38 @@
+"""What is asked of a motion to come, which no recording shows: "will it slip?"."""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.conversation.bare_motions import JUST, LEAD, TAIL, THING
+from geotlm_lm.conversation.motion_verbs import GOES, LIFTS, NEARS, SLIDES, TURNS, forms
+from geotlm_lm.conversation.plain_text import plain_text
+
+NOT_TO_COME = (
+    "I tell what the clip shows, not what comes next; ask for example 'is it slipping?' or 'which "
+    "way does it turn?'."
+)
+
+_VERBS = TURNS + SLIDES + GOES + NEARS + LIFTS
+_GO = forms(_VERBS, "base")
+_MOVE = (
+    rf"(?:{_GO}|be {forms(_VERBS, 'gerund')}|get {forms(_VERBS, 'past')}"
+    rf"|(?:start|begin|stop|keep|go on|continue)(?: to)? {forms(_VERBS, 'base', 'gerund')})"
+)
+_WAY = (
+    r"(?: (?:(?:to(?:wards?)?|on|off|over) (?:the )?)?(?:left|right|up|down|clockwise|away|out|off"
+    r"|on|over|(?:counter|anti)[ -]?clockwise|c?cw|(?:left|right|up|down)wards?|further|more))?"
+)
+_SOON = r"(?:(?:still|ever|soon|again|next|probably|likely|just) )?"
+_ASKED = re.compile(
+    rf"\W*{LEAD}(?:(?:(?:which way|what direction|which direction|where|how (?:far|fast|soon)) )?"
+    rf"(?:(?:will|won't) {THING} {_SOON}{_MOVE}"
+    rf"|(?:is|was) {THING} {JUST}(?:going to|bound to|gonna) {_SOON}{_MOVE})"
+    rf"|(?:is|was) {THING} {JUST}likely to {_SOON}{_GO}|(?:can|could) {THING} {_SOON}{_GO})"
+    rf"{_WAY}(?: (?:soon|next|later|again))?{TAIL}"
+)
+
+
+def asks_what_comes(question: str) -> bool:
+    """Tell whether a whole text asks how something will move; nothing supposed before it."""
+    return _ASKED.fullmatch(plain_text(question)) is not None
