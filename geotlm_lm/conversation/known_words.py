@@ -28,7 +28,7 @@ _SLIP = r"(?:slip(?:s|page|ping)?)"
 _IS_TOUCHED = "Is anything touching the gel?"
 _IS_LOST = "Has contact been lost?"
 _IS_STILL = "Is it holding still?"
-_SLIPS, _TURNS = "Is it slipping?", "Is it turning?"
+_SLIPS, _SLIDES, _TURNS = "Is it slipping?", "Is it sliding?", "Is it turning?"
 _MOVES = "Is it moving at all?"
 
 _SAID: tuple[tuple[str, str], ...] = (
@@ -81,7 +81,8 @@ _SAID: tuple[tuple[str, str], ...] = (
         f"{_IS_TOUCHED} Is it pressing in?",
     ),
     (
-        rf"(?:(?:is|was) )?(?:(?:it|(?:the|my|this|a) {_HOLD}) )?(?:stable|steady)"
+        rf"(?:(?:is|was) )?(?:(?:it|(?:the|my|this|a) {_HOLD}) )?(?:stable|steady)|stationary"
+        rf"|(?:is|was) {_IT} {_JUST}idle"
         rf"|(?:is|was) it a (?:stable|steady) {_HOLD}"
         rf"|(?:has|have|had) {_IT} {_JUST}(?:settled|rested|held(?: still)?|been (?:still|at rest))"
         rf"|(?:has|have|had) (?:the|my|this) {_HOLD} {_JUST}held"
@@ -96,6 +97,22 @@ _SAID: tuple[tuple[str, str], ...] = (
         r"(?: (?:it|this|that|(?:the|this|my) (?:clip|recording|object)))?"
         r"|(?:(?:the|a|your) )?(?:summary|status|state|result|report)(?: report)?"
         r"|tell me (?:everything|all)|what do you (?:notice|observe)",
+        OPEN_QUESTION,
+    ),
+    (
+        rf"(?:(?:is|was|does|did|has) {_IT} {_JUST}(?:going|moving|moved|go|gone|move) )?"
+        r"(?:straight|in a (?:straight )?line)",
+        _SLIDES,
+    ),
+    (
+        rf"(?:(?:is|was|does|did|has) {_IT} {_JUST}(?:going|moving|moved|go|gone|move) )?"
+        r"(?:in (?:a )?circles?|(?:a)?round(?: and (?:a)?round)?)",
+        _TURNS,
+    ),
+    (
+        r"(?:along )?(?:which|what) axis|(?:is it )?(?:a )?(?:horizontal|vertical) or "
+        r"(?:horizontal|vertical) (?:motion|movement|slide|slip)"
+        rf"|along (?:which|what) axis (?:is|was|does|did) {_IT} \w+",
         OPEN_QUESTION,
     ),
     (

@@ -10,6 +10,7 @@ from geotlm_lm.conversation.kinds import asks_direction
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE, TURN
 from geotlm_lm.conversation.number_words import NUMBER
+from geotlm_lm.conversation.other_ways import OTHER_WAYS, asks_other_way
 from geotlm_lm.conversation.plain_text import plain_text
 
 _WHEN = (
@@ -43,7 +44,6 @@ _AXIS = (
     "an axis that points from the sensor into the object."
 )
 _SIZE = "I tell how far it turns or slides and how much of the image it touches, not its size."
-_FLIP = "I tell how it turns, slides, presses and lifts against the gel, not whether it flips over."
 _WHOLE = (
     "I tell one motion between the frames used, as a whole; for a part of a recording choose its "
     "frames, such as by --frames 40:60."
@@ -190,14 +190,6 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
     ),
     (
         re.compile(
-            rf"\b(?:did|does|has) (?:the|this|that|my) (?!{PICTURE})(?:\w+ ){{1,2}}"
-            r"(?:flip|flipped|topple|tip over|roll over)(?: over)?\W*$"
-            rf"|\bwas (?:the|my) (?!{PICTURE})\w+ flipped(?: over)?\W*$"
-        ),
-        _FLIP,
-    ),
-    (
-        re.compile(
             rf"\b(?:in|during|within|over|for) the (?:last|first|final) (?:(?:{NUMBER}) ?)?"
             r"(?:s|ms|secs?|seconds?|milliseconds?|frames|part|half|third|quarter)\b"
             r"(?! (?:clip|recording|video)\b)"
@@ -282,6 +274,8 @@ def never_told(question: str) -> str | None:
     text = plain_text(question)
     if _PARTS.search(text):
         return ONE_MOTION
+    if asks_other_way(text):
+        return OTHER_WAYS
     if asks_direction(text.rpartition(". ")[2]):
         return None  # "the video is slowed down. Which way does it move?"
     if _TO_A_PLACE.search(text) and not motions_named(text):

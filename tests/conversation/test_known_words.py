@@ -96,6 +96,23 @@ def test_what_is_stable_holds_still(question):
     assert in_known_words(question) == "Is it holding still?"
 
 
+@pytest.mark.parametrize(
+    ("question", "known"),
+    [
+        ("Is it moving straight?", "Is it sliding?"),
+        ("in a straight line?", "Is it sliding?"),
+        ("Does it go round?", "Is it turning?"),
+        ("moving in a circle?", "moving in a circle?"),
+        ("Is the cap going round and round?", "Is it turning?"),
+        ("Along which axis?", OPEN_QUESTION),
+        ("along which axis does it slide?", OPEN_QUESTION),
+        ("Stationary?", "Is it holding still?"),
+    ],
+)
+def test_the_path_of_a_motion_is_its_kind(question, known):
+    assert in_known_words(question) == known
+
+
 @pytest.mark.parametrize("question", ["Describe it", "Summary?", "Status report", "summarise"])
 def test_a_report_tells_the_motion(question):
     assert in_known_words(question) == OPEN_QUESTION
