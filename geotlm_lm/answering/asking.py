@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+from geotlm_lm.answering.alternatives import with_alternatives
 from geotlm_lm.answering.amount_verdicts import judged_amount
 from geotlm_lm.answering.answer import Answer, Encoded, evidence
 from geotlm_lm.answering.joining import both
@@ -24,6 +25,7 @@ from geotlm_lm.conversation.about_recording import (
     asked_of_recording,
     told_of_recording,
 )
+from geotlm_lm.conversation.alternatives import asks_alternatives
 from geotlm_lm.conversation.bare_amounts import asked_of_an_amount
 from geotlm_lm.conversation.bare_motions import asked_of_a_motion
 from geotlm_lm.conversation.claims import asks_both_kinds, without_adverbs
@@ -105,6 +107,8 @@ def answer_question(
     asked, frame = _as_known(stated.rest, stated.frame)
     if not stated.is_stated and asks_what_comes(asked):
         return plain(encoded, NOT_TO_COME, "refusal", frame)
+    if asks_alternatives(asked):
+        return with_alternatives(answer_question(bundle, encoded, OPEN_QUESTION, frame))
     if (limited := _as_far_as_known(asked)) is not None:
         rest, limit = limited
         answer = answer_question(bundle, encoded, rest, frame)

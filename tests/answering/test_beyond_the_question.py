@@ -21,7 +21,7 @@ LEFT = "Yes, left in the camera image."
         ("Is there a crack in the surface?", TOUCHING),
         ("Are you a robot?", TOUCHING),
         ("twice that?", TOUCHING),
-        ("Is it bending?", MOVING),
+        ("Is it melting?", MOVING),
         ("Is there a lot of friction?", MOVING),
         ("Is the left finger's sensor recording?", LEFT),
         ("Is the camera on?", LEFT),

@@ -310,3 +310,22 @@ def test_a_drift_is_a_motion():
 def test_a_sense_of_rotation_is_a_direction():
     assert asks_direction("what is the sense of rotation?")
     assert asks_direction("rotation sign")
+
+
+@pytest.mark.parametrize(
+    ("question", "kind"),
+    [
+        ("How come?", "evidence"),
+        ("and why is that?", "evidence"),
+        ("Explain your reasoning", "evidence"),
+        ("On what basis?", "evidence"),
+        ("Certain?", "confidence"),
+        ("Really?", "confidence"),
+        ("Is that correct?", "confidence"),
+        ("Are you guessing?", "confidence"),
+        ("Is it right?", None),
+        ("Is that right or left?", None),
+    ],
+)
+def test_reasons_and_doubts_are_known_by_few_words(question, kind):
+    assert asked_kind(question) == kind

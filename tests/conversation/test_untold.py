@@ -123,6 +123,7 @@ def test_who_asks_for_the_place_of_the_contact_is_understood(text, asks):
         ("Is the bottle cap tilting?", "tips"),
         ("did it shake at all", "shakes"),
         ("Was it bent?", "bends"),
+        ("Is it bending?", "bends"),
         ("In the last 0.5 seconds how far did it slide?", "as a whole"),
         ("Which way does it go in the first half?", "as a whole"),
         ("How far over the final 2 frames?", "as a whole"),

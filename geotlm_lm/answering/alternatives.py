@@ -1,0 +1,35 @@
+"""What else it may be: the other motions of an answer with their probabilities."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from geotlm_lm.answering.answer import Answer
+from geotlm_lm.conversation.wording import name
+from geotlm_lm.core.labels import Motion
+
+LEAST_TOLD = 0.005
+"""A smaller probability would be told as 0 %."""
+
+AT_MOST = 3
+NOTHING_ELSE = "Nothing else reaches 0.5%."
+
+
+def with_alternatives(answer: Answer) -> Answer:
+    """Return an answer on the direction with what it may be besides, the likeliest first.
+
+    What was withheld for want of contact has no options and stays as it is.
+    """
+    if not answer.options:
+        return answer
+    told = answer.decided or max(answer.options, key=answer.options.get)
+    rest = {word: share for word, share in answer.options.items() if word != told}
+    likeliest = sorted(rest, key=rest.get, reverse=True)[:AT_MOST]
+    others = [
+        f"{name(Motion(word))} {share:.2g}%"
+        for word in likeliest
+        if (share := 100 * rest[word]) >= 100 * LEAST_TOLD
+    ]
+    said = f"Next likeliest: {', '.join(others)}." if others else NOTHING_ELSE
+    share = answer.options[told]
+    return replace(answer, text=f"{answer.text} That is {share:.0%} probable. {said}")

@@ -1,0 +1,31 @@
+"""What else it may be, asked for with the odds: "second guess?", "what are the probabilities?"."""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.conversation.plain_text import plain_text
+
+_OTHERS = (
+    r"(?:(?:what|which) (?:else|other (?:motion|way|option|answer)s?) (?:could|can|might|may|would)"
+    r" (?:it|this|that) (?:be|have been|do)"
+    r"|what else(?: is (?:possible|likely|probable))?"
+    r"|(?:(?:what(?:'s| is)|tell me|give me) )?(?:(?:the|your) )?(?:second|next)"
+    r"(?:[ -](?:best|likeliest|most (?:likely|probable)))? ?(?:guess|answer|choice|option|one)?"
+    r"|(?:(?:what are|are there|tell me|give me|list) )?(?:(?:the|your|any|all(?: the)?) )*"
+    r"(?:alternatives?|runners?[ -]up)"
+    r"|(?:(?:what are|tell me|give me|show(?: me)?|list|print) )?(?:(?:the|your|all(?: the)?) )*"
+    r"(?:probabilities|odds)(?: of (?:each|all|the) (?:\w+ )?(?:motions?|options?|answers?))?"
+    r"|(?:list|rank|show(?: me)?|give me) (?:(?:the|your|all(?: the)?) )*"
+    r"(?:options|answers|motions(?= (?:with|by) ))"
+    r"(?: (?:with|by) (?:their )?(?:probabilit(?:y|ies)|odds|likelihoods?))?"
+    r"|top (?:two|three|2|3)(?: (?:guesses|answers|options))?)"
+)
+_ASKED = re.compile(rf"\W*(?:(?:and|so|ok|but|please)[, ]+)*{_OTHERS}(?:,? please)?[ ?.!]*")
+_BARE = re.compile(r"\W*(?:the )?(?:second|next)(?: (?:one|answer|choice|option))?\W*")
+
+
+def asks_alternatives(question: str) -> bool:
+    """Tell whether a whole text asks what else a motion may be; not for the second of two clips."""
+    text = plain_text(question)
+    return _ASKED.fullmatch(text) is not None and _BARE.fullmatch(text) is None
