@@ -35,7 +35,13 @@ from geotlm_lm.conversation.denials import plainly_denied
 from geotlm_lm.conversation.either_or import OF_THE_END, asked_whether_over, without_opposites
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts, turn_told_after
-from geotlm_lm.conversation.frame_questions import asks_frame, frame_to_settle, of_another_frame
+from geotlm_lm.conversation.frame_questions import (
+    RELATIVE,
+    asks_frame,
+    asks_which_moves,
+    frame_to_settle,
+    of_another_frame,
+)
 from geotlm_lm.conversation.future import NOT_TO_COME, asks_what_comes
 from geotlm_lm.conversation.indirect import asked_within
 from geotlm_lm.conversation.kinds import asked_kind
@@ -68,7 +74,7 @@ from geotlm_lm.conversation.two_parts import two_parts
 from geotlm_lm.conversation.untold import ONE_KIND, asks_place, never_told, untold
 from geotlm_lm.conversation.wording import capitalised, known
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import ROTATIONS
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS
 
 
 def answer_question(
@@ -107,17 +113,9 @@ def answer_question(
     asked, frame = _as_known(stated.rest, stated.frame)
     if not stated.is_stated and asks_what_comes(asked):
         return plain(encoded, NOT_TO_COME, "refusal", frame)
-    if asks_alternatives(asked):
-        return with_alternatives(answer_question(bundle, encoded, OPEN_QUESTION, frame))
-    if (limited := _as_far_as_known(asked)) is not None:
-        rest, limit = limited
-        answer = answer_question(bundle, encoded, rest, frame)
-        is_limited = limit != OF_THE_END or answer.decided == "yes"
-        return replace(answer, notes=(*answer.notes, limit)) if is_limited else answer
-    parts = two_parts(asked)
-    if parts is not None:
-        return both(*(answer_question(bundle, encoded, part, frame) for part in parts))
-    answer = _at_once(bundle, encoded, asked, frame)
+    answer = _of_other_questions(bundle, encoded, asked, frame)
+    if answer is None:
+        answer = _at_once(bundle, encoded, asked, frame)
     if answer is not None:
         return answer
     kind, read = asked_kind(asked), read_by_rule(asked)
@@ -160,6 +158,33 @@ def _in_known_words(text: str, frame: FrameSpec) -> str:
     asked = asked_of_report(asked) or asked
     asked = asked_of_axes(asked) or in_known_words(asked)
     return of_a_thread(asked, frame.thread is not None)
+
+
+def _of_other_questions(
+    bundle: Bundle, encoded: Encoded, asked: str, frame: FrameSpec
+) -> Answer | None:
+    """Return the answer to what asks, in other words, for answers to one question or to two."""
+    if asks_alternatives(asked):
+        return with_alternatives(answer_question(bundle, encoded, OPEN_QUESTION, frame))
+    if (limited := _as_far_as_known(asked)) is not None:
+        rest, limit = limited
+        answer = answer_question(bundle, encoded, rest, frame)
+        return replace(answer, notes=(*answer.notes, limit)) if _limits(limit, answer) else answer
+    parts = two_parts(asked)
+    if parts is None:
+        return None
+    return both(*(answer_question(bundle, encoded, part, frame) for part in parts))
+
+
+def _limits(limit: str, answer: Answer) -> bool:
+    """Tell whether an answer is less than was asked for; one without a way is the same anywhere."""
+    if limit == OF_THE_END:
+        return answer.decided == "yes"
+    return limit == ONE_KIND or (answer.direction in DIRECTED and answer.kind not in _WITHOUT_WAY)
+
+
+_WITHOUT_WAY = ("magnitude", "rate", "moving", "contact", "class", "confidence")
+"""Kinds whose answers are the same from every side."""
 
 
 def _as_far_as_known(asked: str) -> tuple[str, str] | None:
@@ -206,6 +231,8 @@ def _at_once(bundle: Bundle, encoded: Encoded, asked: str, frame: FrameSpec) -> 
     if asks_frame(asked):
         said = plain(encoded, f"I tell directions in this frame: {known(frame)}.", "frame", frame)
         return replace(said, abstained=False, confidence=1.0)
+    if asks_which_moves(asked):
+        return plain(encoded, RELATIVE, "refusal", frame)
     kind = asked_kind(asked)
     said = never_told(asked) or (untold(asked) if kind is None else None)
     if said is not None:

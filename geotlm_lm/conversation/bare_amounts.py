@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.bare_motions import JUST, LEAD, TAIL, THING
+from geotlm_lm.conversation.bare_motions import JUST, LEAD, TAIL
 from geotlm_lm.conversation.kind_phrases import COUNTED
 from geotlm_lm.conversation.motion_verbs import MOVES, SLIDES, TURNS, Verb, forms
 from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.things import THING, naming_nothing
 
 _ASK = (
     r"(?:(?:what(?:'s| is| was)|give(?: me)?|tell me|report|state|show(?: me)?|print"
@@ -71,9 +72,10 @@ def asked_of_an_amount(question: str) -> str | None:
     text = plain_text(question)
     if (counts := _COUNTS.fullmatch(text)) is not None:
         return f"How many {counts['unit']}?"
+    texts = (text, *naming_nothing(text))
     for patterns, verb in _ASKED:
-        said = next(filter(None, (words.fullmatch(text) for words in patterns)), None)
-        if said is not None:
-            unit = said.groupdict().get("unit")
+        tried = (words.fullmatch(said) for words in patterns for said in texts)
+        if (found := next(filter(None, tried), None)) is not None:
+            unit = found.groupdict().get("unit")
             return f"How {f'many {unit}' if unit else 'far'} did it {verb}?"
     return None

@@ -9,29 +9,17 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.kind_words import GEL, HOLDER, PICTURE
 from geotlm_lm.conversation.motion_verbs import (
-    GOES,
     LIFTS,
     MOVES,
     NEARS,
-    PRESSES,
     SLIDES,
     TURNS,
     Verb,
     forms,
 )
 from geotlm_lm.conversation.plain_text import plain_text
-
-_OTHER = (
-    rf"(?:{GEL}|{HOLDER}|{PICTURE}|hand|jaws?|fingers?|grip|grasp|frames?|light|contact|motion"
-    rf"|or|and|not|no|only|an?|the|like|seems?|{forms(TURNS + SLIDES + GOES + PRESSES)})"
-)
-THING = (
-    rf"(?:it|this|that|anything|something|(?:the|my|this|that) (?!{_OTHER}\b)\w+"
-    rf"(?: (?!{_OTHER}\b)\w+){{0,2}})"
-)
-"""What moves: nothing that holds or films it, which would turn the question round."""
+from geotlm_lm.conversation.things import THING, naming_nothing
 
 JUST = r"(?:(?:just|already|now|still|really|actually|ever|even|truly|indeed) )?"
 LEAD = (
@@ -40,9 +28,9 @@ LEAD = (
     r"|(?:please )?(?:check|say|tell me|verify)|can you (?:tell(?: me)?|check))"
     r"(?: that| whether| if)? )?"
 )
-_FAR = r" (?:by )?(?:(?:very|so|that|too|really) )?(?:far|much|a lot|a great deal)"
+_FAR = r" (?:by )?(?:(?:very|really) )?(?:far|much|a lot|a great deal)"
 TAIL = (
-    r"(?:[,.:;?]* *(?:please|yes or no|or not|now|at all|again|yet|already"
+    r"(?:[,.:;?]* *(?:please|yes or no|or not|now|at all|again|yet|already|so far|until now"
     r"|(?:at least )?a (?:bit|little)|(?:in|on) (?:the|this) (?:clip|video|recording)"
     r")|, *(?:right|correct|no|yes)|,? *(?:is|was|has|had|did|does|do)(?:n't| not)? (?:it|that))*"
     r"[ ?.!]*"
@@ -102,5 +90,5 @@ _ASKED = (
 
 def asked_of_a_motion(question: str) -> str | None:
     """Return, in words every model knows, which motion a whole text asks for; None of any other."""
-    text = plain_text(question)
-    return next((asked for words, asked in _ASKED if words.fullmatch(text)), None)
+    texts = naming_nothing(plain_text(question))
+    return next((asked for words, asked in _ASKED if any(map(words.fullmatch, texts))), None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.fact_words import IMAGE, ON_ITS_HEAD
+from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.wording import known
@@ -35,6 +36,33 @@ _OF_REFERENCE = re.compile(
     r"|tell (?:it|that|directions)(?: in)?))?\W*$))"
     r"(?: (?:is|are|was|were|do|did|does) .*| of .*)?\W*"
 )
+_WAY = r"(?:(?:counter|anti)?clockwise|c?cw|left|right|up|down)"
+_WHERE_FROM = re.compile(
+    r"(?:(?:and|so|ok|but)[, ]+)?(?:"
+    r"(?:in|by|with|using) (?:what|which) (?:frame|coordinates?|convention|axes)(?: system)?"
+    r"|(?:relative|with respect|compared) to what"
+    r"|what(?:'s| is) (?:the|your) (?:reference|convention|viewpoint|point of view|perspective)"
+    r"|from (?:what|which) (?:side|view|viewpoint|angle|perspective|point of view|direction)"
+    rf"(?: is (?:that|this|it)(?: {_WAY})?)?"
+    r"|from where|seen from where|whose (?:view|perspective|left|right|up|down)(?: is (?:it|that))?"
+    rf"|{_WAY} (?:(?:as )?(?:seen|viewed|looking) )?(?:from where|by whom|relative to what"
+    r"|in (?:what|which) frame|from (?:what|which) side)"
+    rf"|what (?:does|do you mean by|is meant by|counts as) '?\"?{_WAY}'?\"?(?: mean)?"
+    r"(?: here| for you| to you)?"
+    rf"|how do you define {_WAY})\W*"
+)
+_ITSELF = rf"(?:(?:the|my) (?:tactile )?(?:object|part|thing|{HOLDER})|it|me|i|us)"
+_MOVES = r"(?: (?:itself|that|which|who|is|was|does|did|has|really))*(?: \w+)?"
+_WHO = re.compile(
+    r"(?:(?:and|so|ok|but)[, ]+)?(?:(?:which|what|who)(?: (?:one|of (?:them|the two)))?"
+    r"(?: (?:is|was|did|does|has))?(?: it)?(?: \w+)?[,:]? )?(?:(?:is|was|did|does|has) (?:it )?)?"
+    rf"{_ITSELF}{_MOVES},? or (?:(?:is|was|did|does) (?:it )?)?{_ITSELF}{_MOVES}\W*"
+)
+_SENSOR_NAMED = re.compile(rf"\b(?:{HOLDER}|me|i|us)\b")
+RELATIVE = (
+    "I feel only how the object moves relative to the sensor, not which of the two moves; I tell "
+    "it as the object's motion, and of the sensor the opposite."
+)
 _ANOTHER = re.compile(
     r",? ?\b(?:expressed )?(?:in|relative to|with respect to|wrt) (?:the |my )?"
     r"(?P<name>(?:world|base|robot(?:'s)?(?: base)?|tool|tcp|flange|wrist|table|global|gripper)"
@@ -48,6 +76,8 @@ _ANOTHER_VIEW = re.compile(
     rf",? ?(?:\b(?:as )?(?:seen|viewed|looked at|looking|told) from {_FROM}"
     r"|\bfrom (?:the|my) (?:gripper|robot|hand|arm|wrist|operator|user)'s"
     r" (?:perspective|point of view|viewpoint|view|side))(?= *(?:[,:?.!]|$)),?"
+    r"|^(?:(?:and|so|but|ok)[, ]+)*(?:(?:what|how) about )?from (?:above|below|over(?:head)?"
+    r"|outside|underneath|the front|my (?:side|perspective|point of view|viewpoint|view))\W*$"
 )
 _NOT_KNOWN = "Nothing tells how the camera stands in the {}: ways are told as its image shows them."
 _NO_SUCH_VIEW = (
@@ -90,4 +120,11 @@ def of_another_frame(question: str) -> tuple[str, str] | None:
 
 def asks_frame(question: str) -> bool:
     """Tell whether `question` asks in which frame of reference directions are told."""
-    return bool(_OF_REFERENCE.fullmatch(plain_text(question)))
+    text = plain_text(question)
+    return bool(_OF_REFERENCE.fullmatch(text) or _WHERE_FROM.fullmatch(text))
+
+
+def asks_which_moves(question: str) -> bool:
+    """Tell whether `question` asks if it is the sensor or the object that moves."""
+    text = plain_text(question)
+    return bool(_WHO.fullmatch(text)) and len(_SENSOR_NAMED.findall(text)) == 1

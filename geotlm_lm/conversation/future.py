@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.bare_motions import JUST, LEAD, TAIL, THING
+from geotlm_lm.conversation.bare_motions import JUST, LEAD, TAIL
 from geotlm_lm.conversation.motion_verbs import GOES, LIFTS, NEARS, SLIDES, TURNS, forms
 from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.things import THING, naming_nothing
 
 NOT_TO_COME = (
     "I tell what the clip shows, not what comes next; ask for example 'is it slipping?' or 'which "
@@ -35,4 +36,4 @@ _ASKED = re.compile(
 
 def asks_what_comes(question: str) -> bool:
     """Tell whether a whole text asks how something will move; nothing supposed before it."""
-    return _ASKED.fullmatch(plain_text(question)) is not None
+    return any(map(_ASKED.fullmatch, naming_nothing(plain_text(question))))

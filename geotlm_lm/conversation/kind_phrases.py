@@ -55,7 +55,7 @@ RULES: dict[str, tuple[str, ...]] = {
     ),
     "undo": (
         r"\b(?:undo|undoes|undone|revert|reverts|restore|restores|cancel)\b",
-        r"\b(?:puts?|brings?|gets?) (?:\S+ ){0,3}back\b(?! into)",
+        r"\b(?:puts?|brings?|gets?) (?:\S+ ){0,3}back\b(?! into)|^(?:and )?which way back\W*$",
         r"(?:(?<!going )\bto|\b(?:how|which way) (?:do|can|could|would|must|should) \S+(?: \S+)?"
         r"|\bdo i) go (?:\S+ ){0,3}back\b(?! into| and forth| (?:to the )?(?:left|right|up|down))",
         r"\b(?:turn|rotate|twist|move|slide|push|pull|drag) (?:it|this|that|(?:the|my) \S+) back\b",
@@ -68,7 +68,8 @@ RULES: dict[str, tuple[str, ...]] = {
         rf"\bflip(?:s|ped)? (?:(?:a|the|this|my) )?{PICTURE}\b",
         rf"\b{PICTURE} (?:\w+ ){{0,2}}flipped\b",
         rf"{LEADS}flip(?:ped)?(?: {_ALONG})?{ALONE}",
-        rf"{SUPPOSED}flipped\b|\bthe flipped direction\b",
+        rf"{SUPPOSED}(?:flipped|upside[ -]down)\b|\bthe flipped direction\b",
+        rf"{LEADS}(?:(?:turned|put) )?upside[ -]down{ALONE}",
         r"\b(?:after|in|with) (?:a|the) (?:[\w-]+ (?:to right )?)?flip\b",
     ),
     "order": (
@@ -170,11 +171,11 @@ RULES: dict[str, tuple[str, ...]] = {
         rf"\blook(?:ing|s)? (?:back )?(?:at|towards|into) the {GEL}\b",
         rf"\b(?:who|person|somebody|someone|when|while) (?:faces|facing) the {GEL}\b",
         r"\bflip the viewpoint\b",
-        r"\b(?:seen|viewed) by the object\b",
+        r"\b(?:seen|viewed|looked at) (?:by|from) the object\b",
         r"\bdoes the object see\b",
     ),
     "actor": (
-        rf"\b(?:did|does|was|is|if|only|moved|but|about"
+        rf"\b(?:did|does|was|is|has|had|if|only|moved|but|about"
         r"|(?:motion|movement|direction|rotation|turn|slide|travel|path) of)"
         rf" (?:the|my) {HOLDER}(?: itself)?{_MOVES_OR_END}",
         rf"(?:^|[:,!] )(?:and|so|now) (?:the|my) {GEL}(?: itself)?{_MOVES_OR_END}",

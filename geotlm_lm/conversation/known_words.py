@@ -11,12 +11,12 @@ import re
 from geotlm_lm.conversation.kind_words import GEL
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.question import OPEN_QUESTION
+from geotlm_lm.conversation.things import THING, naming_nothing
 
 _HOLD = r"(?:grasp|grip|hold)"
 _HOLDER = rf"(?:gripper|{_HOLD}|hand|jaws?|fingers?|{GEL})"
-_IT = rf"(?:it|this|that|(?:the|my|this|that) (?!{_HOLDER}\b)\w+|anything|something)"
 _WHO = r"(?:i|we|you|the (?:gripper|robot|hand))"
-_THING = r"(?:it|something|anything|(?:an|the|my) object)"
+_SOMETHING = r"(?:it|something|anything|(?:an|the|my) object)"
 _JUST = r"(?:(?:just|already|now|still|really|actually) )?"
 _LEAD = r"(?:(?:and|so|ok|now|but|hey|please|tell me)[,:]? +)*"
 _TAIL = (
@@ -33,61 +33,63 @@ _MOVES = "Is it moving at all?"
 
 _SAID: tuple[tuple[str, str], ...] = (
     (
-        rf"(?:has|have|had|did) {_IT} {_JUST}(?:left|leave"
+        rf"(?:has|have|had|did) {THING} {_JUST}(?:left|leave"
         rf"|(?:slip(?:ped)?|fall(?:en)?|drop(?:ped)?|escaped?) (?:out of|off|from)) "
         rf"(?:the |my )?{_HOLDER}"
         rf"|(?:has|have|had|did) {_WHO} {_JUST}(?:los[et]|miss(?:ed)?|drop(?:ped)?)"
         rf" (?:it|(?:the|my) (?:\w+))"
-        rf"|(?:did|has|have|had) {_IT} {_JUST}(?:fall(?:en)?|drop(?:ped)?)(?: (?:down|off|out))?"
-        rf"|(?:is|was) (?:{_IT}|the {_HOLDER}) {_JUST}(?:free of (?:any )?contact|out of touch)"
+        rf"|(?:did|has|have|had) {THING} {_JUST}(?:fall(?:en)?|drop(?:ped)?)(?: (?:down|off|out))?"
+        rf"|(?:is|was) (?:{THING}|the {_HOLDER}) {_JUST}(?:free of (?:any )?contact|out of touch)"
         rf"|(?:is|was) (?:the |my )?object {_JUST}(?:gone|lost|missing)"
         rf"|(?:is|was) (?:the |my )?{_HOLDER} {_JUST}(?:empty|free|clear)|empty {_HOLDER}"
         rf"|(?:is|was) (?:the |my )?{GEL} {_JUST}idle|(?:the )?(?:contact|object|{_HOLD}) lost"
-        rf"|(?:is|was) (?:{_IT}) {_JUST}(?:gone|lost)"
+        rf"|(?:is|was) (?:{THING}) {_JUST}(?:gone|lost)"
         rf"|lost (?:it|(?:the )?object|(?:the )?{_HOLD})"
         r"|(?:did|has|have) (?:the )?contact (?:break|broken|end|ended|stop|stopped|cease|ceased)",
         _IS_LOST,
     ),
     (
         rf"(?:do|did|have|am|are|is|does|has) {_WHO} {_JUST}"
-        rf"(?:(?:hold|holding|held|gripp?(?:ing|ed)?|grasp(?:ing|ed)?) (?:(?:the|my) \w+|{_THING})"
-        rf"|(?:got|have|caught|got hold of) {_THING})"
-        rf"|(?:do|did|can|could) you (?:feel|sense|detect|notice) {_THING}"
+        rf"(?:(?:hold|holding|held|gripp?(?:ing|ed)?|grasp(?:ing|ed)?) "
+        rf"(?:(?:the|my) \w+|{_SOMETHING})"
+        rf"|(?:got|have|caught|got hold of) {_SOMETHING})"
+        rf"|(?:do|did|can|could) you (?:feel|sense|detect|notice) {_SOMETHING}"
         rf"|(?:do|did|have) (?:i|we) (?:have|got|get|made?) (?:any |a )?contact"
         r"|(?:has|was) contact (?:been )?(?:made|established)"
         r"|(?:did|has|have) (?:the )?contact (?:start|begin|begun|occur|happen)(?:ed|red)?"
         rf"|(?:is|was) there (?:still|now|already|really) (?:(?:a|any) )?contact"
         rf"|(?:(?:is|was) (?:the |any )?)?contact {_JUST}(?:present|there|detected|established)"
         rf"|there(?:'s| is| was) {_JUST}(?:a |some )?contact"
-        rf"|(?:is|was|are|were)n't (?:{_IT}|{_WHO}) {_JUST}(?:touching|touched|in contact)"
-        rf"(?: (?:with )?(?:the {GEL}|{_THING}))?"
-        rf"|(?:feel|felt|sense|sensed) {_THING}|got (?:it|{_THING})"
+        rf"|(?:is|was|are|were)n't (?:{THING}|{_WHO}) {_JUST}(?:touching|touched|in contact)"
+        rf"(?: (?:with )?(?:the {GEL}|{_SOMETHING}))?"
+        rf"|(?:feel|felt|sense|sensed) {_SOMETHING}|got (?:it|{_SOMETHING})"
         rf"|(?:did|has|have|had) {_WHO} {_JUST}(?:grab(?:bed)?|catch|caught|pick(?:ed)?(?: up)?) "
-        rf"(?:(?:the|my) \w+|{_THING})(?: up)?"
-        rf"|(?:is|was) {_IT} {_JUST}(?:in|inside|between) (?:the|my|its|our) "
+        rf"(?:(?:the|my) \w+|{_SOMETHING})(?: up)?"
+        rf"|(?:is|was) {THING} {_JUST}(?:in|inside|between) (?:the|my|its|our) "
         rf"(?:gripper|hand|jaws?|fingers?|{_HOLD})"
         rf"|(?:is|was) (?:the|my) object {_JUST}(?:present|there|detected)"
-        rf"|(?:is|was) {_IT} {_JUST}(?:pressing|pushing) (?:against|on|onto) (?:the )?{GEL}"
-        rf"|(?:is|was) there {_THING} (?:in|inside|between) (?:the|my|its|our) "
+        rf"|(?:is|was) {THING} {_JUST}(?:pressing|pushing) (?:against|on|onto) (?:the )?{GEL}"
+        rf"|(?:is|was) there {_SOMETHING} (?:in|inside|between) (?:the|my|its|our) "
         rf"(?:gripper|hand|jaws?|fingers?|{_HOLD})"
         r"|anything|something|(?:is |was )?(?:an |any )?object (?:present|detected)"
         r"|(?:is|was) there really (?:something|anything)"
-        rf"|(?:is|was) {_IT} {_JUST}(?:being )?(?:held|gripped|grasped)"
-        rf"|(?:is|was) {_IT} {_JUST}pressed(?: (?:against|on|onto|to) (?:the )?{GEL})?",
+        rf"|(?:is|was) {THING} {_JUST}(?:being )?(?:held|gripped|grasped)"
+        rf"|pressed|(?:is|was) {THING} {_JUST}pressed(?: (?:against|on|onto|to) (?:the )?{GEL})?",
         _IS_TOUCHED,
     ),
     (
-        rf"(?:is|was) {_IT} {_JUST}being (?:pressed|pushed) (?:against|on|onto) (?:the )?{GEL}",
+        rf"(?:is|was) {THING} {_JUST}being (?:pressed|pushed) (?:against|on|onto) (?:the )?{GEL}",
         f"{_IS_TOUCHED} Is it pressing in?",
     ),
     (
         rf"(?:(?:is|was) )?(?:(?:it|(?:the|my|this|a) {_HOLD}) )?(?:stable|steady)|stationary"
-        rf"|(?:is|was) {_IT} {_JUST}idle"
+        rf"|(?:is|was) {THING} {_JUST}idle"
         rf"|(?:is|was) it a (?:stable|steady) {_HOLD}"
-        rf"|(?:has|have|had) {_IT} {_JUST}(?:settled|rested|held(?: still)?|been (?:still|at rest))"
+        rf"|(?:has|have|had) {THING} {_JUST}(?:settled|rested|held(?: still)?)"
+        rf"|(?:has|have|had) {THING} {_JUST}been (?:still|at rest)"
         rf"|(?:has|have|had) (?:the|my|this) {_HOLD} {_JUST}held"
-        rf"|(?:did|does) {_IT} {_JUST}(?:settle|rest)"
-        rf"|(?:did|does|has|have|had) {_IT} {_JUST}(?:stay|remain)(?:ed)? "
+        rf"|(?:did|does) {THING} {_JUST}(?:settle|rest)"
+        rf"|(?:did|does|has|have|had) {THING} {_JUST}(?:stay|remain)(?:ed)? "
         r"(?:put|in place|where it (?:is|was))",
         _IS_STILL,
     ),
@@ -100,19 +102,19 @@ _SAID: tuple[tuple[str, str], ...] = (
         OPEN_QUESTION,
     ),
     (
-        rf"(?:(?:is|was|does|did|has) {_IT} {_JUST}(?:going|moving|moved|go|gone|move) )?"
+        rf"(?:(?:is|was|does|did|has) {THING} {_JUST}(?:going|moving|moved|go|gone|move) )?"
         r"(?:straight|in a (?:straight )?line)",
         _SLIDES,
     ),
     (
-        rf"(?:(?:is|was|does|did|has) {_IT} {_JUST}(?:going|moving|moved|go|gone|move) )?"
+        rf"(?:(?:is|was|does|did|has) {THING} {_JUST}(?:going|moving|moved|go|gone|move) )?"
         r"(?:in (?:a )?circles?|(?:a)?round(?: and (?:a)?round)?)",
         _TURNS,
     ),
     (
         r"(?:along )?(?:which|what) axis|(?:is it )?(?:a )?(?:horizontal|vertical) or "
         r"(?:horizontal|vertical) (?:motion|movement|slide|slip)"
-        rf"|along (?:which|what) axis (?:is|was|does|did) {_IT} \w+",
+        rf"|along (?:which|what) axis (?:is|was|does|did) {THING} \w+",
         OPEN_QUESTION,
     ),
     (
@@ -122,8 +124,8 @@ _SAID: tuple[tuple[str, str], ...] = (
     ),
     (
         rf"(?:(?:is|was) (?:there|this) )?(?:any |some |a )?(?:rotational|rotary|torsional) {_SLIP}"
-        rf"|(?:does|did|is|was) {_IT} {_SLIP} (?:in|by) (?:rotation|turning)"
-        rf"|(?:does|did|is|was) {_IT} {_SLIP} rotationally",
+        rf"|(?:does|did|is|was) {THING} {_SLIP} (?:in|by) (?:rotation|turning)"
+        rf"|(?:does|did|is|was) {THING} {_SLIP} rotationally",
         _TURNS,
     ),
     (
@@ -154,4 +156,5 @@ def in_known_words(question: str) -> str:
     What asks for anything besides stays as it is.
     """
     text = plain_text(question)
-    return next((known for words, known in _PATTERNS if words.fullmatch(text)), question)
+    texts = (text, *naming_nothing(text))
+    return next((known for words, known in _PATTERNS if any(map(words.fullmatch, texts))), question)

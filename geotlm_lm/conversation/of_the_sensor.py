@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.bare_motions import asked_of_a_motion
 from geotlm_lm.conversation.claims import claims_motion
+from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.kinds import asked_amount, asked_kind, asks_whether_moving
 from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
 from geotlm_lm.conversation.plain_text import plain_text
 
 _SENSOR = re.compile(
-    r"\b(?:the|my) (?:(?:tactile )?sensor|gel|pad|finger|gripper|robot(?:'?s)?(?: arm| hand)?)"
+    rf"\b(?:the|my) (?:tactile )?{HOLDER}"
     r"(?: itself)?\b(?! (?:\w+ )?(?:to|across|over) the (?:sensor|gel)\b)"
 )
 _OBJECT = re.compile(
@@ -28,8 +30,8 @@ def as_of_it(question: str) -> str | None:
     if asked_kind(question) != "actor" or len(_SENSOR.findall(question.lower())) != 1:
         return None
     text = _SENSOR.sub("it", question.lower())
-    asks = asked_amount(text) or claims_motion(text) or asks_whether_moving(text)
-    return text if asks else None
+    asks_how = asked_amount(text) or asked_of_a_motion(text)
+    return text if asks_how or claims_motion(text) or asks_whether_moving(text) else None
 
 
 def names_the_object(question: str) -> bool:

@@ -75,7 +75,8 @@ _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
         re.compile(
             r"\bhow (?:deep|hard|firmly)\b|\b(?:in)?depth of\b"
             r"|\bforces?\b|\bnewtons?\b|\btorque\b"
-            r"|\b(?:how much|what|which) (?:is the )?pressure\b|\bstiffness\b"
+            r"|\b(?:how much|what|which) (?:is the )?pressure\b"
+            r"|\b(?:did|does|is|was|has) the pressure\b|\bstiffness\b"
         ),
         _FORCE,
     ),
@@ -200,6 +201,8 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
         re.compile(
             r"\b(?:faster|slower|quicker|further|farther) than (?:an?|the|my|your) "
             r"(?!\d|(?:first|second|third|other|last|previous|one)\b(?! hand))"
+            r"|\btoo (?:far|much|fast|slow|slowly|quick|quickly|little|long)\W*$"
+            r"|\b(?:far|fast|slow|much|slowly) enough\W*$"
         ),
         _NO_COMPARISON,
     ),

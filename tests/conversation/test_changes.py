@@ -48,6 +48,7 @@ def told(question, motion, frame=CAMERA):
         ("If it was flipped horizontally and vertically, which way?", LEFT, RIGHT),
         ("If it was flipped horizontally and vertically, which way?", CW, CW),
         ("If it was flipped upside down, which way?", UP, DOWN),
+        ("And upside down?", UP, DOWN),
         ("If it was mirrored and played backwards?", CW, CW),
         ("If it was both upside down and played backwards?", LEFT, LEFT),
         ("Seen from the object's side and played backwards?", LEFT, LEFT),

@@ -5,9 +5,11 @@ import pytest
 
 from geotlm_lm.conversation.frame_questions import (
     asks_frame,
+    asks_which_moves,
     frame_to_settle,
     of_another_frame,
 )
+from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
@@ -113,3 +115,45 @@ def test_a_view_that_nothing_tells_of_is_noted(question):
 )
 def test_other_frames_are_none_of_these(question):
     assert of_another_frame(question) is None
+
+
+@pytest.mark.parametrize(
+    ("question", "asks"),
+    [
+        ("In which frame?", True),
+        ("relative to what?", True),
+        ("What is your reference?", True),
+        ("Clockwise as seen from where?", True),
+        ("Whose left?", True),
+        ("What does clockwise mean here?", True),
+        ("from which side?", True),
+        ("In which frame does it begin to turn?", False),
+        ("What does it mean?", False),
+        ("Which way is it seen from the left?", False),
+        ("From which side does it come?", False),
+    ],
+)
+def test_whose_left_it_is_asks_for_the_frame(question, asks):
+    assert asks_frame(question) is asks
+
+
+@pytest.mark.parametrize(
+    ("question", "asks"),
+    [
+        ("Is it the sensor or the object that moves?", True),
+        ("Was it me or the object?", True),
+        ("Which one moved, the sensor or the object?", True),
+        ("Did the object turn or the gripper?", True),
+        ("Is the object turning or sliding?", False),
+        ("Did the sensor turn or slide?", False),
+        ("Is the sensor or the gripper moving?", False),
+        ("Which way did the sensor move?", False),
+    ],
+)
+def test_which_of_the_two_moves_is_known_by_its_words(question, asks):
+    assert asks_which_moves(question) is asks
+
+
+@pytest.mark.parametrize("question", ["And from above?", "From my perspective?"])
+def test_a_bare_view_asks_for_the_way(question):
+    assert of_another_frame(question)[0] == OPEN_QUESTION

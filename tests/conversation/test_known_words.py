@@ -165,6 +165,13 @@ def test_what_happens_is_asked_as_a_motion(question):
         "How far did it slip?",
         "Which way does the gripper go when empty?",
         "Is the gripper stable and the object turning?",
+        "Did the force drop?",
+        "Did the temperature drop?",
+        "Has the light settled?",
+        "Did the image settle?",
+        "Has the confidence dropped?",
+        "Has the contact dropped?",
+        "describe the shear",
     ],
 )
 def test_other_questions_stay_as_they_are(question):

@@ -118,6 +118,8 @@ def test_who_asks_for_the_place_of_the_contact_is_understood(text, asks):
         ("Did the part flip?", "flips over"),
         ("Was the box flipped?", "flips over"),
         ("Has the pancake flipped over?", "flips over"),
+        ("Has it turned too far?", "by a number"),
+        ("Is it fast enough?", "by a number"),
         ("Is it rolling?", "rolls"),
         ("Does the ball roll?", "rolls"),
         ("Is the bottle cap tilting?", "tips"),
