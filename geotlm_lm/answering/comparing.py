@@ -11,6 +11,7 @@ from geotlm_lm.answering.deciding import (
     judge_amounts,
     judge_each,
     judge_image,
+    judge_kind,
     judge_relation,
     judge_share,
     judge_supposed,
@@ -44,11 +45,13 @@ from geotlm_lm.conversation.two_claims import (
     claimed_relation,
     claimed_share,
     claimed_subject,
+    claims_same_kind,
     supposed_change,
 )
 from geotlm_lm.conversation.two_clips import (
     asks_each_amount,
     asks_of_one,
+    of_two_in_known_words,
     relates,
 )
 from geotlm_lm.conversation.untold import never_told, untold
@@ -75,6 +78,7 @@ def compare_clips(
     """
     stated = read_facts(question, frame)
     asked, frame = clips_by_number(stated.rest or question), stated.frame
+    asked = of_two_in_known_words(asked) or asked
     if asks_from_object(asked):
         frame = replace(frame, viewpoint="object")
     answers = [answer_question(bundle, one, OPEN_QUESTION, frame) for one in clips]
@@ -107,6 +111,8 @@ def _decided(
     """Return the verdict on what is claimed of two clips, or which it is; None if neither is."""
     if (image := claimed_image(asked)) is not None:
         return judge_image(image, answers)
+    if (is_one_kind := claims_same_kind(asked)) is not None:
+        return judge_kind(is_one_kind, answers)
     if (supposed := supposed_change(asked)) is not None:
         rest, which, change = supposed
         claim = claimed_relation(rest)

@@ -17,7 +17,7 @@ from geotlm_lm.answering.several import (
 from geotlm_lm.answering.withholding import unsure_text
 from geotlm_lm.conversation.two_claims import Change, Of, RelationClaim, ShareClaim
 from geotlm_lm.conversation.wording import lowered
-from geotlm_lm.core.labels import Motion, mirror, reverse
+from geotlm_lm.core.labels import Motion, mirror, motion_class, reverse
 
 _CHANGES: dict[Change, Callable[[Motion], Motion]] = {"mirrored": mirror, "reversed": reverse}
 
@@ -89,6 +89,18 @@ def judge_image(change: Change, answers: Sequence[Answer]) -> Comparison:
     is_so = one.direction is not None and one.direction == other.direction
     share = sum(p for (a, b), p in shares_of_pairs((one, other)).items() if a == b)
     return _told(_yes_or_no(is_so), share if is_so else 1.0 - share, answers, ", by direction: ")
+
+
+def judge_kind(is_one_kind: bool, answers: Sequence[Answer]) -> Comparison:
+    """Return whether two clips show one kind of motion, or, where that is asked, two kinds."""
+    kinds = [answer.direction and motion_class(answer.direction) for answer in answers]
+    is_same = kinds[0] == kinds[1]
+    share = sum(
+        p
+        for (one, other), p in shares_of_pairs(answers).items()
+        if (motion_class(one) == motion_class(other)) == is_same
+    )
+    return _told(_yes_or_no(is_same == is_one_kind), share, answers, ", by kind: ")
 
 
 def judge_share(claim: ShareClaim, answers: Sequence[Answer]) -> Comparison:

@@ -19,6 +19,7 @@ from geotlm_lm.conversation.clip_names import (
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import TURN
 from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.two_clips import of_two_in_known_words
 from geotlm_lm.core.labels import Motion, motion_class
 
 Relation = Literal["same", "opposite", "different"]
@@ -40,6 +41,10 @@ _OPENLY = re.compile(
 _TAG = re.compile(
     r",? (?:(?:right|correct|true|yes or no|yes|no|don't they|do they|aren't they|are they"
     r"|didn't they|did they|isn't it|is it)\W*)$"
+)
+_KIND = re.compile(
+    r"\b(?:(?P<same>same|similar|identical|equal)|different)"
+    r" (?:(?:kind|type|sort)s?|class(?:es)?|categor(?:y|ies))(?: of (?:motions?|movements?))?\b"
 )
 _PLAINLY = re.compile(r"^\W*(?:(?:and|so|ok|now|but)[, ]+)*(?:do|did|are|were|the|same)\b")
 _FALSE = re.compile(r"\b(?:is|was) it (?:false|wrong|untrue) that\b")
@@ -148,7 +153,7 @@ def asks_of_two(question: str) -> bool:
     """Tell whether a question surely is about two clips: "which one slides?", "do both turn?"."""
     asked = (claimed_share, claimed_each, claimed_image, supposed_change, asks_same_amount)
     is_compared = claimed_subject(question) is not None and _COMPARED.search(question.lower())
-    is_of_two = is_compared or asks_undoing(question)
+    is_of_two = is_compared or asks_undoing(question) or of_two_in_known_words(question)
     return bool(is_of_two) or any(read(question) is not None for read in asked)
 
 
@@ -167,6 +172,15 @@ def claimed_relation(question: str) -> RelationClaim | None:
         return None
     is_plain = named[0] == "same" and not is_tagged and bool(_PLAINLY.match(text))
     return RelationClaim(named[0], bool(_FALSE.search(text)), is_plain and "n't" not in text)
+
+
+def claims_same_kind(question: str) -> bool | None:
+    """Return whether it is asked if two clips show one kind of motion, or two; None if neither."""
+    text = plain_text(question)
+    said = _KIND.search(text)
+    if said is None or _OPENLY.match(text):
+        return None
+    return said["same"] is not None
 
 
 def supposed_change(question: str) -> tuple[str, int, Change] | None:

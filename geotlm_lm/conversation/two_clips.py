@@ -51,6 +51,46 @@ _WITHIN = re.compile(r"(?:^| )in $")
 _IT = re.compile(r"\bit\b")
 _NOTHING_ASKED = re.compile(r"\W*(?:and|so|ok|now|what|how|about|of|[ ,])*\bits?\b\W*")
 
+_BETWEEN = (
+    r"(?:,? (?:between (?:them|the two(?: clips)?)|from (?:the )?(?:first|one)(?: clip)? to"
+    r" (?:the )?(?:second|other|next)(?: clip| one)?|in between|since))?"
+)
+_THE_WAY = r"(?:it|this|that|the (?:direction|motion|movement|way|sense)(?: of \w+)?)"
+_SAID = tuple(
+    (re.compile(rf"\W*(?:(?:and|so|but|ok)[, ]+)*(?:{words}){_BETWEEN}\W*"), known)
+    for words, known in (
+        (
+            rf"(?:did|has|have|was) {_THE_WAY} (?:been )?(?:chang|switch)(?:e|es|ed)?"
+            r"(?: (?:its |the )?(?:way|direction|sense))?",
+            "Are they different?",
+        ),
+        (
+            rf"(?:did|has|was|is) {_THE_WAY} (?:been |now )?(?:revers(?:e|ed|ing)"
+            r"(?: (?:its |the )?(?:way|direction|sense))?|turn(?:ed)? (?:a)?round)",
+            "Are they opposite?",
+        ),
+        (
+            r"(?:by )?how (?:much|far) (?:do|did) (?:they|the two|these two) differ"
+            r"|(?:what(?:'s| is) )?the difference (?:in|of) "
+            r"(?:angles?|distances?|amounts?|degrees|sizes?)",
+            "How far did each one go?",
+        ),
+        (
+            rf"(?:is|was) {_THE_WAY} back (?:again|where it (?:was|started|began)|in place)"
+            rf"|(?:did|has) {_THE_WAY} (?:go|gone|come|moved?|(?:re)?turn(?:ed)?)"
+            r"(?: back)? (?:to )?where it (?:was|started|began)",
+            "Does the second undo the first?",
+        ),
+    )
+)
+"""What is asked of two clips without a word for either of them."""
+
+
+def of_two_in_known_words(question: str) -> str | None:
+    """Return, in words for two clips, what a whole text asks of what changed between them."""
+    text = plain_text(question)
+    return next((known for words, known in _SAID if words.fullmatch(text)), None)
+
 
 def relates(question: str) -> bool:
     """Tell whether `question` asks which way two clips go, or whether that is the same.

@@ -7,6 +7,7 @@ import pytest
 from geotlm_lm.answering.deciding import (
     judge_amounts,
     judge_image,
+    judge_kind,
     judge_relation,
     judge_share,
     judge_supposed,
@@ -175,3 +176,23 @@ def test_a_session_of_two_clips_decides_too(two_turns):
     assert session.ask("Which one slides?").decided == "neither"
     assert session.ask("Does either turn clockwise?").decided == "yes"
     assert session.ask("Which way does it turn?").decided == "clockwise"
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "is_one_kind", "decided"),
+    [
+        ("clockwise", "counterclockwise", True, "yes"),
+        ("clockwise", "left", True, "no"),
+        ("left", "up", False, "no"),
+        ("press", "still", False, "yes"),
+    ],
+)
+def test_opposite_turns_are_of_one_kind(one, other, is_one_kind, decided):
+    told = judge_kind(is_one_kind, (answer(one, 0.9), answer(other, 0.9)))
+    assert (told.decided, told.abstained) == (decided, False)
+    assert told.text.startswith(f"{decided.capitalize()}, by kind: the first is")
+    assert 0.7 < told.confidence <= 1.0
+
+
+def test_the_kind_of_what_is_withheld_is_withheld():
+    assert judge_kind(True, (WITHHELD, answer("left"))).abstained

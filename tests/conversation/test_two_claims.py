@@ -13,6 +13,7 @@ from geotlm_lm.conversation.two_claims import (
     claimed_relation,
     claimed_share,
     claimed_subject,
+    claims_same_kind,
     supposed_change,
 )
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
@@ -163,3 +164,17 @@ def test_a_claim_on_each_clip_is_read():
     asked = "Does the second one slide while the first one is still?"
     assert claimed_each(asked) == ({Motion.STILL}, set(SLIDES))
     assert claimed_each("Is the first one turning?") is None
+
+
+@pytest.mark.parametrize(
+    ("text", "is_one"),
+    [
+        ("Do they have the same kind of motion?", True),
+        ("Same type of movement?", True),
+        ("Are they different kinds of motion?", False),
+        ("Which kind of motion is the same?", None),
+        ("Do they go the same way?", None),
+    ],
+)
+def test_one_kind_or_two_may_be_claimed(text, is_one):
+    assert claims_same_kind(text) is is_one

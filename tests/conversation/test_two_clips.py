@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from geotlm_lm.answering.several import asks_amount
-from geotlm_lm.conversation.two_clips import asks_each_amount, asks_of_one, relates
+from geotlm_lm.conversation.two_clips import (
+    asks_each_amount,
+    asks_of_one,
+    of_two_in_known_words,
+    relates,
+)
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 
@@ -75,3 +80,23 @@ def test_a_question_about_one_of_them_is_told_as_of_a_single_clip(text, asked):
 )
 def test_amounts_of_each_are_asked_for(text, kind):
     assert asks_each_amount(text) == kind
+
+
+@pytest.mark.parametrize(
+    ("text", "known"),
+    [
+        ("Did the direction change?", "Are they different?"),
+        ("and has it changed direction?", "Are they different?"),
+        ("Has the direction changed from the first to the second?", "Are they different?"),
+        ("Did it reverse?", "Are they opposite?"),
+        ("By how much do they differ?", "How far did each one go?"),
+        ("Is it back where it was?", "Does the second undo the first?"),
+        ("Did it go back to where it started?", "Does the second undo the first?"),
+        ("Did the first change direction?", None),
+        ("Does it change from left to right?", None),
+        ("How do they differ?", None),
+        ("Which way back?", None),
+    ],
+)
+def test_what_changed_between_clips_is_asked_in_words_for_two(text, known):
+    assert of_two_in_known_words(text) == known
