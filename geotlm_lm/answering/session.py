@@ -20,7 +20,7 @@ from geotlm_lm.conversation.asked_units import with_unit
 from geotlm_lm.conversation.clip_names import clips_by_number
 from geotlm_lm.conversation.courtesies import without_courtesies
 from geotlm_lm.conversation.doubts import doubted
-from geotlm_lm.conversation.follow_ups import asks_again_now, of_another
+from geotlm_lm.conversation.follow_ups import asks_again_now, asks_where, of_another
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.conversation.plain_text import plain_text
@@ -186,6 +186,8 @@ class Session:
             is_noted = getattr(self.history[-1].answer, "kind", None) == "frame"
             if is_noted or turn.encoded is not self.encoded:
                 return turn.meant
+        if getattr(self.last, "kind", None) == "contact" and asks_where(question):
+            return "Where is the contact?"
         return of_another(question, turn and turn.meant)
 
     def _said_again(self, question: str) -> Reply | None:

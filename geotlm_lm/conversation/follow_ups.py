@@ -17,6 +17,7 @@ _OF_ANOTHER = re.compile(
 _NOW = re.compile(
     r"\W*(?:(?:ok|and|so|then)[, ]+)*(?:now|and now|so|and|then|so then|what now)[ ?.!]*"
 )
+_WHERE = re.compile(r"\W*(?:(?:and|ok|so|but)[, ]+)*where(?: exactly)?[ ?.!]*")
 _ASKS = {"magnitude": "How far does {} move?", "rate": "How fast does {} move?"}
 
 
@@ -33,6 +34,11 @@ def of_another(question: str, before: str | None) -> str:
     is_of_it = before is not None and not re.search(rf"\b{HOLDER}$", said["who"])
     kind = asked_amount(before) if is_of_it else None
     return _ASKS.get(kind, "Which way does {} move?").format(said["who"])
+
+
+def asks_where(question: str) -> bool:
+    """Tell whether `question` is no more than "where?"."""
+    return bool(_WHERE.fullmatch(plain_text(question)))
 
 
 def asks_again_now(question: str) -> bool:

@@ -8,6 +8,7 @@ from geotlm_lm.conversation.fact_words import IMAGE, ON_ITS_HEAD
 from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.question import OPEN_QUESTION
+from geotlm_lm.conversation.things import THING, naming_nothing
 from geotlm_lm.conversation.wording import known
 from geotlm_lm.core.frame_spec import FrameSpec
 
@@ -51,7 +52,7 @@ _WHERE_FROM = re.compile(
     r"(?: here| for you| to you)?"
     rf"|how do you define {_WAY})\W*"
 )
-_ITSELF = rf"(?:(?:the|my) (?:tactile )?(?:object|part|thing|{HOLDER})|it|me|i|us)"
+_ITSELF = rf"(?:(?:the|my) (?:tactile )?{HOLDER}|{THING}|me|i|us)"
 _MOVES = r"(?: (?:itself|that|which|who|is|was|does|did|has|really))*(?: \w+)?"
 _WHO = re.compile(
     r"(?:(?:and|so|ok|but)[, ]+)?(?:(?:which|what|who)(?: (?:one|of (?:them|the two)))?"
@@ -126,5 +127,5 @@ def asks_frame(question: str) -> bool:
 
 def asks_which_moves(question: str) -> bool:
     """Tell whether `question` asks if it is the sensor or the object that moves."""
-    text = plain_text(question)
-    return bool(_WHO.fullmatch(text)) and len(_SENSOR_NAMED.findall(text)) == 1
+    texts = naming_nothing(plain_text(question))
+    return any(_WHO.fullmatch(text) and len(_SENSOR_NAMED.findall(text)) == 1 for text in texts)

@@ -55,7 +55,7 @@ RULES: dict[str, tuple[str, ...]] = {
     ),
     "undo": (
         r"\b(?:undo|undoes|undone|revert|reverts|restore|restores|cancel)\b",
-        r"\b(?:puts?|brings?|gets?) (?:\S+ ){0,3}back\b(?! into)|^(?:and )?which way back\W*$",
+        r"\b(?:puts?|brings?|gets?) (?:\S+ ){0,3}back\b(?! into)|^(?:and )?(?:which way )?back\W*$",
         r"(?:(?<!going )\bto|\b(?:how|which way) (?:do|can|could|would|must|should) \S+(?: \S+)?"
         r"|\bdo i) go (?:\S+ ){0,3}back\b(?! into| and forth| (?:to the )?(?:left|right|up|down))",
         r"\b(?:turn|rotate|twist|move|slide|push|pull|drag) (?:it|this|that|(?:the|my) \S+) back\b",

@@ -203,6 +203,8 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
             r"(?!\d|(?:first|second|third|other|last|previous|one)\b(?! hand))"
             r"|\btoo (?:far|much|fast|slow|slowly|quick|quickly|little|long)\W*$"
             r"|\b(?:far|fast|slow|much|slowly) enough\W*$"
+            r"|^\W*(?:and |so )?(?:is|was) (?:it|that|this) "
+            r"(?:a lot|a little|much|little|far|fast|slow)\W*$"
         ),
         _NO_COMPARISON,
     ),

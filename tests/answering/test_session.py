@@ -264,3 +264,16 @@ def test_a_thread_supposed_in_one_question_is_forgotten_after_it(session):
     assert session.ask("is it being opened?").text.startswith("It loosens: ")
     assert session.ask("and with a right-hand thread?").text.startswith("It tightens: ")
     assert session.ask("in or out?").text.startswith("It loosens: ")
+
+
+def test_where_after_a_contact_asks_for_its_place(bundle):
+    said = {
+        "Is anything touching?": "Yes, something is touching the gel.",
+        "*": "Left, in the camera image.",
+    }
+    answerer = answerer_saying(bundle, said)
+    session = answerer.session(answerer.encode(recording()))
+    assert session.ask("where?").kind == "direction"
+    session.ask("Is anything touching?")
+    assert session.ask("where?").kind == "contact"
+    assert session.history[-1].meant == "Where is the contact?"

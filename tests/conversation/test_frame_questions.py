@@ -142,6 +142,7 @@ def test_whose_left_it_is_asks_for_the_frame(question, asks):
     [
         ("Is it the sensor or the object that moves?", True),
         ("Was it me or the object?", True),
+        ("Is it the bottle cap that turns or the sensor?", True),
         ("Which one moved, the sensor or the object?", True),
         ("Did the object turn or the gripper?", True),
         ("Is the object turning or sliding?", False),

@@ -120,6 +120,7 @@ def test_who_asks_for_the_place_of_the_contact_is_understood(text, asks):
         ("Has the pancake flipped over?", "flips over"),
         ("Has it turned too far?", "by a number"),
         ("Is it fast enough?", "by a number"),
+        ("Is that a lot?", "by a number"),
         ("Is it rolling?", "rolls"),
         ("Does the ball roll?", "rolls"),
         ("Is the bottle cap tilting?", "tips"),
