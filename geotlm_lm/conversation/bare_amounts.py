@@ -50,6 +50,7 @@ def _asking(verbs: tuple[Verb, ...], nouns: str) -> tuple[re.Pattern[str], ...]:
     said = (
         rf"{_ASK}{_THE}(?:{_SUM} )?{noun}{_EXTENT}{_OF_IT}{_IN_UNIT}",
         rf"{_ASK}{_THE}{_SUM} {noun}{_EXTENT}{_OF_IT}",
+        rf"{_ASK}{_THE}{noun} (?:amount|angle|distance|extent|size|magnitude){_OF_IT}",
         rf"{_MEASURE} {_THE}(?:{_SUM} )?{noun}{_EXTENT}{_OF_IT}{_IN_UNIT}?",
         rf"(?:(?:over|through|by) )?(?:what|which) (?:angle|distance) {did_it_go}",
         rf"{_ASK}(?:the )?(?:number|count) of (?P<unit>{COUNTED}) {it_went}",
@@ -60,10 +61,11 @@ def _asking(verbs: tuple[Verb, ...], nouns: str) -> tuple[re.Pattern[str], ...]:
 
 
 _ASKED = (
-    (_asking(TURNS, "rotation"), "turn"),
+    (_asking(TURNS, r"rotation|yaw|theta"), "turn"),
     (_asking(SLIDES, "translation|slippage"), "slide"),
     (_asking(MOVES, "movement|motion|displacement"), "go"),
 )
+_YAW = re.compile(rf"\W*{LEAD}{_ASK}{_THE}(?:yaw|(?:d|delta[ -]?)theta){TAIL}")
 _COUNTS = re.compile(rf"\W*{LEAD}(?:the )?(?:number|count) of (?P<unit>{COUNTED}){TAIL}")
 
 
@@ -72,6 +74,8 @@ def asked_of_an_amount(question: str) -> str | None:
     text = plain_text(question)
     if (counts := _COUNTS.fullmatch(text)) is not None:
         return f"How many {counts['unit']}?"
+    if _YAW.fullmatch(text):
+        return "How far did it turn?"
     texts = (text, *naming_nothing(text))
     for patterns, verb in _ASKED:
         tried = (words.fullmatch(said) for words in patterns for said in texts)

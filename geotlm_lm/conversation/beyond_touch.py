@@ -31,6 +31,12 @@ _SOMEBODY = r"(?:human|person|operator|user|man|woman|child|worker)"
 _MACHINE = r"(?:robot|machine|motor|gripper|arm)"
 _ADJECTIVE = rf"(?:{_LOOKS}|{_FELT_OTHERWISE}|(?:made (?:of|from) )?{_MATERIAL})"
 
+_OUTCOME = (
+    r"(?:click|snap|snapp|seat|latch|lock|engag|insert|collid|clos|open|shut|jam|jamm|stuck|break|broke"
+    r"|align|assembl|mount|plug|plugg|unplug|unplugg)(?:e|es|ed|en|s|ing)?"
+)
+"""How something a robot does turns out."""
+
 _MADE_BY_TOUCH = (
     r"(?:contact|turns?|motions?|movements?|rotations?|slides?) (?:\w+ ){0,3}made\b(?! of)"
 )
@@ -62,6 +68,8 @@ _TOPICS = re.compile(
             rf"^\W*{_LOOKS} or {_LOOKS}\W*$",
             r"\bwhat will (?:\S+ ){1,4}?(?:next|tomorrow|later)\b",
             r"\bpick(?:ed|s)? up\b",
+            rf"\b(?:{_IS}|does|did|has|have|had) (?:\S+ ){{1,3}}?{_OUTCOME}"
+            rf"(?: (?:in|into place|shut|home|together|up|off))?{_END}",
             rf"\bwhat (?:am i|are (?:we|you)|is the {_MACHINE}) (?:touching|hold|grip|grasp)\w*",
             rf"\bwhat(?:'s| is) (?:on|in|against|between) (?:the|my|your) (?:{HOLDER}|hand|jaws?)",
             r"\b(?:more than one|several|multiple|two|how many) (?:contacts?|objects?|things?)\b",

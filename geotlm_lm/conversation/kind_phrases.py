@@ -175,7 +175,7 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\bdoes the object see\b",
     ),
     "actor": (
-        rf"\b(?:did|does|was|is|has|had|if|only|moved|but|about"
+        rf"\b(?:did|does|was|is|has|had|if|only|moved|but|(?:what|how|ask(?:ing)?|and|so) about"
         r"|(?:motion|movement|direction|rotation|turn|slide|travel|path) of)"
         rf" (?:the|my) {HOLDER}(?: itself)?{_MOVES_OR_END}",
         rf"(?:^|[:,!] )(?:and|so|now) (?:the|my) {GEL}(?: itself)?{_MOVES_OR_END}",

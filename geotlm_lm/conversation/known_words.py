@@ -45,6 +45,7 @@ _SAID: tuple[tuple[str, str], ...] = (
         rf"|(?:is|was) (?:the |my )?{GEL} {_JUST}idle|(?:the )?(?:contact|object|{_HOLD}) lost"
         rf"|(?:is|was) (?:{THING}) {_JUST}(?:gone|lost)"
         rf"|lost (?:it|(?:the )?object|(?:the )?{_HOLD})"
+        rf"|(?:is|was) {THING} {_JUST}(?:falling|dropping|escaping)(?: (?:down|off|out))?"
         r"|(?:did|has|have) (?:the )?contact (?:break|broken|end|ended|stop|stopped|cease|ceased)",
         _IS_LOST,
     ),
@@ -98,7 +99,9 @@ _SAID: tuple[tuple[str, str], ...] = (
         r"|(?:describe|summari[sz]e)"
         r"(?: (?:it|this|that|(?:the|this|my) (?:clip|recording|object)))?"
         r"|(?:(?:the|a|your) )?(?:summary|status|state|result|report)(?: report)?"
-        r"|tell me (?:everything|all)|what do you (?:notice|observe)",
+        r"|label(?: (?:this|the) (?:clip|recording|motion))?|(?:the |its )?motion label"
+        r"|what(?:'s| is) the (?:motion )?label|tell me (?:everything|all)"
+        r"|what do you (?:notice|observe)",
         OPEN_QUESTION,
     ),
     (
@@ -131,6 +134,7 @@ _SAID: tuple[tuple[str, str], ...] = (
     (
         rf"(?:is|was|did|does|has|have) (?:the |any |a )?{_SLIP} (?:(?:been|being) )?"
         r"(?:(?:occur|happen)(?:s|r?ed|r?ing)?|start(?:ed|ing)?|begun|beginning|present|detected)"
+        rf"|(?:please )?detect (?:any |the )?{_SLIP}|{_SLIP} detection[:,]?|gross {_SLIP}"
         rf"|(?:(?:is|was) there )?(?:(?:any|some|a) )?{_SLIP}(?: (?:detected|present|happening))?"
         rf"|(?:do|did|can|could|have) you (?:feel|felt|sense|notice|noticed|detect|detected|see) "
         rf"(?:any |some |a )?{_SLIP}",

@@ -1,4 +1,4 @@
-"""Ways to move that are none of the ten told: rolling, tipping, shaking, bending, flipping over."""
+"""Ways to move that are none of the ten told: rolling, tipping, shaking, bending, slip in part."""
 
 from __future__ import annotations
 
@@ -9,6 +9,10 @@ from geotlm_lm.conversation.kind_words import PICTURE
 OTHER_WAYS = (
     "I tell how it turns, slides, presses and lifts against the gel, not whether it rolls, tips, "
     "shakes, bends or flips over."
+)
+
+PARTIAL_SLIP = (
+    "I tell whether it slides as a whole, not whether slip begins at the border of the contact."
 )
 
 _THING = rf"(?:it|this|that|(?:the|this|that|my) (?!{PICTURE})(?:\w+ )?\w+)"
@@ -24,9 +28,14 @@ _ASKED = re.compile(
 )
 
 
-def asks_other_way(text: str) -> bool:
-    """Tell whether a whole text, in lower case, asks for one of these and names no direction.
+_PARTIAL_SLIP = re.compile(r"\b(?:incipient|partial|micro|local(?:i[sz]ed)?)[ -]?slip\w*\b")
 
-    Whether "it" flips may be asked of the picture.
+
+def told_of_other_ways(text: str) -> str | None:
+    """Return what to say where a text, in lower case, asks for one of these; else None.
+
+    With a direction it asks for that one, and whether "it" flips may be asked of the picture.
     """
-    return _ASKED.fullmatch(text) is not None
+    if _PARTIAL_SLIP.search(text):
+        return PARTIAL_SLIP
+    return OTHER_WAYS if _ASKED.fullmatch(text) else None

@@ -10,7 +10,7 @@ from geotlm_lm.conversation.kinds import asks_direction
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE, TURN
 from geotlm_lm.conversation.number_words import NUMBER
-from geotlm_lm.conversation.other_ways import OTHER_WAYS, asks_other_way
+from geotlm_lm.conversation.other_ways import told_of_other_ways
 from geotlm_lm.conversation.plain_text import plain_text
 
 _WHEN = (
@@ -229,7 +229,7 @@ _PARTS = re.compile(
 _TO_A_PLACE = re.compile(
     rf"\b{_GOES} (?!(?:on|back)\b)(?:\w+ ){{0,2}}?{_WAY_TO}"
     rf"(?!(?:\w+ )?{_ASIDE}|{_SENSOR}|{_THE})\w+"
-    r"|\b(?:north|south|east|west)(?:-?(?:east|west)|wards?)?\b"
+    r"|\b(?:north|south|east|west)(?:-?(?:east|west)|wards?)?\b|\b(?:proximal|distal)(?:ly)?\b"
 )
 """Asks for a way that no word for a direction of the image names."""
 
@@ -279,8 +279,8 @@ def never_told(question: str) -> str | None:
     text = plain_text(question)
     if _PARTS.search(text):
         return ONE_MOTION
-    if asks_other_way(text):
-        return OTHER_WAYS
+    if (other := told_of_other_ways(text)) is not None:
+        return other
     if asks_direction(text.rpartition(". ")[2]):
         return None  # "the video is slowed down. Which way does it move?"
     if _TO_A_PLACE.search(text) and not motions_named(text):

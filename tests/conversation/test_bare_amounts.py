@@ -41,6 +41,11 @@ def test_how_far_is_asked_in_many_ways(verb, verbs):
             assert asked == f"How many degrees did it {verb}?", way
 
 
+@pytest.mark.parametrize("question", ["yaw?", "what is dtheta", "twist angle", "the yaw angle?"])
+def test_a_turn_is_called_yaw_too(question):
+    assert asked_of_an_amount(question) == "How far did it turn?"
+
+
 def test_a_number_of_units_is_asked_without_a_motion():
     assert asked_of_an_amount("Number of pixels?") == "How many pixels?"
 

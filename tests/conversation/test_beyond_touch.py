@@ -16,6 +16,11 @@ TYPES = load_templates().types
     [
         "What colour is the lid?",
         "What am I touching?",
+        "Did the knob click?",
+        "Has the connector seated?",
+        "Has the drawer opened?",
+        "Is the peg inserted?",
+        "Did it snap into place?",
         "What is the gripper holding?",
         "What's on the gel?",
         "Is there more than one contact?",

@@ -315,6 +315,8 @@ def test_a_sense_of_rotation_is_a_direction():
 @pytest.mark.parametrize(
     ("question", "kind"),
     [
+        ("What about the sensor?", "actor"),
+        ("Is the object pivoting about the fingertip?", None),
         ("How come?", "evidence"),
         ("and why is that?", "evidence"),
         ("Explain your reasoning", "evidence"),
@@ -327,5 +329,5 @@ def test_a_sense_of_rotation_is_a_direction():
         ("Is that right or left?", None),
     ],
 )
-def test_reasons_and_doubts_are_known_by_few_words(question, kind):
+def test_few_words_tell_a_kind(question, kind):
     assert asked_kind(question) == kind

@@ -30,6 +30,7 @@ from geotlm_lm.data.questions import questions_for
         "Did it fall?",
         "Has the nut dropped out?",
         "Did contact break?",
+        "Is the object escaping?",
         "Has the contact ended?",
     ],
 )
@@ -113,7 +114,9 @@ def test_the_path_of_a_motion_is_its_kind(question, known):
     assert in_known_words(question) == known
 
 
-@pytest.mark.parametrize("question", ["Describe it", "Summary?", "Status report", "summarise"])
+@pytest.mark.parametrize(
+    "question", ["Describe it", "What's the label?", "Summary?", "Status report", "summarise"]
+)
 def test_a_report_tells_the_motion(question):
     assert in_known_words(question) == OPEN_QUESTION
 
@@ -132,6 +135,9 @@ def test_how_secure_a_hold_is_is_told_by_its_motion_without_a_verdict():
         "Is there any slippage?",
         "so, did you feel a slip?",
         "slip, yes or no?",
+        "Detect slip.",
+        "Slip detection: yes or no?",
+        "gross slip?",
     ],
 )
 def test_slip_is_asked_as_a_slide(question):
