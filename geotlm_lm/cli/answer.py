@@ -35,7 +35,7 @@ def answer(
     layout: LayoutName = None,
     background: Background = None,
     fps: FramesPerSecond = None,
-    square_pixels: SquarePixels = False,
+    square_pixels: SquarePixels = None,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",

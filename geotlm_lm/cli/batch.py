@@ -41,7 +41,7 @@ def batch(
     out: Annotated[Path, typer.Option(help="Where the rows go, one JSON object a line.")],
     layout: LayoutName = None,
     fps: FramesPerSecond = None,
-    square_pixels: SquarePixels = False,
+    square_pixels: SquarePixels = None,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",

@@ -44,7 +44,7 @@ def chat(
     layout: LayoutName = None,
     background: Background = None,
     fps: FramesPerSecond = None,
-    square_pixels: SquarePixels = False,
+    square_pixels: SquarePixels = None,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
@@ -93,7 +93,7 @@ class Conversation:
         *,
         layout: str | None = None,
         fps: float | None = None,
-        square_pixels: bool = False,
+        square_pixels: bool | None = None,
     ) -> None:
         self.answerer = answerer
         self.session: Session = answerer.session(encoded, frame or FrameSpec())

@@ -92,10 +92,8 @@ def evaluate(
         answerer, name, about = _embedded(model, precision)
     else:
         folder = run_folder or Path("runs/encoder")
-        require_writable(folder, "--run-folder")
-        answerer, name, about = _trained_on(
-            weights, encoder, heads, preset or "default", folder, seed
-        )
+        chosen = "default" if preset is None else preset
+        answerer, name, about = _trained_on(weights, encoder, heads, chosen, folder, seed)
     from geotlm_lm.experiments.evaluate import evaluate as run
     from geotlm_lm.reports.tables import evaluation_tables
 
@@ -149,9 +147,12 @@ def _trained_on(
 
     from geotlm_lm.answering import Answerer
     from geotlm_lm.backbone.released import load_encoder
+    from geotlm_lm.training.config import heads_preset_named
     from geotlm_lm.training.heads import train_heads
 
+    heads_preset_named(preset)  # what is refused leaves no folder behind
     released = load_encoder(weights, encoder, heads=heads)
+    require_writable(folder, "--run-folder")
     released.to("cuda" if torch.cuda.is_available() else "cpu")
     bundle = train_heads(released, preset, folder, seed)
     name = f"{released.adapter.title} ({weights.name})"

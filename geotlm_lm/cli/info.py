@@ -34,7 +34,7 @@ def info(
     layout: LayoutName = None,
     background: Background = None,
     fps: FramesPerSecond = None,
-    square_pixels: SquarePixels = False,
+    square_pixels: SquarePixels = None,
     encoder: EncoderName = None,
     weights: EncoderWeights = None,
     heads: EncoderHeads = None,

@@ -33,7 +33,7 @@ LayoutName = Annotated[
     ),
 ]
 SquarePixels = Annotated[
-    bool,
+    bool | None,
     typer.Option(
         "--square-pixels",
         help="The camera's picture is square: frames of 224x224 are else taken for a 4:3 picture "

@@ -49,7 +49,7 @@ def train(
         return
     from geotlm_lm.training.config import preset_named
 
-    settings = preset_named(preset or "default")
+    settings = preset_named("default" if preset is None else preset)
     require_writable(out, "--out")
     from geotlm_lm.training.train import train as train_bundle
 

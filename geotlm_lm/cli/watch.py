@@ -48,7 +48,7 @@ def watch(
         typer.Option("--at-its-rate", help="Play a recording as a camera would, dropping frames."),
     ] = False,
     layout: LayoutName = None,
-    square_pixels: SquarePixels = False,
+    square_pixels: SquarePixels = None,
     fps: FramesPerSecond = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
@@ -105,7 +105,9 @@ def _film(path: Path, fps: float) -> Film:
     return Film(path, fps)
 
 
-def _events(stream: Any, watcher: Any, film: Any, square_pixels: bool) -> Iterator[MotionEvent]:
+def _events(
+    stream: Any, watcher: Any, film: Any, square_pixels: bool | None
+) -> Iterator[MotionEvent]:
     """Yield the events of a stream as they come, and draw each frame if there is a film."""
     from geotlm_lm.recordings.pixel_shape import with_square_pixels
 

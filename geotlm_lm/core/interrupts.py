@@ -1,4 +1,4 @@
-"""What Ctrl-C and SIGTERM may break off and must wait for; knows nothing of what is trained."""
+"""What Ctrl-C and SIGTERM may break off and must wait for, whatever work it is."""
 
 from __future__ import annotations
 

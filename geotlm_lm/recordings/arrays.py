@@ -78,10 +78,12 @@ def stated_square_pixels(path: Path) -> bool | None:
         if f"{SQUARE_PIXELS}.npy" not in archive.namelist():
             return None
         value = _read_member(archive, SQUARE_PIXELS, str(path))
-    if value.size != 1 or value.dtype.kind not in "bui":
+    is_one = value.size == 1 and value.dtype.kind in "bui"
+    if not is_one or value.reshape(()) not in (0, 1):
+        found = f"has value {value.reshape(())}" if is_one else f"has shape {value.shape}"
         raise UnreadableClip(
-            f"{path}: '{SQUARE_PIXELS}' has shape {value.shape} and type {value.dtype}, expected "
-            f"one truth value; save True or False or leave it out."
+            f"{path}: '{SQUARE_PIXELS}' {found} and type {value.dtype}, expected one truth value; "
+            f"save True or False or leave it out."
         )
     return bool(value.reshape(()))
 
@@ -98,7 +100,7 @@ def _key_of_frames(keys: list[str], name: str) -> str:
     if "frames" not in keys and len(others) != 1:
         raise UnreadableClip(
             f"{name}: found the keys {', '.join(keys) or 'none'}, expected 'frames' (and "
-            f"optionally 'fps', 'background'); save the frames under that key."
+            f"optionally 'fps', 'background', '{SQUARE_PIXELS}'); save the frames under that key."
         )
     return "frames" if "frames" in keys else others[0]
 

@@ -29,7 +29,7 @@ def read_clip(
     layout: str | None = None,
     fps: float | None = None,
     background: str | Path | None = None,
-    square_pixels: bool = False,
+    square_pixels: bool | None = None,
 ) -> Clip:
     """Return the recording at `path`, of any length from 2 frames.
 
@@ -39,9 +39,9 @@ def read_clip(
             it is not used, and a note says so.
         fps: Frames per second of the whole recording; None to take what the file says.
         background: An image or .npy file of the idle gel; None to take what the file holds.
-        square_pixels: Whether the camera's pixels are square though the frames are of 224 x 224,
-            which else are what a .npz states by `square_pixels`, or, with a note, taken for a 4:3
-            picture squashed to a square.
+        square_pixels: Whether the camera's pixels are square though the frames are of 224 x 224;
+            None to take what a .npz states by `square_pixels`, and where none does, with a note, a
+            4:3 picture squashed to a square.
 
     Raises:
         UnreadableClip: If a file is missing, damaged, or holds no clip, in one sentence.
@@ -70,8 +70,9 @@ def read_clip(
         clip = replace(clip, fps=fps)
     if background is not None:
         clip = replace(clip, background=read_background(background))
-    stated = stated_square_pixels(path) if path.suffix.lower() == ".npz" else None
-    return with_pixel_shape(clip, is_square=square_pixels or stated)
+    if square_pixels is None and path.suffix.lower() == ".npz":
+        square_pixels = stated_square_pixels(path)
+    return with_pixel_shape(clip, is_square=square_pixels)
 
 
 def require_rate(fps: float | None) -> None:

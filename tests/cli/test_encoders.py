@@ -109,3 +109,21 @@ def test_an_encoder_is_evaluated_from_its_file_to_the_record(
 )
 def test_options_that_do_not_go_together_are_refused(capsys, arguments, sentence):
     assert run(capsys, "evaluate", *arguments) == (2, "", sentence)
+
+
+@pytest.mark.parametrize(
+    ("options", "begins"),
+    [
+        (["--preset", "nope"], "there is no preset 'nope'; choose one of "),
+        (["--preset", ""], "there is no preset ''; choose one of "),
+        ([], "no.pth: "),
+    ],
+)
+def test_an_evaluation_that_is_refused_leaves_no_folder_behind(
+    capsys, tmp_path, monkeypatch, options, begins
+):
+    monkeypatch.chdir(tmp_path)
+    code, _, err = run(capsys, "evaluate", "--weights", "no.pth", *options)
+    assert code != 0
+    assert err.startswith(begins)
+    assert list(tmp_path.iterdir()) == []

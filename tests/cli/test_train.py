@@ -41,6 +41,7 @@ def test_options_reach_the_seam_and_the_bundle_is_named(calls, capsys):
             "gone: found no model bundle there (no config.json); give the folder that `geotlm-lm "
             "train` wrote.\n",
         ),
+        (["--preset", ""], 2, "there is no preset ''; choose one of smoke, default.\n"),
         (
             ["--keep", "gone", "--preset", "smoke"],
             2,

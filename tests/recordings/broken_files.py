@@ -179,8 +179,8 @@ CASES = {
     ),
     "keys.npz": (
         npz(images=FRAMES, rate=25),
-        "found the keys images, rate, expected 'frames' (and optionally 'fps', 'background'); "
-        "save the frames under that key.",
+        "found the keys images, rate, expected 'frames' (and optionally 'fps', 'background', "
+        "'square_pixels'); save the frames under that key.",
     ),
     "fps.npz": (
         npz(frames=FRAMES, fps=np.zeros(3)),
