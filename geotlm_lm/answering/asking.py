@@ -29,6 +29,7 @@ from geotlm_lm.conversation.alternatives import asks_alternatives
 from geotlm_lm.conversation.bare_amounts import asked_of_an_amount
 from geotlm_lm.conversation.bare_motions import asked_of_a_motion
 from geotlm_lm.conversation.claims import asks_both_kinds, without_adverbs
+from geotlm_lm.conversation.clock_words import without_clocks
 from geotlm_lm.conversation.context import without_context
 from geotlm_lm.conversation.courtesies import without_courtesies
 from geotlm_lm.conversation.denials import plainly_denied
@@ -153,7 +154,9 @@ def _in_bare_words(asked: str) -> str:
 
 
 def _in_known_words(text: str, frame: FrameSpec) -> str:
-    words = plainly_denied(as_words(without_context(spelt(initials_spelt_out(text)))))
+    words = plainly_denied(
+        as_words(without_context(spelt(without_clocks(initials_spelt_out(text)))))
+    )
     asked = without_opposites(without_adverbs(in_full(asked_within(words))))
     asked = asked_of_report(asked) or asked
     asked = asked_of_axes(asked) or in_known_words(asked)

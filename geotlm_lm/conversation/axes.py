@@ -9,7 +9,7 @@ from geotlm_lm.core.labels import Motion
 
 _MOTION = r"(?:motion|movement|slide|slip|shift|direction)"
 _IS_IT = r"(?:is|was) (?:it|this|that)"
-_ALONG = r"(?:along|in|on)(?: the)? [+-]?"
+_ALONG = r"(?:along|in|on)(?: the)?(?: (?:image|picture|camera|frame)(?:'s)?)? [+-]?"
 _TURNING = re.compile(rf"\b{TURN}")
 
 _AXES = (
@@ -42,6 +42,8 @@ COMPONENTS = (
     rf"|\b{_LEVEL}{_AND}(?:the )?{_LEVEL} {_EXTENT}\b"
     r"|\b(?:translation|displacement|motion|slide|sliding|shift|slip) vector\b"
     r"|^\W*(?:the )?d ?[xy](?: (?:in )?(?:px|pixels|mm))?\W*$|\bheading in (?:degrees|radians)\b"
+    r"|^\W*(?:what(?:'s| is) )?(?:the |its )?(?:heading(?: angle)?|bearing|azimuth)\W*$"
+    r"|\bangle (?:in degrees )?(?:from|to|with) the x[ -]?axis\b"
     rf"|\b(?:at|in) (?:what|which) angle (?:does|did|is|was) \S+(?: \w+)? (?:{SLIDE}|{GO}|go)"
     rf"|\bcomponents of (?:the|its) {_MOTION}"
     r"|\bhow (?:much|far|fast|many \w+)(?: (?:is|was|did|does) \S+(?: \w+)?)? "

@@ -101,7 +101,9 @@ _SAID: tuple[tuple[str, str], ...] = (
         r"|(?:(?:the|a|your) )?(?:summary|status|state|result|report)(?: report)?"
         r"|label(?: (?:this|the) (?:clip|recording|motion))?|(?:the |its )?motion label"
         r"|what(?:'s| is) the (?:motion )?label|tell me (?:everything|all)"
-        r"|what do you (?:notice|observe)",
+        r"|what do you (?:notice|observe)|way|rot(?:ation)? dir(?:ection)?"
+        r"|(?:(?:is|was) )?(?:(?:the|its) )?(?:rotation|turn|sense|sign|angle|theta|it)? ?"
+        r"(?:positive or negative|negative or positive)(?: rotation)?",
         OPEN_QUESTION,
     ),
     (

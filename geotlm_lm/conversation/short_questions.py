@@ -25,6 +25,8 @@ _SLIP = re.compile(rf"{_LEAD}{_IS}(?:a )?(?:slip|slippage|translation){_TAIL}")
 _WAY = re.compile(rf"{_LEAD}{_IS}(?P<way>[\w-]+)(?P<or>[,.:;?]? *{_YES_OR_NO})[ ?.!]*")
 _MOVING = re.compile(rf"{_LEAD}{_IS}(?:moving|in motion|any motion){_TAIL}")
 
+_SLASHED = re.compile(rf"{_LEAD}(?P<ways>[a-z-]+(?: ?/ ?[a-z-]+)+){_TAIL}")
+
 MOST_WORDS = 8
 """Of a claim that is no sentence, with all that may stand around it."""
 
@@ -37,11 +39,17 @@ _KINDS = (
 )
 
 
+def _ways(offered: str) -> list[str]:
+    return re.split(" ?/ ?", offered)
+
+
 def in_full(question: str) -> str:
     """Return a claim of a word or two as a question for a yes or a no; any other text as it is."""
     text = plain_text(question)
     if len(text.split()) > MOST_WORDS:
         return question
+    if (offered := _SLASHED.fullmatch(text)) and all(map(claimed_motion, _ways(offered["ways"]))):
+        return f"{' or '.join(_ways(offered['ways']))}?"
     said = _WAY.fullmatch(text)
     motion = said and claimed_motion(said["way"])
     if motion:

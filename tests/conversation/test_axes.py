@@ -25,6 +25,7 @@ ALONG = frozenset({Motion.UP, Motion.DOWN})
         ("does it slide along the x axis?", ACROSS),
         ("is it moving in the y-axis?", ALONG),
         ("does it go in x?", ACROSS),
+        ("Is it translating along the image's x axis?", ACROSS),
         ("is it sliding in y direction?", ALONG),
         ("does it move in x and y?", frozenset()),
         ("does it move in xenon?", frozenset()),

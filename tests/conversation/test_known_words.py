@@ -115,7 +115,15 @@ def test_the_path_of_a_motion_is_its_kind(question, known):
 
 
 @pytest.mark.parametrize(
-    "question", ["Describe it", "What's the label?", "Summary?", "Status report", "summarise"]
+    "question",
+    [
+        "Describe it",
+        "What's the label?",
+        "Is the rotation positive or negative?",
+        "Summary?",
+        "Status report",
+        "summarise",
+    ],
 )
 def test_a_report_tells_the_motion(question):
     assert in_known_words(question) == OPEN_QUESTION

@@ -21,6 +21,8 @@ from geotlm_lm.conversation.short_questions import in_full
         ("Clockwise: true or false?", "Is it turning clockwise?"),
         ("pressing or not", "Is it pressing?"),
         ("Nothing or not?", "Is it nothing?"),
+        ("left/right?", "left or right?"),
+        ("up / down / left / right", "up or down or left or right?"),
     ],
 )
 def test_a_word_is_asked_as_a_question(text, asked):
