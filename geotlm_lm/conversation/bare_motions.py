@@ -25,6 +25,7 @@ JUST = r"(?:(?:just|already|now|still|really|actually|ever|even|truly|indeed) )?
 LEAD = (
     r"(?:(?:and|so|ok|now|but|hey|please|well|then)[,:]? +)*"
     r"(?:(?:would you say|do you (?:think|believe)|am i right(?: in thinking)?|i (?:think|guess)"
+    r"|i(?:'d| would) say"
     r"|(?:please )?(?:check|say|tell me|verify)|can you (?:tell(?: me)?|check))"
     r"(?: that| whether| if)? )?"
 )

@@ -28,12 +28,16 @@ _CANNOT = re.compile(
 )
 
 
+_WITHOUT = re.compile(r"\b(moving|touching|pressing) without (?=\w+ing\b)", re.IGNORECASE)
+"""Both are asked: of "turning without sliding" the first alone would do."""
+
+
 def plainly_denied(question: str) -> str:
     """Return `question` with a "not" in place of what means one; any other text as it is."""
     text = question.replace("\u2019", "'")
     denied = _CANNOT.sub(r"\g<who> is not \g<what>, is it", text)
     denied = _MOVES.sub(r"\g<is> \g<who> moving", denied)
-    denied = _OTHER_THAN.sub(_not, denied)
+    denied = _WITHOUT.sub(r"\1 but not ", _OTHER_THAN.sub(_not, denied))
     return question if denied == text else denied
 
 

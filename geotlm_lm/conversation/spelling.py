@@ -30,7 +30,12 @@ _OTHERS = re.compile(
 """English words as near to one of these."""
 
 _JOINED = re.compile(r"(?<=[^\W_])_+(?=[^\W_])")
-_IS_DOING = re.compile(r"^(\W*(?:is|was)) (?=\w+ing\b)", re.IGNORECASE)
+_IS_DOING = re.compile(
+    r"^(\W*(?:is|was|has|did)) (?!it\b|the\b|any)(?=\w+(?:ing|ed)\b|\w+$)", re.IGNORECASE
+)
+_CAMEL_CASE = re.compile(r"\W*(?:is|was|has|did)[A-Z][A-Za-z]+(?:\(\))?\W*")
+_HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
+_UNEQUAL = re.compile(r"\s*(?:!==?|\u2260|<>)\s*")
 
 _ALIKE = 0.85
 """Similarity of "slipping" and "sliping": 0.93; of "turning" and "truning": 0.86."""
@@ -57,8 +62,10 @@ def spelt(question: str) -> str:
 
 
 def as_words(question: str) -> str:
-    """Return a question with the words of an identifier apart: "slip_direction", "is_turning"."""
-    apart = _JOINED.sub(" ", question)
+    """Return a question with the words of code apart: "slip_direction", "isTurning()"."""
+    apart = _JOINED.sub(" ", _UNEQUAL.sub(" is not ", question))
+    if _CAMEL_CASE.fullmatch(question):
+        apart = _HUMP.sub(" ", question).replace("()", "").lower()
     return question if apart == question else _IS_DOING.sub(r"\1 it ", apart)
 
 

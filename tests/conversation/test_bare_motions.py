@@ -114,6 +114,7 @@ def test_more_than_a_motion_stays_as_it_is(question):
         ("Has it turned so far?", "Is it turning?"),
         ("Has the red bottle cap turned?", "Is it turning?"),
         ("I think that the hex nut slipped", "Is it slipping?"),
+        ("I'd say it slipped", "Is it slipping?"),
         ("The cap's turning?", "Is it turning?"),
     ],
 )

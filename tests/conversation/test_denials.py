@@ -11,6 +11,7 @@ from geotlm_lm.conversation.denials import plainly_denied
         ("Is it anything but a rotation?", "Is it not a rotation?"),
         ("is the cap doing anything but turning", "is the cap not turning"),
         ("everything but a slide?", "not a slide?"),
+        ("Is it moving without turning?", "Is it moving but not turning?"),
         ("It can't be moving left, can it?", "It is not moving left, is it?"),
         ("My cap could not possibly be turning, could it?", "My cap is not turning, is it?"),
     ],

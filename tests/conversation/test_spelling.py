@@ -71,6 +71,11 @@ def test_questions_of_the_templates_without_slips_stay():
         ("was_sliding_left?", "was it sliding left?"),
         ("is rotating?", "is rotating?"),
         ("_", "_"),
+        ("isTurning?", "is it turning?"),
+        ("hasSlipped()", "has it slipped"),
+        ("didSlip()", "did it slip"),
+        ("label != left", "label is not left"),
+        ("Is the CapTurning?", "Is the CapTurning?"),
     ],
 )
 def test_an_identifier_is_read_as_words(text, words):
