@@ -43,7 +43,7 @@ _TAG = re.compile(
     r"|didn't they|did they|isn't it|is it)\W*)$"
 )
 _KIND = re.compile(
-    r"\b(?:(?P<same>same|similar|identical|equal)|different)"
+    r"\b(?:(?P<same>same|similar|identical|equal)|different|differ in)"
     r" (?:(?:kind|type|sort)s?|class(?:es)?|categor(?:y|ies))(?: of (?:motions?|movements?))?\b"
 )
 _PLAINLY = re.compile(r"^\W*(?:(?:and|so|ok|now|but)[, ]+)*(?:do|did|are|were|the|same)\b")

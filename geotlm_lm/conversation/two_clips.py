@@ -76,7 +76,7 @@ _SAID = tuple(
             "How far did each one go?",
         ),
         (
-            rf"(?:is|was) {_THE_WAY} back (?:again|where it (?:was|started|began)|in place)"
+            rf"(?:is|was) {_THE_WAY} back(?: (?:again|where it (?:was|started|began)|in place))?"
             rf"|(?:did|has) {_THE_WAY} (?:go|gone|come|moved?|(?:re)?turn(?:ed)?)"
             r"(?: back)? (?:to )?where it (?:was|started|began)",
             "Does the second undo the first?",
@@ -85,10 +85,26 @@ _SAID = tuple(
 )
 """What is asked of two clips without a word for either of them."""
 
+_BEFORE = r"(?:before|last time|the (?:one before|(?:last|previous) (?:one|time|clip|turn|slide)))"
+_MORE_THAN_BEFORE = re.compile(
+    r"\W*(?:(?:and|so|but|ok)[, ]+)*(?:(?:is|was|did|does|has) )?(?:(?:it|this|that)(?: one)? )?"
+    rf"(?:(?:(?P<slide>{SLIDE})|(?P<turn>{TURN})|go|went|going|gone|{GO})\w* )?"
+    rf"(?P<more>faster|slower|quicker|further|farther|more|less)(?: than {_BEFORE})\W*"
+    r"|\W*(?:is|was) this one (?P<so>faster|slower|quicker|further|farther)\W*"
+)
+_FURTHER = {"more": "further"}
+_THE_FIRST = re.compile(rf"\W*(?:(?:and|what about|how about|so|ok)[, ]+)*{_BEFORE}\W*")
+
 
 def of_two_in_known_words(question: str) -> str | None:
     """Return, in words for two clips, what a whole text asks of what changed between them."""
     text = plain_text(question)
+    if (said := _MORE_THAN_BEFORE.fullmatch(text)) is not None:
+        more = said["more"] or said["so"]
+        verb = "slide" if said["slide"] else "turn" if said["turn"] else "go"
+        return f"Does the second {verb} {_FURTHER.get(more, more)} than the first?"
+    if _THE_FIRST.fullmatch(text) and text.strip(" ?!.") not in ("before", "last time"):
+        return "And the first one?"
     return next((known for words, known in _SAID if words.fullmatch(text)), None)
 
 

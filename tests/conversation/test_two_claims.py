@@ -172,6 +172,7 @@ def test_a_claim_on_each_clip_is_read():
         ("Do they have the same kind of motion?", True),
         ("Same type of movement?", True),
         ("Are they different kinds of motion?", False),
+        ("Do they differ in kind?", False),
         ("Which kind of motion is the same?", None),
         ("Do they go the same way?", None),
     ],
