@@ -68,7 +68,7 @@ _TOPICS: tuple[tuple[Topic, str], ...] = (
         "duration",
         rf"(?:for )?how long (?:is|was|are|were) {_IT}(?: in (?:s|seconds))?"
         rf"|(?:for )?how long (?:does|did|do) (?:it|this|that|(?:the|my) (?!{_HOLDER})\w+) "
-        r"(?:slide|slip|turn|rotate|move|last|take)"
+        r"(?:slide|slip|turn|rotate|move|last|take(?: to (?:slide|slip|turn|rotate|move))?)"
         rf"|how long (?:does|did) the {_MOVEMENT} (?:last|take)|how long (?:is|was) the {_MOVEMENT}"
         rf"|{_OPENS}(?:duration|length in seconds)"
         rf"(?: of (?:the |this |my )?(?:{_MOVEMENT}|{_FRAMES}))?"

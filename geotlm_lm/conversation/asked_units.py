@@ -13,7 +13,8 @@ _TIMES = {1.0: "second", 60.0: "minute", 3600.0: "hour"}
 
 _UNITS = {"deg": "degrees", "px": "pixels", "mm": "mm"}
 _BARE_NUMBER = re.compile(
-    r"(?:(?:and|so|but)[, ]+)?(?:(?:is|was) (?:it|that) )?(?:more|less) than \d+(?:\.\d+)?[ ?!.]*",
+    r"(?:(?:and|so|but)[, ]+)?(?:(?:is|was) (?:it|that) )?(?:(?:more|less) than|about|around"
+    r"|at least|at most|over|under|exactly|roughly|nearly) \d+(?:\.\d+)?[ ?!.]*",
     re.IGNORECASE,
 )
 

@@ -65,6 +65,9 @@ _ASKED = (
     (_asking(SLIDES, "translation|slippage"), "slide"),
     (_asking(MOVES, "movement|motion|displacement"), "go"),
 )
+_RANGE = re.compile(
+    rf"\W*{LEAD}{_ASK}(?:(?:the|a) )?(?:range|margin(?: of error)?|error bars?|plus or minus)\W*"
+)
 _YAW = re.compile(rf"\W*{LEAD}{_ASK}{_THE}(?:yaw|(?:d|delta[ -]?)theta){TAIL}")
 _COUNTS = re.compile(rf"\W*{LEAD}(?:the )?(?:number|count) of (?P<unit>{COUNTED}){TAIL}")
 
@@ -74,6 +77,8 @@ def asked_of_an_amount(question: str) -> str | None:
     text = plain_text(question)
     if (counts := _COUNTS.fullmatch(text)) is not None:
         return f"How many {counts['unit']}?"
+    if _RANGE.fullmatch(text):
+        return "How far did it go?"
     if _YAW.fullmatch(text):
         return "How far did it turn?"
     texts = (text, *naming_nothing(text))

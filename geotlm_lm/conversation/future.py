@@ -31,6 +31,8 @@ _ASKED = re.compile(
     rf"|(?:is|was) {THING} {JUST}(?:going to|bound to|gonna) {_SOON}{_MOVE})"
     rf"|(?:is|was) {THING} {JUST}likely to {_SOON}{_GO}|(?:can|could) {THING} {_SOON}{_GO})"
     rf"{_WAY}(?: (?:soon|next|later|again))?{TAIL}"
+    r"|\W*(?:how long|how much time) (?:until|till|before|will it take)\b.*"
+    r"|\W*(?:what(?:'s| is) the )?time (?:left )?(?:to|until|till)\b.*"
 )
 
 

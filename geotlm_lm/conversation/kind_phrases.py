@@ -161,6 +161,8 @@ RULES: dict[str, tuple[str, ...]] = {
         r"^(?:(?:really )?sure|certain|positive|really|seriously|honestly)\W*$",
         r"^is (?:this|that) (?:really )?(?:right|correct|true|so|certain|reliable|accurate)\W*$",
         r"\bare you (?:(?:really|quite) )?(?:positive|guessing)\b",
+        r"\bhow (?:accurate|precise|exact) (?:is|was) (?:this|that|it)\W*$",
+        r"^(?:what(?:'s| is) )?(?:the |your )?uncertainty\W*$",
         r"\b\d+ ?(?:%|percent) (?:sure|certain|confident)\b",
         r"^\W*(?:(?:and|really|is it|are you) )?\d+ ?(?:%|percent)\W*$",
     ),

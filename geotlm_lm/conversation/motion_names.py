@@ -18,7 +18,12 @@ KEPT = 64
 _TO = r"\b(?:to|towards?)"
 _TOWARDS, _EDGE = rf"{_TO}(?: the)?", r"(?:edge|border|side|end)\b"
 
-_TURNING = rf"\b{TURN}(?:s|es|ed|n?ing|e)?(?: to(?:wards)? the)?"
+_SO_FAR = (
+    r"(?: (?:by|at (?:least|most)|about|around|roughly|nearly|exactly|over|under"
+    r"|(?:more|less) than))*"
+    r"(?: (?:[\w.-]+ ){0,3}?(?:[\d.]+ ?)?(?:degrees?|degs?|\u00b0|of a turn))?"
+)
+_TURNING = rf"\b{TURN}(?:s|es|ed|n?ing|e)?{_SO_FAR}(?: to(?:wards)? the)?"
 """What turns left turns counterclockwise, as a cap does: "left" alone would be a slide."""
 
 _NO_WAY = r"(?! (?:to(?:wards?)? )?(?:the )?(?:left|right|up|down|top|bottom)(?:wards?)?\b)"

@@ -141,7 +141,9 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
             r"|\b(?:speeds? up|slows? down)\W*$"
             r"|\b(?:faster|slower) (?:at|near|towards?) the (?:end|start|beginning)\b"
             r"|\b(?:speed|rate|velocity) (?:\w+ ){0,2}(?:constant|steady|even|uniform)\b"
-            r"|\bconstant (?:speed|rate|velocity)\b"
+            r"|\bconstant (?:speed|rate|velocity)\b|\bacceleration\b"
+            r"|\b(?:top|peak|max(?:imum)?|instantaneous|final|initial) (?:speed|rate|velocity)\b"
+            r"|\b(?:speed|rate|velocity) at the (?:start|end|beginning)\b"
         ),
         _MEAN_SPEED,
     ),

@@ -43,7 +43,7 @@ def test_an_answer_to_another_question_is_declined(bundle, question, said):
         ("Is there an object on the gel?", TOUCHING),
         ("Did you bump into something?", TOUCHING),
         ("Is something going on?", MOVING),
-        ("Does it wind the way a clock goes?", LEFT),
+        ("Does it wind its way along?", LEFT),
     ],
 )
 def test_an_answer_to_what_was_asked_stands(bundle, question, said):

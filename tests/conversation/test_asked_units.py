@@ -51,6 +51,8 @@ def test_frames_are_asked_for_one_by_one():
         ("more than 20?", "deg", "more than 20 degrees?"),
         ("and less than 10.5?", "px", "and less than 10.5 pixels?"),
         ("was it more than 3?", "mm", "was it more than 3 mm?"),
+        ("about 30?", "deg", "about 30 degrees?"),
+        ("at least 4?", "px", "at least 4 pixels?"),
         ("more than 20 pixels?", "deg", "more than 20 pixels?"),
         ("more than 20?", "deg/s", "more than 20?"),
         ("more than 2 motions?", "deg", "more than 2 motions?"),

@@ -46,6 +46,11 @@ def test_a_turn_is_called_yaw_too(question):
     assert asked_of_an_amount(question) == "How far did it turn?"
 
 
+@pytest.mark.parametrize("question", ["plus or minus?", "Error bars?", "give me the range"])
+def test_the_range_of_an_amount_is_told_with_it(question):
+    assert asked_of_an_amount(question) == "How far did it go?"
+
+
 def test_a_number_of_units_is_asked_without_a_motion():
     assert asked_of_an_amount("Number of pixels?") == "How many pixels?"
 

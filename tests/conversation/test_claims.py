@@ -191,6 +191,10 @@ def test_the_kind_of_motion_a_question_takes_for_granted(question, presumed):
         ("Did the left jaw see it go right?", {Motion.RIGHT}),
         ("is the finger going left", {Motion.LEFT}),
         ("it turns left, finger first", {Motion.COUNTERCLOCKWISE}),
+        ("does it turn at least 10 degrees to the right?", {Motion.CLOCKWISE}),
+        ("turned ten degrees left", {Motion.COUNTERCLOCKWISE}),
+        ("turned by a quarter of a turn to the right", {Motion.CLOCKWISE}),
+        ("does it turn or slide right?", {Motion.RIGHT}),
     ],
 )
 def test_which_finger_it_is_is_no_motion(text, named):

@@ -21,6 +21,8 @@ from geotlm_lm.data.questions import questions_for
         "How fast will it spin?",
         "Is it likely to slip?",
         "Can it slip?",
+        "How long until it has turned 90 degrees?",
+        "time to turn by 90 degrees?",
         "Will it be sliding down soon?",
     ],
 )
@@ -44,6 +46,7 @@ def test_a_motion_to_come_is_known_by_its_words(question):
         "Which way will the sensor turn?",
         "Is it likely that it turns clockwise?",
         "Can you tell which way it turns?",
+        "How long did it take to turn?",
         "Will you tell me which way it turns?",
     ],
 )

@@ -318,6 +318,8 @@ def test_a_sense_of_rotation_is_a_direction():
         ("What about the sensor?", "actor"),
         ("Is the object pivoting about the fingertip?", None),
         ("How come?", "evidence"),
+        ("How accurate is that?", "confidence"),
+        ("What is the uncertainty?", "confidence"),
         ("and why is that?", "evidence"),
         ("Explain your reasoning", "evidence"),
         ("On what basis?", "evidence"),
