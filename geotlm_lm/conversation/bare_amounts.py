@@ -55,6 +55,7 @@ def _asking(verbs: tuple[Verb, ...], nouns: str) -> tuple[re.Pattern[str], ...]:
         rf"(?:(?:over|through|by) )?(?:what|which) (?:angle|distance) {did_it_go}",
         rf"{_ASK}(?:the )?(?:number|count) of (?P<unit>{COUNTED}) {it_went}",
         rf"(?P<unit>{COUNTED}) {past}",
+        rf"{_ASK}(?:the )?(?:angle|distance|amount|extent) {it_went}",
         rf"{did_it_go} (?:{_MUCH_OR_LITTLE})",
     )
     return tuple(re.compile(rf"\W*{LEAD}{words}{TAIL}") for words in said)

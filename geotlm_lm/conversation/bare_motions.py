@@ -65,7 +65,9 @@ def _asking(verbs: tuple[Verb, ...], how_far: str = "") -> re.Pattern[str]:
         rf"(?:any|some|{THING}) {gerund}",
         rf"{THING}(?:'s| is| was| has been| had been) {JUST}{gerund}",
         rf"{THING}(?:'s| has| had)? {JUST}(?:been )?(?:{past}|{begun})",
-        rf"{THING} {JUST}{third}",
+        rf"{THING} {JUST}{third}|{THING} (?:is|was) {JUST}{past}",
+        rf"{THING} (?:may|might|must|could|should|would) {JUST}"
+        rf"(?:have (?:been )?{past}|(?:be|have been) {gerund})",
     )
     return re.compile(rf"\W*{LEAD}(?:{'|'.join(said)}){how_far}{TAIL}")
 

@@ -19,6 +19,8 @@ WAYS = (
     "What was the total {base}?",
     "Could you quantify the {gerund}?",
     "please measure its {base}",
+    "tell me the distance it {past}",
+    "the angle the cap has {past}?",
 )
 IN_DEGREES = (
     "{gerund} in degrees",

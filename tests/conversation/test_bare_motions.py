@@ -115,6 +115,11 @@ def test_more_than_a_motion_stays_as_it_is(question):
         ("Has the red bottle cap turned?", "Is it turning?"),
         ("I think that the hex nut slipped", "Is it slipping?"),
         ("I'd say it slipped", "Is it slipping?"),
+        ("The cable may have slipped", "Is it slipping?"),
+        ("the cap must be turning", "Is it turning?"),
+        ("the cable is twisted", "Is it turning?"),
+        ("Does the row of buttons slide?", "Is it sliding?"),
+        ("is the part being dragged?", "Is it sliding?"),
         ("The cap's turning?", "Is it turning?"),
     ],
 )
