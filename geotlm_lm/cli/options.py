@@ -129,7 +129,7 @@ def require_one_model(
     Raises:
         UsageError: If an encoder has no file, or is given beside a bundle.
     """
-    if weights is None and (encoder or heads):
+    if weights is None and (encoder is not None or heads is not None):
         raise UsageError("--encoder and --heads need --weights with the encoder's file.")
     if weights is not None and model is not None:
         raise UsageError("--model and --weights exclude each other: give one of them.")

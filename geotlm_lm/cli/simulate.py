@@ -107,7 +107,9 @@ def simulate(
         if clip.suffix != ".npz":
             raise UsageError(f"--clip {clip} was given, expected a name that ends in .npz.")
         indenter = own_body(height_map, mm_per_px, relief_mm, object_name)
-        name = object_name or ("key" if height_map is None else height_map.stem)
+        name = "key" if height_map is None else height_map.stem
+        if object_name is not None:
+            name = object_name
         if indenter is None:
             require_shape(name)  # what is refused leaves no folder behind
         require_new_file(clip, "--clip", is_forced=force)

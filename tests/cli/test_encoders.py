@@ -89,6 +89,7 @@ def test_an_encoder_is_evaluated_from_its_file_to_the_record(
     ("arguments", "sentence"),
     [
         (["--encoder", "t3"], "--encoder and --heads need --weights with the encoder's file.\n"),
+        (["--encoder", ""], "--encoder and --heads need --weights with the encoder's file.\n"),
         (
             ["--weights", "a.pth", "--model", "b"],
             "--model and --weights exclude each other: give one of them.\n",

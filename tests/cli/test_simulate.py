@@ -38,11 +38,12 @@ def test_the_same_seed_writes_the_same_frames(tmp_path):
     assert np.array_equal(first, second)
 
 
-def test_an_unknown_shape_is_refused_with_the_known_ones(tmp_path, capsys):
-    assert run("simulate", "--clip", tmp_path / "new" / "a.npz", "--object", "unicorn") == 2
+@pytest.mark.parametrize("name", ["unicorn", ""])
+def test_an_unknown_shape_is_refused_with_the_known_ones(tmp_path, capsys, name):
+    assert run("simulate", "--clip", tmp_path / "new" / "a.npz", "--object", name) == 2
     assert list(tmp_path.iterdir()) == []
     sentence = capsys.readouterr().err
-    assert sentence.startswith("There is no shape 'unicorn', expected one of ")
+    assert sentence.startswith(f"There is no shape '{name}', expected one of ")
     assert " key," in sentence
     assert sentence.count("\n") == 1
 
