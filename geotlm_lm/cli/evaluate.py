@@ -150,9 +150,9 @@ def _trained_on(
     from geotlm_lm.training.config import heads_preset_named
     from geotlm_lm.training.heads import train_heads
 
-    heads_preset_named(preset)  # what is refused leaves no folder behind
-    released = load_encoder(weights, encoder, heads=heads)
+    heads_preset_named(preset)  # told before gigabytes are read
     require_writable(folder, "--run-folder")
+    released = load_encoder(weights, encoder, heads=heads)
     released.to("cuda" if torch.cuda.is_available() else "cpu")
     bundle = train_heads(released, preset, folder, seed)
     name = f"{released.adapter.title} ({weights.name})"

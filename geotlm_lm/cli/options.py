@@ -166,14 +166,16 @@ def span_of(frames: str | None) -> tuple[int, int] | None:
 
 
 def require_writable(folder: Path, option: str) -> None:
-    """Create `folder`, so that a place that cannot be written is told before the work is done.
+    """Try to write in `folder`, so that a place where it fails is told before the work is done.
+
+    One that is not there yet is left to whoever writes in it: a run that is refused after this
+    leaves none behind. What is tried is the nearest folder above it.
 
     Raises:
         UsageError: If it cannot be created or written to.
     """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        tempfile.TemporaryFile(dir=folder).close()
+        tempfile.TemporaryFile(dir=_nearest_there(folder)).close()
     except OSError as error:
         raise UsageError(
             f"{option}: nothing can be written in the folder {folder} ({error.strerror}); give "
@@ -181,8 +183,18 @@ def require_writable(folder: Path, option: str) -> None:
         ) from error
 
 
+def _nearest_there(folder: Path) -> Path:
+    for one in (folder, *folder.parents):
+        try:
+            one.lstat()
+        except FileNotFoundError:
+            continue
+        return one
+    return folder
+
+
 def require_writable_file(path: Path, option: str, *, inputs: Iterable[Path] = ()) -> None:
-    """Create the folder of `path`, for the same reason.
+    """Try to write in the folder of `path`, for the same reason and as `require_writable`.
 
     Args:
         path: Of the file to write.

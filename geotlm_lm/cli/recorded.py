@@ -23,7 +23,7 @@ def command_line() -> str:
 
 
 def require_all_writable(out: Path, table: Path, figure: Path | None = None) -> None:
-    """Create the folders of all, so that a place that cannot be written is told first.
+    """Try to write in the folders of all, so that a place where it fails is told first.
 
     Raises:
         UsageError: If one cannot be written, or the record would replace something else.

@@ -111,7 +111,7 @@ def simulate(
         if object_name is not None:
             name = object_name
         if indenter is None:
-            require_shape(name)  # what is refused leaves no folder behind
+            require_shape(name)  # told before the simulator is loaded
         require_new_file(clip, "--clip", is_forced=force)
         made = simulate_one(name, Motion(motion or "clockwise"), indenter=indenter, **scenes)
         write_clip(clip, made)

@@ -40,7 +40,7 @@ def train(
             )
         from geotlm_lm.checkpoint import read_config
 
-        read_config(keep)  # what is refused leaves no folder behind
+        read_config(keep)  # told before the training is loaded
         require_writable(out, "--out")
         from geotlm_lm.training.anew import train_odometer_anew
 

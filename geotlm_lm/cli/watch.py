@@ -102,6 +102,7 @@ def _require_film(path: Path | None, source: str, *, is_forced: bool) -> None:
 def _film(path: Path, fps: float) -> Film:
     from geotlm_lm.live.film import Film
 
+    path.parent.mkdir(parents=True, exist_ok=True)  # a video's writer makes no folder
     return Film(path, fps)
 
 

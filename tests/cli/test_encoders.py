@@ -118,6 +118,7 @@ def test_options_that_do_not_go_together_are_refused(capsys, arguments, sentence
         (["--preset", "nope"], "there is no preset 'nope'; choose one of "),
         (["--preset", ""], "there is no preset ''; choose one of "),
         ([], "no.pth: "),
+        (["--out", "new/x.json", "--run-folder", "new/run"], "no.pth: "),
     ],
 )
 def test_an_evaluation_that_is_refused_leaves_no_folder_behind(

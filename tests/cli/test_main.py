@@ -101,9 +101,17 @@ def test_a_place_that_cannot_be_written_is_told_before_any_work(capsys, tmp_path
     assert run(capsys, *command) == (
         2,
         "",
-        f"{command[1]}: nothing can be written in the folder {file} (File exists); "
+        f"{command[1]}: nothing can be written in the folder {file} (Not a directory); "
         f"give another place.\n",
     )
+
+
+@pytest.mark.parametrize("name", ["a" * 300, "link", "link/deep"])
+def test_a_folder_that_cannot_be_made_is_told_before_any_work(capsys, tmp_path, name):
+    (tmp_path / "link").symlink_to(tmp_path / "gone")
+    code, out, err = run(capsys, "simulate", "--out", str(tmp_path / name))
+    assert (code, out) == (2, "")
+    assert err.startswith(f"--out: nothing can be written in the folder {tmp_path / name} (")
 
 
 @pytest.mark.parametrize("command", ["simulate --clip", "evaluate --out"])

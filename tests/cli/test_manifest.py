@@ -72,6 +72,11 @@ def test_a_wrong_call_is_refused_in_one_sentence(invoke, tmp_path, monkeypatch, 
     assert not (tmp_path / "a.csv").exists()
 
 
+def test_what_is_refused_leaves_no_folder_behind(invoke, tmp_path):
+    assert isinstance(invoke("--out", str(tmp_path / "new" / "a.csv")).exception, UsageError)
+    assert not (tmp_path / "new").exists()
+
+
 def test_a_manifest_replaces_no_other_file_unless_that_is_asked_for(invoke, tmp_path):
     out = tmp_path / "mine.csv"
     out.write_text("my own table")

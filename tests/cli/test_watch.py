@@ -97,8 +97,9 @@ def test_a_recording_with_an_untouched_gel_brings_no_warning(capsys, recording):
 
 
 def test_a_drawing_has_every_frame(capsys, recording, tmp_path):
-    code, _, _ = run(capsys, "--source", recording, "--draw", tmp_path / "out.mp4")
-    capture = cv2.VideoCapture(str(tmp_path / "out.mp4"))
+    drawing = tmp_path / "new" / "out.mp4"
+    code, _, _ = run(capsys, "--source", recording, "--draw", drawing)
+    capture = cv2.VideoCapture(str(drawing))
     assert code == 0
     assert capture.get(cv2.CAP_PROP_FRAME_COUNT) == FRAMES
 
@@ -152,9 +153,11 @@ def test_a_camera_that_does_not_open_ends_with_advice_and_code_7(capsys):
     assert err.count("\n") == 1
 
 
-def test_a_missing_recording_ends_with_code_3(capsys):
-    code, out, err = run(capsys, "--source", "gone.avi")
+def test_a_missing_recording_ends_with_code_3_and_leaves_no_folder_behind(capsys, tmp_path):
+    drawing = tmp_path / "new" / "out.mp4"
+    code, out, err = run(capsys, "--source", "gone.avi", "--draw", drawing)
     assert (code, out, err) == (3, "", "gone.avi: no such file or folder; check the path.\n")
+    assert not drawing.parent.exists()
 
 
 def test_the_number_format_reaches_the_loader(capsys, recording, formats_loaded):
