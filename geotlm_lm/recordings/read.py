@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from os import PathLike
+from os import PathLike, fspath
 from pathlib import Path
 
 from geotlm_lm.core.clip import MOST_FPS, Clip, Frames, require_number
@@ -59,7 +59,7 @@ def read_clip(
             f"the background is a path, found {type(background).__name__}; give an image in memory "
             f"by dataclasses.replace(clip, background=image)"
         )
-    path = Path(path)
+    path = _given(path, "a recording's")
     checked = check_layout(layout)
     require_rate(fps)
     clip = _read(path, checked)
@@ -96,7 +96,7 @@ def read_background(path: str | Path) -> Frames:
     Raises:
         UnreadableClip: If the file is missing or holds no single image.
     """
-    path = Path(path)
+    path = _given(path, "an image's")
     _require_file(path, "an image")
     if path.suffix.lower() == ".npy":
         return read_still_array(path)
@@ -106,6 +106,12 @@ def read_background(path: str | Path) -> Frames:
         f"{path}: a background is read from .npy, {', '.join(IMAGE_SUFFIXES)}; save one idle frame "
         f"as one of these."
     )
+
+
+def _given(path: str | PathLike[str], wanted: str) -> Path:
+    if not fspath(path):  # which stands for the current folder, as nobody means it
+        raise UnreadableClip(f"An empty path was given, expected {wanted}; give it.")
+    return Path(path)
 
 
 def _read(path: Path, layout: Layout | None) -> Clip:

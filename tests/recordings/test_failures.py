@@ -52,6 +52,16 @@ def test_a_missing_file_is_refused(tmp_path):
     assert str(caught.value) == f"{path}: no such file or folder; check the path."
 
 
+@pytest.mark.parametrize(
+    ("given", "wanted"), [({"path": ""}, "a recording's"), ({"background": ""}, "an image's")]
+)
+def test_an_empty_path_is_not_taken_for_the_current_folder(tmp_path, given, wanted):
+    np.save(tmp_path / "clip.npy", FRAMES)
+    with pytest.raises(UnreadableClip) as caught:
+        read_clip(**{"path": tmp_path / "clip.npy"} | given)
+    assert str(caught.value) == f"An empty path was given, expected {wanted}; give it."
+
+
 def test_a_name_no_file_system_holds_is_refused(tmp_path):
     path = tmp_path / ("a" * 300 + ".npy")
     with pytest.raises(UnreadableClip) as caught:
