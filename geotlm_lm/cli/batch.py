@@ -16,6 +16,7 @@ from geotlm_lm.cli.options import (
     MmPerPixel,
     Precision,
     SquarePixels,
+    path_of,
     require_writable_file,
 )
 from geotlm_lm.core.errors import UsageError
@@ -33,7 +34,12 @@ ROW_FIELDS = {"clip", "question", "answer", "error"}
 
 def batch(
     clips: Annotated[
-        Path, typer.Option(help="Folder of recordings: files, or folders of images in it.")
+        Path,
+        typer.Option(
+            parser=path_of,
+            metavar="<path>",
+            help="Folder of recordings: files, or folders of images in it.",
+        ),
     ],
     questions: Annotated[
         Path, typer.Option(help="Text file, one question a line; # begins a comment.")

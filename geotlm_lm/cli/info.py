@@ -18,6 +18,7 @@ from geotlm_lm.cli.options import (
     FramesPerSecond,
     LayoutName,
     SquarePixels,
+    path_of,
     span_of,
 )
 
@@ -28,7 +29,12 @@ ESTIMATED = "estimated from the frames"
 
 
 def info(
-    clip: Annotated[Path | None, typer.Option(help="Recording, as for `geotlm-lm answer`.")] = None,
+    clip: Annotated[
+        Path | None,
+        typer.Option(
+            parser=path_of, metavar="<path>", help="Recording, as for `geotlm-lm answer`."
+        ),
+    ] = None,
     as_json: AsJson = False,
     frames: FrameSpan = None,
     layout: LayoutName = None,

@@ -12,10 +12,26 @@ import typer
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.number_formats import require_offered
 
+
+def path_of(text: str) -> Path:
+    """Return the path that was typed.
+
+    Raises:
+        UsageError: If it is empty, as an unset variable of a script is: `Path` takes that for the
+            current folder.
+    """
+    if not text:
+        raise UsageError("An empty path was given, expected a file's or a folder's; give it.")
+    return Path(text)
+
+
 ClipPath = Annotated[
     Path,
     typer.Option(
-        "--clip", help="Recording: .npy, .npz, .mp4, .avi, .mov, .mkv, or a folder of images."
+        "--clip",
+        parser=path_of,
+        metavar="<path>",
+        help="Recording: .npy, .npz, .mp4, .avi, .mov, .mkv, or a folder of images.",
     ),
 ]
 FrameSpan = Annotated[
@@ -98,6 +114,8 @@ HeadsRunFolder = Annotated[
     Path | None,
     typer.Option(
         "--run-folder",
+        parser=path_of,
+        metavar="<path>",
         help="With --weights: tokens and heads are kept here, to continue from. [default: "
         "runs/encoder]",
     ),

@@ -13,6 +13,7 @@ from geotlm_lm.cli.options import (
     EncoderName,
     EncoderWeights,
     Seed,
+    path_of,
     require_one_model,
     require_writable,
     require_writable_file,
@@ -36,7 +37,12 @@ Only = Annotated[
     typer.Option(help="One table: rotation, sliding, ablation or frames. [default: all]"),
 ]
 RunFolder = Annotated[
-    Path, typer.Option(help="Tokens and finished folds are kept here, to continue from.")
+    Path,
+    typer.Option(
+        parser=path_of,
+        metavar="<path>",
+        help="Tokens and finished folds are kept here, to continue from.",
+    ),
 ]
 Out = Annotated[
     Path | None,

@@ -7,14 +7,26 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import BundleFolder, RecordPath, Seed, TablePath, require_writable
+from geotlm_lm.cli.options import (
+    BundleFolder,
+    RecordPath,
+    Seed,
+    TablePath,
+    path_of,
+    require_writable,
+)
 from geotlm_lm.cli.recorded import command_line, require_all_writable, save_page
 
 Clips = Annotated[int, typer.Option(min=100, help="Simulated clips to learn from.")]
 TestClips = Annotated[int, typer.Option(min=20, help="Clips to be asked about.")]
 Workers = Annotated[int, typer.Option(min=1, help="Processes that simulate.")]
 RunFolder = Annotated[
-    Path, typer.Option(help="Keeps clips and checkpoints; a stopped run continues there.")
+    Path,
+    typer.Option(
+        parser=path_of,
+        metavar="<path>",
+        help="Keeps clips and checkpoints; a stopped run continues there.",
+    ),
 ]
 
 

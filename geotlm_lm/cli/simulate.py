@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from geotlm_lm.cli.options import Force, Seed, require_new_file, require_writable
+from geotlm_lm.cli.options import Force, Seed, path_of, require_new_file, require_writable
 from geotlm_lm.cli.simulate_clip import own_body, require_shape, simulate_one, write_clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
@@ -19,7 +19,12 @@ from geotlm_lm.core.threads import usable_cores
 MotionName = Literal[tuple(motion.value for motion in Motion)]
 
 DataSet = Annotated[
-    Path | None, typer.Option(help="Folder of the data set; a started one is continued.")
+    Path | None,
+    typer.Option(
+        parser=path_of,
+        metavar="<path>",
+        help="Folder of the data set; a started one is continued.",
+    ),
 ]
 Count = Annotated[int | None, typer.Option(min=1, help="Clips in the data set. [default: 100]")]
 Objects = Annotated[

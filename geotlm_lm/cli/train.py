@@ -8,12 +8,19 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Seed, require_writable
+from geotlm_lm.cli.options import Seed, path_of, require_writable
 from geotlm_lm.core.errors import UsageError
 
 
 def train(
-    out: Annotated[Path, typer.Option(help="Run folder; an interrupted run in it is continued.")],
+    out: Annotated[
+        Path,
+        typer.Option(
+            parser=path_of,
+            metavar="<path>",
+            help="Run folder; an interrupted run in it is continued.",
+        ),
+    ],
     preset: Annotated[
         str | None,
         typer.Option(

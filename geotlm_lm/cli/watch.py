@@ -18,6 +18,7 @@ from geotlm_lm.cli.options import (
     LayoutName,
     Precision,
     SquarePixels,
+    path_of,
     require_new_file,
     require_question,
 )
@@ -62,7 +63,7 @@ def watch(
     """
     if question is not None:
         require_question(question)
-    _require_film(draw, source, is_forced=force)
+    _require_paths(source, draw, is_forced=force)
     from geotlm_lm.live.sources import open_source
 
     stream = open_source(source, at_its_rate=at_its_rate, fps=fps, layout=layout)
@@ -89,14 +90,15 @@ def watch(
         _account(watcher.account.to_dict() | {"dropped": stream.dropped}, as_json)
 
 
-def _require_film(path: Path | None, source: str, *, is_forced: bool) -> None:
-    if path is None:
+def _require_paths(source: str, drawing: Path | None, *, is_forced: bool) -> None:
+    read = path_of(source)
+    if drawing is None:
         if is_forced:
             raise UsageError("--force lets --draw replace a file; give --draw, or leave it out.")
         return
-    if path.suffix != ".mp4":
-        raise UsageError(f"--draw {path} was given, expected a name that ends in .mp4.")
-    require_new_file(path, "--draw", is_forced=is_forced, inputs=[Path(source)])
+    if drawing.suffix != ".mp4":
+        raise UsageError(f"--draw {drawing} was given, expected a name that ends in .mp4.")
+    require_new_file(drawing, "--draw", is_forced=is_forced, inputs=[read])
 
 
 def _film(path: Path, fps: float) -> Film:

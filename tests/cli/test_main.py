@@ -85,6 +85,31 @@ def test_a_wrong_call_ends_with_one_sentence_and_code_2(capsys, case):
     assert run(capsys, *arguments) == (2, "", sentence)
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "answer --q Which? --clip",
+        "chat --clip",
+        "info --clip",
+        "watch --source",
+        "batch --questions q.txt --out a.jsonl --clips",
+        "train --preset smoke --out",
+        "simulate --count 1 --out",
+        "evaluate --weights gone.pth --run-folder",
+        "report protocols --run-folder",
+        "report sizes --run-folder",
+    ],
+)
+def test_an_empty_path_is_not_taken_for_the_current_folder(capsys, tmp_path, monkeypatch, words):
+    monkeypatch.chdir(tmp_path)
+    assert run(capsys, *words.split(), "") == (
+        2,
+        "",
+        "An empty path was given, expected a file's or a folder's; give it.\n",
+    )
+    assert list(tmp_path.iterdir()) == []
+
+
 OUTPUTS = {
     "a clip": ["simulate", "--clip", "{file}/a.npz"],
     "a data set": ["simulate", "--out", "{file}"],
