@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from multiprocessing import active_children, parent_process
+from multiprocessing.process import BaseProcess
 
 
 @contextmanager
@@ -47,13 +48,23 @@ def deaf_children() -> Iterator[None]:
 
 
 @contextmanager
-def children_end_with_it() -> Iterator[None]:
-    """End the processes started inside at once if the block is broken off."""
+def children_end_with_it() -> Iterator[Callable[[], None]]:
+    """End the processes started inside at once if the block is broken off.
+
+    Yields what a block that lets others work in between calls once its own are started: processes
+    that these others start are theirs.
+    """
     before = set(active_children())
+    own: list[set[BaseProcess]] = []
+
+    def all_started() -> None:
+        own.append(set(active_children()) - before)
+
     try:
-        yield
+        yield all_started
     except BaseException:
-        for child in set(active_children()) - before:
+        alive = set(active_children())
+        for child in alive & own[0] if own else alive - before:
             child.terminate()
         raise
 

@@ -196,9 +196,10 @@ def _write_all(shards: list[_Shard], workers: int) -> Iterator[int]:
         initializer=_prepare_worker,
     )
     try:
-        with children_end_with_it():
+        with children_end_with_it() as all_started:
             with deaf_children(), one_thread_in_children():
                 writing = [pool.submit(_write_shard, shard) for shard in shards]
+            all_started()  # what the caller starts when it is told of a shard is no worker
             for future in as_completed(writing):
                 yield future.result()
     except BrokenProcessPool as error:

@@ -1,5 +1,6 @@
 import contextlib
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -112,6 +113,23 @@ def test_a_killed_worker_is_told_instead_of_waited_for(tmp_path, monkeypatch):
     monkeypatch.setattr(dataset, "_write_shard", _die)
     with pytest.raises(GeoTLMError, match="^A worker was ended from outside"):
         write_dataset(tmp_path, 6, seed=1, objects=OBJECTS, workers=2)
+
+
+def test_a_run_that_is_broken_off_ends_its_workers_and_not_its_callers_processes(tmp_path):
+    mine = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(60,))
+
+    def start_and_fail(done, _):
+        mine.start()
+        raise ZeroDivisionError
+
+    options = {"preset": "draft", "workers": 2, "progress": start_and_fail}
+    with pytest.raises(ZeroDivisionError):
+        write_dataset(tmp_path, 60, seed=1, objects=OBJECTS, **options)
+    try:
+        assert multiprocessing.active_children() == [mine]
+    finally:
+        mine.kill()
+        mine.join()
 
 
 def test_drift_is_kept_where_it_was_asked_for(tmp_path):
