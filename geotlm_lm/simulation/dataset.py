@@ -49,12 +49,7 @@ class _Shard:
     path: str
     first_index: int
     count: int
-    seed: int
-    objects: tuple[str, ...]
-    preset: str
-    with_drift: bool
-    marker_share: float
-    with_frames: bool
+    options: dict[str, Any]  # of `simulate_series`, the same for all
 
 
 def write_dataset(
@@ -93,9 +88,7 @@ def write_dataset(
         GeoTLMError: If a worker was killed.
     """
     out = Path(out)
-    wanted = {
-        "format": DATASET_FORMAT,
-        "series": SERIES_VERSION,
+    options = {
         "seed": seed,
         "objects": list(objects),
         "preset": preset_named(preset).name,
@@ -103,10 +96,11 @@ def write_dataset(
         "marker_share": marker_share,
         "with_frames": with_frames,
     }
+    wanted = {"format": DATASET_FORMAT, "series": SERIES_VERSION} | options
     _check(out, count, wanted)
     out.mkdir(parents=True, exist_ok=True)
     write_text_atomically(out / "dataset.json", json.dumps(wanted | {"count": count}) + "\n")
-    shards = _shards(out, count, wanted)
+    shards = _shards(out, count, options)
     missing = [shard for shard in shards if _clips_in(Path(shard.path)) != shard.count]
     done = count - sum(shard.count for shard in missing)
     for written in _write_all(missing, workers):
@@ -154,21 +148,12 @@ def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
         )
 
 
-def _shards(out: Path, count: int, wanted: dict[str, Any]) -> list[_Shard]:
-    starts = range(0, count, SHARD_CLIPS)
+def _shards(out: Path, count: int, options: dict[str, Any]) -> list[_Shard]:
     return [
         _Shard(
-            str(out / f"shard-{number:05d}.npz"),
-            start,
-            min(SHARD_CLIPS, count - start),
-            wanted["seed"],
-            tuple(wanted["objects"]),
-            wanted["preset"],
-            wanted["with_drift"],
-            wanted["marker_share"],
-            wanted["with_frames"],
+            str(out / f"shard-{number:05d}.npz"), start, min(SHARD_CLIPS, count - start), options
         )
-        for number, start in enumerate(starts)
+        for number, start in enumerate(range(0, count, SHARD_CLIPS))
     ]
 
 
@@ -247,16 +232,7 @@ def _end_with_parent() -> None:
 def _write_shard(shard: _Shard) -> int:
     made: dict[str, NDArray[Any]] = {}
     labels, names = [], []
-    series = simulate_series(
-        shard.seed,
-        shard.count,
-        objects=shard.objects,
-        first_index=shard.first_index,
-        preset=shard.preset,
-        with_drift=shard.with_drift,
-        marker_share=shard.marker_share,
-        with_frames=shard.with_frames,
-    )
+    series = simulate_series(count=shard.count, first_index=shard.first_index, **shard.options)
     for number, clip in enumerate(series):
         # Copied to where the shard is kept: the next clip takes the memory of this one.
         for name, value in _stored(clip).items():
