@@ -66,7 +66,9 @@ def watch(
     _require_paths(source, draw, is_forced=force)
     from geotlm_lm.live.sources import open_source
 
-    stream = open_source(source, at_its_rate=at_its_rate, fps=fps, layout=layout)
+    stream = open_source(
+        source, at_its_rate=at_its_rate, fps=fps, layout=layout, square_pixels=square_pixels
+    )
 
     # Imported only now: a camera that does not open must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer
@@ -75,8 +77,7 @@ def watch(
     answerer = Answerer.load(model, precision=precision)
     watcher = Watcher(model_reader(answerer))
     film = None if draw is None else _film(draw, stream.fps)
-    assumed = ", as is assumed; give the rate by --fps" if stream.is_rate_assumed else ""
-    print(f"note: {source} at {stream.fps:g} frames per second{assumed}.", file=sys.stderr)
+    _tell_source(source, stream)
     try:
         # Closed even where nobody reads on: a camera's thread must not outlive the command.
         with closing(_events(stream, watcher, film, square_pixels)) as events:
@@ -99,6 +100,13 @@ def _require_paths(source: str, drawing: Path | None, *, is_forced: bool) -> Non
     if drawing.suffix != ".mp4":
         raise UsageError(f"--draw {drawing} was given, expected a name that ends in .mp4.")
     require_new_file(drawing, "--draw", is_forced=is_forced, inputs=[read])
+
+
+def _tell_source(source: str, stream: Any) -> None:
+    assumed = ", as is assumed; give the rate by --fps" if stream.is_rate_assumed else ""
+    rate = f"{source} at {stream.fps:g} frames per second{assumed}."
+    for note in (rate, *stream.notes):
+        print(f"note: {note}", file=sys.stderr)
 
 
 def _film(path: Path, fps: float) -> Film:

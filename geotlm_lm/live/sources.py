@@ -95,13 +95,21 @@ class Recording:
         path: A video, an array, or a folder of images.
         fps: Frames per second of the whole recording; None to take what the file says.
         layout: Axes of an array; None to guess.
+        square_pixels: Whether an array's or images' pixels are square; None as in `read_clip`.
 
     Raises:
         UnreadableClip: If it is missing or holds no frames, in one sentence.
     """
 
-    def __init__(self, path: Path, fps: float | None = None, layout: str | None = None) -> None:
+    def __init__(
+        self,
+        path: Path,
+        fps: float | None = None,
+        layout: str | None = None,
+        square_pixels: bool | None = None,
+    ) -> None:
         self.name, self.dropped = str(path), 0
+        self.notes: tuple[str, ...] = ()
         self._path, self._is_video = path, path.suffix.lower() in VIDEO_SUFFIXES
         if not path.exists():
             raise UnreadableClip(f"{path}: no such file or folder; check the path.")
@@ -113,7 +121,8 @@ class Recording:
                     )
                 told = float(capture.get(cv2.CAP_PROP_FPS))
         else:
-            self._clip = read_clip(path, layout=layout)
+            self._clip = read_clip(path, layout=layout, square_pixels=square_pixels)
+            self.notes = self._clip.notes
             told = self._clip.fps or 0.0
         self._recorded_fps, self.is_rate_assumed = _rate(fps, told)
         self.fps = self._recorded_fps / (1 if self._is_video else _stride(self._clip))
@@ -145,7 +154,7 @@ class Played:
 
     def __init__(self, recording: Recording) -> None:
         self.name, self.fps = recording.name, recording.fps
-        self.is_rate_assumed = recording.is_rate_assumed
+        self.is_rate_assumed, self.notes = recording.is_rate_assumed, recording.notes
         self._recording, self._buffer, self._is_played = recording, LatestFrames(), True
 
     @property
@@ -178,7 +187,7 @@ class Played:
 
 
 class Camera:
-    """A camera, read as fast as it gives frames.
+    """A camera, read as fast as it gives frames; nothing about it is guessed but its rate.
 
     Args:
         device: Its number, or the path of its device file.
@@ -187,6 +196,8 @@ class Camera:
     Raises:
         MissingDependency: If it does not open, with what to do.
     """
+
+    notes: tuple[str, ...] = ()
 
     def __init__(self, device: int | str, fps: float | None = None) -> None:
         self.name = str(device)
@@ -240,6 +251,7 @@ def open_source(
     at_its_rate: bool = False,
     fps: float | None = None,
     layout: str | None = None,
+    square_pixels: bool | None = None,
 ) -> Recording | Played | Camera:
     """Return the stream called `name`: a camera's number, a device file, or a recording.
 
@@ -248,6 +260,8 @@ def open_source(
         at_its_rate: Play a recording as fast as it was taken, and drop what is too late.
         fps: Frames per second; None to take what the recording or the camera says.
         layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); None to guess.
+        square_pixels: Of an array or images; None as in `read_clip`. Cameras and videos give their
+            frames as they are.
 
     Raises:
         MissingDependency: If a camera does not open.
@@ -260,7 +274,7 @@ def open_source(
         return Camera(int(name), fps)
     if name.startswith("/dev/"):
         return Camera(name, fps)
-    recording = Recording(Path(name), fps, layout)
+    recording = Recording(Path(name), fps, layout, square_pixels)
     return Played(recording) if at_its_rate else recording
 
 

@@ -14,6 +14,7 @@ from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.live import watcher as watcher_module
 from geotlm_lm.live.watcher import Window
+from geotlm_lm.recordings.pixel_shape import SQUASHED, UNSQUASHED
 from tests.live.test_idle_tracker import gel, touched
 
 FRAMES = 50
@@ -68,15 +69,20 @@ def test_words_go_to_stdout_and_the_account_to_stderr(capsys, recording):
     assert f"{FRAMES} frames, none dropped" in err
 
 
+def test_what_the_reader_guessed_is_told(capsys, recording):
+    err = run(capsys, "--source", recording)[2]
+    assert "note: Values (uint8) were taken for 0..255, colours for RGB." in err.splitlines()
+
+
 def test_a_recording_without_an_untouched_gel_says_so(capsys, tmp_path):
     frames = gel()
     turning = [np.roll(touched(next(frames)), 2 * number, axis=1) for number in range(30)]
     np.savez(tmp_path / "turning.npz", frames=np.stack(turning), fps=25.0)
     code, out, err = run(capsys, "--source", tmp_path / "turning.npz")
     assert (code, out) == (0, "")
-    assert err.splitlines()[1] == (
+    assert (
         "note: No untouched gel was seen, so nothing could be judged; start while nothing touches."
-    )
+    ) in err.splitlines()
 
 
 def test_a_rate_that_is_assumed_is_told_and_can_be_given(capsys, tmp_path):
@@ -225,6 +231,14 @@ def test_force_without_a_drawing_is_refused(capsys, recording):
         "",
         "--force lets --draw replace a file; give --draw, or leave it out.\n",
     )
+
+
+@pytest.mark.parametrize(("options", "told"), [((), SQUASHED), (("--square-pixels",), UNSQUASHED)])
+def test_the_shape_of_pixels_is_told_as_it_was_taken(capsys, tmp_path, options, told):
+    frames = np.stack([cv2.resize(one, (224, 224)) for one in islice(gel(), 15)])
+    np.savez(tmp_path / "square.npz", frames=frames, fps=25.0)
+    err = run(capsys, "--source", tmp_path / "square.npz", *options)[2]
+    assert [note for note in (SQUASHED, UNSQUASHED) if f"note: {note}\n" in err] == [told]
 
 
 @pytest.mark.parametrize(("options", "columns"), [((), 224), (("--square-pixels",), 223)])
