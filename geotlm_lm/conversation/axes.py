@@ -42,7 +42,7 @@ COMPONENTS = (
     rf"|\b{_LEVEL}{_AND}(?:the )?{_LEVEL} {_EXTENT}\b"
     r"|\b(?:translation|displacement|motion|slide|sliding|shift|slip) vector\b"
     r"|^\W*(?:the )?d ?[xy](?: (?:in )?(?:px|pixels|mm))?\W*$|\bheading in (?:degrees|radians)\b"
-    r"|^\W*(?:what(?:'s| is) )?(?:the |its )?(?:heading(?: angle)?|bearing|azimuth)\W*$"
+    r"|^\W*(?:what(?:'s| is) )?(?:the |its )?(?:heading angle|bearing|azimuth)\W*$"
     r"|\bangle (?:in degrees )?(?:from|to|with) the x[ -]?axis\b"
     rf"|\b(?:at|in) (?:what|which) angle (?:does|did|is|was) \S+(?: \w+)? (?:{SLIDE}|{GO}|go)"
     rf"|\bcomponents of (?:the|its) {_MOTION}"

@@ -31,9 +31,19 @@ _SOMEBODY = r"(?:human|person|operator|user|man|woman|child|worker)"
 _MACHINE = r"(?:robot|machine|motor|gripper|arm)"
 _ADJECTIVE = rf"(?:{_LOOKS}|{_FELT_OTHERWISE}|(?:made (?:of|from) )?{_MATERIAL})"
 
+_BY_NAME = r"(?:it|this|that|(?:the|my|your) (?:\S+ ){0,2}?\S+)"
+_HAPPENS = (
+    r"(?:click|snap|seat|latch|lock|engage|insert|collide|close|open|shut|jam|stick|break|align"
+    r"|plug)"
+)
+_HAPPENED = (
+    r"(?:clicked|snapped|seated|latched|locked|engaged|inserted|collided|closed|opened|open|shut"
+    r"|jammed|stuck|broken?|aligned|assembled|mounted|(?:un)?plugged)"
+)
 _OUTCOME = (
-    r"(?:click|snap|snapp|seat|latch|lock|engag|insert|collid|clos|open|shut|jam|jamm|stuck|break|broke"
-    r"|align|assembl|mount|plug|plugg|unplug|unplugg)(?:e|es|ed|en|s|ing)?"
+    rf"\b(?:(?:does|did) {_BY_NAME} (?:just )?{_HAPPENS}"
+    rf"|(?:{_IS}|has|have|had) {_BY_NAME} (?:(?:been|being|now|just|already) )*{_HAPPENED})"
+    r"(?: (?:in|into place|shut|home|together|up|off))?"
 )
 """How something a robot does turns out."""
 
@@ -68,8 +78,7 @@ _TOPICS = re.compile(
             rf"^\W*{_LOOKS} or {_LOOKS}\W*$",
             r"\bwhat will (?:\S+ ){1,4}?(?:next|tomorrow|later)\b",
             r"\bpick(?:ed|s)? up\b",
-            rf"\b(?:{_IS}|does|did|has|have|had) (?:\S+ ){{1,3}}?{_OUTCOME}"
-            rf"(?: (?:in|into place|shut|home|together|up|off))?{_END}",
+            rf"{_OUTCOME}{_END}",
             rf"\bwhat (?:am i|are (?:we|you)|is the {_MACHINE}) (?:touching|hold|grip|grasp)\w*",
             rf"\bwhat(?:'s| is) (?:on|in|against|between) (?:the|my|your) (?:{HOLDER}|hand|jaws?)",
             r"\b(?:more than one|several|multiple|two|how many) (?:contacts?|objects?|things?)\b",

@@ -25,16 +25,15 @@ deny denies denied believe believes told tell tells make makes made let lets cau
 fail fails failed refuse refuses refused cease ceases ceased done
 """
 _MEASURES = """
-number count total sum size half halves side sides edge rim top bottom middle centre center axis
-direction way sense angle distance amount degree degrees pixel pixels speed rate velocity reason
-evidence proof probability chance odds likelihood confidence certainty accuracy time moment force
-forces torque pressure temperature light signal text question answer matter contact touch motion
-movement imprint
+number count total sum size half halves side sides top bottom middle centre center axis direction
+way sense angle distance amount degree degrees pixel pixels speed rate velocity reason evidence
+proof probability chance odds likelihood confidence certainty accuracy time moment force forces
+torque pressure temperature light signal text question answer matter contact touch motion movement
+imprint
 """
 _OTHERS = """
 clip clips frame frames world table background user operator manual label report log colleague
-friend man woman person people arm tip thumb palm hand jaw jaws finger fingers fingertips grip
-grasp hold
+friend person people arm thumb palm hand jaw jaws finger fingers fingertips grip grasp hold
 """
 _NO_NAMES = frozenset(
     (

@@ -119,6 +119,7 @@ def test_more_than_a_motion_stays_as_it_is(question):
         ("the cap must be turning", "Is it turning?"),
         ("the cable is twisted", "Is it turning?"),
         ("Does the row of buttons slide?", "Is it sliding?"),
+        ("Does the tip slide a bit?", "Is it sliding?"),
         ("is the part being dragged?", "Is it sliding?"),
         ("The cap's turning?", "Is it turning?"),
     ],

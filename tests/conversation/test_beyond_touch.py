@@ -60,6 +60,8 @@ def test_words_for_what_no_touch_feels_are_known(question):
     "question",
     [
         "Is the glass turning?",
+        "are you loosening the plug?",
+        "Is it turning in the lock?",
         "Was that loosening the paper?",
         "Is it still touching my glass?",
         "Is the steel bolt turning clockwise?",

@@ -317,6 +317,8 @@ def test_a_sense_of_rotation_is_a_direction():
     [
         ("What about the sensor?", "actor"),
         ("Is the object pivoting about the fingertip?", None),
+        ("Heading?", None),
+        ("heading angle?", "magnitude"),
         ("How come?", "evidence"),
         ("How accurate is that?", "confidence"),
         ("What is the uncertainty?", "confidence"),
