@@ -112,7 +112,7 @@ def answer_question(
     if not stated.is_stated and states_more(stated.rest):
         return plain(encoded, UNREAD, "frame", frame)
     asked, frame = _as_known(stated.rest, stated.frame)
-    if not stated.is_stated and asks_what_comes(asked):
+    if stated.rest == question and asks_what_comes(asked):  # nothing supposed, no fact told
         return plain(encoded, NOT_TO_COME, "refusal", frame)
     answer = _of_other_questions(bundle, encoded, asked, frame)
     if answer is None:

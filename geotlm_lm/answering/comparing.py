@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 from geotlm_lm.answering.answer import Answer, Encoded
 from geotlm_lm.answering.asking import answer_question
@@ -34,6 +35,7 @@ from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.clip_names import clips_by_number
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
 from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.conversation.future import NOT_TO_COME, asks_what_comes
 from geotlm_lm.conversation.kinds import asks_from_object
 from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.turned_image import unclear_turn
@@ -111,12 +113,12 @@ def _decided(
     """Return the verdict on what is claimed of two clips, or which it is; None if neither is."""
     if (image := claimed_image(asked)) is not None:
         return judge_image(image, answers)
-    if (is_one_kind := claims_same_kind(asked)) is not None:
-        return judge_kind(is_one_kind, answers)
     if (supposed := supposed_change(asked)) is not None:
         rest, which, change = supposed
-        claim = claimed_relation(rest)
-        return None if claim is None else judge_supposed(claim, which, change, answers)
+        judge = _judge_of(rest)
+        return None if judge is None else judge_supposed(judge, which, change, answers)
+    if (is_one_kind := claims_same_kind(asked)) is not None:
+        return judge_kind(is_one_kind, answers)
     if asks_undoing(asked):
         return judge_undoing(_compare_amounts(bundle, clips, asked, frame, answers), answers)
     if (kind := asks_same_amount(asked)) is not None:
@@ -135,6 +137,14 @@ def _decided(
     return None if share is None else judge_share(share, answers)
 
 
+def _judge_of(claimed: str) -> Callable[[Sequence[Answer]], Comparison] | None:
+    """Return what judges a claim on the two, of their kinds or of their ways; None of any other."""
+    if (is_one_kind := claims_same_kind(claimed)) is not None:
+        return partial(judge_kind, is_one_kind)
+    claim = claimed_relation(claimed)
+    return None if claim is None else partial(judge_relation, replace(claim, is_plain=False))
+
+
 def _declined(bundle: Bundle, question: str, asked: str) -> str | None:
     """Return what to say to what no clip answers; None where two may."""
     if not is_english(question):
@@ -144,6 +154,8 @@ def _declined(bundle: Bundle, question: str, asked: str) -> str | None:
     if asks_beyond_touch(asked):
         knows = "refusal" in bundle.grammar.kinds
         return bundle.grammar.sentence(Slots("refusal")) if knows else COMPARED
+    if asks_what_comes(asked):
+        return NOT_TO_COME
     return never_told(asked) or untold(asked)
 
 

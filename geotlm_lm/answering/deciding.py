@@ -71,11 +71,14 @@ def judge_relation(claim: RelationClaim, answers: Sequence[Answer]) -> Compariso
 
 
 def judge_supposed(
-    claim: RelationClaim, which: int, change: Change, answers: Sequence[Answer]
+    judge: Callable[[Sequence[Answer]], Comparison],
+    which: int,
+    change: Change,
+    answers: Sequence[Answer],
 ) -> Comparison:
-    """Return the same, of two clips of which one is supposed mirrored, or played backwards."""
+    """Return what `judge` says of two clips of which one is supposed mirrored, or backwards."""
     supposed = [changed(one, change) if at == which else one for at, one in enumerate(answers)]
-    judged = judge_relation(replace(claim, is_plain=False), supposed)
+    judged = judge(supposed)
     if judged.abstained:
         return replace(judged, first=answers[0], second=answers[1])
     how = "mirrored" if change == "mirrored" else "played backwards"

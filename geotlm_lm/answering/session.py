@@ -17,6 +17,7 @@ from geotlm_lm.answering.expected import require_encoded, require_frame
 from geotlm_lm.answering.several import Comparison, Order
 from geotlm_lm.answering.streaming import Listener, pieces
 from geotlm_lm.conversation.asked_units import with_unit
+from geotlm_lm.conversation.bare_amounts import asks_range
 from geotlm_lm.conversation.clip_names import clips_by_number
 from geotlm_lm.conversation.courtesies import without_courtesies
 from geotlm_lm.conversation.doubts import doubted
@@ -42,7 +43,8 @@ Reply = Answer | Comparison | Order
 _DOUBT = re.compile(
     r"(?:(?:but |and |so |hm+,? |wait,? )?(?:are|r) (?:you|u) (?:really |quite |very |absolutely )?"
     r"(?:sure|certain)(?: about (?:that|it)| of (?:that|it))?|really|(?:really |you )?sure"
-    r"|seriously|is that (?:so|right|correct|true)|(?:i think )?(?:you are|you're|that is|that's)"
+    r"|seriously|(?:is|was) (?:that|this) (?:so|right|correct|true)|correct(?=\W*\?)"
+    r"|(?:i think )?(?:you are|you're|that is|that's)"
     r" (?:wrong|mistaken|not right|incorrect|false)|i (?:do not|don't) (?:believe|think so)"
     r"(?: (?:you|that|it))?|no way|think again|check again|look again)[?!. ]*"
     r"|(?:(?:and |but )?(?:what about|could it be|why not|not)|isn't it|or is it) the"
@@ -186,6 +188,8 @@ class Session:
             is_noted = getattr(self.history[-1].answer, "kind", None) == "frame"
             if is_noted or turn.encoded is not self.encoded:
                 return turn.meant
+        if asks_range(question) and getattr(self.last, "kind", None) in ("magnitude", "rate"):
+            return turn.meant
         if getattr(self.last, "kind", None) == "contact" and asks_where(question):
             return "Where is the contact?"
         return of_another(question, turn and turn.meant)

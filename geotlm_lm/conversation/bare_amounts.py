@@ -24,7 +24,7 @@ _MEASURE = (
 )
 _THE = r"(?:(?:the|its|this|that|my) )?"
 _SUM = r"(?:total|cumulative|accumulated|net)"
-_OF_IT = r"(?: of (?:it|the \w+))?"
+_OF_IT = rf"(?: of {THING})?"
 _EXTENT = r"(?: (?:amount|angle|distance|extent|size|magnitude))?"
 _IN_UNIT = rf"(?: in (?P<unit>{COUNTED}))"
 _MUCH_OR_LITTLE = (
@@ -70,7 +70,14 @@ _RANGE = re.compile(
     rf"\W*{LEAD}{_ASK}(?:(?:the|a) )?(?:range|margin(?: of error)?|error bars?|plus or minus)\W*"
 )
 _YAW = re.compile(rf"\W*{LEAD}{_ASK}{_THE}(?:yaw|(?:d|delta[ -]?)theta){TAIL}")
-_COUNTS = re.compile(rf"\W*{LEAD}(?:the )?(?:number|count) of (?P<unit>{COUNTED}){TAIL}")
+_COUNTS = re.compile(
+    rf"\W*{LEAD}(?:the )?(?:number|count) of (?P<unit>{COUNTED})(?: please)?[ ?.!]*"
+)
+
+
+def asks_range(question: str) -> bool:
+    """Tell whether a whole text asks within what bounds an amount lies: "error bars?"."""
+    return bool(_RANGE.fullmatch(plain_text(question)))
 
 
 def asked_of_an_amount(question: str) -> str | None:
@@ -78,7 +85,7 @@ def asked_of_an_amount(question: str) -> str | None:
     text = plain_text(question)
     if (counts := _COUNTS.fullmatch(text)) is not None:
         return f"How many {counts['unit']}?"
-    if _RANGE.fullmatch(text):
+    if asks_range(text):
         return "How far did it go?"
     if _YAW.fullmatch(text):
         return "How far did it turn?"

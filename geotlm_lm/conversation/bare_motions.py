@@ -58,7 +58,8 @@ def _asking(verbs: tuple[Verb, ...], how_far: str = "") -> re.Pattern[str]:
         rf"was{no} {THING} {JUST}{past}",
         rf"(?:did|does|do){no} {THING} {JUST}(?:(?:seem|appear) to )?(?:{base}|{began})",
         rf"(?:has|have|had){_NOT} {THING} {JUST}(?:(?:been )?{past}|been {gerund}|{begun})",
-        rf"(?:could|can|might|may|would) {THING} {JUST}(?:be|have been) {gerund}",
+        rf"(?:could|can|might|may|would) {THING} {JUST}(?:(?:be|have been) {gerund}|have {past})",
+        rf"(?:could|might|may) {THING} {JUST}{base}",
         rf"(?:(?:is|was) there )?(?:any|some) {gerund}",
         rf"{gerund}|{past}",
         rf"(?:can|could|do|did) you (?:feel|see|sense|detect|notice) "

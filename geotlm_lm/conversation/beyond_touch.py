@@ -77,7 +77,7 @@ _TOPICS = re.compile(
             rf"^\W*{_MATERIAL} or {_MATERIAL}\W*$",
             rf"^\W*{_LOOKS} or {_LOOKS}\W*$",
             r"\bwhat will (?:\S+ ){1,4}?(?:next|tomorrow|later)\b",
-            r"\bpick(?:ed|s)? up\b",
+            r"\bpick(?:ed|s)? (?:(?:it|the \w+) )?up\b",
             rf"{_OUTCOME}{_END}",
             rf"\bwhat (?:am i|are (?:we|you)|is the {_MACHINE}) (?:touching|hold|grip|grasp)\w*",
             rf"\bwhat(?:'s| is) (?:on|in|against|between) (?:the|my|your) (?:{HOLDER}|hand|jaws?)",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.bare_motions import JUST, LEAD, TAIL
+from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.motion_verbs import GOES, LIFTS, NEARS, SLIDES, TURNS, forms
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.things import THING, naming_nothing
@@ -25,15 +26,24 @@ _WAY = (
     r"|on|over|(?:counter|anti)[ -]?clockwise|c?cw|(?:left|right|up|down)wards?|further|more))?"
 )
 _SOON = r"(?:(?:still|ever|soon|again|next|probably|likely|just) )?"
+_IT = rf"(?:{THING}|(?:the|my) (?:tactile )?{HOLDER})"
+_TOUCHED = (
+    r"(?:i|we|you|someone|the (?:robot|gripper|hand)) "
+    r"(?:push|pull|press|squeez|let go|loosen|tighten|grip|pok|hit|twist|lift)\w*"
+)
 _ASKED = re.compile(
     rf"\W*{LEAD}(?:(?:(?:which way|what direction|which direction|where|how (?:far|fast|soon)) )?"
-    rf"(?:(?:will|won't) {THING} {_SOON}{_MOVE}"
-    rf"|(?:is|was) {THING} {JUST}(?:going to|bound to|gonna) {_SOON}{_MOVE})"
-    rf"|(?:is|was) {THING} {JUST}likely to {_SOON}{_GO}|(?:can|could) {THING} {_SOON}{_GO})"
+    rf"(?:(?:will|won't) {_IT} {_SOON}{_MOVE}"
+    rf"|(?:is|was) {_IT} {JUST}(?:going to|bound to|gonna) {_SOON}{_MOVE})"
+    rf"|(?:can|can't|would) {_IT} {_SOON}{_GO})"
     rf"{_WAY}(?: (?:soon|next|later|again))?{TAIL}"
-    r"|\W*(?:how long|how much time) (?:until|till|before|will it take)\b.*"
+    rf"|\W*(?:would|will|could|can) {_IT} {_SOON}{_GO}{_WAY} if {_TOUCHED}\b.*"
+    rf"|\W*(?:how long|how much time)(?: will it (?:take|be))? (?:until|till|before)"
+    rf" (?:{_IT}|(?:the )?contact)"
+    rf" (?:{forms(_VERBS, 'third')}|(?:is|has|will|starts|begins|stops)\b.*){_WAY}{TAIL}"
     r"|\W*(?:what(?:'s| is) the )?time (?:left )?(?:to|until|till)\b.*"
 )
+"""Nothing is said of what it could do: "could it turn clockwise?" may ask what it does."""
 
 
 def asks_what_comes(question: str) -> bool:

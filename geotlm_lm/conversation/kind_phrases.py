@@ -32,7 +32,7 @@ MOVEMENT = r"(?:rotation|turn(?:ing)?|slip|slide|sliding|travel|motion)"
 
 _MOVES_OR_END = (
     rf"(?: {_GO}\b| (?:make|itself)\b"
-    rf"| {forms(TURNS + SLIDES + GOES, 'gerund')}\b|$|[?,:.])"
+    rf"| {forms(TURNS + SLIDES + GOES, 'gerund')}\b| in {COUNTED}\b|$|[?,:.])"
 )
 
 _EXTENT = (
@@ -177,8 +177,9 @@ RULES: dict[str, tuple[str, ...]] = {
         r"\bdoes the object see\b",
     ),
     "actor": (
-        rf"\b(?:did|does|was|is|has|had|if|only|moved|but|(?:what|how|ask(?:ing)?|and|so) about"
-        r"|(?:motion|movement|direction|rotation|turn|slide|travel|path) of)"
+        rf"\b(?:did|does|was|is|has|had|if|only|moved|but|(?:what|how|ask(?:ed|ing)?|tell me|told"
+        r"|talk(?:ed|ing)?|direction|know|and|so) about"
+        r"|(?:motion|movement|direction|rotation|turn|slide|slip|travel|path) of)"
         rf" (?:the|my) {HOLDER}(?: itself)?{_MOVES_OR_END}",
         rf"(?:^|[:,!] )(?:and|so|now) (?:the|my) {GEL}(?: itself)?{_MOVES_OR_END}",
         rf"^(?:\W*\w+\W+){{0,4}}(?:the|my) {GEL} itself\b",

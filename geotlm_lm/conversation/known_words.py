@@ -64,7 +64,7 @@ _SAID: tuple[tuple[str, str], ...] = (
         rf"|(?:is|was|are|were)n't (?:{THING}|{_WHO}) {_JUST}(?:touching|touched|in contact)"
         rf"(?: (?:with )?(?:the {GEL}|{_SOMETHING}))?"
         rf"|(?:feel|felt|sense|sensed) {_SOMETHING}|got (?:it|{_SOMETHING})"
-        rf"|(?:did|has|have|had) {_WHO} {_JUST}(?:grab(?:bed)?|catch|caught|pick(?:ed)?(?: up)?) "
+        rf"|(?:did|has|have|had) {_WHO} {_JUST}(?:grab(?:bed)?|catch|caught) "
         rf"(?:(?:the|my) \w+|{_SOMETHING})(?: up)?"
         rf"|(?:is|was) {THING} {_JUST}(?:in|inside|between) (?:the|my|its|our) "
         rf"(?:gripper|hand|jaws?|fingers?|{_HOLD})"
@@ -75,7 +75,7 @@ _SAID: tuple[tuple[str, str], ...] = (
         r"|anything|something|(?:is |was )?(?:an |any )?object (?:present|detected)"
         r"|(?:is|was) there really (?:something|anything)"
         rf"|(?:is|was) {THING} {_JUST}(?:being )?(?:held|gripped|grasped)"
-        rf"|pressed|(?:is|was) {THING} {_JUST}pressed(?: (?:against|on|onto|to) (?:the )?{GEL})?",
+        rf"|(?:is|was) {THING} {_JUST}pressed(?: (?:against|on|onto|to) (?:the )?{GEL})?",
         _IS_TOUCHED,
     ),
     (
@@ -113,7 +113,8 @@ _SAID: tuple[tuple[str, str], ...] = (
     ),
     (
         rf"(?:(?:is|was|does|did|has) {THING} {_JUST}(?:going|moving|moved|go|gone|move) )?"
-        r"(?:in (?:a )?circles?|(?:a)?round(?: and (?:a)?round)?)",
+        r"(?:in (?:a )?circles?|(?:a)?round and (?:a)?round|(?:a)?round in (?:a )?circles?)"
+        rf"|(?:is|was|does|did|has) {THING} {_JUST}(?:going|go|gone) (?:a)?round",
         _TURNS,
     ),
     (
@@ -124,7 +125,8 @@ _SAID: tuple[tuple[str, str], ...] = (
     ),
     (
         r"(?:(?:is|was|did|does|has) )?(?:anything|something)"
-        r" (?:happen(?:s|ed|ing)?|chang(?:es|ed|e|ing)|going on)",
+        r" (?:happen(?:s|ed|ing)?|chang(?:es|ed|e|ing)|going on)"
+        rf"|(?:(?:is|was|does|did|has) {THING} {_JUST})?mov(?:e|ed|ing) (?:a)?round",
         _MOVES,
     ),
     (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.bare_amounts import asked_of_an_amount
 from geotlm_lm.conversation.bare_motions import asked_of_a_motion
 from geotlm_lm.conversation.claims import claims_motion
 from geotlm_lm.conversation.kind_words import HOLDER
@@ -30,7 +31,7 @@ def as_of_it(question: str) -> str | None:
     if asked_kind(question) != "actor" or len(_SENSOR.findall(question.lower())) != 1:
         return None
     text = _SENSOR.sub("it", question.lower())
-    asks_how = asked_amount(text) or asked_of_a_motion(text)
+    asks_how = asked_amount(text) or asked_of_a_motion(text) or asked_of_an_amount(text)
     return text if asks_how or claims_motion(text) or asks_whether_moving(text) else None
 
 

@@ -30,9 +30,13 @@ _OTHERS = re.compile(
 """English words as near to one of these."""
 
 _JOINED = re.compile(r"(?<=[^\W_])_+(?=[^\W_])")
+_IS = r"^(\W*(?:is|was|has|did))"
+_JUST = r"(?:(?:not|still|now|just|really|already) )?"
+_NO_NAME = r"(?!(?:it|the|this|that|my|there|any|anything|something)\b)"
 _IS_DOING = re.compile(
-    r"^(\W*(?:is|was|has|did)) (?!it\b|the\b|any)(?=\w+(?:ing|ed)\b|\w+$)", re.IGNORECASE
+    rf"{_IS} (?!it\b|the\b|any)(?={_JUST}\w+(?:ing|ed)\b|{_JUST}\w+$)", re.IGNORECASE
 )
+_NAMED_DOING = re.compile(rf"{_IS} (?={_NO_NAME}\w+ {_JUST}\w+(?:ing|ed)\b)", re.IGNORECASE)
 _CAMEL_CASE = re.compile(r"\W*(?:is|was|has|did)[A-Z][A-Za-z]+(?:\(\))?\W*")
 _HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _UNEQUAL = re.compile(r"\s*(?:!==?|\u2260|<>)\s*")
@@ -66,7 +70,9 @@ def as_words(question: str) -> str:
     apart = _JOINED.sub(" ", _UNEQUAL.sub(" is not ", question))
     if _CAMEL_CASE.fullmatch(question):
         apart = _HUMP.sub(" ", question).replace("()", "").lower()
-    return question if apart == question else _IS_DOING.sub(r"\1 it ", apart)
+    if apart == question:
+        return question
+    return _NAMED_DOING.sub(r"\1 the ", _IS_DOING.sub(r"\1 it ", apart))
 
 
 def _meant(word: str) -> str:

@@ -42,9 +42,21 @@ _TAG = re.compile(
     r",? (?:(?:right|correct|true|yes or no|yes|no|don't they|do they|aren't they|are they"
     r"|didn't they|did they|isn't it|is it)\W*)$"
 )
-_KIND = re.compile(
-    r"\b(?:(?P<same>same|similar|identical|equal)|different|differ in)"
-    r" (?:(?:kind|type|sort)s?|class(?:es)?|categor(?:y|ies))(?: of (?:motions?|movements?))?\b"
+_BOTH_OF_THEM = (
+    r"(?:they|both(?: (?:of them|clips))?|these(?: two)?(?: clips)?|it|this|that"
+    r"|the (?:two )?(?:clips|motions|movements|two))"
+)
+_OF_KIND = re.compile(
+    r"\W*(?:(?:and|so|ok|now|but)[, ]+)*"
+    rf"(?:(?:do|did|are|were|is|was|have)(?:n't)? {_BOTH_OF_THEM} (?:not )?"
+    rf"|(?P<denied>(?:{_BOTH_OF_THEM}(?:(?: are| were| do| did| have)(?:n't| not)|'re not) |not ))"
+    rf"|{_BOTH_OF_THEM}(?:'re | are | were | ))?(?:both )?"
+    r"(?:(?:be|have|had|make|made|see|show(?:s|n)?|display|move(?: with| in)?) )?(?:of )?"
+    r"(?:(?:the |an? )?(?:(?P<same>same|similar|identical|equal)|different)"
+    r" (?:(?:kind|type|sort)s?|class(?:es)?|categor(?:y|ies))(?: of (?:motion|movement)s?)?"
+    r"|differ in (?:(?:their|the) )?(?:kind|type|sort)(?: of (?:motion|movement)s?)?)"
+    r"(?:,? (?:in both(?: clips)?|here|at all|please|or not|yes or no|right|correct"
+    r"|(?:are|do|is)n't (?:they|it)))*\W*"
 )
 _PLAINLY = re.compile(r"^\W*(?:(?:and|so|ok|now|but)[, ]+)*(?:do|did|are|were|the|same)\b")
 _FALSE = re.compile(r"\b(?:is|was) it (?:false|wrong|untrue) that\b")
@@ -175,12 +187,10 @@ def claimed_relation(question: str) -> RelationClaim | None:
 
 
 def claims_same_kind(question: str) -> bool | None:
-    """Return whether it is asked if two clips show one kind of motion, or two; None if neither."""
+    """Return whether a whole text asks if two clips show one kind of motion, or two; else None."""
     text = plain_text(question)
-    said = _KIND.search(text)
-    if said is None or _OPENLY.match(text):
-        return None
-    return said["same"] is not None
+    said = _OF_KIND.fullmatch(text)
+    return None if said is None else bool(said["same"]) != bool(said["denied"])
 
 
 def supposed_change(question: str) -> tuple[str, int, Change] | None:

@@ -66,7 +66,7 @@ _SAID = tuple(
         ),
         (
             rf"(?:did|has|was|is) {_THE_WAY} (?:been |now )?(?:revers(?:e|ed|ing)"
-            r"(?: (?:its |the )?(?:way|direction|sense))?|turn(?:ed)? (?:a)?round)",
+            r"(?: (?:its |the )?(?:way|direction|sense))?)",
             "Are they opposite?",
         ),
         (
@@ -78,18 +78,19 @@ _SAID = tuple(
         (
             rf"(?:is|was) {_THE_WAY} back(?: (?:again|where it (?:was|started|began)|in place))?"
             rf"|(?:did|has) {_THE_WAY} (?:go|gone|come|moved?|(?:re)?turn(?:ed)?)"
-            r"(?: back)? (?:to )?where it (?:was|started|began)",
+            r" (?:back(?: to)?|to) where it (?:was|started|began)",
             "Does the second undo the first?",
         ),
     )
 )
 """What is asked of two clips without a word for either of them."""
 
-_BEFORE = r"(?:before|last time|the (?:one before|(?:last|previous) (?:one|time|clip|turn|slide)))"
+_BEFORE = r"(?:before|last time|the (?:one before|previous (?:one|time|clip|turn|slide)))"
+_THAN_BEFORE = rf"(?: than (?:{_BEFORE}|the last (?:one|time|clip|turn|slide)))"
 _MORE_THAN_BEFORE = re.compile(
     r"\W*(?:(?:and|so|but|ok)[, ]+)*(?:(?:is|was|did|does|has) )?(?:(?:it|this|that)(?: one)? )?"
     rf"(?:(?:(?P<slide>{SLIDE})|(?P<turn>{TURN})|go|went|going|gone|{GO})\w* )?"
-    rf"(?P<more>faster|slower|quicker|further|farther|more|less)(?: than {_BEFORE})\W*"
+    rf"(?P<more>faster|slower|quicker|further|farther|more|less){_THAN_BEFORE}\W*"
     r"|\W*(?:is|was) this one (?P<so>faster|slower|quicker|further|farther)\W*"
 )
 _FURTHER = {"more": "further"}

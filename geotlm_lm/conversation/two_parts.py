@@ -7,6 +7,7 @@ import re
 from geotlm_lm.conversation.bare_amounts import asked_of_an_amount
 from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
 from geotlm_lm.conversation.claims import claims_motion, offered_options
+from geotlm_lm.conversation.future import asks_what_comes
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
 from geotlm_lm.conversation.motion_names import claimed_motion, motions_named
 from geotlm_lm.conversation.untold import asks_place
@@ -26,10 +27,12 @@ _AND_HOW = re.compile(
 )
 _THEN = re.compile(
     r"^(?P<first>\W*(?:which|what|how|where|is|was|does|did|has)\b.+?)"
-    rf"(?:, (?P<second>(?:{_HOW})\b.*)|,? and (?P<way>(?:which|what) (?:way|direction)\b.*))$",
+    rf"(?:, (?P<second>(?:{_HOW})\b.*)"
+    r"|,? and (?P<other>(?:(?:which|what) (?:way|direction)|will)\b.*))$",
     re.IGNORECASE,
 )
-"""What is asked after a comma, or the way asked last: of questions alone, and no suppositions."""
+"""What is asked after a comma, or the way, or what comes, asked last: of questions alone, and no
+suppositions."""
 
 _TWO_MARKS = re.compile(r"^(?P<first>[^?]+\?)\s+(?P<second>[^?]+\?.*)$")
 _WHERE = re.compile(r"(?:and )?where\?", re.IGNORECASE)
@@ -53,7 +56,7 @@ def two_parts(question: str) -> tuple[str, str] | None:
     said = _THEN.match(question) or _AND_HOW.match(question) or _TWO_MARKS.match(question)
     if said is None or offered_options(question):
         return None
-    asked = said["first"], said["second"] or said["way"]
+    asked = said["first"], said["second"] or said["other"]
     first, second = (_NUMBERED.sub("", part.strip()) for part in asked)
     if _kind(first) == "contact":
         second = _WHERE.sub("Where is the contact?", second, count=1)
@@ -67,6 +70,8 @@ def _kind(question: str) -> str | None:
     """Return the kind of a question as far as its words tell it."""
     if asks_beyond_touch(question):
         return "refusal"
+    if asks_what_comes(question):
+        return "future"
     kind = asked_kind(asked_of_an_amount(question) or question)
     if kind is not None:
         return kind

@@ -103,3 +103,7 @@ def test_what_comes_next_is_declined_and_what_is_supposed_is_not(bundle):
     assert answerer.ask(encoded, "Will it slip?").text == NOT_TO_COME
     supposed = answerer.ask(encoded, "The image is mirrored. Which way will it go?")
     assert supposed.text.startswith("Right")
+    upside_down = answerer.ask(encoded, "If the camera is upside down, which way will it go?")
+    assert upside_down.text.startswith("Right")
+    both = answerer.ask(encoded, "Which way does it go and will it slip?")
+    assert both.text == f"Left, in the camera image. {NOT_TO_COME}"

@@ -2,6 +2,7 @@
 
 import pytest
 
+from geotlm_lm.conversation.future import NOT_TO_COME
 from geotlm_lm.language.parse_answer import Slots
 from tests.answering.scripted import answerer_saying, recording
 
@@ -34,6 +35,15 @@ def test_what_touch_cannot_tell_of_two_clips_is_declined_as_of_one(bundle, two_t
     refusal = bundle.grammar.sentence(Slots("refusal"))
     assert answerer.compare(*clips, "What colour are they?").text == refusal
     assert "depth" in answerer.compare(*clips, "Which has the greater force?").text
+    assert answerer.compare(*clips, "Will it slip?").text == NOT_TO_COME
+
+
+def test_the_kind_of_motion_is_compared_of_a_clip_supposed_mirrored_too(two_turns):
+    answerer, clips = two_turns
+    compared = answerer.compare(*clips, "Would they be the same kind if the second was mirrored?")
+    assert compared.decided == "yes"
+    assert "counterclockwise" in compared.text
+    assert compared.text.endswith("with the second mirrored.")
 
 
 @pytest.mark.parametrize("which", ["first", "second"])

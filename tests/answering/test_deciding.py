@@ -1,6 +1,7 @@
 """Yes, no, or which of two clips, from answers written down by hand and through the seam."""
 
 from dataclasses import replace
+from functools import partial
 
 import pytest
 
@@ -86,7 +87,8 @@ def test_a_clip_supposed_mirrored_is_compared_so():
     pair = (answer("clockwise", 0.9), answer("counterclockwise", 0.9))
     asked = "If the second clip were mirrored, would they turn the same way?"
     rest, which, change = supposed_change(asked)
-    told = judge_supposed(claimed_relation(rest), which, change, pair)
+    claim = replace(claimed_relation(rest), is_plain=False)
+    told = judge_supposed(partial(judge_relation, claim), which, change, pair)
     assert (told.decided, told.second) == ("yes", pair[1])
     assert told.text == (
         "Yes, the same: of both clips, it goes clockwise in the camera image, with the second "

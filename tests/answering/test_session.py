@@ -30,6 +30,8 @@ def session(bundle):
         "You are wrong, look again!",
         "what about the other way?",
         "isn't it the opposite direction?",
+        "Is this right?",
+        "correct?",
         "100%?",
         "more than 90% sure?",
     ],
@@ -277,3 +279,12 @@ def test_where_after_a_contact_asks_for_its_place(bundle):
     session.ask("Is anything touching?")
     assert session.ask("where?").kind == "contact"
     assert session.history[-1].meant == "Where is the contact?"
+
+
+@pytest.mark.parametrize("asked", ["How far did it turn?", "How fast is it turning?"])
+def test_the_range_is_that_of_the_amount_told_last(bundle, asked):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg")
+    session = answerer.session(answerer.encode(recording(fps=30)))
+    told = session.ask(asked)
+    assert told.amount is not None
+    assert session.ask("Error bars?").text == told.text

@@ -75,6 +75,8 @@ def test_a_number_of_units_is_asked_without_a_motion():
         "Did it turn clockwise a lot or a little?",
         "Is it a slide in pixels?",
         "Did it turn a lot or slide a little?",
+        "number of pixels in the clip",
+        "total rotation of the sensor",
     ],
 )
 def test_what_asks_for_anything_else_is_left_alone(question):

@@ -38,6 +38,7 @@ TYPES = load_templates().types
         "What is the weight of the cap?",
         "Any noise?",
         "Was the object picked up?",
+        "Did we pick it up?",
         "material?",
         "Is there rust on it?",
         "Was it made in Spain?",

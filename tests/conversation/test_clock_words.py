@@ -27,6 +27,11 @@ from geotlm_lm.data.questions import questions_for
         ("Is it a clock?", "Is it a clock?"),
         ("Is the clock hand turning?", "Is the clock hand turning?"),
         ("towards 2 o'clock", "towards 2 o'clock"),
+        ("Is the contact at the 3 o'clock position?", "Is the contact right?"),
+        ("unlike a clock?", "counterclockwise?"),
+        ("At 9 o'clock, is it turning?", "At 9 o'clock, is it turning?"),
+        ("Did the clip start at 9 o'clock?", "Did the clip start at 9 o'clock?"),
+        ("from 12 o'clock to 3 o'clock?", "from 12 o'clock to 3 o'clock?"),
     ],
 )
 def test_a_clock_tells_a_direction(text, told):

@@ -316,6 +316,9 @@ def test_a_sense_of_rotation_is_a_direction():
     ("question", "kind"),
     [
         ("What about the sensor?", "actor"),
+        ("Tell me about the sensor", "actor"),
+        ("I asked about the robot", "actor"),
+        ("Did it turn about the gripper?", None),
         ("Is the object pivoting about the fingertip?", None),
         ("Heading?", None),
         ("heading angle?", "magnitude"),

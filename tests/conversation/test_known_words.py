@@ -61,7 +61,6 @@ def test_what_is_lost_touches_no_more(question):
         "Feel anything?",
         "Got it?",
         "Did I grab the nut?",
-        "Did we pick it up?",
         "Is it in my hand?",
         "Is the object present?",
         "Is something pressing against the gel?",

@@ -20,6 +20,8 @@ from geotlm_lm.data.questions import questions_for
         ("Has the gripper turned?", "has it turned?"),
         ("Has my finger slipped?", "has it slipped?"),
         ("Has the wrist moved?", "has it moved?"),
+        ("Total rotation of the sensor?", "total rotation of it?"),
+        ("slip of the gripper in mm", "slip of it in mm"),
         ("Has the sensor been touched?", None),
         ("Which way did the sensor move?", None),
         ("And the sensor?", None),
