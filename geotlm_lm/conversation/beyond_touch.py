@@ -12,6 +12,7 @@ import re
 
 from geotlm_lm.conversation.claims import claims_end, claims_motion
 from geotlm_lm.conversation.kind_words import HOLDER
+from geotlm_lm.conversation.motion_verbs import MOVES, SLIDES, TURNS, forms
 from geotlm_lm.conversation.plain_text import plain_text
 
 _IS = r"(?:is|was|are|were|isn't|wasn't)"
@@ -78,10 +79,9 @@ _TOPICS = re.compile(
             rf"^\W*{_LOOKS} or {_LOOKS}\W*$",
             r"\bwhat will (?:\S+ ){1,4}?(?:next|tomorrow|later)\b",
             r"\bpick(?:ed|s)? (?:(?:it|the \w+) )?up\b",
-            rf"{_OUTCOME}{_END}",
             rf"\bwhat (?:am i|are (?:we|you)|is the {_MACHINE}) (?:touching|hold|grip|grasp)\w*",
-            rf"\bwhat(?:'s| is) (?:on|in|against|between) (?:the|my|your) (?:{HOLDER}|hand|jaws?)",
-            r"\b(?:more than one|several|multiple|two|how many) (?:contacts?|objects?|things?)\b",
+            rf"\bwhat(?:'s| is) (?:on|in|against|between) (?:the|my|your) (?:{HOLDER}|hand|jaws?)"
+            r"(?: (?:right )?now| here)?\W*$",
             r"\b(?:tomorrow|in an hour|in the future)\b",
             r"\b(?:is|was|it's|are) (?:\S+ ){0,3}about to (?!the\b|\d)\w+",
             r"\bgoing to (?:fall|drop|break|slip)\b",
@@ -91,6 +91,14 @@ _TOPICS = re.compile(
         )
     )
 )
+
+_BESIDE_A_MOTION = re.compile(
+    rf"{_OUTCOME}{_END}"
+    r"|\b(?:more than one|several|multiple|two|how many) (?:contacts?|objects?|things?)\b"
+)
+"""Beyond touch only where no motion is named: "did it turn and click?" asks whether it turns."""
+
+_MOTION = re.compile(rf"\b{forms(TURNS + SLIDES + MOVES)}\b")
 
 _PROPERTIES = re.compile(
     r"\b(?:weight|(?<!contact )mass|noise|material|scratch|scratches|scratched|rust|rusty"
@@ -114,5 +122,7 @@ def asks_beyond_touch(question: str) -> bool:
         return False  # "is the contact broken?"
     if _TOPICS.search(text):
         return not _ASKS_MOTION.search(text) or bool(_ANOTHER_TIME.search(text))
+    if _BESIDE_A_MOTION.search(text) and not _MOTION.search(text):
+        return True
     is_of_motion = _ASKS_MOTION.search(text) or _COUNTS_MOTION.search(text) or claims_motion(text)
     return bool(_PROPERTIES.search(text)) and not is_of_motion

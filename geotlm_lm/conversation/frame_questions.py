@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.claims import CLASS_NAMES
 from geotlm_lm.conversation.fact_words import IMAGE, ON_ITS_HEAD
 from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.plain_text import plain_text
@@ -127,5 +128,8 @@ def asks_frame(question: str) -> bool:
 
 def asks_which_moves(question: str) -> bool:
     """Tell whether `question` asks if it is the sensor or the object that moves."""
-    texts = naming_nothing(plain_text(question))
+    plain = plain_text(question)
+    if sum(bool(re.search(words, plain)) for _, words in CLASS_NAMES) > 1 or "still" in plain:
+        return False  # "is the sensor turning or the object sliding?"
+    texts = naming_nothing(plain)
     return any(_WHO.fullmatch(text) and len(_SENSOR_NAMED.findall(text)) == 1 for text in texts)

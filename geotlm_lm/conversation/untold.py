@@ -76,7 +76,8 @@ _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
             r"\bhow (?:deep|hard|firmly)\b|\b(?:in)?depth of\b"
             r"|\bforces?\b|\bnewtons?\b|\btorque\b"
             r"|\b(?:how much|what|which) (?:is the )?pressure\b"
-            r"|\b(?:did|does|is|was|has) the pressure\b|\bstiffness\b"
+            r"|\b(?:did|does|is|was|has) the pressure\b(?! (?:knob|pad|valve|plate|switch|dial)\b)"
+            r"|\bstiffness\b"
         ),
         _FORCE,
     ),

@@ -93,6 +93,11 @@ def test_words_for_what_no_touch_feels_are_known(question):
         "Did the person turn it clockwise?",
         "Is the gripper slipping or the object?",
         "Did the gel move or the robot?",
+        "Did it turn and click?",
+        "Did the drawer slide shut?",
+        "Is it moving or stuck?",
+        "Is it slipping on two contacts?",
+        "What's in my hand doing?",
     ],
 )
 def test_motion_of_things_of_any_colour_or_material_is_not_beyond_touch(question):

@@ -147,6 +147,8 @@ def test_whose_left_it_is_asks_for_the_frame(question, asks):
         ("Did the object turn or the gripper?", True),
         ("Is the object turning or sliding?", False),
         ("Did the sensor turn or slide?", False),
+        ("Is the sensor turning or the object sliding?", False),
+        ("Is it the sensor or is it still?", False),
         ("Is the sensor or the gripper moving?", False),
         ("Which way did the sensor move?", False),
     ],

@@ -41,6 +41,7 @@ def test_what_is_never_told_is_declined_with_what_is(text, word):
         "Is it moving in the y-axis?",
         "Did it go along the y axis?",
         "Under pressure, where?",
+        "Did the pressure knob turn?",
     ],
 )
 def test_other_questions_are_left_to_the_model(text):
