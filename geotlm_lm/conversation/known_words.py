@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.kind_words import GEL
+from geotlm_lm.conversation.motion_verbs import TURN
 from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.things import THING, naming_nothing
@@ -63,7 +64,7 @@ _SAID: tuple[tuple[str, str], ...] = (
         rf"|there(?:'s| is| was) {_JUST}(?:a |some )?contact"
         rf"|(?:is|was|are|were)n't (?:{THING}|{_WHO}) {_JUST}(?:touching|touched|in contact)"
         rf"(?: (?:with )?(?:the {GEL}|{_SOMETHING}))?"
-        rf"|(?:feel|felt|sense|sensed) {_SOMETHING}|got (?:it|{_SOMETHING})"
+        rf"|(?:feel|felt|sense|sensed) {_SOMETHING}|got (?!it){_SOMETHING}|got it(?=\W*\?)"
         rf"|(?:did|has|have|had) {_WHO} {_JUST}(?:grab(?:bed)?|catch|caught) "
         rf"(?:(?:the|my) \w+|{_SOMETHING})(?: up)?"
         rf"|(?:is|was) {THING} {_JUST}(?:in|inside|between) (?:the|my|its|our) "
@@ -120,7 +121,7 @@ _SAID: tuple[tuple[str, str], ...] = (
     (
         r"(?:along )?(?:which|what) axis|(?:is it )?(?:a )?(?:horizontal|vertical) or "
         r"(?:horizontal|vertical) (?:motion|movement|slide|slip)"
-        rf"|along (?:which|what) axis (?:is|was|does|did) {THING} \w+",
+        rf"|along (?:which|what) axis (?:is|was|does|did) {THING} (?!{TURN})\w+",
         OPEN_QUESTION,
     ),
     (

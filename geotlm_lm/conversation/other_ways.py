@@ -26,8 +26,6 @@ _ASKED = re.compile(
     r"(?: over| at all)?\W*"
     rf"|{_OPENS}(?:did|does|has|was) (?!it\b|this\b|that\b){_THING} (?:flip|flipped)(?: over)?\W*"
 )
-
-
 _PARTIAL_SLIP = re.compile(r"\b(?:incipient|partial|micro|local(?:i[sz]ed)?)[ -]?slip\w*\b")
 
 

@@ -85,7 +85,8 @@ _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
     (
         re.compile(
             r"(?:(?:hi|hello|hey|ok|okay|thanks?|thank you|thx|cool|great|nice|bye|goodbye|help"
-            r"|roger(?: that)?|copy(?: that)?|many thanks|good (?:morning|afternoon|evening|day)"
+            r"|roger(?: that)?|got it(?!\W*\?)|copy(?: that)?|many thanks"
+            r"|good (?:morning|afternoon|evening|day)"
             r"|quit|exit|stop|what can (?:you|i) (?:do|ask|tell)(?: you| me)?|who are you"
             r"|how does this work)(?: (?:a lot|so much|very much|there|please|me))?[ ,.!?]*)+"
         ),

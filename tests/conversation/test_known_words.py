@@ -218,6 +218,9 @@ def test_a_motion_called_slip_is_known(text, names):
     [
         ("do we have contact", "Is anything touching the gel?"),
         ("Is there anything in the hand?", "Is anything touching the gel?"),
+        ("Got it?", "Is anything touching the gel?"),
+        ("Got it.", "Got it."),
+        ("moving around?", "Is it moving at all?"),
         ("is it gone?", "Has contact been lost?"),
         ("did slip occur", "Is it slipping?"),
         ("has slippage started?", "Is it slipping?"),
