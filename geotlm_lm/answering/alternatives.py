@@ -9,10 +9,10 @@ from geotlm_lm.conversation.wording import name
 from geotlm_lm.core.labels import Motion
 
 LEAST_TOLD = 0.005
-"""A smaller probability would be told as 0 %."""
+"""A smaller probability is not worth telling."""
 
 AT_MOST = 3
-NOTHING_ELSE = "Nothing else reaches 0.5%."
+NOTHING_ELSE = f"Nothing else reaches {LEAST_TOLD:.1%}."
 
 
 def with_alternatives(answer: Answer) -> Answer:

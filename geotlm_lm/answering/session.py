@@ -16,6 +16,7 @@ from geotlm_lm.answering.answer import Answer, Encoded
 from geotlm_lm.answering.expected import require_encoded, require_frame
 from geotlm_lm.answering.several import Comparison, Order
 from geotlm_lm.answering.streaming import Listener, pieces
+from geotlm_lm.conversation.alternatives import asks_alternatives
 from geotlm_lm.conversation.asked_units import with_unit
 from geotlm_lm.conversation.bare_amounts import asks_range
 from geotlm_lm.conversation.clip_names import clips_by_number
@@ -227,8 +228,20 @@ class Session:
             return self.answerer.compare(first, second, stated.rest, frame=stated.frame)
         if kind == "order" and len(self.clips) > 1:
             return self.answerer.order(self.clips, frame=stated.frame)
-        return self.answerer.ask(self.encoded, question, frame=self.frame, listen=listen)
+        frame = self._frame_of_last() if asks_alternatives(stated.rest) else self.frame
+        return self.answerer.ask(self.encoded, question, frame=frame, listen=listen)
 
+    def _frame_of_last(self) -> FrameSpec:
+        """Return the frame with the view, and whose motion, that the last way was told in."""
+        last = self.last
+        if not isinstance(last, Answer) or last.kind not in _TELL_A_WAY:
+            return self.frame
+        told = last.frame
+        return replace(self.frame, viewpoint=told.viewpoint, actor=told.actor)
+
+
+_TELL_A_WAY = ("direction", "verify", "actor", "viewpoint")
+"""Kinds of answers that may be told for one question in a view, or of a mover, of its own."""
 
 _CONTRADICTS = re.compile(r"^(?:no|nope|wrong|incorrect|not quite)[,.!;:]+ *", re.IGNORECASE)
 

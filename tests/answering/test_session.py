@@ -288,3 +288,13 @@ def test_the_range_is_that_of_the_amount_told_last(bundle, asked):
     told = session.ask(asked)
     assert told.amount is not None
     assert session.ask("Error bars?").text == told.text
+
+
+@pytest.mark.parametrize("asked", ["Seen from the object's side, which way?", "And the sensor?"])
+def test_what_else_it_may_be_is_told_as_the_answer_before(session, asked):
+    told = session.ask(asked)
+    assert told.direction == Motion.COUNTERCLOCKWISE
+    else_ = session.ask("What else could it be?")
+    assert else_.text.startswith(told.text)
+    assert session.ask("Which way?").direction == Motion.CLOCKWISE
+    assert session.ask("What else?").direction == Motion.CLOCKWISE
