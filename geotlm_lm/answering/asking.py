@@ -50,6 +50,7 @@ from geotlm_lm.conversation.known_words import SLIP_IS_A_SLIDE, in_known_words, 
 from geotlm_lm.conversation.of_the_sensor import as_of_it, names_the_object
 from geotlm_lm.conversation.option_meanings import initials_spelt_out
 from geotlm_lm.conversation.place import place_in_picture
+from geotlm_lm.conversation.plain_text import plain_text
 from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.reasons import contact_place
 from geotlm_lm.conversation.reported import asked_of_report
@@ -112,7 +113,8 @@ def answer_question(
     if not stated.is_stated and states_more(stated.rest):
         return plain(encoded, UNREAD, "frame", frame)
     asked, frame = _as_known(stated.rest, stated.frame)
-    if stated.rest == question and asks_what_comes(asked):  # nothing supposed, no fact told
+    is_whole = plain_text(stated.rest) == plain_text(question)  # nothing supposed, no fact told
+    if is_whole and asks_what_comes(asked):
         return plain(encoded, NOT_TO_COME, "refusal", frame)
     answer = _of_other_questions(bundle, encoded, asked, frame)
     if answer is None:

@@ -60,6 +60,9 @@ _AGAIN = re.compile(
 OF_THE_CLIP_BEFORE = "Of the clip before:"
 """Said where an answer is repeated, or reasoned for, after another clip was given."""
 
+_TELL_A_WAY = ("direction", "verify", "actor", "viewpoint")
+"""Kinds of answers that may be told for one question in a view, or of a mover, of its own."""
+
 _STANCE = {
     "high": "I stay with it",
     "medium": "I lean to it",
@@ -239,9 +242,6 @@ class Session:
         told = last.frame
         return replace(self.frame, viewpoint=told.viewpoint, actor=told.actor)
 
-
-_TELL_A_WAY = ("direction", "verify", "actor", "viewpoint")
-"""Kinds of answers that may be told for one question in a view, or of a mover, of its own."""
 
 _CONTRADICTS = re.compile(r"^(?:no|nope|wrong|incorrect|not quite)[,.!;:]+ *", re.IGNORECASE)
 

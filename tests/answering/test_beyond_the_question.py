@@ -101,6 +101,7 @@ def test_what_comes_next_is_declined_and_what_is_supposed_is_not(bundle):
     answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
     encoded = answerer.encode(recording())
     assert answerer.ask(encoded, "Will it slip?").text == NOT_TO_COME
+    assert answerer.ask(encoded, "Won\u2019t it slip?").text == NOT_TO_COME
     supposed = answerer.ask(encoded, "The image is mirrored. Which way will it go?")
     assert supposed.text.startswith("Right")
     upside_down = answerer.ask(encoded, "If the camera is upside down, which way will it go?")
