@@ -1,7 +1,6 @@
 """The command starts fast, says one sentence when called wrongly, and keeps a defect's trace."""
 
 import os
-import signal
 import subprocess
 import sys
 
@@ -305,34 +304,3 @@ def test_an_option_says_the_same_in_every_command(name):
     helps = [one.help for one in every if one.name == name]
     assert len(helps) > 4
     assert len(set(helps)) == 1
-
-
-ENDLESS = """
-import sys, time
-from geotlm_lm.cli import main
-def info():
-    try:
-        print("begun", flush=True)
-        time.sleep({seconds})
-    finally:
-        print("closed", flush=True)
-main.app.registered_commands[:] = []
-main.app.command()(info)
-main.main(["info"])
-"""
-
-
-def test_a_request_to_end_closes_what_is_open_and_ends_of_the_signal():
-    program = [sys.executable, "-c", ENDLESS.format(seconds=60)]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(program, **pipes) as running:
-        assert running.stdout.readline() == "begun\n"
-        running.terminate()
-        out, err = running.communicate(timeout=30)
-    assert (running.returncode, out, err) == (-signal.SIGTERM, "closed\n", "Stopped.\n")
-
-
-def test_after_a_command_the_signal_means_what_it_did(capsys):
-    before = signal.getsignal(signal.SIGTERM)
-    run(capsys, "--version")
-    assert signal.getsignal(signal.SIGTERM) is before
