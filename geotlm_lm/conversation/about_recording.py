@@ -5,13 +5,12 @@ from __future__ import annotations
 import re
 from typing import Literal
 
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import without_openers
 
 Topic = Literal["size", "rate", "frames", "duration", "interval"]
 
 _FRAMES = r"(?:frames?|images?|pictures?|photos?|recording|video|clip|camera)"
 _OPENS = (
-    r"(?:(?:and|so|ok|now|please|hey)[, ]+)*"
     r"(?:(?:what|which)(?:'s| is| are| was| were)? (?:the |its |their )?|at what |with what "
     r"|(?:tell|give) me (?:the |its )?|the |its )?"
 )
@@ -93,7 +92,7 @@ def asked_of_recording(question: str) -> Topic | None:
 
     The whole text has to: "how many frames does it turn?" asks of a motion.
     """
-    text = plain_text(question).strip(" ?!.")
+    text = without_openers(question).strip(" ?!.")
     return next((topic for topic, words in _PATTERNS if words.fullmatch(text)), None)
 
 

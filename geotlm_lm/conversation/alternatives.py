@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import without_openers
 
 _OTHERS = (
     r"(?:(?:what|which) (?:else|other (?:motion|way|option|answer)s?) (?:could|can|might|may|would)"
@@ -21,11 +21,11 @@ _OTHERS = (
     r"(?: (?:with|by) (?:their )?(?:probabilit(?:y|ies)|odds|likelihoods?))?"
     r"|top (?:two|three|2|3)(?: (?:guesses|answers|options))?)"
 )
-_ASKED = re.compile(rf"\W*(?:(?:and|so|ok|but|please)[, ]+)*{_OTHERS}(?:,? please)?[ ?.!]*")
-_BARE = re.compile(r"\W*(?:the )?(?:second|next)(?: (?:one|answer|choice|option))?\W*")
+_ASKED = re.compile(rf"{_OTHERS}(?:,? please)?[ ?.!]*")
+_BARE = re.compile(r"(?:the )?(?:second|next)(?: (?:one|answer|choice|option))?\W*")
 
 
 def asks_alternatives(question: str) -> bool:
     """Tell whether a whole text asks what else a motion may be; not for the second of two clips."""
-    text = plain_text(question)
+    text = without_openers(question)
     return _ASKED.fullmatch(text) is not None and _BARE.fullmatch(text) is None

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.bare_motions import JUST, LEAD, TAIL
+from geotlm_lm.conversation.around import JUST, TAIL, WHETHER
 from geotlm_lm.conversation.kind_phrases import COUNTED
 from geotlm_lm.conversation.motion_verbs import MOVES, SLIDES, TURNS, Verb, forms
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import without_openers
 from geotlm_lm.conversation.things import THING, naming_nothing
 
 _ASK = (
@@ -58,7 +58,7 @@ def _asking(verbs: tuple[Verb, ...], nouns: str) -> tuple[re.Pattern[str], ...]:
         rf"{_ASK}(?:the )?(?:angle|distance|amount|extent) {it_went}",
         rf"{did_it_go} (?:{_MUCH_OR_LITTLE})",
     )
-    return tuple(re.compile(rf"\W*{LEAD}{words}{TAIL}") for words in said)
+    return tuple(re.compile(rf"{WHETHER}{words}{TAIL}") for words in said)
 
 
 _ASKED = (
@@ -67,22 +67,22 @@ _ASKED = (
     (_asking(MOVES, "movement|motion|displacement"), "go"),
 )
 _RANGE = re.compile(
-    rf"\W*{LEAD}{_ASK}(?:(?:the|a) )?(?:range|margin(?: of error)?|error bars?|plus or minus)\W*"
+    rf"{WHETHER}{_ASK}(?:(?:the|a) )?(?:range|margin(?: of error)?|error bars?|plus or minus)\W*"
 )
-_YAW = re.compile(rf"\W*{LEAD}{_ASK}{_THE}(?:yaw|(?:d|delta[ -]?)theta){TAIL}")
+_YAW = re.compile(rf"{WHETHER}{_ASK}{_THE}(?:yaw|(?:d|delta[ -]?)theta){TAIL}")
 _COUNTS = re.compile(
-    rf"\W*{LEAD}(?:the )?(?:number|count) of (?P<unit>{COUNTED})(?: please)?[ ?.!]*"
+    rf"{WHETHER}(?:the )?(?:number|count) of (?P<unit>{COUNTED})(?: please)?[ ?.!]*"
 )
 
 
 def asks_range(question: str) -> bool:
     """Tell whether a whole text asks within what bounds an amount lies: "error bars?"."""
-    return bool(_RANGE.fullmatch(plain_text(question)))
+    return bool(_RANGE.fullmatch(without_openers(question)))
 
 
 def asked_of_an_amount(question: str) -> str | None:
     """Return, in words every model knows, how far of what a whole text asks; None of any other."""
-    text = plain_text(question)
+    text = without_openers(question)
     if (counts := _COUNTS.fullmatch(text)) is not None:
         return f"How many {counts['unit']}?"
     if asks_range(text):

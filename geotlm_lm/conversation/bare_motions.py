@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.around import JUST, TAIL, WHETHER
 from geotlm_lm.conversation.motion_verbs import (
     LIFTS,
     MOVES,
@@ -18,24 +19,10 @@ from geotlm_lm.conversation.motion_verbs import (
     Verb,
     forms,
 )
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import without_openers
 from geotlm_lm.conversation.things import THING, naming_nothing
 
-JUST = r"(?:(?:just|already|now|still|really|actually|ever|even|truly|indeed) )?"
-LEAD = (
-    r"(?:(?:and|so|ok|now|but|hey|please|well|then)[,:]? +)*"
-    r"(?:(?:would you say|do you (?:think|believe)|am i right(?: in thinking)?|i (?:think|guess)"
-    r"|i(?:'d| would) say"
-    r"|(?:please )?(?:check|say|tell me|verify)|can you (?:tell(?: me)?|check))"
-    r"(?: that| whether| if)? )?"
-)
 _FAR = r" (?:by )?(?:(?:very|really) )?(?:far|much|a lot|a great deal)"
-TAIL = (
-    r"(?:[,.:;?]* *(?:please|yes or no|or not|now|at all|again|yet|already|so far|until now"
-    r"|(?:at least )?a (?:bit|little)|(?:in|on) (?:the|this) (?:clip|video|recording)"
-    r")|, *(?:right|correct|no|yes)|,? *(?:is|was|has|had|did|does|do)(?:n't| not)? (?:it|that))*"
-    r"[ ?.!]*"
-)
 _SLIPS = tuple(verb for verb in SLIDES if verb[0] == "slip")
 _SLIDES = tuple(verb for verb in SLIDES if verb not in _SLIPS)
 _NOT = r"(?:n't)?"
@@ -70,12 +57,12 @@ def _asking(verbs: tuple[Verb, ...], how_far: str = "") -> re.Pattern[str]:
         rf"{THING} (?:may|might|must|could|should|would) {JUST}"
         rf"(?:have (?:been )?{past}|(?:be|have been) {gerund})",
     )
-    return re.compile(rf"\W*{LEAD}(?:{'|'.join(said)}){how_far}{TAIL}")
+    return re.compile(rf"{WHETHER}(?:{'|'.join(said)}){how_far}{TAIL}")
 
 
 _TURNED, _SLID = forms(TURNS, "past"), forms(SLIDES, "past")
 _WHICH_KIND = re.compile(
-    rf"\W*{LEAD}(?:has|have|had){_NOT} {THING} {JUST}(?:been )?"
+    rf"{WHETHER}(?:has|have|had){_NOT} {THING} {JUST}(?:been )?"
     rf"(?:{_TURNED} or {_SLID}|{_SLID} or {_TURNED}){TAIL}"
 )
 _ASKED = (
@@ -94,5 +81,5 @@ _ASKED = (
 
 def asked_of_a_motion(question: str) -> str | None:
     """Return, in words every model knows, which motion a whole text asks for; None of any other."""
-    texts = naming_nothing(plain_text(question))
+    texts = naming_nothing(without_openers(question))
     return next((asked for words, asked in _ASKED if any(map(words.fullmatch, texts))), None)

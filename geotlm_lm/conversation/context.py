@@ -18,25 +18,25 @@ from geotlm_lm.conversation.kinds import (
 )
 from geotlm_lm.conversation.known_words import in_known_words
 from geotlm_lm.conversation.motion_names import motions_named
+from geotlm_lm.conversation.plain_text import without_openers
 from geotlm_lm.conversation.quantities import quantities
 
 _SENTENCES = re.compile(r"(?<=[.!;])\s+(?=\S)")
 _OPENLY = re.compile(
-    r"\W*(?:(?:and|so|but|now|ok|please)[, ]+)*(?:by )?(?:which|what|how|where"
+    r"(?:by )?(?:which|what|how|where"
     r"|(?:tell me|give me|describe|report|say) (?:the |its |which |what |how ))\b"
 )
 _SUPPOSES = re.compile(
-    r"\W*(?:(?:and|so|but|now|ok|please)[, ]+)*"
     r"(?:if|suppose|supposing|imagine|assume|assuming|when|which|what|how|where|tell|is it|say)\b"
 )
 _SOMEBODY = re.compile(
-    r"\W*(?:(?:and|so|then|first|before)[, ]+)?(?:i|we|you|they|he|she"
+    r"(?:(?:first|before)[, ]+)?(?:i|we|you|they|he|she"
     r"|(?:the|my|our) (?:robot|gripper|arm|hand|operator|human|user)(?:'s)?(?: arm| hand)?)\b"
 )
 """Begins a sentence about what somebody does to the object, not about what is felt of it."""
 
 _FELT = re.compile(
-    r"\W*(?:(?:and|so|then|now|ok)[,: ]+)*(?:(?:i|we) (?:can |do )?(?:see|saw|think|thought"
+    r"(?:(?:i|we) (?:can |do )?(?:see|saw|think|thought"
     r"|believe|know|notice[sd]?|feel|felt|guess|observed?)\b"
     rf"|(?:it|this|that)\b(?! {PICTURE}))"
 )
@@ -57,11 +57,12 @@ def without_context(question: str) -> str:
     """
     *before, last = _SENTENCES.split(question.strip())
     context = _RECORDED.sub(" ", " ".join(before).lower())
+    before = [without_openers(one) for one in before]
     if not before or offered_options(question):
         return question
-    if any(_FELT.match(one.lower()) for one in before):
+    if any(_FELT.match(one) for one in before):
         return question
-    is_done = all(_SOMEBODY.match(one.lower()) for one in before)
+    is_done = all(_SOMEBODY.match(one) for one in before)
     if is_done and (in_known_words(last) != last or _asks_contact(last)):
         return last  # asks for contact or slip, whatever was done
     if not (_is_open(last) or (is_done and _claims(last))):
@@ -70,7 +71,7 @@ def without_context(question: str) -> str:
         _OF_THE_FRAME.search(context) or asked_kind(context) in _CHANGES
     ):
         return question
-    is_told = not any("?" in one or _SUPPOSES.match(one.lower()) for one in before)
+    is_told = not any("?" in one or _SUPPOSES.match(one) for one in before)
     is_choice = asks_yes_or_no(context) or re.search(r"\bor\b", context)
     passes_for_a_claim = motions_named(context) or quantities(context)
     return last if is_told and passes_for_a_claim and not is_choice else question
@@ -90,4 +91,5 @@ def _is_open(text: str) -> bool:
     lower = text.lower()
     if asks_yes_or_no(lower) or motions_named(lower):
         return False
-    return asks_direction(text) or bool(_OPENLY.match(lower)) or asked_amount(text) is not None
+    is_open = asks_direction(text) or _OPENLY.match(without_openers(text))
+    return bool(is_open) or asked_amount(text) is not None

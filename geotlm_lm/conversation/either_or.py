@@ -6,7 +6,7 @@ import re
 
 from geotlm_lm.conversation.kind_choices import REST
 from geotlm_lm.conversation.motion_verbs import GOES, SLIDES, TURNS, forms
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import without_openers
 from geotlm_lm.conversation.question import OPEN_QUESTION
 
 _MOTION = r"(?:moving|in motion|in movement|dynamic|mobile)"
@@ -30,7 +30,7 @@ _SIGNED = (
     r"(?:d[xy]|delta[ -]?[xy]|[xy]|[xy][ -](?:displacement|shift|motion))(?: is)? "
 )
 _OPENS = (
-    r"(?:(?:and|so|ok|now)[, ]+)?(?:(?:is|was|does|did) (?:it|(?:the|my) (?!sensor|gel|camera|robot"
+    r"(?:(?:is|was|does|did) (?:it|(?:the|my) (?!sensor|gel|camera|robot"
     r"|gripper|finger)\w+) (?:(?:now|moving|sliding|going|move|slide|go) )?)?"
 )
 
@@ -44,7 +44,7 @@ _MADE, _BROKEN = (
 def _either(one: str, other: str) -> re.Pattern[str]:
     """Return what matches a whole question that offers both, in either order."""
     then = r",? or (?:is it |was it )?"
-    return re.compile(rf"\W*{_OPENS}(?:{one}{then}{other}|{other}{then}{one})\W*")
+    return re.compile(rf"{_OPENS}(?:{one}{then}{other}|{other}{then}{one})\W*")
 
 
 _IS_TOUCHED = "Is anything touching the gel?"
@@ -54,7 +54,7 @@ _TURN, _SLIDE = (
     for verbs, nouns in ((TURNS, "rotation"), (SLIDES, "translation"))
 )
 _OR_BOTH = re.compile(
-    rf"\W*{_OPENS}(?:either )?(?:{_TURN}(?:,| or) {_SLIDE}|{_SLIDE}(?:,| or) {_TURN}),? or both\W*"
+    rf"{_OPENS}(?:either )?(?:{_TURN}(?:,| or) {_SLIDE}|{_SLIDE}(?:,| or) {_TURN}),? or both\W*"
 )
 """One motion is told, so that a choice among both kinds and the two together is one of a kind."""
 
@@ -62,11 +62,11 @@ _OPPOSITES = (
     (_either(_MOTION, REST), OPEN_QUESTION),
     (_either(_ACROSS, _ALONG), OPEN_QUESTION),
     (_either(_AHEAD, _BACK), OPEN_QUESTION),
-    (re.compile(rf"\W*{_SIGNED}(?:positive or negative|negative or positive)\W*"), OPEN_QUESTION),
+    (re.compile(rf"{_SIGNED}(?:positive or negative|negative or positive)\W*"), OPEN_QUESTION),
     (_either(_NEARS, _LEAVES), OPEN_QUESTION),
     (_either(_TOUCH, _NO_TOUCH), _IS_TOUCHED),
     (_OR_BOTH, "Is it sliding or turning?"),
-    (re.compile(rf"\W*{_CONTACT}(?:{_MADE} or {_BROKEN}|{_BROKEN} or {_MADE})\W*"), OPEN_QUESTION),
+    (re.compile(rf"{_CONTACT}(?:{_MADE} or {_BROKEN}|{_BROKEN} or {_MADE})\W*"), OPEN_QUESTION),
 )
 
 
@@ -79,7 +79,7 @@ _IS_OVER = (
     rf"|(?:over|finished|ended|done)(?: now)?|{REST} (?:now|again))"
 )
 _OVER_OR_NOT = tuple(
-    re.compile(rf"\W*(?:(?:and|so|ok|now|but)[, ]+)*{one},? or {other}(?: now| already)?[ ?.!]*")
+    re.compile(rf"{one},? or {other}(?: now| already)?[ ?.!]*")
     for one, other in ((_IS_GOING, _IS_OVER), (_IS_OVER, _IS_GOING))
 )
 
@@ -92,7 +92,7 @@ OF_THE_END = (
 
 def asked_whether_over(question: str) -> str | None:
     """Return "Is it turning?" of "is it still turning or did it stop?"; None of any other text."""
-    text = plain_text(question)
+    text = without_openers(question)
     said = next((found for words in _OVER_OR_NOT if (found := words.fullmatch(text))), None)
     return said and f"Is it {said['going']}?"
 
@@ -103,5 +103,5 @@ def without_opposites(question: str) -> str:
     "Is it moving or stationary?" is answered by how it moves; a verdict, as to a claim, would leave
     open on which of the two it is. What asks anything besides stays as it is.
     """
-    text = plain_text(question)
+    text = without_openers(question)
     return next((asked for words, asked in _OPPOSITES if words.fullmatch(text)), question)

@@ -6,7 +6,7 @@ import re
 
 from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.kinds import asked_amount
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import plain_text, without_openers
 
 _OF_ANOTHER = re.compile(
     r"\W*(?:(?:no|nope|sorry|wait|ok|so|but)[,.:!]? +)*"
@@ -17,7 +17,7 @@ _OF_ANOTHER = re.compile(
 _NOW = re.compile(
     r"\W*(?:(?:ok|and|so|then)[, ]+)*(?:now|and now|so|and|then|so then|what now)[ ?.!]*"
 )
-_WHERE = re.compile(r"\W*(?:(?:and|ok|so|but)[, ]+)*where(?: exactly)?[ ?.!]*")
+_WHERE = re.compile(r"where(?: exactly)?[ ?.!]*")
 _ASKS = {"magnitude": "How far does {} move?", "rate": "How fast does {} move?"}
 
 
@@ -38,7 +38,7 @@ def of_another(question: str, before: str | None) -> str:
 
 def asks_where(question: str) -> bool:
     """Tell whether `question` is no more than "where?"."""
-    return bool(_WHERE.fullmatch(plain_text(question)))
+    return bool(_WHERE.fullmatch(without_openers(question)))
 
 
 def asks_again_now(question: str) -> bool:

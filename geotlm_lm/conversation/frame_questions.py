@@ -7,7 +7,7 @@ import re
 from geotlm_lm.conversation.claims import CLASS_NAMES
 from geotlm_lm.conversation.fact_words import IMAGE, ON_ITS_HEAD
 from geotlm_lm.conversation.kind_words import HOLDER
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import plain_text, without_openers
 from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.things import THING, naming_nothing
 from geotlm_lm.conversation.wording import known
@@ -18,19 +18,18 @@ _HOW = (
     r"|right side up|the right way up)"
 )
 _ASKED = re.compile(
-    rf"(?:(?:and|so|ok|but)[, ]+)?(?:(?:is|was) {IMAGE} (?:recorded )?{_HOW}"
+    rf"(?:(?:is|was) {IMAGE} (?:recorded )?{_HOW}"
     rf"|(?:is|was) (?:the|my) sensor mounted {_HOW})"
     rf"(?: or (?:not|{_HOW}))?[ ?.!]*"
 )
 _LEFT_OPEN = re.compile(
-    r"(?:(?:and|so|but|well)[, ]+)?"
     r"(?:(?:i (?:do not|don't|cannot|can't) (?:know|tell|remember|say)"
     r"|i(?:'m| am) not (?:sure|certain)"
     rf"|maybe|perhaps|possibly|i think|i guess) ?(?:whether|if|that)? ?{IMAGE} (?:is|was) {_HOW}"
     rf"(?: or not)?|{IMAGE} (?:might|may|could) (?:be|have been) {_HOW})[ ?.!]*"
 )
 _OF_REFERENCE = re.compile(
-    r"(?:(?:and|so|ok|but)[, ]+)?(?:(?:in|relative to|with respect to) )?(?:what|which)(?:'s| is)?"
+    r"(?:(?:in|relative to|with respect to) )?(?:what|which)(?:'s| is)?"
     r"(?: (?:the|your))? (?:frame of reference|(?:reference|coordinate) (?:frame|system)"
     r"|frame(?= (?:is|are|was|were|do|did) (?:this|that|it|the|your|you|directions?|they)\b"
     r"(?: (?:answer|directions?|motion|answers))?"
@@ -40,8 +39,7 @@ _OF_REFERENCE = re.compile(
 )
 _WAY = r"(?:(?:counter|anti)?clockwise|c?cw|left|right|up|down)"
 _WHERE_FROM = re.compile(
-    r"(?:(?:and|so|ok|but)[, ]+)?(?:"
-    r"(?:in|by|with|using) (?:what|which) (?:frame|coordinates?|convention|axes)(?: system)?"
+    r"(?:(?:in|by|with|using) (?:what|which) (?:frame|coordinates?|convention|axes)(?: system)?"
     r"|(?:relative|with respect|compared) to what"
     r"|what(?:'s| is) (?:the|your) (?:reference|convention|viewpoint|point of view|perspective)"
     r"|from (?:what|which) (?:side|view|viewpoint|angle|perspective|point of view|direction)"
@@ -56,7 +54,7 @@ _WHERE_FROM = re.compile(
 _ITSELF = rf"(?:(?:the|my) (?:tactile )?{HOLDER}|{THING}|me|i|us)"
 _MOVES = r"(?: (?:itself|that|which|who|is|was|does|did|has|really))*(?: \w+)?"
 _WHO = re.compile(
-    r"(?:(?:and|so|ok|but)[, ]+)?(?:(?:which|what|who)(?: (?:one|of (?:them|the two)))?"
+    r"(?:(?:which|what|who)(?: (?:one|of (?:them|the two)))?"
     r"(?: (?:is|was|did|does|has))?(?: it)?(?: \w+)?[,:]? )?(?:(?:is|was|did|does|has) (?:it )?)?"
     rf"{_ITSELF}{_MOVES},? or (?:(?:is|was|did|does) (?:it )?)?{_ITSELF}{_MOVES}\W*"
 )
@@ -98,7 +96,7 @@ def frame_to_settle(text: str, frame: FrameSpec) -> str | None:
         text: What is left once the facts that could be read are taken out.
         frame: What is known.
     """
-    text = plain_text(text)
+    text = without_openers(text)
     if not (_ASKED.fullmatch(text) or _LEFT_OPEN.fullmatch(text)):
         return None
     return _TOLD.format(known(frame))
@@ -122,13 +120,13 @@ def of_another_frame(question: str) -> tuple[str, str] | None:
 
 def asks_frame(question: str) -> bool:
     """Tell whether `question` asks in which frame of reference directions are told."""
-    text = plain_text(question)
+    text = without_openers(question)
     return bool(_OF_REFERENCE.fullmatch(text) or _WHERE_FROM.fullmatch(text))
 
 
 def asks_which_moves(question: str) -> bool:
     """Tell whether `question` asks if it is the sensor or the object that moves."""
-    plain = plain_text(question)
+    plain = without_openers(question)
     if sum(bool(re.search(words, plain)) for _, words in CLASS_NAMES) > 1 or "still" in plain:
         return False  # "is the sensor turning or the object sliding?"
     texts = naming_nothing(plain)

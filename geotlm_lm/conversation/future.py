@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.bare_motions import JUST, LEAD, TAIL
+from geotlm_lm.conversation.around import JUST, TAIL, WHETHER
 from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.motion_verbs import GOES, LIFTS, NEARS, SLIDES, TURNS, forms
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import without_openers
 from geotlm_lm.conversation.things import THING, naming_nothing
 
 NOT_TO_COME = (
@@ -32,20 +32,20 @@ _TOUCHED = (
     r"(?:push|pull|press|squeez|let go|loosen|tighten|grip|pok|hit|twist|lift)\w*"
 )
 _ASKED = re.compile(
-    rf"\W*{LEAD}(?:(?:(?:which way|what direction|which direction|where|how (?:far|fast|soon)) )?"
+    rf"{WHETHER}(?:(?:(?:which way|what direction|which direction|where|how (?:far|fast|soon)) )?"
     rf"(?:(?:will|won't) {_IT} {_SOON}{_MOVE}"
     rf"|(?:is|was) {_IT} {JUST}(?:going to|bound to|gonna) {_SOON}{_MOVE})"
     rf"|(?:can|can't|would) {_IT} {_SOON}{_GO})"
     rf"{_WAY}(?: (?:soon|next|later|again))?{TAIL}"
-    rf"|\W*(?:would|will|could|can) {_IT} {_SOON}{_GO}{_WAY} if {_TOUCHED}\b.*"
-    rf"|\W*(?:how long|how much time)(?: will it (?:take|be))? (?:until|till|before)"
+    rf"|(?:would|will|could|can) {_IT} {_SOON}{_GO}{_WAY} if {_TOUCHED}\b.*"
+    rf"|(?:how long|how much time)(?: will it (?:take|be))? (?:until|till|before)"
     rf" (?:{_IT}|(?:the )?contact)"
     rf" (?:{forms(_VERBS, 'third')}|(?:is|has|will|starts|begins|stops)\b.*){_WAY}{TAIL}"
-    r"|\W*(?:what(?:'s| is) the )?time (?:left )?(?:to|until|till)\b.*"
+    r"|(?:what(?:'s| is) the )?time (?:left )?(?:to|until|till)\b.*"
 )
 """Nothing is said of what it could do: "could it turn clockwise?" may ask what it does."""
 
 
 def asks_what_comes(question: str) -> bool:
     """Tell whether a whole text asks how something will move; nothing supposed before it."""
-    return any(map(_ASKED.fullmatch, naming_nothing(plain_text(question))))
+    return any(map(_ASKED.fullmatch, naming_nothing(without_openers(question))))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.motion_verbs import SLIDES, TURNS, forms
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import without_openers
 from geotlm_lm.core.labels import MotionClass
 
 REST = (
@@ -22,7 +22,7 @@ _WORDS: tuple[tuple[MotionClass, str], ...] = (
     (MotionClass.NONE, r"nothing|no contact|untouched|not touching"),
 )
 _ONE = "|".join(f"(?:{words})" for _, words in _WORDS)
-_LEAD = r"(?:(?:and|so|ok|now|but|please|tell me|which is it)[,:]? +)*"
+_LEAD = r"(?:(?:tell me|which is it)[,:]? +)*"
 _IS = r"(?:is|was|does|did) (?:it|this|that|(?:the|my) \w+) "
 _CHOICE = re.compile(
     rf"{_LEAD}(?:{_IS})?(?:either )?(?:just |an? )?(?P<one>{_ONE})"
@@ -36,7 +36,7 @@ def offered_kinds(question: str) -> frozenset[MotionClass] | None:
 
     Rest is one of them, and a turn or a slide another: models know choices among the others.
     """
-    said = _CHOICE.fullmatch(plain_text(question))
+    said = _CHOICE.fullmatch(without_openers(question))
     if said is None:
         return None
     words = re.split(r",? or (?:is it |is )?|, ", said["one"] + said["others"])

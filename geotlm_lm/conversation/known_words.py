@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import re
 
+from geotlm_lm.conversation.around import JUST, TAIL
 from geotlm_lm.conversation.kind_words import GEL
 from geotlm_lm.conversation.motion_verbs import TURN
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import without_openers
 from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.things import THING, naming_nothing
 
@@ -18,12 +19,6 @@ _HOLD = r"(?:grasp|grip|hold)"
 _HOLDER = rf"(?:gripper|{_HOLD}|hand|jaws?|fingers?|{GEL})"
 _WHO = r"(?:i|we|you|the (?:gripper|robot|hand))"
 _SOMETHING = r"(?:it|something|anything|(?:an|the|my) object)"
-_JUST = r"(?:(?:just|already|now|still|really|actually) )?"
-_LEAD = r"(?:(?:and|so|ok|now|but|hey|please|tell me)[,:]? +)*"
-_TAIL = (
-    r"(?:[,.:;?]? *(?:please|yes or no|or not|answer yes or no|now|at all|again|yet)"
-    r"|, *(?:right|correct)|,? *(?:is|was)n't (?:it|there))*[ ?.!=]*"
-)
 _SLIP = r"(?:slip(?:s|page|ping)?)"
 
 _IS_TOUCHED = "Is anything touching the gel?"
@@ -34,24 +29,24 @@ _MOVES = "Is it moving at all?"
 
 _SAID: tuple[tuple[str, str], ...] = (
     (
-        rf"(?:has|have|had|did) {THING} {_JUST}(?:left|leave"
+        rf"(?:has|have|had|did) {THING} {JUST}(?:left|leave"
         rf"|(?:slip(?:ped)?|fall(?:en)?|drop(?:ped)?|escaped?) (?:out of|off|from)) "
         rf"(?:the |my )?{_HOLDER}"
-        rf"|(?:has|have|had|did) {_WHO} {_JUST}(?:los[et]|miss(?:ed)?|drop(?:ped)?)"
+        rf"|(?:has|have|had|did) {_WHO} {JUST}(?:los[et]|miss(?:ed)?|drop(?:ped)?)"
         rf" (?:it|(?:the|my) (?:\w+))"
-        rf"|(?:did|has|have|had) {THING} {_JUST}(?:fall(?:en)?|drop(?:ped)?)(?: (?:down|off|out))?"
-        rf"|(?:is|was) (?:{THING}|the {_HOLDER}) {_JUST}(?:free of (?:any )?contact|out of touch)"
-        rf"|(?:is|was) (?:the |my )?object {_JUST}(?:gone|lost|missing)"
-        rf"|(?:is|was) (?:the |my )?{_HOLDER} {_JUST}(?:empty|free|clear)|empty {_HOLDER}"
-        rf"|(?:is|was) (?:the |my )?{GEL} {_JUST}idle|(?:the )?(?:contact|object|{_HOLD}) lost"
-        rf"|(?:is|was) (?:{THING}) {_JUST}(?:gone|lost)"
+        rf"|(?:did|has|have|had) {THING} {JUST}(?:fall(?:en)?|drop(?:ped)?)(?: (?:down|off|out))?"
+        rf"|(?:is|was) (?:{THING}|the {_HOLDER}) {JUST}(?:free of (?:any )?contact|out of touch)"
+        rf"|(?:is|was) (?:the |my )?object {JUST}(?:gone|lost|missing)"
+        rf"|(?:is|was) (?:the |my )?{_HOLDER} {JUST}(?:empty|free|clear)|empty {_HOLDER}"
+        rf"|(?:is|was) (?:the |my )?{GEL} {JUST}idle|(?:the )?(?:contact|object|{_HOLD}) lost"
+        rf"|(?:is|was) (?:{THING}) {JUST}(?:gone|lost)"
         rf"|lost (?:it|(?:the )?object|(?:the )?{_HOLD})"
-        rf"|(?:is|was) {THING} {_JUST}(?:falling|dropping|escaping)(?: (?:down|off|out))?"
+        rf"|(?:is|was) {THING} {JUST}(?:falling|dropping|escaping)(?: (?:down|off|out))?"
         r"|(?:did|has|have) (?:the )?contact (?:break|broken|end|ended|stop|stopped|cease|ceased)",
         _IS_LOST,
     ),
     (
-        rf"(?:do|did|have|am|are|is|does|has) {_WHO} {_JUST}"
+        rf"(?:do|did|have|am|are|is|does|has) {_WHO} {JUST}"
         rf"(?:(?:hold|holding|held|gripp?(?:ing|ed)?|grasp(?:ing|ed)?) "
         rf"(?:(?:the|my) \w+|{_SOMETHING})"
         rf"|(?:got|have|caught|got hold of) {_SOMETHING})"
@@ -60,38 +55,38 @@ _SAID: tuple[tuple[str, str], ...] = (
         r"|(?:has|was) contact (?:been )?(?:made|established)"
         r"|(?:did|has|have) (?:the )?contact (?:start|begin|begun|occur|happen)(?:ed|red)?"
         rf"|(?:is|was) there (?:still|now|already|really) (?:(?:a|any) )?contact"
-        rf"|(?:(?:is|was) (?:the |any )?)?contact {_JUST}(?:present|there|detected|established)"
-        rf"|there(?:'s| is| was) {_JUST}(?:a |some )?contact"
-        rf"|(?:is|was|are|were)n't (?:{THING}|{_WHO}) {_JUST}(?:touching|touched|in contact)"
+        rf"|(?:(?:is|was) (?:the |any )?)?contact {JUST}(?:present|there|detected|established)"
+        rf"|there(?:'s| is| was) {JUST}(?:a |some )?contact"
+        rf"|(?:is|was|are|were)n't (?:{THING}|{_WHO}) {JUST}(?:touching|touched|in contact)"
         rf"(?: (?:with )?(?:the {GEL}|{_SOMETHING}))?"
         rf"|(?:feel|felt|sense|sensed) {_SOMETHING}|got (?!it){_SOMETHING}|got it(?=\W*\?)"
-        rf"|(?:did|has|have|had) {_WHO} {_JUST}(?:grab(?:bed)?|catch|caught) "
+        rf"|(?:did|has|have|had) {_WHO} {JUST}(?:grab(?:bed)?|catch|caught) "
         rf"(?:(?:the|my) \w+|{_SOMETHING})(?: up)?"
-        rf"|(?:is|was) {THING} {_JUST}(?:in|inside|between) (?:the|my|its|our) "
+        rf"|(?:is|was) {THING} {JUST}(?:in|inside|between) (?:the|my|its|our) "
         rf"(?:gripper|hand|jaws?|fingers?|{_HOLD})"
-        rf"|(?:is|was) (?:the|my) object {_JUST}(?:present|there|detected)"
-        rf"|(?:is|was) {THING} {_JUST}(?:pressing|pushing) (?:against|on|onto) (?:the )?{GEL}"
+        rf"|(?:is|was) (?:the|my) object {JUST}(?:present|there|detected)"
+        rf"|(?:is|was) {THING} {JUST}(?:pressing|pushing) (?:against|on|onto) (?:the )?{GEL}"
         rf"|(?:is|was) there {_SOMETHING} (?:in|inside|between) (?:the|my|its|our) "
         rf"(?:gripper|hand|jaws?|fingers?|{_HOLD})"
         r"|anything|something|(?:is |was )?(?:an |any )?object (?:present|detected)"
         r"|(?:is|was) there really (?:something|anything)"
-        rf"|(?:is|was) {THING} {_JUST}(?:being )?(?:held|gripped|grasped)"
-        rf"|(?:is|was) {THING} {_JUST}pressed(?: (?:against|on|onto|to) (?:the )?{GEL})?",
+        rf"|(?:is|was) {THING} {JUST}(?:being )?(?:held|gripped|grasped)"
+        rf"|(?:is|was) {THING} {JUST}pressed(?: (?:against|on|onto|to) (?:the )?{GEL})?",
         _IS_TOUCHED,
     ),
     (
-        rf"(?:is|was) {THING} {_JUST}being (?:pressed|pushed) (?:against|on|onto) (?:the )?{GEL}",
+        rf"(?:is|was) {THING} {JUST}being (?:pressed|pushed) (?:against|on|onto) (?:the )?{GEL}",
         f"{_IS_TOUCHED} Is it pressing in?",
     ),
     (
         rf"(?:(?:is|was) )?(?:(?:it|(?:the|my|this|a) {_HOLD}) )?(?:stable|steady)|stationary"
-        rf"|(?:is|was) {THING} {_JUST}idle"
+        rf"|(?:is|was) {THING} {JUST}idle"
         rf"|(?:is|was) it a (?:stable|steady) {_HOLD}"
-        rf"|(?:has|have|had) {THING} {_JUST}(?:settled|rested|held(?: still)?)"
-        rf"|(?:has|have|had) {THING} {_JUST}been (?:still|at rest)"
-        rf"|(?:has|have|had) (?:the|my|this) {_HOLD} {_JUST}held"
-        rf"|(?:did|does) {THING} {_JUST}(?:settle|rest)"
-        rf"|(?:did|does|has|have|had) {THING} {_JUST}(?:stay|remain)(?:ed)? "
+        rf"|(?:has|have|had) {THING} {JUST}(?:settled|rested|held(?: still)?)"
+        rf"|(?:has|have|had) {THING} {JUST}been (?:still|at rest)"
+        rf"|(?:has|have|had) (?:the|my|this) {_HOLD} {JUST}held"
+        rf"|(?:did|does) {THING} {JUST}(?:settle|rest)"
+        rf"|(?:did|does|has|have|had) {THING} {JUST}(?:stay|remain)(?:ed)? "
         r"(?:put|in place|where it (?:is|was))",
         _IS_STILL,
     ),
@@ -108,14 +103,14 @@ _SAID: tuple[tuple[str, str], ...] = (
         OPEN_QUESTION,
     ),
     (
-        rf"(?:(?:is|was|does|did|has) {THING} {_JUST}(?:going|moving|moved|go|gone|move) )?"
+        rf"(?:(?:is|was|does|did|has) {THING} {JUST}(?:going|moving|moved|go|gone|move) )?"
         r"(?:straight|in a (?:straight )?line)",
         _SLIDES,
     ),
     (
-        rf"(?:(?:is|was|does|did|has) {THING} {_JUST}(?:going|moving|moved|go|gone|move) )?"
+        rf"(?:(?:is|was|does|did|has) {THING} {JUST}(?:going|moving|moved|go|gone|move) )?"
         r"(?:in (?:a )?circles?|(?:a)?round and (?:a)?round|(?:a)?round in (?:a )?circles?)"
-        rf"|(?:is|was|does|did|has) {THING} {_JUST}(?:going|go|gone) (?:a)?round",
+        rf"|(?:is|was|does|did|has) {THING} {JUST}(?:going|go|gone) (?:a)?round",
         _TURNS,
     ),
     (
@@ -127,7 +122,7 @@ _SAID: tuple[tuple[str, str], ...] = (
     (
         r"(?:(?:is|was|did|does|has) )?(?:anything|something)"
         r" (?:happen(?:s|ed|ing)?|chang(?:es|ed|e|ing)|going on)"
-        rf"|(?:(?:is|was|does|did|has) {THING} {_JUST})?mov(?:e|ed|ing) (?:a)?round",
+        rf"|(?:(?:is|was|does|did|has) {THING} {JUST})?mov(?:e|ed|ing) (?:a)?round",
         _MOVES,
     ),
     (
@@ -147,7 +142,9 @@ _SAID: tuple[tuple[str, str], ...] = (
     ),
 )
 
-_PATTERNS = tuple((re.compile(rf"{_LEAD}(?:{words}){_TAIL}"), known) for words, known in _SAID)
+_PATTERNS = tuple(
+    (re.compile(rf"(?:tell me[,:]? )?(?:{words}){TAIL}"), known) for words, known in _SAID
+)
 
 
 SLIP_IS_A_SLIDE = "Slip is taken for a slide; ask 'is it turning?' for a turn."
@@ -164,6 +161,6 @@ def in_known_words(question: str) -> str:
 
     What asks for anything besides stays as it is.
     """
-    text = plain_text(question)
+    text = without_openers(question)
     texts = (text, *naming_nothing(text))
     return next((known for words, known in _PATTERNS if any(map(words.fullmatch, texts))), question)

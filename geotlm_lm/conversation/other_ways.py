@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.kind_words import PICTURE
+from geotlm_lm.conversation.plain_text import without_openers
 
 OTHER_WAYS = (
     "I tell how it turns, slides, presses and lifts against the gel, not whether it rolls, tips, "
@@ -16,15 +17,14 @@ PARTIAL_SLIP = (
 )
 
 _THING = rf"(?:it|this|that|(?:the|this|that|my) (?!{PICTURE})(?:\w+ )?\w+)"
-_OPENS = r"\W*(?:(?:and|so|ok|but)[, ]+)?"
 _ROLLS = (
     r"(?:(?:roll|bounc|vibrat|shak|tilt|tip|tipp|bend|stretch|compress|deform|toppl|fold|buckl)"
     r"(?:e|es|ed|s|ing|led|ling|le)?|shook|shaken|bent)"
 )
 _ASKED = re.compile(
-    rf"{_OPENS}(?:did|does|has|is|was) {_THING} (?:(?:ever|now|just|still|being) )?{_ROLLS}"
+    rf"(?:did|does|has|is|was) {_THING} (?:(?:ever|now|just|still|being) )?{_ROLLS}"
     r"(?: over| at all)?\W*"
-    rf"|{_OPENS}(?:did|does|has|was) (?!it\b|this\b|that\b){_THING} (?:flip|flipped)(?: over)?\W*"
+    rf"|(?:did|does|has|was) (?!it\b|this\b|that\b){_THING} (?:flip|flipped)(?: over)?\W*"
 )
 _PARTIAL_SLIP = re.compile(r"\b(?:incipient|partial|micro|local(?:i[sz]ed)?)[ -]?slip\w*\b")
 
@@ -36,4 +36,4 @@ def told_of_other_ways(text: str) -> str | None:
     """
     if _PARTIAL_SLIP.search(text):
         return PARTIAL_SLIP
-    return OTHER_WAYS if _ASKED.fullmatch(text) else None
+    return OTHER_WAYS if _ASKED.fullmatch(without_openers(text)) else None

@@ -7,10 +7,10 @@ import re
 from geotlm_lm.conversation.motion_names import claimed_motion
 from geotlm_lm.conversation.motion_verbs import PRESSES, TURNS, base_of, forms
 from geotlm_lm.conversation.motion_verbs import SLIDES as SLIDE_VERBS
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import without_openers
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 
-_LEAD = r"(?:(?:and|so|or|ok|okay|now|but|then|maybe|query|check|still)[,:]? +)*"
+_LEAD = r"(?:(?:or|maybe|query|check|still)[,:]? +)*"
 _YES_OR_NO = (
     r"(?:yes or no|yes/no|y/n|true or false|true/false|affirm(?:ative)? or negative"
     r"|correct or not|or not|or no)"
@@ -45,7 +45,7 @@ def _ways(offered: str) -> list[str]:
 
 def in_full(question: str) -> str:
     """Return a claim of a word or two as a question for a yes or a no; any other text as it is."""
-    text = plain_text(question)
+    text = without_openers(question)
     if len(text.split()) > MOST_WORDS:
         return question
     if (offered := _SLASHED.fullmatch(text)) and all(map(claimed_motion, _ways(offered["ways"]))):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import without_openers
 from geotlm_lm.conversation.question import OPEN_QUESTION
 
 _X = r"(?:d ?x|delta[ -]?x|x(?:[ -](?:coordinate|component|displacement|shift|motion|position))?)"
@@ -26,17 +26,16 @@ _SHRINKS = (
     r"(?:decreas|shrink|fall|drop)(?:e|es|s|ing|ping)?|(?:go|goes|going) down"
     rf"|{_GETS} (?:smaller|less)"
 )
-_LEAD = r"(?:(?:and|so|ok|now|but|please|then)[,:]? +)*"
 _THEN = r"(?:yes or no|or not|then|please|(?:in|of) (?:it|this(?: clip| recording)?))"
 _END = rf"(?:[,.]? *{_THEN})*[ ?.!]*"
 _SIGN = re.compile(
-    rf"{_LEAD}(?:(?:is|was|does|did|do|are) )?(?:the sign of )?{_AXIS} ?(?:(?:is|are) )?"
+    rf"(?:(?:is|was|does|did|do|are) )?(?:the sign of )?{_AXIS} ?(?:(?:is|are) )?"
     rf"(?:(?P<plus>positive|plus|>=? ?0|\+|{_GROWS})|(?P<minus>negative|minus|<=? ?0|-|{_SHRINKS}))"
     rf"{_END}"
 )
 _CHANGES = rf"(?:{_GROWS}|{_SHRINKS})"
 _EITHER = tuple(
-    re.compile(rf"{_LEAD}{words}{_END}")
+    re.compile(rf"{words}{_END}")
     for words in (
         rf"(?:(?:what|which) (?:is )?)?(?:the )?sign (?:of|has) {_AXIS}",
         rf"(?:is|was|does|did|do|are) {_AXIS} {_CHANGES},? or (?:(?:is|was|does|did) it )?"
@@ -108,15 +107,13 @@ _OF_A_TURN = (
 
 CLOCKWISE_IS_POSITIVE = "Clockwise as drawn is a positive angle: from x, right, towards y, down."
 
-_PLAINLY = tuple(
-    (re.compile(rf"{_LEAD}{words}"), asked) for words, asked in (*_OF_A_VECTOR, *_OF_A_TURN)
-)
+_PLAINLY = tuple((re.compile(words), asked) for words, asked in (*_OF_A_VECTOR, *_OF_A_TURN))
 
 
 def asks_sign_of_turn(question: str) -> bool:
     """Tell whether a question is after the sign of the turning angle, which is a convention."""
-    text = plain_text(question)
-    return any(re.fullmatch(f"{_LEAD}{words}", text) for words, _ in _OF_A_TURN)
+    text = without_openers(question)
+    return any(re.fullmatch(words, text) for words, _ in _OF_A_TURN)
 
 
 def asked_of_axes(question: str) -> str | None:
@@ -124,7 +121,7 @@ def asked_of_axes(question: str) -> str | None:
 
     "Is dx negative?" asks whether it goes left, "does the row index increase?" whether down.
     """
-    text = plain_text(question)
+    text = without_openers(question)
     for words, asked in _PLAINLY:
         if (said := words.fullmatch(text)) is not None:
             parts = said.groupdict()
@@ -153,7 +150,7 @@ def asked_of_axes(question: str) -> str | None:
 
 def counts_pixels(question: str) -> bool:
     """Tell whether `question` asks of rows or columns, which are those of the recorded image."""
-    text = plain_text(question)
+    text = without_openers(question)
     found = (words.fullmatch(text) for words in (_SIGN, *_EITHER))
     return any(said["column"] or said["row"] for said in found if said is not None)
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import without_openers
 
 _SCREWED = r"(?:screw|bolt|nut|thread|bulb)"
 _CLOSES = r"(?:cap|lid|jar|bottle|stopper|tap|valve|faucet)"
 _THE = r"(?:the|my|this|that) (?:\w+ )?"
-_LEAD = r"(?:(?:and|so|ok|now|but|hey|please|then)[,:]? +)*"
 _IS = r"(?:is|was|does|did|will|am|are)"
 _TIGHTENS = r"(?:open(?:s|ed|ing)?|clos(?:e|es|ed|ing)|(?:un)?fasten(?:s|ed|ing)?)"
 _ADVANCES = r"(?:advanc(?:e|es|ing)|retract(?:s|ing)?)"
@@ -21,7 +20,7 @@ _THREADED = rf"{_THE}(?:{_SCREWED}|{_CLOSES})"
 _TIGHTENING = r"(?:opening|closing|(?:un)?fastening)"
 
 _OF_A_THREAD = re.compile(
-    rf"{_LEAD}(?:{_IS} {_SCREW} {_GOES} {_IN_OUT}{_OR.format(_IN_OUT)}"
+    rf"(?:{_IS} {_SCREW} {_GOES} {_IN_OUT}{_OR.format(_IN_OUT)}"
     rf"|{_IS} {_SCREW} {_ADVANCES}{_OR.format(_ADVANCES)}"
     rf"|(?:is|was|are) {_THREADED} (?:(?:being|getting) {_TIGHTENS}|{_TIGHTENING})"
     rf"{_OR.format(_TIGHTENS)}"
@@ -35,7 +34,7 @@ _OF_A_THREAD = re.compile(
 """Of things that have one."""
 
 _WHERE_ONE_IS_KNOWN = re.compile(
-    rf"{_LEAD}(?:(?:{_IS} )?(?:(?:it|this|that) )?(?:{_GOES} )?{_IN_OUT}{_OR.format(_IN_OUT)}"
+    rf"(?:(?:{_IS} )?(?:(?:it|this|that) )?(?:{_GOES} )?{_IN_OUT}{_OR.format(_IN_OUT)}"
     rf"|(?:{_IS} )?(?:(?:it|this|that) )?(?:{_ADVANCES}|{_TIGHTENS})"
     rf"{_OR.format(f'{_ADVANCES}|{_TIGHTENS}')})[ ?.!]*"
 )
@@ -51,6 +50,6 @@ def of_a_thread(question: str, is_known: bool) -> str:
         question: What is asked.
         is_known: Whether the thread of what is touched has been told.
     """
-    text = plain_text(question)
+    text = without_openers(question)
     asks = _OF_A_THREAD.fullmatch(text) or (is_known and _WHERE_ONE_IS_KNOWN.fullmatch(text))
     return _TIGHTER_OR_LOOSER if asks else question

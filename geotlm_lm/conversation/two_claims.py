@@ -18,7 +18,7 @@ from geotlm_lm.conversation.clip_names import (
 )
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import TURN
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import without_openers
 from geotlm_lm.conversation.two_clips import of_two_in_known_words
 from geotlm_lm.core.labels import Motion, motion_class
 
@@ -35,7 +35,7 @@ _RELATION = re.compile(
     r"\b(?:" + "|".join(f"(?P<{name}>{words})" for name, words in _RELATIONS) + r")\b"
 )
 _OPENLY = re.compile(
-    r"^\W*(?:(?:and|so|ok|now|please)[, ]+)*(?:what|how|which|in (?:what|which)|tell|describe"
+    r"(?:what|how|which|in (?:what|which)|tell|describe"
     r"|explain|compare|why|when|where)\b"
 )
 _TAG = re.compile(
@@ -47,7 +47,6 @@ _BOTH_OF_THEM = (
     r"|the (?:two )?(?:clips|motions|movements|two))"
 )
 _OF_KIND = re.compile(
-    r"\W*(?:(?:and|so|ok|now|but)[, ]+)*"
     rf"(?:(?:do|did|are|were|is|was|have)(?:n't)? {_BOTH_OF_THEM} (?:not )?"
     rf"|(?P<denied>(?:{_BOTH_OF_THEM}(?:(?: are| were| do| did| have)(?:n't| not)|'re not) |not ))"
     rf"|{_BOTH_OF_THEM}(?:'re | are | were | ))?(?:both )?"
@@ -58,7 +57,7 @@ _OF_KIND = re.compile(
     r"(?:,? (?:in both(?: clips)?|here|at all|please|or not|yes or no|right|correct"
     r"|(?:are|do|is)n't (?:they|it)))*\W*"
 )
-_PLAINLY = re.compile(r"^\W*(?:(?:and|so|ok|now|but)[, ]+)*(?:do|did|are|were|the|same)\b")
+_PLAINLY = re.compile(r"(?:do|did|are|were|the|same)\b")
 _FALSE = re.compile(r"\b(?:is|was) it (?:false|wrong|untrue) that\b")
 
 _CHANGED = (
@@ -174,7 +173,7 @@ def claimed_relation(question: str) -> RelationClaim | None:
 
     None too where it offers two: "the same or opposite?".
     """
-    text = _IF_ANY.sub("", plain_text(question))
+    text = _IF_ANY.sub("", without_openers(question))
     named = [found.lastgroup for found in _RELATION.finditer(text)]
     if _OPENLY.match(text) or len(set(named)) != 1:
         return None
@@ -188,7 +187,7 @@ def claimed_relation(question: str) -> RelationClaim | None:
 
 def claims_same_kind(question: str) -> bool | None:
     """Return whether a whole text asks if two clips show one kind of motion, or two; else None."""
-    text = plain_text(question)
+    text = without_openers(question)
     said = _OF_KIND.fullmatch(text)
     return None if said is None else bool(said["same"]) != bool(said["denied"])
 
@@ -198,7 +197,7 @@ def supposed_change(question: str) -> tuple[str, int, Change] | None:
 
     "If the second clip were mirrored, would they turn the same way?"
     """
-    text = plain_text(question)
+    text = without_openers(question)
     said = _SUPPOSED.search(text)
     if said is None:
         return None
@@ -209,7 +208,7 @@ def supposed_change(question: str) -> tuple[str, int, Change] | None:
 
 def claimed_image(question: str) -> Change | None:
     """Return as what one clip is claimed to be the other: "is it the mirror of the first?"."""
-    text = plain_text(question)
+    text = without_openers(question)
     said = _IMAGE_OF.search(text)
     if said is None or not (asks_yes_or_no(text) or text.endswith("?")):
         return None
@@ -218,13 +217,13 @@ def claimed_image(question: str) -> Change | None:
 
 def asks_undoing(question: str) -> bool:
     """Tell whether it is asked if one clip's motion undoes the other's."""
-    text = plain_text(question)
+    text = without_openers(question)
     return bool(_UNDO.search(text)) and not _OPENLY.match(text)
 
 
 def claimed_share(question: str) -> ShareClaim | None:
     """Return which motions are asked for, and of how many clips; None where no such thing is."""
-    text = _IF_ANY.sub("", _OFFERED.sub(" ", plain_text(question)))
+    text = _IF_ANY.sub("", _OFFERED.sub(" ", without_openers(question)))
     if _NO_CLIP.search(text) or _RELATION.search(text):
         return None
     of = next((of for of, words in _OF_WHOM if re.search(words, text)), None)
@@ -244,13 +243,13 @@ def claimed_share(question: str) -> ShareClaim | None:
 
 def claimed_subject(question: str) -> int | None:
     """Return which clip, 0 or 1, a yes-or-no question is about: "is the second one faster?"."""
-    said = _SUBJECT.search(plain_text(question))
+    said = _SUBJECT.search(without_openers(question))
     return None if said is None else place_of(said["subject"])
 
 
 def asks_same_amount(question: str) -> str | None:
     """Return "magnitude" or "rate" where it is asked if two clips go as far, or as fast."""
-    text = plain_text(question)
+    text = without_openers(question)
     if _OPENLY.match(text) or not _AS_MUCH.search(text):
         return None
     return "rate" if _SPEED.search(text) else "magnitude"
@@ -261,7 +260,7 @@ _TURNS = re.compile(rf"\b{TURN}")
 
 def claimed_each(question: str) -> tuple[frozenset[Motion], frozenset[Motion]] | None:
     """Return what a question claims of the first clip and of the second; None where not of both."""
-    said = _EACH.fullmatch(plain_text(question).rstrip("?!. "))
+    said = _EACH.fullmatch(without_openers(question).rstrip("?!. "))
     if said is None or place_of(said["one"]) == place_of(said["other"]):
         return None
     of_other = said["of_other"]

@@ -7,7 +7,7 @@ import re
 from geotlm_lm.conversation.clip_names import named_alone, place_named
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import plain_text, without_openers
 
 _MOTION_NOUN = (
     r"(?:ways?|directions?|sense|motions?|movements?|rotations?|turns?|turning|slides?|sliding"
@@ -57,7 +57,7 @@ _BETWEEN = (
 )
 _THE_WAY = r"(?:it|this|that|the (?:direction|motion|movement|way|sense)(?: of \w+)?)"
 _SAID = tuple(
-    (re.compile(rf"\W*(?:(?:and|so|but|ok)[, ]+)*(?:{words}){_BETWEEN}\W*"), known)
+    (re.compile(rf"(?:{words}){_BETWEEN}\W*"), known)
     for words, known in (
         (
             rf"(?:did|has|have|was) {_THE_WAY} (?:been )?(?:chang|switch)(?:e|es|ed)?"
@@ -88,18 +88,18 @@ _SAID = tuple(
 _BEFORE = r"(?:before|last time|the (?:one before|previous (?:one|time|clip|turn|slide)))"
 _THAN_BEFORE = rf"(?: than (?:{_BEFORE}|the last (?:one|time|clip|turn|slide)))"
 _MORE_THAN_BEFORE = re.compile(
-    r"\W*(?:(?:and|so|but|ok)[, ]+)*(?:(?:is|was|did|does|has) )?(?:(?:it|this|that)(?: one)? )?"
+    r"(?:(?:is|was|did|does|has) )?(?:(?:it|this|that)(?: one)? )?"
     rf"(?:(?:(?P<slide>{SLIDE})|(?P<turn>{TURN})|go|went|going|gone|{GO})\w* )?"
     rf"(?P<more>faster|slower|quicker|further|farther|more|less){_THAN_BEFORE}\W*"
-    r"|\W*(?:is|was) this one (?P<so>faster|slower|quicker|further|farther)\W*"
+    r"|(?:is|was) this one (?P<so>faster|slower|quicker|further|farther)\W*"
 )
 _FURTHER = {"more": "further"}
-_THE_FIRST = re.compile(rf"\W*(?:(?:and|what about|how about|so|ok)[, ]+)*{_BEFORE}\W*")
+_THE_FIRST = re.compile(rf"(?:(?:what about|how about) )?{_BEFORE}\W*")
 
 
 def of_two_in_known_words(question: str) -> str | None:
     """Return, in words for two clips, what a whole text asks of what changed between them."""
-    text = plain_text(question)
+    text = without_openers(question)
     if (said := _MORE_THAN_BEFORE.fullmatch(text)) is not None:
         more = said["more"] or said["so"]
         verb = "slide" if said["slide"] else "turn" if said["turn"] else "go"

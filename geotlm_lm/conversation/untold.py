@@ -11,7 +11,7 @@ from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE, TURN
 from geotlm_lm.conversation.number_words import NUMBER
 from geotlm_lm.conversation.other_ways import told_of_other_ways
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import plain_text, without_openers
 
 _WHEN = (
     "I tell how it moves between the frames used, not when: `geotlm-lm watch` tells when each "
@@ -64,7 +64,7 @@ _FILLERS = frozenset(
 _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
     (
         re.compile(
-            r"^(?:(?:and|so|ok|hey)[, ]+)?when (?:is|was|does|did|do|has|will|exactly)\b"
+            r"^when (?:is|was|does|did|do|has|will|exactly)\b"
             r"|^when\W*$"
             r"|\b(?:at|in|from) (?:what|which) (?:frame|time|moment|second)\b"
             r"|^(?:what|which) frame\b"
@@ -102,7 +102,7 @@ _A_THING = (
     r"|change)s?\b)\w+"
 )
 _GOES = rf"(?:(?:com|go|head|{GO}|{SLIDE}|{TURN}){ENDING})"
-_DOES_IT = r"(?:(?:and|so|but)[, ]+)?(?:does|did|is|was|has) (?:it|this|that|(?:the|my) \w+)"
+_DOES_IT = r"(?:does|did|is|was|has) (?:it|this|that|(?:the|my) \w+)"
 _ASIDE = (
     r"(?:left|right|top|bottom|upper|lower|sides?|up|down|other|opposite|same|halt|stop|rest"
     r"|start|beginning)\b"
@@ -151,11 +151,10 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
     ),
     (
         re.compile(
-            r"^\W*(?:(?:and|so|ok|but)[, ]+)?"
-            r"(?:(?:should|shall|must) (?:i|we|the (?:robot|gripper))|do (?:i|we) (?:have|need) to)"
-            rf" (?:now |better )?{_ACT}"
-            rf"|^\W*(?:(?:and|so|ok|but)[, ]+)?can (?:i|we) (?:now |safely )?{_ACT}"
-            r"|^\W*(?:(?:and|so|ok|but)[, ]+)?what should (?:i|we) do\b(?! to\b)"
+            r"^(?:(?:should|shall|must) (?:i|we|the (?:robot|gripper))"
+            rf"|do (?:i|we) (?:have|need) to) (?:now |better )?{_ACT}"
+            rf"|^can (?:i|we) (?:now |safely )?{_ACT}"
+            r"|^what should (?:i|we) do\b(?! to\b)"
             rf"|\bis it (?:safe|ok|okay|fine|time|wise) to {_ACT}"
         ),
         _ADVICE,
@@ -207,7 +206,7 @@ _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
             r"(?!\d|(?:first|second|third|other|last|previous|one)\b(?! hand))"
             r"|\btoo (?:far|much|fast|slow|slowly|quick|quickly|little|long)\W*$"
             r"|\b(?:far|fast|slow|much|slowly) enough\W*$"
-            r"|^\W*(?:and |so )?(?:is|was) (?:it|that|this) "
+            r"|^(?:is|was) (?:it|that|this) "
             r"(?:a lot|a little|much|little|far|fast|slow)\W*$"
         ),
         _NO_COMPARISON,
@@ -259,7 +258,7 @@ _OF_A_MOTION = re.compile(
     r"\b(?:mov|motion|head|slid|slip|turn|travel|shift|rest|grow|larger|enlarg|smaller|chang)\w*"
     r"|\bgo(?:es|ing)?\b"
 )
-_HOW_LARGE = re.compile(r"^(?:\W*(?:and|so|ok) )?how (?:large|small)\b")
+_HOW_LARGE = re.compile(r"^how (?:large|small)\b")
 
 
 def untold(question: str) -> str | None:
@@ -267,7 +266,7 @@ def untold(question: str) -> str | None:
 
     A presupposed motion ("when did it start to turn left?") is judged as such, not declined.
     """
-    text = plain_text(question)
+    text = without_openers(question)
     *asking, talk = _UNTOLD
     if talk[0].fullmatch(text) or _FILLERS.issuperset(re.findall(r"[\w']+", text)):
         return talk[1]
@@ -280,7 +279,7 @@ def untold(question: str) -> str | None:
 
 def never_told(question: str) -> str | None:
     """Return what to say to a question whose words pass for another one's; None to any else."""
-    text = plain_text(question)
+    text = without_openers(question)
     if _PARTS.search(text):
         return ONE_MOTION
     if (other := told_of_other_ways(text)) is not None:
@@ -295,5 +294,5 @@ def never_told(question: str) -> str | None:
 
 def asks_place(question: str) -> bool:
     """Tell whether `question` asks where on the gel the contact is."""
-    text = plain_text(question)
-    return bool(_PLACE.search(text)) and not _OF_A_MOTION.search(_HOW_LARGE.sub("", text))
+    asked = _HOW_LARGE.sub("", without_openers(question))
+    return bool(_PLACE.search(plain_text(question))) and not _OF_A_MOTION.search(asked)

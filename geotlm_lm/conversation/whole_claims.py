@@ -15,15 +15,14 @@ from geotlm_lm.conversation.claims import CLASS_NAMES
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import ENDING, GO, STIR
 from geotlm_lm.conversation.option_labels import labelled
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.plain_text import without_openers
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionClass, motion_class
 
 EVERY = frozenset(Motion)
 AT_REST = frozenset({Motion.STILL, Motion.NONE})
 
-_OPENERS = re.compile(
-    r"^(?:(?:and|so|ok|okay|now|hey|hi|well|please|surely|then|but|from touch alone|quick question"
-    r"|looking at this clip|one more)[,:!]? )+"
+_SAID_BEFORE = re.compile(
+    r"^(?:(?:hi|surely|from touch alone|quick question|looking at this clip|one more)[,:!]? )+"
 )
 _CLOSERS = re.compile(
     r"(?:[,.]? (?:please|thanks|thank you|then|now|here|in this clip|just asking|be brief)[.!?]*)+$"
@@ -113,10 +112,10 @@ class WholeClaim:
 
 def whole_claim(question: str) -> WholeClaim | None:
     """Return what `question` claims on the whole; None where other rules, or the model, read it."""
-    text = plain_text(question).strip(" ?.!")
+    text = without_openers(question).strip(" ?.!")
     if len(labelled(question.upper(), bool)) > 1:
         return None
-    text = _CLOSERS.sub("", _OPENERS.sub("", text, count=1))
+    text = _CLOSERS.sub("", without_openers(_SAID_BEFORE.sub("", text, count=1)))
     if (noted := _NOTED_OR_NOT.fullmatch(text)) is not None:
         return WholeClaim(_of_noun(noted["noun"]), is_denied=False)
     while (shorter := _TAGS.sub("", text)) != text:
