@@ -1,0 +1,86 @@
+"""The reasons behind an answer: whose words they are, in which frame, and that they end in it."""
+
+import pytest
+
+from geotlm_lm.checkpoint import Calibration
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.language.parse_answer import Slots
+from tests.answering.scripted import answerer_saying, feeling, recording
+
+
+def test_reasons_end_in_the_answer_and_say_whose_words_they_are(bundle):
+    answerer = feeling(bundle, "clockwise")
+    encoded = answerer.encode(recording())
+    answer = answerer.ask(encoded, "Which way?")
+    why = answerer.why(encoded, answer)
+    assert why.steps[0].startswith("Contact fills ")
+    assert why.steps[-1] == "Therefore: Clockwise, in the camera image."
+    assert why.steps[-2].startswith("The answer is told in this frame: camera image")
+    assert why.source == "by rule, from the geometry the model read; not in its own words"
+
+
+def test_reasons_of_an_answer_in_another_frame_say_where_their_own_ways_are_seen(bundle):
+    answerer = feeling(bundle, "clockwise")
+    encoded = answerer.encode(recording())
+    answer = answerer.ask(encoded, "Which way?", frame=FrameSpec(image_mirrored=True))
+    _, measured, sums, frame, conclusion = answerer.why(encoded, answer).steps
+    assert measured.startswith("In the camera image the whole contact ")
+    assert "wise in the camera image" in sums
+    assert frame.startswith("The answer is told in this frame: camera image with the mirror undone")
+    assert conclusion.startswith("Therefore: Counterclockwise, ")
+
+
+def test_reasons_of_an_answer_told_for_an_image_turned_back_are_those_of_the_image(bundle):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
+    encoded = answerer.encode(recording())
+    turned = FrameSpec(image_quarter_turn="clockwise")
+    as_seen, told = (
+        answerer.why(encoded, answerer.ask(encoded, "Which way?", frame=frame)).steps
+        for frame in (FrameSpec(), turned)
+    )
+    assert told[-1].startswith("Therefore: Down, in the camera image turned back")
+    against = ["this speaks against the conclusion" in steps[2] for steps in (as_seen, told)]
+    assert against[0] == against[1]
+
+
+def test_reasons_of_a_confidence_are_those_of_the_direction_it_is_about(bundle):
+    answerer = answerer_saying(bundle, {"*": "Clockwise, in the camera image."})
+    encoded = answerer.encode(recording())
+    steps = [
+        answerer.why(encoded, answerer.ask(encoded, question)).steps
+        for question in ("Which way?", "How sure are you?")
+    ]
+    assert steps[0][:-1] == steps[1][:-1]
+    assert steps[1][-1].startswith("Therefore: My confidence is ")
+
+
+@pytest.mark.parametrize("felt", [Motion.CLOCKWISE, Motion.LEFT])
+def test_reasons_of_a_model_trained_for_evidence_are_in_its_words_beside_what_was_measured(
+    bundle, felt
+):
+    said = bundle.grammar.sentence(Slots("evidence", felt))
+    answerer = answerer_saying(bundle, {"*": said, "Which way?": "Clockwise, in the camera image."})
+    encoded = answerer.encode(recording())
+    why = answerer.why(encoded, answerer.ask(encoded, "Which way?"))
+    place, *own, measured, sums, frame, conclusion = why.steps
+    against = " This speaks against the answer: the model is not of one mind."
+    assert place.startswith("Contact fills ")
+    assert " ".join(own) == said + (against if felt is Motion.LEFT else "")
+    assert measured.startswith("Measured: the whole contact ")
+    assert sums.startswith("The common shift cancels in the differences of the halves")
+    assert frame.startswith("The answer is told in this frame: ")
+    assert conclusion == "Therefore: Clockwise, in the camera image."
+    assert why.source.startswith("sentences 2 to 4 in the model's words, the others by rule")
+
+
+def test_reasons_of_an_answer_that_was_withheld_conclude_nothing_in_the_models_words(bundle):
+    said = bundle.grammar.sentence(Slots("evidence", Motion.CLOCKWISE))
+    answerer = answerer_saying(bundle, {"*": said, "Which way?": "Clockwise, in the camera image."})
+    answerer.bundle.calibration = Calibration(contact_threshold=1.0)
+    encoded = answerer.encode(recording())
+    answer = answerer.ask(encoded, "Which way?")
+    assert answer.abstained
+    why = answerer.why(encoded, answer)
+    assert not any("clockwise" in step for step in why.steps)
+    assert why.source == "by rule, from the geometry the model read; not in its own words"
