@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geotlm_lm import (
+    CLIP_SUFFIXES,
     GeoTLMError,
     Seen,
     Watcher,
@@ -82,7 +83,7 @@ def build(answerer: Answerer) -> None:
         with gr.Column():
             path = gr.File(
                 label="Recording",
-                file_types=[".mp4", ".avi", ".mov", ".mkv", ".npz", ".npy"],
+                file_types=list(CLIP_SUFFIXES),
                 type="filepath",
                 height=120,
             )

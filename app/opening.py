@@ -13,17 +13,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm import GeoTLMError, Seen, read_clip, second_opinions, views_of
+from geotlm_lm import (
+    CLIP_SUFFIXES,
+    IMAGE_SUFFIXES,
+    GeoTLMError,
+    Seen,
+    read_clip,
+    second_opinions,
+    views_of,
+)
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
 Image = NDArray[np.uint8]
 
-IMAGES = (".png", ".jpg", ".jpeg", ".bmp")
-"""Endings of single frames, several of which are one recording."""
-
-SUFFIXES = [".npy", ".npz", ".mp4", ".avi", ".mov", ".mkv", *IMAGES]
+SUFFIXES = sorted({*CLIP_SUFFIXES, *IMAGE_SUFFIXES})
+"""Endings of recordings, and of single frames, several of which are one."""
 
 ADVICE = {
     "pass --layout THW": "save frames[..., None], or use the command line with --layout THW",
@@ -176,4 +182,4 @@ def _advised(sentence: str) -> str:
 
 
 def _is_image(path: str) -> bool:
-    return Path(path).suffix.lower() in IMAGES
+    return Path(path).suffix.lower() in IMAGE_SUFFIXES

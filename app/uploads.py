@@ -24,6 +24,8 @@ BEGINNINGS = {
     ".avi": (8, b"AVI "),
     ".mp4": (4, b"ftyp"),
     ".mkv": (0, b"\x1a\x45\xdf\xa3"),
+    ".tif": (0, b"II*\0"),
+    ".tiff": (0, b"MM\0*"),  # the same with its numbers the other way round
 }
 """Where a file's kind is written in it, and how: a recording inside a message has no name."""
 

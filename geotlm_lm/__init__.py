@@ -11,9 +11,11 @@ __version__ = "0.1.0"
 _HOME_OF = {
     "Answer": "geotlm_lm.answering",
     "Answerer": "geotlm_lm.answering",
+    "CLIP_SUFFIXES": "geotlm_lm.recordings.read",
     "Clip": "geotlm_lm.core.clip",
     "FrameSpec": "geotlm_lm.core.frame_spec",
     "GeoTLMError": "geotlm_lm.core.errors",
+    "IMAGE_SUFFIXES": "geotlm_lm.recordings.images",
     "LEAST_SURE": "geotlm_lm.answering",
     "MAX_QUESTION_CHARACTERS": "geotlm_lm.conversation.question",
     "Motion": "geotlm_lm.core.labels",

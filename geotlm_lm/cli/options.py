@@ -31,7 +31,7 @@ ClipPath = Annotated[
         "--clip",
         parser=path_of,
         metavar="<path>",
-        help="Recording: .npy, .npz, .mp4, .avi, .mov, .mkv, or a folder of images.",
+        help="Recording: .npy, .npz, a video, a .tif of several pages, or a folder of images.",
     ),
 ]
 FrameSpan = Annotated[

@@ -129,7 +129,9 @@ def _image(home: Path) -> Target:
     folder, still = home / "frames", home / "idle.png"
     folder.mkdir()
     codes = [cv2.imencode(".png", frame)[1].tobytes() for frame in _frames()]
-    others = [cv2.imencode(kind, _frames()[0])[1].tobytes() for kind in (".jpg", ".bmp")]
+    others = [
+        cv2.imencode(kind, _frames()[0])[1].tobytes() for kind in (".jpg", ".bmp", ".tif", ".webp")
+    ]
     for number, code in enumerate(codes):
         (folder / f"{number}.png").write_bytes(code)
 
@@ -140,6 +142,17 @@ def _image(home: Path) -> Target:
         _use(folder)
 
     return Target((codes[3], *others), run, (b"IHDR", b"IDAT", b"\xff\xd8\xff", b"acTL"))
+
+
+def _stack(home: Path) -> Target:
+    path = home / "clip.tif"
+    cv2.imwritemulti(str(path), [*_frames()])
+
+    def run(data: bytes) -> None:
+        path.write_bytes(data)
+        _use(path)
+
+    return Target((path.read_bytes(),), run, (b"II*\0", b"MM\0*", b"\0\1", b"\1\1", b"\xff" * 4))
 
 
 def _height_map(home: Path) -> Target:
@@ -256,8 +269,10 @@ TARGETS: dict[str, Prepare] = {
     "mp4": partial(_video, ".mp4", "mp4v"),
     "mov": partial(_video, ".mov", "mp4v"),
     "mkv": partial(_video, ".mkv", "FFV1"),
+    "webm": partial(_video, ".webm", "VP80"),
     "played video": _played,
     "image": _image,
+    "stack": _stack,
     "height map": _height_map,
     "table of windows": _windows_table,
     "table of touches": _touch_table,

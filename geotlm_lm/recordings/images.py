@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 import cv2
@@ -14,9 +15,11 @@ import numpy as np
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.image_size import declared_size, is_cut_off
+from geotlm_lm.core.tiff_pages import page_sizes
+from geotlm_lm.recordings.decoding import AS_STORED, quiet_decoders, rgb_of_8_bits
 from geotlm_lm.recordings.limits import kept_frames, stride_for, stride_note
 
-IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp")
+IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 
 BACKGROUND_STEM = "background"
 """Name, without its ending, of the idle gel's image among a folder's frames."""
@@ -138,15 +141,21 @@ def read_still_image(path: Path) -> Frames:
     """Return one image file as uint8 RGB, shape (rows, columns, 3).
 
     Raises:
-        UnreadableClip: If it is no image, or too large a one.
+        UnreadableClip: If it is no image, several, too large a one, or none of 8 or 16 bits.
     """
     try:
         stored = path.read_bytes()
+        if len(page_sizes(BytesIO(stored), most=2)) > 1:
+            raise UnreadableClip(
+                f"{path}: holds several pages, expected one image; give the file as the recording "
+                f"that it is, or save one page."
+            )
         if (size := declared_size(stored)) is not None:
             kept_frames(*size, str(path))  # refused before the decoder makes room for it
         is_whole = bool(stored) and not is_cut_off(stored)
         code = np.frombuffer(stored, np.uint8)
-        image = cv2.imdecode(code, cv2.IMREAD_COLOR) if is_whole else None
+        with quiet_decoders():
+            image = cv2.imdecode(code, AS_STORED) if is_whole else None
     except (OSError, cv2.error):
         image = None
     if image is None:
@@ -154,8 +163,7 @@ def read_still_image(path: Path) -> Frames:
             f"{path}: is cut off or is no image, expected {', '.join(IMAGE_SUFFIXES)}; "
             f"copy or record it again."
         )
-    # The one place where a decoded image's order of colours is turned around.
-    return cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+    return rgb_of_8_bits([image], str(path))[0]
 
 
 def listed(folder: Path) -> list[Path]:

@@ -1,4 +1,4 @@
-"""The recordings of a folder, by name; opens none of them."""
+"""The recordings of a folder, by name; of none but a TIFF more is read than that."""
 
 from __future__ import annotations
 
@@ -7,10 +7,8 @@ from pathlib import Path
 
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings.images import IMAGE_SUFFIXES, listed
-from geotlm_lm.recordings.read import ARRAY_SUFFIXES
-from geotlm_lm.recordings.video import VIDEO_SUFFIXES
-
-CLIP_SUFFIXES = (*ARRAY_SUFFIXES, *VIDEO_SUFFIXES)
+from geotlm_lm.recordings.read import CLIP_SUFFIXES
+from geotlm_lm.recordings.stacks import STACK_SUFFIXES, is_stack
 
 EXPECTED = f"{', '.join(CLIP_SUFFIXES)} or folders of images"
 """What a recording is, for sentences."""
@@ -18,6 +16,8 @@ EXPECTED = f"{', '.join(CLIP_SUFFIXES)} or folders of images"
 
 def clips_in(folder: Path) -> list[Path]:
     """Return every recording of a folder, by name: files of known endings and folders of images.
+
+    A TIFF counts as one where it has several pages.
 
     Raises:
         UnreadableClip: If there is no such folder, it cannot be opened, or nothing in it looks like
@@ -56,7 +56,8 @@ def _seen_in(folder: Path) -> list[Path]:
 
 def _is_recording(path: Path) -> bool:
     if not path.is_dir():
-        return path.suffix.lower() in CLIP_SUFFIXES
+        suffix = path.suffix.lower()
+        return is_stack(path) if suffix in STACK_SUFFIXES else suffix in CLIP_SUFFIXES
     try:
         return any(Path(name).suffix.lower() in IMAGE_SUFFIXES for name in os.listdir(path))
     except OSError:

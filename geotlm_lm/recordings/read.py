@@ -18,9 +18,13 @@ from geotlm_lm.recordings.choose import require_motion
 from geotlm_lm.recordings.images import IMAGE_SUFFIXES, read_folder, read_still_image
 from geotlm_lm.recordings.pixel_shape import with_pixel_shape
 from geotlm_lm.recordings.pixels import Layout, check_layout
+from geotlm_lm.recordings.stacks import STACK_SUFFIXES, read_stack
 from geotlm_lm.recordings.video import VIDEO_SUFFIXES, read_video
 
 ARRAY_SUFFIXES = (".npy", ".npz")
+
+CLIP_SUFFIXES = (*ARRAY_SUFFIXES, *VIDEO_SUFFIXES, *STACK_SUFFIXES)
+"""Endings of files that are a recording each; a TIFF of one page is a frame."""
 
 
 def read_clip(
@@ -34,7 +38,8 @@ def read_clip(
     """Return the recording at `path`, of any length from 2 frames.
 
     Args:
-        path: A .npy or .npz array, a .mp4, .avi, .mov or .mkv video, or a folder of images.
+        path: A .npy or .npz array, a .mp4, .m4v, .avi, .mov, .mkv or .webm video, a .tif of several
+            pages, or a folder of images.
         layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); None to guess. Of anything else
             it is not used, and a note says so.
         fps: Frames per second of the whole recording; None to take what the file says.
@@ -125,11 +130,13 @@ def _read(path: Path, layout: Layout | None) -> Clip:
         return read_archive(path, layout)
     if suffix in VIDEO_SUFFIXES:
         return read_video(path)
+    if suffix in STACK_SUFFIXES:
+        return read_stack(path)
     if suffix in IMAGE_SUFFIXES:
         raise UnreadableClip(
             f"{path}: only 1 frame was found, motion needs 2 or more; give the folder it lies in."
         )
-    known = ", ".join(ARRAY_SUFFIXES + VIDEO_SUFFIXES)
+    known = ", ".join(CLIP_SUFFIXES)
     raise UnreadableClip(
         f"{path}: files named '{suffix}' are not known, expected {known} or a folder of images; "
         f"export the recording as one of these."

@@ -13,6 +13,7 @@ import numpy as np
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.recordings.decoding import quiet_decoders
 from geotlm_lm.recordings.limits import (
     DECODED_FRAMES,
     DECODING_S,
@@ -21,11 +22,11 @@ from geotlm_lm.recordings.limits import (
     stride_note,
 )
 
-VIDEO_SUFFIXES = (".mp4", ".avi", ".mov", ".mkv")
+VIDEO_SUFFIXES = (".mp4", ".m4v", ".avi", ".mov", ".mkv", ".webm")
 
-LOSSY_SUFFIXES = (".mp4",)
+LOSSY_SUFFIXES = (".mp4", ".m4v", ".webm")
 """Containers that nearly always hold lossy video: mp4v costs 4.1 grey levels on a gel image, MJPG
-2.1, FFV1 none (measured)."""
+2.1, FFV1 none; VP8 and VP9 2.3, where mp4v costs 2.4 (measured, of another clip)."""
 
 
 def read_video(path: Path) -> Clip:
@@ -43,9 +44,10 @@ def read_video(path: Path) -> Clip:
             f"copy or export it again."
         )
     notes: tuple[str, ...] = ()
-    if path.suffix.lower() in LOSSY_SUFFIXES:
+    if (suffix := path.suffix.lower()) in LOSSY_SUFFIXES:
         notes = (
-            "This mp4 video is lossy and blurs fine imprints; record .npy, .png or FFV1 instead.",
+            f"This {suffix[1:]} video is lossy and blurs fine imprints; record .npy, .png or FFV1 "
+            f"instead.",
         )
     if stride > 1:
         notes = (*notes, stride_note(stride, seen))
@@ -70,14 +72,12 @@ def quiet_capture(source: str | int, backend: int) -> Iterator[cv2.VideoCapture]
     """
     # Decoders write to stderr on their own; what they say is told in one sentence here instead.
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
-    loudness = cv2.utils.logging.getLogLevel()
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-    capture = cv2.VideoCapture(source, backend)
-    try:
-        yield capture
-    finally:
-        capture.release()
-        cv2.utils.logging.setLogLevel(loudness)
+    with quiet_decoders():
+        capture = cv2.VideoCapture(source, backend)
+        try:
+            yield capture
+        finally:
+            capture.release()
 
 
 def _decode(capture: cv2.VideoCapture, name: str) -> tuple[list[np.ndarray], int, int, bool]:

@@ -79,6 +79,8 @@ def test_a_recording_inside_a_message_is_named_after_its_kind(folder):
         ".mp4": b"\0\0\0\x1cftypisom",
         ".mkv": b"\x1a\x45\xdf\xa3",
         ".npz": b"PK\x03\x04",
+        ".tif": b"II*\0\x08\0\0\0",
+        ".tiff": b"MM\0*\0\0\0\x08",
     }
     array = io.BytesIO()
     np.save(array, np.zeros(3))

@@ -8,10 +8,21 @@ from hypothesis import strategies as st
 
 from geotlm_lm.core.image_size import declared_size, is_cut_off
 
+BEGINNINGS = (
+    b"",
+    b"\x89PNG\r\n\x1a\n",
+    b"BM",
+    b"\xff\xd8",
+    b"\xff\xd8\xff",
+    b"RIFF\0\0\0\0WEBPVP8X",
+    b"RIFF\0\0\0\0WEBPVP8L",
+    b"II*\0\x08\0\0\0",
+    b"MM\0*\0\0\0\x08",
+)
 IMAGE = np.random.default_rng(0).integers(0, 255, (37, 291, 3)).astype(np.uint8)
 
 
-@pytest.mark.parametrize("suffix", [".png", ".bmp", ".jpg"])
+@pytest.mark.parametrize("suffix", [".png", ".bmp", ".jpg", ".webp", ".tif"])
 @pytest.mark.parametrize("image", [IMAGE, IMAGE[..., 0]], ids=["colours", "grey"])
 def test_the_declared_size_is_the_decoded_one(suffix, image):
     assert declared_size(cv2.imencode(suffix, image)[1].tobytes()) == (37, 291)
@@ -22,15 +33,27 @@ def test_a_progressive_jpeg_declares_it_too():
     assert declared_size(code) == (37, 291)
 
 
+def test_every_sort_of_webp_declares_it():
+    lossy, lossless = (
+        cv2.imencode(".webp", IMAGE, [cv2.IMWRITE_WEBP_QUALITY, quality])[1].tobytes()
+        for quality in (60, 101)
+    )
+    assert (lossy[12:16], lossless[12:16]) == (b"VP8 ", b"VP8L")
+    assert declared_size(lossy) == declared_size(lossless) == (37, 291)
+    # An extended one stores both sides less one in three bytes each, after four of flags.
+    sides = (291 - 1).to_bytes(3, "little") + (37 - 1).to_bytes(3, "little")
+    extended = lossy[:12] + b"VP8X" + (10).to_bytes(4, "little") + bytes(4) + sides
+    assert declared_size(extended) == (37, 291)
+    assert declared_size(lossy[:12] + b"EXIF" + lossy[16:]) is None
+
+
 def test_a_bitmap_stored_from_the_top_has_its_rows():
     code = bytearray(cv2.imencode(".bmp", IMAGE)[1].tobytes())
     code[22:26] = (-37).to_bytes(4, "little", signed=True)
     assert declared_size(bytes(code)) == (37, 291)
 
 
-@given(
-    st.sampled_from((b"", b"\x89PNG\r\n\x1a\n", b"BM", b"\xff\xd8", b"\xff\xd8\xff")), st.binary()
-)
+@given(st.sampled_from(BEGINNINGS), st.binary())
 @settings(derandomize=True, max_examples=300, deadline=None)
 def test_anything_else_has_none_or_a_size(beginning, rest):
     size = declared_size(beginning + rest)

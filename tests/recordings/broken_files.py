@@ -55,7 +55,7 @@ NUMPY = (
     "copy or record it again."
 )
 VIDEO = (
-    "no frame of it can be decoded, expected a .mp4, .avi, .mov, .mkv video; "
+    "no frame of it can be decoded, expected a .mp4, .m4v, .avi, .mov, .mkv, .webm video; "
     "copy or export it again."
 )
 CASES = {
@@ -206,8 +206,8 @@ CASES = {
     ),
     "clip.tactile": (
         b"x",
-        "files named '.tactile' are not known, expected .npy, .npz, .mp4, .avi, .mov, .mkv or a "
-        "folder of images; export the recording as one of these.",
+        "files named '.tactile' are not known, expected .npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, "
+        ".webm, .tif, .tiff or a folder of images; export the recording as one of these.",
     ),
 }
 

@@ -11,6 +11,8 @@ from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.recordings.video import _decode
 from tests.recordings.broken_files import CASES, FRAMES, header_of
 
+IMAGES = ".png, .jpg, .jpeg, .bmp, .tif, .tiff, .webp"
+
 
 @pytest.mark.parametrize("name", CASES)
 def test_a_file_that_is_no_clip_is_refused_in_one_sentence(tmp_path, name):
@@ -85,7 +87,7 @@ def test_a_pipe_is_refused_before_it_is_opened(tmp_path):
         ([], "no images"),
         (["README", "LICENCE", "setup"], "no images"),
         (["notes.txt"], "no images but 1 .txt file"),
-        (["notes.txt", "1.tiff", "2.TIFF"], "no images but 2 .tiff files"),
+        (["notes.txt", "1.gif", "2.GIF"], "no images but 2 .gif files"),
     ],
 )
 def test_a_folder_without_images_is_refused(tmp_path, names, held):
@@ -94,7 +96,7 @@ def test_a_folder_without_images_is_refused(tmp_path, names, held):
     with pytest.raises(UnreadableClip) as caught:
         read_clip(tmp_path)
     assert str(caught.value) == (
-        f"{tmp_path}: the folder holds {held}, expected .png, .jpg, .jpeg, .bmp; "
+        f"{tmp_path}: the folder holds {held}, expected {IMAGES}; "
         f"give the folder the frames lie in, or convert them."
     )
 
@@ -115,7 +117,7 @@ def test_a_folder_with_a_damaged_image_is_refused(tmp_path):
     with pytest.raises(UnreadableClip) as caught:
         read_clip(tmp_path)
     assert str(caught.value) == (
-        f"{tmp_path / '1.png'}: is cut off or is no image, expected .png, .jpg, .jpeg, .bmp; "
+        f"{tmp_path / '1.png'}: is cut off or is no image, expected {IMAGES}; "
         f"copy or record it again."
     )
 

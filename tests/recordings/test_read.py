@@ -97,6 +97,32 @@ def test_a_lossless_video_comes_back_in_rgb(tmp_path):
     assert np.abs(means).max() < 2
 
 
+@pytest.mark.parametrize(("suffix", "code"), [(".webm", "VP80"), (".m4v", "mp4v")])
+def test_a_lossy_video_comes_back_in_rgb_and_is_said_to_be_one(tmp_path, suffix, code):
+    path = tmp_path / f"clip{suffix}"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*code), 10, (64, 48))
+    smooth = [cv2.resize(cv2.blur(frame, (9, 9)), (64, 48)) for frame in FRAMES]
+    for frame in smooth:
+        writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
+    writer.release()
+    clip = read_clip(path)
+    assert (len(clip), clip.fps) == (len(FRAMES), 10)
+    means = clip.frames.mean(axis=(1, 2)) - np.mean(smooth, axis=(1, 2))
+    assert np.abs(means).max() < 6
+    assert clip.notes[0] == (
+        f"This {suffix[1:]} video is lossy and blurs fine imprints; record .npy, .png or FFV1 "
+        f"instead."
+    )
+
+
+@pytest.mark.parametrize("suffix", [".bmp", ".tif", ".tiff", ".webp", ".WEBP"])
+def test_images_of_every_lossless_kind_come_back_as_they_were(tmp_path, suffix):
+    lossless = [cv2.IMWRITE_WEBP_QUALITY, 101] if suffix.lower() == ".webp" else []
+    for index, frame in enumerate(FRAMES):
+        cv2.imwrite(str(tmp_path / f"{index}{suffix}"), frame[..., ::-1], lossless)
+    assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
+
+
 def test_a_folder_is_read_in_natural_order(tmp_path):
     for index, frame in zip((1, 2, 9, 10, 11), FRAMES, strict=True):
         cv2.imwrite(str(tmp_path / f"frame{index}.png"), frame[..., ::-1])
