@@ -19,7 +19,7 @@ from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.recordings.idle import estimate_background
 
 if TYPE_CHECKING:
-    from geotlm_lm.answering import Answerer, Encoded
+    from geotlm_lm.answering import Answer, Answerer, Encoded
 
 GENERATED = "language model, words"
 GENERATED_LEAN = "language model, words or lean"
@@ -88,7 +88,7 @@ def all_methods(answerer: Answerer, seed: int) -> dict[str, Method]:
     # question about the same clip.
     def words(wordings: WORDINGS) -> Read:
         questions = direction_questions(seed, wordings)
-        return lambda encoded, among: answerer.ask(encoded, questions()).direction
+        return lambda encoded, among: motion_told(answerer.ask(encoded, questions()))
 
     def words_or_lean(encoded: Encoded, among: tuple[Motion, ...]) -> Motion | None:
         answer = answerer.ask(encoded, PRESUMING[frozenset(among)])
@@ -146,6 +146,14 @@ def direction_questions(seed: int, wordings: WORDINGS) -> Callable[[], str]:
     rng = generator_for(seed, "wordings", wordings)
     label = MotionLabel(Motion.CLOCKWISE)
     return lambda: questions_for(label, rng, types=("T1",), wordings=wordings)[0].question
+
+
+def motion_told(answer: Answer) -> Motion | None:
+    """Return the motion an answer claims, as the camera image shows it; None if it claims none.
+
+    Who asks of "the robot" is told of the sensor, which goes the other way.
+    """
+    return None if answer.direction is None else answer.frame.in_the_image(answer.direction)
 
 
 def most_probable(options: Mapping[str, float], among: tuple[Motion, ...]) -> Motion:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import torch
 
+from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.probe.linear import LinearProbe
 
@@ -53,7 +54,7 @@ class FakeAnswerer:
         self.questions.append(question)
         direction = None if encoded.seen == self.mute else encoded.seen
         lean = None if self.lean is None else SimpleNamespace(direction=self.lean)
-        return SimpleNamespace(direction=direction, lean=lean)
+        return SimpleNamespace(direction=direction, frame=FrameSpec(), lean=lean)
 
     def score(self, encoded, question, kind="direction"):
         self.scored.append(question)

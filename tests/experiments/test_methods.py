@@ -1,12 +1,19 @@
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.experiments import methods
-from geotlm_lm.experiments.methods import all_methods, direction_questions, most_probable
+from geotlm_lm.experiments.methods import (
+    all_methods,
+    direction_questions,
+    most_probable,
+    motion_told,
+)
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.recordings.idle import estimate_background
 from tests.experiments.fakes import ALL, FakeAnswerer
@@ -151,3 +158,13 @@ def test_flow_uses_the_background_where_there_is_one(monkeypatch):
 
     monkeypatch.setattr(methods, "estimate_background", refuse)
     assert methods.flow_on_the_guessed_gel(clip_of(Motion.UP), SLIDES) in SLIDES
+
+
+def test_words_told_of_the_sensor_are_taken_for_what_the_object_does():
+    for direction, actor, meant in (
+        (Motion.LEFT, "object", Motion.LEFT),
+        (Motion.LEFT, "sensor", Motion.RIGHT),
+        (None, "sensor", None),
+    ):
+        told = SimpleNamespace(direction=direction, frame=FrameSpec(actor=actor))
+        assert motion_told(told) is meant
