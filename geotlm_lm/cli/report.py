@@ -16,7 +16,7 @@ from geotlm_lm.cli.options import (
 from geotlm_lm.cli.protocols import protocols
 from geotlm_lm.cli.recorded import command_line, require_record_file
 from geotlm_lm.cli.report_language import language, transcript
-from geotlm_lm.cli.report_model import model_stability, odometry, runtime
+from geotlm_lm.cli.report_model import cameras, model_stability, odometry, runtime
 from geotlm_lm.cli.report_outside import fuzz, page
 from geotlm_lm.cli.report_simulator import closed_forms, optics, simulator, simulator_stability
 from geotlm_lm.cli.report_sizes import backbones, sizes
@@ -28,6 +28,7 @@ app = typer.Typer(help="Tables from recorded runs.", no_args_is_help=True)
 app.command()(protocols)
 app.command()(runtime)
 app.command()(odometry)
+app.command()(cameras)
 app.command()(sizes)
 app.command()(backbones)
 app.command()(simulator)

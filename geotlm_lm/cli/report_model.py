@@ -80,6 +80,35 @@ def runtime(
     typer.echo(pick_table(record))
 
 
+def cameras(
+    real: Annotated[Path, typer.Option(help="Folder of labelled recordings.")],
+    clips: Annotated[int, typer.Option(min=2, help="Windows of each set at most.")] = 200,
+    seed: Seed = 0,
+    model: BundleFolder = None,
+    out: RecordPath = Path("reports/recorded/cameras.json"),
+    table: TablePath = Path("reports/cameras.md"),
+) -> None:
+    """Ask which way real turns go, shown as other cameras would, beside optical flow.
+
+    Example: geotlm-lm report cameras --real DIR
+    """
+    from geotlm_lm.answering import Answerer
+    from geotlm_lm.experiments.other_cameras import other_cameras
+    from geotlm_lm.reports.cameras import cameras_headline, cameras_page
+
+    require_all_writable(out, table)
+    record = other_cameras(
+        Answerer.load(model),
+        real,
+        clips=clips,
+        seed=seed,
+        command=command_line(),
+        progress=show,
+    )
+    save_page(record, out, table, cameras_page(record))
+    typer.echo(cameras_headline(record))
+
+
 def odometry(
     clips: Annotated[int, typer.Option(min=2, help="Simulated clips per task.")] = 300,
     real: RealFolder = None,

@@ -46,7 +46,7 @@ def odometry_page(record: RunRecord) -> str:
 
 def odometry_table(record: RunRecord) -> str:
     """Return one row per source of clips."""
-    return markdown(COLUMNS, [_row(title, row) for title, row in record.numbers.items()])
+    return markdown(COLUMNS, [_row(title, row) for title, row in sorted(record.numbers.items())])
 
 
 def _row(title: str, row: dict[str, Any]) -> list[str]:

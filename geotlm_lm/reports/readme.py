@@ -14,6 +14,7 @@ from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.reports.backbones import backbones_page
+from geotlm_lm.reports.cameras import cameras_headline, cameras_page
 from geotlm_lm.reports.confusions import FOLDER, stale_pictures
 from geotlm_lm.reports.fuzz import fuzz_page
 from geotlm_lm.reports.headline import (
@@ -23,6 +24,7 @@ from geotlm_lm.reports.headline import (
     time_headline,
 )
 from geotlm_lm.reports.language import language_headline, language_page
+from geotlm_lm.reports.odometry import odometry_page
 from geotlm_lm.reports.optics import optics_report
 from geotlm_lm.reports.page import page_times
 from geotlm_lm.reports.protocols import protocols_headline, protocols_page
@@ -50,6 +52,7 @@ BLOCKS: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "language": ("language.json", language_headline),
     "protocols": ("protocols.json", protocols_headline),
     "runtime": ("runtime.json", runtime_headline),
+    "cameras": ("cameras.json", cameras_headline),
 }
 """Block name -> the record it is made from, and how."""
 
@@ -60,6 +63,7 @@ _COMMANDS = dict.fromkeys(BLOCKS, "geotlm-lm evaluate --out reports/recorded/eva
     "language": "geotlm-lm report language",
     "protocols": "geotlm-lm report protocols",
     "runtime": "geotlm-lm report runtime",
+    "cameras": "geotlm-lm report cameras",
     "training": "cp geotlm_lm/bundle/scores.json reports/recorded/train.json",
 }
 
@@ -68,6 +72,8 @@ PAGES: dict[str, tuple[str, Callable[[RunRecord], str]]] = {
     "protocols.md": ("protocols.json", protocols_page),
     "language.md": ("language.json", language_page),
     "runtime.md": ("runtime.json", runtime_page),
+    "cameras.md": ("cameras.json", cameras_page),
+    "odometry.md": ("odometry.json", odometry_page),
     "sizes.md": ("sizes.json", sizes_page),
     "backbones.md": ("backbones.json", backbones_page),
     "stability.md": ("stability.json", stability_page),
