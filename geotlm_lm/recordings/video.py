@@ -14,6 +14,7 @@ import numpy as np
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings.decoding import quiet_decoders
+from geotlm_lm.recordings.frame_times import cut_off_note, rate_by
 from geotlm_lm.recordings.limits import (
     DECODED_FRAMES,
     DECODING_S,
@@ -28,6 +29,9 @@ LOSSY_SUFFIXES = (".mp4", ".m4v", ".webm")
 """Containers that nearly always hold lossy video: mp4v costs 4.1 grey levels on a gel image, MJPG
 2.1, FFV1 none; VP8 and VP9 2.3, where mp4v costs 2.4 (measured, of another clip)."""
 
+COUNTING_SUFFIXES = (".mp4", ".m4v", ".mov", ".avi")
+"""Containers whose headers say how many frames there are; of .mkv OpenCV guesses it."""
+
 
 def read_video(path: Path) -> Clip:
     """Return the clip in a video file.
@@ -36,16 +40,21 @@ def read_video(path: Path) -> Clip:
         UnreadableClip: If no frame of it can be decoded, or the frames are too large.
     """
     with quiet_capture(str(path), cv2.CAP_FFMPEG) as capture:
-        frames, stride, seen, is_whole = _decode(capture, str(path))
-        fps = float(capture.get(cv2.CAP_PROP_FPS))
+        frames, stride, times_ms, is_whole = _decode(capture, str(path))
+        told = float(capture.get(cv2.CAP_PROP_FPS))
+        declared = float(capture.get(cv2.CAP_PROP_FRAME_COUNT))
     if not frames:
         raise UnreadableClip(
             f"{path}: no frame of it can be decoded, expected a {', '.join(VIDEO_SUFFIXES)} video; "
             f"copy or export it again."
         )
-    notes: tuple[str, ...] = ()
-    if (suffix := path.suffix.lower()) in LOSSY_SUFFIXES:
+    seen, suffix = len(times_ms), path.suffix.lower()
+    fps, notes = rate_by(times_ms, told)
+    if is_whole and suffix in COUNTING_SUFFIXES:
+        notes = (*notes, *cut_off_note(times_ms, declared, told))
+    if suffix in LOSSY_SUFFIXES:
         notes = (
+            *notes,
             f"This {suffix[1:]} video is lossy and blurs fine imprints; record .npy, .png or FFV1 "
             f"instead.",
         )
@@ -55,7 +64,7 @@ def read_video(path: Path) -> Clip:
         notes = (*notes, f"Only the first {seen} frames were read; cut the recording.")
     return Clip(
         np.stack(frames),
-        fps=fps or None,
+        fps=fps,
         name=str(path),
         frame_numbers=tuple(range(0, seen, stride)),
         notes=notes,
@@ -80,12 +89,15 @@ def quiet_capture(source: str | int, backend: int) -> Iterator[cv2.VideoCapture]
             capture.release()
 
 
-def _decode(capture: cv2.VideoCapture, name: str) -> tuple[list[np.ndarray], int, int, bool]:
-    """Return RGB frames, their stride, how many frames were seen, and whether these are all.
+def _decode(
+    capture: cv2.VideoCapture, name: str
+) -> tuple[list[np.ndarray], int, list[float], bool]:
+    """Return RGB frames, their stride, the times of all frames seen, and whether these are all.
 
     The stride doubles whenever the frames kept no longer fit: counts in headers are often wrong.
     """
     frames: list[np.ndarray] = []
+    times_ms: list[float] = []
     stride, seen, until = 1, 0, time.monotonic() + DECODING_S
     while is_more := capture.grab():
         if seen >= DECODED_FRAMES or (seen >= FEWEST_KEPT and time.monotonic() > until):
@@ -106,5 +118,6 @@ def _decode(capture: cv2.VideoCapture, name: str) -> tuple[list[np.ndarray], int
                 stride *= 2
             if seen % stride == 0:
                 frames.append(cv2.cvtColor(image, cv2.COLOR_BGR2RGB))
+        times_ms.append(float(capture.get(cv2.CAP_PROP_POS_MSEC)))
         seen += 1
-    return frames, stride, seen, not is_more
+    return frames, stride, times_ms, not is_more

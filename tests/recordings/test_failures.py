@@ -192,6 +192,9 @@ class SizeChanges:
     def retrieve(self):
         return True, np.zeros((48, 64, 3) if self.seen < 3 else (24, 32, 3), np.uint8)
 
+    def get(self, _):
+        return 0.0
+
 
 def test_a_video_that_changes_its_size_is_refused_in_one_sentence():
     with pytest.raises(UnreadableClip, match=r"frame 2 is 32 x 24 pixels after 64 x 48"):

@@ -1,0 +1,59 @@
+"""The rate of a video by its frames' times, and what is told of one that is cut off."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from geotlm_lm.recordings.frame_times import cut_off_note, rate_by
+from geotlm_lm.recordings.read import read_clip
+
+
+def test_an_even_video_keeps_its_headers_rate() -> None:
+    assert rate_by(np.arange(50) * 40.0, 25.0) == (25.0, ())
+
+
+def test_stamps_rounded_to_milliseconds_keep_the_rate() -> None:
+    for told in (30.0, 60.0, 75.0, 240.0, 400.0):
+        assert rate_by(np.rint(np.arange(100) * 1000 / told), told) == (told, ())
+
+
+def test_a_dropped_frame_keeps_the_rate() -> None:
+    assert rate_by(np.delete(np.arange(50) * 40.0, [7, 20]), 25.0) == (25.0, ())
+
+
+def test_a_time_base_in_the_header_is_not_taken_for_the_rate() -> None:
+    fps, notes = rate_by(np.arange(50) * 40.0, 1000.0)
+    assert fps == pytest.approx(25)
+    assert "25" in notes[0]
+    assert "1000" in notes[0]
+
+
+def test_a_rate_that_changes_is_told_to_be_none() -> None:
+    times_ms = np.cumsum(np.r_[np.full(25, 40.0), np.full(25, 200.0)])
+    fps, notes = rate_by(times_ms, 8.3)
+    assert fps is None
+    assert "40 to 200 ms" in notes[0]
+    assert "--fps" in notes[0]
+
+
+def test_without_times_the_header_is_believed() -> None:
+    assert rate_by([0.0] * 9, 25.0) == (25.0, ())
+    assert rate_by([0.0] * 9, 0.0) == (None, ())
+
+
+def test_declared_frames_at_too_high_a_rate_are_not_missed() -> None:
+    assert cut_off_note(list(np.arange(50) * 40.0), 2000, 1000.0) == ()
+
+
+def test_a_video_that_is_cut_off_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "cut.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 25, (64, 48))
+    for grey in range(60, 120):
+        writer.write(np.full((48, 64, 3), grey, np.uint8))
+    writer.release()
+    assert not any("cut off" in note for note in read_clip(path).notes)
+    stored = path.read_bytes()
+    path.write_bytes(stored[: len(stored) // 2])
+    assert any("of 2.4 s can be decoded" in note for note in read_clip(path).notes)
