@@ -112,7 +112,6 @@ def _tell_source(source: str, stream: Any) -> None:
 def _film(path: Path, fps: float) -> Film:
     from geotlm_lm.live.film import Film
 
-    path.parent.mkdir(parents=True, exist_ok=True)  # a video's writer makes no folder
     return Film(path, fps)
 
 

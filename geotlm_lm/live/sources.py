@@ -21,7 +21,7 @@ from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
 from geotlm_lm.recordings.pixels import check_layout
 from geotlm_lm.recordings.read import read_clip, require_rate
-from geotlm_lm.recordings.video import VIDEO_SUFFIXES, quiet_capture
+from geotlm_lm.recordings.video import VIDEO_SUFFIXES, quiet_capture, rate_ahead
 
 DEFAULT_FPS = 25.0
 """Taken where a source does not say: a GelSight Mini's rate."""
@@ -108,18 +108,19 @@ class Recording:
         layout: str | None = None,
         square_pixels: bool | None = None,
     ) -> None:
-        self.name, self.dropped = str(path), 0
+        self.name, self.dropped, self._is_rate_given = str(path), 0, fps is not None
         self.notes: tuple[str, ...] = ()
         self._path, self._is_video = path, path.suffix.lower() in VIDEO_SUFFIXES
         if not path.exists():
             raise UnreadableClip(f"{path}: no such file or folder; check the path.")
         if self._is_video:
             with quiet_capture(str(path), cv2.CAP_FFMPEG) as capture:
-                if not capture.grab():
-                    raise UnreadableClip(
-                        f"{path}: no frame of it can be decoded; copy or export it again."
-                    )
-                told = float(capture.get(cv2.CAP_PROP_FPS))
+                rated = rate_ahead(capture)
+            if rated is None:
+                raise UnreadableClip(
+                    f"{path}: no frame of it can be decoded; copy or export it again."
+                )
+            told, self.notes = rated[0] or 0.0, rated[1] if fps is None else ()
         else:
             self._clip = read_clip(path, layout=layout, square_pixels=square_pixels)
             self.notes = self._clip.notes
@@ -128,21 +129,27 @@ class Recording:
         self.fps = self._recorded_fps / (1 if self._is_video else _stride(self._clip))
 
     def __iter__(self) -> Iterator[StreamFrame]:
-        """Yield every frame; a video is decoded as it is read, however long it is."""
-        for number, image in self._images():
-            yield StreamFrame(image, number / self._recorded_fps)
+        """Yield every frame; a video is decoded as it is read, however long it is.
 
-    def _images(self) -> Iterator[tuple[int, Frames]]:
-        """Yield each frame beside where it stood in the recording."""
+        Its frames have their own times, unless a frame rate was given: they need not be even.
+        """
         if not self._is_video:
-            yield from zip(self._clip.frame_numbers, self._clip.frames, strict=True)
+            for number, image in zip(self._clip.frame_numbers, self._clip.frames, strict=True):
+                yield StreamFrame(image, number / self._recorded_fps)
             return
+        step_s = 1 / self._recorded_fps
+        time_s, first_s = -step_s, 0.0
         with quiet_capture(self.name, cv2.CAP_FFMPEG) as capture:
             for number in count():
                 is_decoded, image = capture.read()
                 if not is_decoded:
                     return
-                yield number, cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+                stamp_s = float(capture.get(cv2.CAP_PROP_POS_MSEC)) / 1000
+                first_s = first_s if number else stamp_s
+                is_later = stamp_s - first_s > time_s  # false of files that have no stamps
+                is_stamped = is_later and not self._is_rate_given
+                time_s = stamp_s - first_s if is_stamped else time_s + step_s
+                yield StreamFrame(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), time_s)
 
 
 class Played:

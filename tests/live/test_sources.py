@@ -2,14 +2,16 @@
 
 import threading
 import time
+from contextlib import nullcontext
 
 import cv2
 import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
+from geotlm_lm.live import sources
 from geotlm_lm.live.sources import LatestFrames, Recording, StreamFrame, open_source
-from geotlm_lm.recordings import limits
+from geotlm_lm.recordings import limits, video
 
 
 @pytest.fixture
@@ -91,6 +93,40 @@ def test_a_given_rate_stands_for_the_times_of_a_recording(film):
     assert [frame.time_s for frame in source][-1] == pytest.approx(0.8)
     played = open_source(str(film), at_its_rate=True)
     assert (played.fps, played.is_rate_assumed) == (20, False)
+
+
+class StampedCapture:
+    """A video whose header takes its time base for its rate, and whose frames slow down."""
+
+    stamps_ms = (500.0, 540.0, 580.0, 620.0, 660.0, 860.0, 1060.0)
+
+    def __init__(self):
+        self.seen = 0
+
+    def grab(self):
+        self.seen += 1
+        return self.seen <= len(self.stamps_ms)
+
+    def read(self):
+        return self.grab(), np.zeros((24, 32, 3), np.uint8)
+
+    def get(self, name):
+        return self.stamps_ms[min(self.seen, 7) - 1] if name == cv2.CAP_PROP_POS_MSEC else 1000.0
+
+
+def test_frames_of_a_video_have_their_own_times_and_these_its_rate(film, monkeypatch):
+    monkeypatch.setattr(sources, "quiet_capture", lambda *_: nullcontext(StampedCapture()))
+    monkeypatch.setattr(video, "RATED_FRAMES", 5)
+    source = open_source(str(film))
+    assert source.fps == pytest.approx(25)
+    assert source.notes == (
+        "The frame rate 25 was taken from the frames' times; the header says 1000.",
+    )
+    times = [frame.time_s for frame in source]
+    assert times == pytest.approx([0, 0.04, 0.08, 0.12, 0.16, 0.36, 0.56])
+    given = open_source(str(film), fps=10)
+    assert (given.fps, given.notes) == (10, ())
+    assert [frame.time_s for frame in given][-1] == pytest.approx(0.6)
 
 
 def test_a_missing_recording_is_told():

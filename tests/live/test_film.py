@@ -1,0 +1,73 @@
+"""A drawing of a stream appears when it is whole, and not at all where it cannot be."""
+
+import cv2
+import numpy as np
+import pytest
+
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.live import film
+from geotlm_lm.live.film import Film
+
+FRAME = np.full((60, 80, 3), (200, 20, 60), np.uint8)
+
+
+def drawn(path, count=9):
+    film_ = Film(path, 25.0)
+    for _ in range(count):
+        film_.add(FRAME, [], None)
+    return film_
+
+
+def test_it_appears_with_every_frame_once_it_is_closed(tmp_path):
+    path = tmp_path / "new" / "seen.mp4"
+    film_ = drawn(path)
+    assert not path.exists()
+    film_.close()
+    assert [one.name for one in path.parent.iterdir()] == ["seen.mp4"]
+    capture = cv2.VideoCapture(str(path))
+    assert capture.get(cv2.CAP_PROP_FRAME_COUNT) == 9
+    is_read, image = capture.read()
+    assert is_read
+    red, green, blue = image[..., ::-1][: image.shape[0] // 2].mean(axis=(0, 1))
+    assert red > 150 > 100 > max(green, blue)
+
+
+def test_nothing_is_written_of_a_stream_without_frames(tmp_path):
+    Film(tmp_path / "seen.mp4", 25.0).close()
+    assert list(tmp_path.iterdir()) == []
+
+
+class FullDisk:
+    """A writer whose file ends where the disk was full."""
+
+    def __init__(self, path, *rest):
+        self.path, self.writer = path, WRITER(path, *rest)
+        self.isOpened, self.write = self.writer.isOpened, self.writer.write
+
+    def release(self):
+        self.writer.release()
+        with open(self.path, "r+b") as stream:
+            stream.truncate(600)
+
+
+WRITER = cv2.VideoWriter
+
+
+def test_one_that_is_cut_off_is_told_and_what_was_there_before_stays(tmp_path, monkeypatch):
+    path = tmp_path / "seen.mp4"
+    path.write_bytes(b"an earlier film")
+    monkeypatch.setattr(film.cv2, "VideoWriter", FullDisk)
+    with pytest.raises(UsageError) as caught:
+        drawn(path).close()
+    assert str(caught.value) == (
+        f"--draw: {path} could not be written whole; free some room on the disk, or give a name on "
+        f"another one."
+    )
+    assert [one.name for one in tmp_path.iterdir()] == ["seen.mp4"]
+    assert path.read_bytes() == b"an earlier film"
+
+
+def test_a_place_that_cannot_be_written_is_told(tmp_path):
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises((UsageError, OSError)):
+        drawn(tmp_path / "file" / "seen.mp4")
