@@ -45,7 +45,9 @@ FrameSpan = Annotated[
 LayoutName = Annotated[
     str | None,
     typer.Option(
-        "--layout", help="Axes of an array: THWC, TCHW or THW (grey). [default: guessed, stated]"
+        "--layout",
+        help="Axes of an array, THWC, TCHW or THW (grey); BGR, or THWC-BGR, where OpenCV gave its "
+        "colours. [default: guessed, stated]",
     ),
 ]
 SquarePixels = Annotated[

@@ -266,7 +266,7 @@ def open_source(
         name: For example "0", "/dev/video0" or "clip.avi".
         at_its_rate: Play a recording as fast as it was taken, and drop what is too late.
         fps: Frames per second; None to take what the recording or the camera says.
-        layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); None to guess.
+        layout: Axes of an array, its order of colours; see `read_clip`. None to guess.
         square_pixels: Of an array or images; None as in `read_clip`. Cameras and videos give their
             frames as they are.
 

@@ -15,15 +15,15 @@ from numpy.typing import NDArray
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings.limits import DECLARED_BYTES, KEPT_BYTES, stride_for, stride_note
-from geotlm_lm.recordings.pixels import Layout, layout_of, still_to_rgb, to_rgb
+from geotlm_lm.recordings.pixels import Order, layout_of, parts_of, still_to_rgb, to_rgb
 
 
-def read_array(path: Path, layout: Layout | None = None) -> Clip:
+def read_array(path: Path, layout: str | None = None) -> Clip:
     """Return the clip in a .npy file.
 
     Args:
         path: Of the file.
-        layout: Of its axes; None to guess.
+        layout: Checked; None to guess.
 
     Raises:
         UnreadableClip: If it holds no frames this can read.
@@ -32,7 +32,7 @@ def read_array(path: Path, layout: Layout | None = None) -> Clip:
     return _to_clip(stored, layout, str(path))
 
 
-def read_archive(path: Path, layout: Layout | None = None) -> Clip:
+def read_archive(path: Path, layout: str | None = None) -> Clip:
     """Return the clip in a .npz file with `frames` and, optionally, `fps` and `background`.
 
     What it states by `square_pixels` is told by `stated_square_pixels`.
@@ -42,7 +42,7 @@ def read_archive(path: Path, layout: Layout | None = None) -> Clip:
 
     Args:
         path: Of the file.
-        layout: Of the axes of `frames`; None to guess.
+        layout: Of `frames`, checked; None to guess. The background has the same order of colours.
 
     Raises:
         UnreadableClip: If it holds no frames this can read.
@@ -56,12 +56,12 @@ def read_archive(path: Path, layout: Layout | None = None) -> Clip:
     clip = _to_clip(frames, layout, name)
     if key != "frames":
         clip = clip.with_note(f"The array '{key}' was taken for the frames.")
-    fps = others.get("fps")
-    background = others.get("background")
+    fps, idle = others.get("fps"), others.get("background")
+    order = parts_of(layout)[1]
     return Clip(
         clip.frames,
         fps=_one_number(fps, name) if fps is not None else None,
-        background=still_to_rgb(background, name) if background is not None else None,
+        background=still_to_rgb(idle, order, name) if idle is not None else None,
         name=name,
         frame_numbers=clip.frame_numbers,
         notes=clip.notes,
@@ -105,13 +105,13 @@ def _key_of_frames(keys: list[str], name: str) -> str:
     return "frames" if "frames" in keys else others[0]
 
 
-def read_still_array(path: Path) -> Frames:
+def read_still_array(path: Path, order: Order = "RGB") -> Frames:
     """Return the one image in a .npy file, uint8, shape (rows, columns, 3).
 
     Raises:
         UnreadableClip: If it holds no single image.
     """
-    return still_to_rgb(map_array(path), str(path))
+    return still_to_rgb(map_array(path), order, str(path))
 
 
 def map_array(path: Path) -> NDArray:
@@ -173,15 +173,16 @@ ARCHIVE_BYTES = 4 * KEPT_BYTES
 """Bytes one array of an archive may unpack to."""
 
 
-def _to_clip(stored: NDArray, layout: Layout | None, name: str) -> Clip:
-    found, layout_note = layout_of(stored.shape, layout, name)
+def _to_clip(stored: NDArray, layout: str | None, name: str) -> Clip:
+    axes, order = parts_of(layout)
+    found, layout_note = layout_of(stored.shape, axes, name)
     if stored.shape[0] == 0 or stored.size == 0:
         raise UnreadableClip(
             f"{name}: holds no pixels (shape {stored.shape}); record or export it again."
         )
     rows, columns = (stored.shape[found.index(axis)] for axis in "HW")
     stride = stride_for(len(stored), rows, columns, name)
-    frames, range_note = to_rgb(stored[::stride], found, name)
+    frames, range_note = to_rgb(stored[::stride], found, order, name)
     notes = (layout_note, range_note)
     if stride > 1:
         notes = (*notes, stride_note(stride, len(stored)))

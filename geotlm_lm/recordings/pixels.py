@@ -13,12 +13,15 @@ from geotlm_lm.core.errors import UnreadableClip, UsageError
 Layout = Literal["THWC", "TCHW", "THW"]
 """T frames, H rows, W columns, C colours."""
 
+Order = Literal["RGB", "BGR"]
+"""Of the colours: OpenCV gives blue first, and so do arrays saved of its frames."""
+
 COLOURS = (1, 3)
 """Colour counts a frame may have: grey or RGB."""
 
 
-def check_layout(layout: str | None) -> Layout | None:
-    """Return `layout` in capitals, None for a guess.
+def check_layout(layout: str | None) -> str | None:
+    """Return `layout` in capitals, None for a guess; `parts_of` tells its parts.
 
     Raises:
         UsageError: If it names no layout.
@@ -28,12 +31,24 @@ def check_layout(layout: str | None) -> Layout | None:
         return None
     if not isinstance(layout, str):
         raise TypeError(f"a layout is a str such as 'THWC', found {type(layout).__name__}")
-    if layout.upper() not in get_args(Layout):
+    axes, _, order = layout.upper().rpartition("-")
+    is_known = layout.upper() in get_args(Layout) or (
+        order in get_args(Order) and axes in ("", "THWC", "TCHW")
+    )
+    if not is_known:
         raise UsageError(
-            f"The layout '{layout}' is unknown, expected one of {', '.join(get_args(Layout))}; "
-            f"leave it out to have it guessed."
+            f"The layout '{layout}' is unknown, expected one of {', '.join(get_args(Layout))}, or "
+            f"BGR, or both as in THWC-BGR; leave it out to have it guessed."
         )
-    return layout.upper()  # type: ignore[return-value]
+    return layout.upper()
+
+
+def parts_of(layout: str | None) -> tuple[Layout | None, Order]:
+    """Return the axes that a checked layout names, None to guess them, and the order of colours."""
+    if layout is None or layout in get_args(Layout):
+        return layout, "RGB"  # type: ignore[return-value]
+    axes, _, order = layout.rpartition("-")
+    return axes or None, order  # type: ignore[return-value]
 
 
 def layout_of(shape: tuple[int, ...], layout: Layout | None, name: str) -> tuple[Layout, str]:
@@ -102,12 +117,13 @@ def _guess(shape: tuple[int, ...], name: str) -> tuple[Layout, str]:
     )
 
 
-def to_rgb(array: NDArray, layout: Layout, name: str) -> tuple[Frames, str]:
+def to_rgb(array: NDArray, layout: Layout, order: Order, name: str) -> tuple[Frames, str]:
     """Return uint8 RGB frames, shape (t, rows, columns, 3), and a note on the range of the values.
 
     Args:
         array: Numbers in [0, 1] (floating point only) or [0, 255].
         layout: Of the axes of `array`.
+        order: Of its colours.
         name: Of the file, for errors.
 
     Raises:
@@ -140,15 +156,18 @@ def to_rgb(array: NDArray, layout: Layout, name: str) -> tuple[Frames, str]:
         array = np.moveaxis(array, 1, -1)
     elif layout == "THW":
         array = array[..., None]
+    if order == "BGR":
+        array = array[..., ::-1]
     frames = np.empty((*array.shape[:3], 3), np.uint8)
     for target, source in zip(frames, array, strict=True):
         # Frame by frame: a floating-point copy of the whole recording would not fit the bound.
         target[...] = np.rint(source * 255.0) if is_unit else np.rint(source)
     span = "0..1" if is_unit else "0..255"
-    return frames, f"Values ({array.dtype}) were taken for {span}, colours for RGB."
+    advice = "; pass --layout BGR if OpenCV gave them" if order == "RGB" else ""
+    return frames, f"Values ({array.dtype}) were taken for {span}, colours for {order}{advice}."
 
 
-def still_to_rgb(array: NDArray, name: str) -> Frames:
+def still_to_rgb(array: NDArray, order: Order, name: str) -> Frames:
     """Return one still image, shape (rows, columns, 3), from (H,W), (H,W,C) or (C,H,W) numbers.
 
     Raises:
@@ -166,4 +185,4 @@ def still_to_rgb(array: NDArray, name: str) -> Frames:
             f"{name}: the background has shape {array.shape}, expected one image (H,W,3); "
             f"save a single idle frame."
         )
-    return to_rgb(array[None], layout, name)[0][0]
+    return to_rgb(array[None], layout, order, name)[0][0]

@@ -17,7 +17,7 @@ from geotlm_lm.recordings.arrays import (
 from geotlm_lm.recordings.choose import require_motion
 from geotlm_lm.recordings.images import IMAGE_SUFFIXES, read_folder, read_still_image
 from geotlm_lm.recordings.pixel_shape import with_pixel_shape
-from geotlm_lm.recordings.pixels import Layout, check_layout
+from geotlm_lm.recordings.pixels import Order, check_layout, parts_of
 from geotlm_lm.recordings.stacks import STACK_SUFFIXES, read_stack
 from geotlm_lm.recordings.video import VIDEO_SUFFIXES, read_video
 
@@ -40,8 +40,9 @@ def read_clip(
     Args:
         path: A .npy or .npz array, a .mp4, .m4v, .avi, .mov, .mkv or .webm video, a .tif of several
             pages, or a folder of images.
-        layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); None to guess. Of anything else
-            it is not used, and a note says so.
+        layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); "BGR", or "THWC-BGR", where its
+            colours are in OpenCV's order, those of a background in an array as well; None to guess
+            axes and take colours for RGB. Of anything else it is not used, and a note says so.
         fps: Frames per second of the whole recording; None to take what the file says.
         background: An image or .npy file of the idle gel; None to take what the file holds.
         square_pixels: Whether the camera's pixels are square though the frames are of 224 x 224;
@@ -74,7 +75,7 @@ def read_clip(
     if fps is not None:
         clip = replace(clip, fps=fps)
     if background is not None:
-        clip = replace(clip, background=read_background(background))
+        clip = replace(clip, background=read_background(background, parts_of(checked)[1]))
     if square_pixels is None and path.suffix.lower() == ".npz":
         square_pixels = stated_square_pixels(path)
     return with_pixel_shape(clip, is_square=square_pixels)
@@ -95,7 +96,7 @@ def require_rate(fps: float | None) -> None:
         )
 
 
-def read_background(path: str | Path) -> Frames:
+def read_background(path: str | Path, order: Order = "RGB") -> Frames:
     """Return the idle gel in an image or .npy file, uint8, shape (rows, columns, 3).
 
     Raises:
@@ -104,7 +105,7 @@ def read_background(path: str | Path) -> Frames:
     path = _given(path, "an image's")
     _require_file(path, "an image")
     if path.suffix.lower() == ".npy":
-        return read_still_array(path)
+        return read_still_array(path, order)
     if path.suffix.lower() in IMAGE_SUFFIXES:
         return read_still_image(path)
     raise UnreadableClip(
@@ -119,7 +120,7 @@ def _given(path: str | PathLike[str], wanted: str) -> Path:
     return Path(path)
 
 
-def _read(path: Path, layout: Layout | None) -> Clip:
+def _read(path: Path, layout: str | None) -> Clip:
     if _require_there(path).is_dir():
         return read_folder(path)
     _require_file(path)

@@ -71,7 +71,10 @@ def test_words_go_to_stdout_and_the_account_to_stderr(capsys, recording):
 
 def test_what_the_reader_guessed_is_told(capsys, recording):
     err = run(capsys, "--source", recording)[2]
-    assert "note: Values (uint8) were taken for 0..255, colours for RGB." in err.splitlines()
+    assert (
+        "note: Values (uint8) were taken for 0..255, colours for RGB; pass --layout BGR if OpenCV "
+        "gave them." in err.splitlines()
+    )
 
 
 def test_a_recording_without_an_untouched_gel_says_so(capsys, tmp_path):

@@ -158,8 +158,8 @@ def test_an_unknown_layout_is_a_wrong_call(tmp_path):
     with pytest.raises(UsageError) as caught:
         read_clip(tmp_path / "clip.npy", layout="HWC")
     assert str(caught.value) == (
-        "The layout 'HWC' is unknown, expected one of THWC, TCHW, THW; "
-        "leave it out to have it guessed."
+        "The layout 'HWC' is unknown, expected one of THWC, TCHW, THW, or BGR, or both as in "
+        "THWC-BGR; leave it out to have it guessed."
     )
 
 

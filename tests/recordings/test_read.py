@@ -61,6 +61,24 @@ def test_of_two_arrays_neither_is_taken_for_the_frames(tmp_path):
         read_clip(tmp_path / "clip.npz")
 
 
+@pytest.mark.parametrize("layout", ["BGR", "bgr", "THWC-BGR"])
+def test_colours_in_opencvs_order_are_turned_round_those_of_the_background_too(tmp_path, layout):
+    swapped = FRAMES[..., ::-1]
+    np.savez(tmp_path / "clip.npz", frames=swapped, background=swapped[0])
+    np.save(tmp_path / "clip.npy", swapped)
+    np.save(tmp_path / "idle.npy", np.moveaxis(swapped[1], -1, 0))
+    archive = read_clip(tmp_path / "clip.npz", layout=layout)
+    array = read_clip(tmp_path / "clip.npy", layout=layout, background=tmp_path / "idle.npy")
+    assert np.array_equal(archive.frames, FRAMES)
+    assert np.array_equal(archive.background, FRAMES[0])
+    assert np.array_equal(array.frames, FRAMES)
+    assert np.array_equal(array.background, FRAMES[1])
+    assert archive.notes[1] == "Values (uint8) were taken for 0..255, colours for BGR."
+    first = tmp_path / "first.npy"
+    np.save(first, np.moveaxis(swapped, -1, 1))
+    assert np.array_equal(read_clip(first, layout="TCHW-BGR").frames, FRAMES)
+
+
 def test_grey_frames_are_read_when_the_layout_says_so(tmp_path):
     np.save(tmp_path / "clip.npy", FRAMES[..., 0])
     clip = read_clip(tmp_path / "clip.npy", layout="thw")
@@ -71,7 +89,8 @@ def test_what_was_guessed_is_stated(tmp_path):
     np.save(tmp_path / "clip.npy", FRAMES / 255)
     assert read_clip(tmp_path / "clip.npy").notes == (
         "Shape (5, 24, 32, 3) was taken for THWC; pass --layout if it is not.",
-        "Values (float64) were taken for 0..1, colours for RGB.",
+        "Values (float64) were taken for 0..1, colours for RGB; pass --layout BGR if OpenCV gave "
+        "them.",
     )
 
 
