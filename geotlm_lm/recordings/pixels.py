@@ -31,10 +31,9 @@ def check_layout(layout: str | None) -> str | None:
         return None
     if not isinstance(layout, str):
         raise TypeError(f"a layout is a str such as 'THWC', found {type(layout).__name__}")
-    axes, _, order = layout.upper().rpartition("-")
-    is_known = layout.upper() in get_args(Layout) or (
-        order in get_args(Order) and axes in ("", "THWC", "TCHW")
-    )
+    axes, dash, order = layout.upper().rpartition("-")
+    is_ordered = order in get_args(Order) and (not dash or axes in ("THWC", "TCHW"))
+    is_known = is_ordered or layout.upper() in get_args(Layout)
     if not is_known:
         raise UsageError(
             f"The layout '{layout}' is unknown, expected one of {', '.join(get_args(Layout))}, or "
