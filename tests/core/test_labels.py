@@ -73,3 +73,30 @@ def test_two_quarters_turn_a_slide_around_and_leave_everything_else(motion):
 
 def test_a_picture_turned_counterclockwise_sends_right_up():
     assert turn_by_quarter(Motion.RIGHT) is Motion.UP
+
+
+LABELS = [
+    MotionLabel(Motion.CLOCKWISE, rotation_deg=7.0, slide_x_mm=0.2, slide_y_mm=-0.1),
+    MotionLabel(Motion.LEFT, rotation_deg=-1.0, slide_x_mm=-2.0, slide_y_mm=0.3),
+    MotionLabel(Motion.UP, rotation_deg=2.0, slide_x_mm=0.1, slide_y_mm=-1.5),
+    MotionLabel(Motion.PRESS, depth_change_mm=0.4),
+]
+
+
+@pytest.mark.parametrize("label", LABELS)
+def test_a_mirrored_clip_goes_as_far_the_way_its_label_names(label):
+    def far(one):
+        way = {"turn": one.rotation_deg, "right": one.slide_x_mm, "down": one.slide_y_mm}
+        return along(one.motion, **way, inward=one.depth_change_mm)
+
+    mirrored = label.mirrored()
+    assert far(mirrored) == far(label) > 0
+    assert (mirrored.rotation_deg, mirrored.slide_x_mm) == (-label.rotation_deg, -label.slide_x_mm)
+    assert mirrored.slide_y_mm == label.slide_y_mm
+    assert mirrored.mirrored() == label
+
+
+def test_a_slide_has_pixels_where_it_is_known_how_wide_and_how_high_they_are():
+    label = MotionLabel(Motion.RIGHT, slide_x_mm=0.3, slide_y_mm=-0.2, mm_per_px=(0.1, 0.05))
+    assert label.slide_px == pytest.approx(5)  # 3 across and 4 down
+    assert MotionLabel(Motion.RIGHT, slide_x_mm=0.3).slide_px is None
