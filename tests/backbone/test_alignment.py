@@ -153,3 +153,12 @@ def test_pixels_count_by_how_much_they_changed():
     weight = changed_weight(IMPRINT, after)
     assert weight[:, :20].min() > 0.95
     assert weight[:, -20:].max() == pytest.approx(LEAST_WEIGHT)
+
+
+@pytest.mark.parametrize("aspect", [1.0, 4 / 3, 0.75])
+def test_ways_back_follow_each_other_in_the_other_order(aspect):
+    first, second = Rigid(0.3, 20.0, -10.0, aspect), Rigid(-0.4, 1.0, 3.0, aspect)
+    back, before = second.way_back(), first.way_back()
+    came_from = before[:, :2] @ back
+    came_from[:, 2] += before[:, 2]
+    assert second.after(first).way_back() == pytest.approx(came_from, abs=1e-4)

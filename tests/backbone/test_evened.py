@@ -7,6 +7,7 @@ from geotlm_lm.backbone.alignment import align, small
 from geotlm_lm.backbone.evened import EVENED_SHAPE, evened, evened_motions
 from geotlm_lm.backbone.rigid import SIDE, Rigid
 from geotlm_lm.backbone.stem import look
+from geotlm_lm.backbone.traces import Traces
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
@@ -67,3 +68,32 @@ def test_simulated_turns_are_measured_and_pairs_repeat_what_they_repeat():
 def test_an_untouched_gel_does_not_move():
     gel = np.full((4, 224, 224, 3), 110, np.uint8)
     assert not evened_motions(look(Clip(gel, background=gel[0])).traces).any()
+
+
+def face_at(x, y, turn_rad=0.0):
+    """A lopsided face around a place, turned about its own middle."""
+    cos, sin = np.cos(turn_rad), np.sin(turn_rad)
+    right, down = X - x, Y - y
+    across, along = cos * right + sin * down, cos * down - sin * right
+    bar = np.exp(-(across**2) / 50 - along**2 / 8)
+    spot = np.exp(-((across - 3) ** 2 + (along + 5) ** 2) / 6)
+    return small((bar + spot).astype(np.float32))
+
+
+def traces_between(before, after, pixel_px):
+    images = [before, after]
+    return Traces(images, images, places=[0, 0, 1, 1], aspect=1.0, pixel_px=pixel_px)
+
+
+def test_a_way_is_told_in_pixels_of_the_whole_picture():
+    traces = traces_between(face_at(0, 0), face_at(3, -2), pixel_px=2.5)
+    ways = evened_motions(traces)[-1, ..., 1:3].reshape(-1, 2)
+    assert ways == pytest.approx(np.tile([7.5, -5.0], (4, 1)), abs=0.5)
+
+
+def test_a_face_beside_the_middle_that_turns_about_itself_goes_no_way():
+    traces = traces_between(face_at(14, -4), face_at(14, -4, turn_rad=0.2), pixel_px=1.0)
+    found = evened_motions(traces)[-1].reshape(-1, 4)
+    assert found[:, 0] == pytest.approx(0.2, rel=0.2)
+    # Taken at the view's middle the way would be 2.9; what hardly changed draws it a little there.
+    assert np.hypot(found[:, 1], found[:, 2]).max() < 1.6

@@ -53,3 +53,12 @@ def test_a_view_lies_on_whole_pixels():
     corner = (view.centre_x_px - view.side_px / 2, view.centre_y_px - view.side_px / 2)
     assert all(float(length).is_integer() for length in (*corner, view.side_px))
     assert (view.centre_x_px, view.centre_y_px) == pytest.approx((104, 68), abs=8)
+
+
+@pytest.mark.parametrize("noise", [0.0, 5.0, 40.0])
+def test_noise_that_is_everywhere_moves_no_view(noise):
+    energy = np.zeros((28, 28), np.float32)
+    energy[5:9, 18:22] = 900
+    seen = contact_view([energy + np.float32(noise)])
+    # Of four cells of eight pixels: the middle, and less than the smallest view.
+    assert (seen.centre_x_px, seen.centre_y_px, seen.side_px) == (160, 56, 96)
