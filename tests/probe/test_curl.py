@@ -5,7 +5,7 @@ import pytest
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.probe.curl import CURL_FEATURES, CurlRegression, curl_features
+from geotlm_lm.probe.curl import CURL_FEATURES, CurlRegression, curl_features, imprint_travel
 from tests.probe.imprints import moved_clip, textured_imprint
 
 WHOLE = CURL_FEATURES.index("global")
@@ -48,3 +48,8 @@ def test_the_regression_tells_turns_of_textures_it_has_not_seen():
 def test_a_label_for_each_clip_and_two_motions_are_asked_for(motions):
     with pytest.raises(ValueError, match="1 clips have"):
         CurlRegression.fit([turned(5.0, 0)], motions)
+
+
+def test_patches_are_as_wide_and_as_high_as_the_picture_has_room_for():
+    clip = moved_clip(textured_imprint(2, rows=112, columns=224), np.zeros(2), [(0, 0)] * 2)
+    assert imprint_travel(clip)[2] == pytest.approx((224 / 14, 112 / 14))

@@ -28,3 +28,9 @@ def test_the_radius_of_gyration_of_a_bar_is_its_length_over_the_root_of_twelve()
     bar = np.zeros((5, 300), np.float32)
     bar[2, 40:240] = 1
     assert radius_of_gyration(bar) == pytest.approx(200 / 12**0.5, rel=1e-4)
+
+
+def test_the_radius_of_gyration_of_a_plate_counts_both_of_its_sides():
+    plate = np.zeros((200, 300), np.float32)
+    plate[20:180, 40:240] = 1
+    assert radius_of_gyration(plate) == pytest.approx((160**2 + 200**2) ** 0.5 / 12**0.5, rel=1e-3)

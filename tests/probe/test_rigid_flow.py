@@ -128,3 +128,17 @@ def test_a_direction_is_named_when_only_directions_are_asked():
 def test_nothing_asked_is_refused():
     with pytest.raises(ValueError, match="at least one motion"):
         decide(rigid_motion(), ())
+
+
+@pytest.mark.parametrize("contrast", [(1.0, 1.2), (1.0, 1.35), (1.0, 1.45), (1.0, 2.0)])
+def test_what_fades_is_told_as_what_grows_played_backwards(contrast):
+    grown, faded = (decide(rigid_motion(contrast=one), ALL) for one in (contrast, contrast[::-1]))
+    assert faded == reverse(grown)
+
+
+@pytest.mark.parametrize("radius", [30, 50])
+def test_an_even_disc_reaches_as_far_as_one_does(radius):
+    y, x = np.mgrid[:160, :200]
+    disc = 40.0 * (np.hypot(x - 100, y - 80) < radius)
+    found = RigidFlow().fit(moved_clip(disc, [0] * 4, [(0, 0)] * 4, noise=0))
+    assert found.radius_px == pytest.approx(radius / 2**0.5, rel=0.05)
