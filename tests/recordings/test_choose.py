@@ -72,6 +72,15 @@ def test_a_small_turn_back_before_the_main_motion_is_not_taken_for_it():
     assert 39 <= numbers[0] < numbers[-1] <= 59
 
 
+def test_of_an_even_motion_the_middle_between_its_two_ends_is_taken():
+    """Back by 16 degrees, held, and forward by 64, evenly: the middle lies 32 degrees on."""
+    depths = [0] * 10 + list(np.linspace(0.2, 1, 5)) + [1] * 59 + list(np.linspace(0.8, 0, 6))
+    back, forward = np.linspace(-4, -16, 4), np.linspace(-14, 48, 32)
+    angles = np.array([0] * 18 + list(back) + [-16] * 9 + list(forward) + [48] * 17)
+    numbers = choose_frames(recording(angles, depths)).frame_numbers
+    assert angles[list(numbers)].mean() == pytest.approx(16, abs=6)
+
+
 def test_of_a_turn_too_fast_for_its_frames_those_in_direct_succession_are_taken():
     depths = [0] * 10 + list(np.linspace(0.2, 1, 5)) + [1] * 15 + list(np.linspace(0.8, 0, 6))
     angles = [0] * 20 + list(np.linspace(15, 60, 4)) + [60] * 12

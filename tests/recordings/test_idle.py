@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.recordings.idle import estimate_background, find_idle
+from geotlm_lm.recordings.idle import estimate_background, find_idle, split_in_two
 from geotlm_lm.recordings.read import read_clip
 
 REAL = Path(__file__).resolve().parents[3] / "shared" / "real"
@@ -74,6 +74,12 @@ def test_an_object_that_moves_in_contact_all_the_time_shows_no_idle_gel():
 
 def test_a_gel_nobody_touches_is_not_called_idle():
     assert find_idle(recording([0] * 12)) is None
+
+
+def test_two_groups_are_parted_between_their_means():
+    values = np.float32([7, 1, 2, 8, 9, 0])
+    assert split_in_two(values) == (4.5, 7.0)  # 0, 1, 2 beside 7, 8, 9
+    assert split_in_two(values[::-1] + 10) == (14.5, 7.0)
 
 
 @needs_real

@@ -94,8 +94,9 @@ def test_an_exposure_that_runs_away_is_refused():
     )
 
 
-def test_a_background_of_another_exposure_is_refused():
-    assert sentence(clip_of(gel() + 40)) == (
+@pytest.mark.parametrize("change", [40, -40])
+def test_a_background_of_another_exposure_is_refused(change):
+    assert sentence(clip_of(gel() + change)) == (
         "x.npy: frame 3 is 40 grey levels off the background, expected at most 25; give a "
         "background taken with the same camera, lights and exposure."
     )

@@ -82,3 +82,11 @@ def test_the_main_way_is_the_longest_and_not_the_last():
     path = np.zeros((6, 3))
     path[:, 2] = [0, -0.1, 0.4, 0.9, 0.9, 0.7]
     np.testing.assert_allclose(main_way(path), [0, 0, 1.0])
+
+
+def test_a_step_out_of_or_into_full_contact_counts_as_resting():
+    images = imprints([(2 * s, 0, 0) for s in range(5)])
+    path = travelled_path(images, np.array([False, False, True, True, False]))
+    assert not path[:3].any()
+    assert path[3, 0] > 0
+    np.testing.assert_array_equal(path[4], path[3])
