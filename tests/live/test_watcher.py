@@ -87,6 +87,22 @@ def test_the_clip_of_a_motion_knows_how_long_it_took():
     assert clip.frame_numbers == tuple(range(len(clip)))
 
 
+def test_a_press_that_is_named_late_began_where_the_imprint_began_to_grow():
+    frames, began, named = gel(), 20, 38
+    watcher = Watcher(lambda clip, among: Window(kinds[0], 1.0))
+    kinds, events = [Motion.STILL], []
+    for number in range(60):
+        frame = next(frames)
+        deep = min(max(number - began, 0) / 25, 1.0)
+        if deep > 0:
+            frame[40:80, 60:70] += np.uint8(60 * deep)
+        if number >= named:
+            kinds = [Motion.PRESS]
+        events += watcher.push(frame, number / FPS)
+    assert events[0].motion is Motion.PRESS
+    assert events[0].start_s == pytest.approx(began / FPS, abs=2 * SAMPLE_S)
+
+
 def test_a_window_carries_the_idle_gel():
     read, frames = Scripted(), gel()
     watch(
