@@ -1,8 +1,11 @@
 """Ranges, numbers in words, other units and speeds, judged by what is measured."""
 
+from dataclasses import replace
+
 import pytest
 
-from geotlm_lm.answering import OPEN_QUESTION
+from geotlm_lm.answering import OPEN_QUESTION, Answerer
+from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from tests.answering.scripted import feeling, measuring, recording
@@ -121,3 +124,27 @@ def test_a_verdict_hears_the_open_question_once(bundle, monkeypatch):
     )
     answerer.ask(answerer.encode(recording()), "Did it turn 12 degrees clockwise?")
     assert asked.count(OPEN_QUESTION) == 1
+
+
+@pytest.mark.parametrize(
+    ("way_px", "decided"), [(2.4, "no"), (3.6, "yes"), (5.0, "yes"), (6.6, "yes"), (8.0, "no")]
+)
+def test_a_speed_is_as_far_off_as_its_amount_may_be(bundle, way_px, decided):
+    answerer = measuring(bundle, Motion.RIGHT, "px", px=5.0)
+    encoded = answerer.encode(recording(fps=25.0, size=(224, 224)))
+    seconds = 3 / 25
+    for claim in (f"about {way_px} px", f"at about {way_px / seconds:.4g} px/s"):
+        assert answerer.ask(encoded, f"Did it slide {claim}?").decided == decided
+
+
+def test_a_claim_of_an_amount_is_no_surer_than_that_it_turns_at_all(bundle):
+    sure = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0).bundle
+    unsure = Answerer(replace(sure, calibration=Calibration(temperature=1.0)))
+    encoded = unsure.encode(recording())
+    open_answer, claim = (
+        unsure.ask(encoded, asked) for asked in ("how far?", "Did it turn 12 degrees?")
+    )
+    assert 0.5 < open_answer.options["rotation"] < 0.9
+    assert claim.options["yes"] == pytest.approx(open_answer.options["rotation"])
+    elsewhere = unsure.ask(encoded, "Did it turn 50 degrees?")
+    assert elsewhere.options == pytest.approx({"yes": 0.0, "no": 1.0})

@@ -1,5 +1,6 @@
 """Amounts in the unit that what is known of the recording allows."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -17,8 +18,8 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.model import Perception
-from geotlm_lm.odometry.odometer import AMOUNTS
-from tests.answering.scripted import answerer_saying, recording
+from geotlm_lm.odometry.odometer import AMOUNTS, amounts
+from tests.answering.scripted import answerer_saying, measuring, recording
 from tests.tiny_bundle import tiny_bundle
 
 SLIDING = "An amount of sliding, as measured."
@@ -171,3 +172,26 @@ def test_how_far_a_named_motion_went_has_its_sign_and_way(bundle, motion, way, w
 @pytest.mark.parametrize("motion", [Motion.PRESS, Motion.RELEASE, Motion.STILL, Motion.NONE])
 def test_what_goes_no_way_has_not_travelled(bundle, motion):
     assert travelled(answerer_saying(bundle, {}).bundle, encoded(64, 64), motion) is None
+
+
+def test_how_far_is_the_geometric_mean_of_what_is_probable(bundle):
+    model = answerer_saying(bundle, {}).bundle
+    shares = torch.zeros(1, AMOUNTS)
+    shares[0, [10, 20]] = 0.5
+    model.odometer.read = lambda movement, unit: shares
+    first, second = amounts("deg")[[10, 20]].tolist()
+    turned, *_ = travelled(model, encoded(240, 320), Motion.CLOCKWISE)
+    assert turned == pytest.approx((first * second) ** 0.5)
+
+
+def test_a_speed_is_told_by_the_frame_as_its_amount_is(bundle):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=30.0)
+    for fps in (2.0, 50.0):
+        seen = answerer.encode(recording(fps=fps))
+        texts = [answerer.ask(seen, asked).text for asked in ("How far per frame?", "How fast?")]
+        texts.append(answerer.ask(seen, "How fast, in degrees per frame?").text)
+        far, fast, by_frame = (
+            float(re.findall(r"(?:About|That is) ([\d.]+)", t)[-1]) for t in texts
+        )
+        assert by_frame == pytest.approx(fast / fps, rel=0.05)
+        assert by_frame == pytest.approx(far, rel=0.1)
