@@ -70,6 +70,13 @@ def test_two_directions_are_the_same_opposite_or_different(one, other, relation,
     assert compared.confidence == pytest.approx(confidence)
 
 
+def test_different_is_what_is_neither_the_same_nor_opposite():
+    first = replace(answer("left"), options={"left": 0.8, "clockwise": 0.2})
+    second = replace(answer("clockwise"), options={"clockwise": 0.7, "right": 0.3})
+    # Both clockwise in 0.14 of all, left and right in 0.24.
+    assert compare_directions(first, second).confidence == pytest.approx(0.62)
+
+
 def test_a_withheld_direction_withholds_the_comparison():
     compared = compare_directions(answer("left"), WITHHELD)
     assert compared.text == "I cannot compare them; of the second: I cannot say."
