@@ -165,7 +165,10 @@ def judge_undoing(amounts: Comparison, answers: Sequence[Answer]) -> Comparison:
         return Comparison(text, "opposite", share, False, *answers)
     if amounts.relation == "similar":
         told = _told("yes", share, answers)
-        return replace(told, text=f"{told.text} {_sized(amounts)}")
+        if told.abstained:
+            return told
+        text = f"{told.text} {_sized(amounts)}"
+        return replace(told, text=text, confidence=share * amounts.confidence)
     text = f"No, only in part: {each_way(answers)} {_sized(amounts)}"
     return Comparison(text, "opposite", share * amounts.confidence, False, *answers, "no")
 

@@ -115,6 +115,19 @@ def test_what_goes_back_as_far_undoes(sizes, decided, end):
     assert judge_undoing(amounts, (pair[0], pair[0])).decided == "no"
 
 
+@pytest.mark.parametrize(("second_deg", "decided"), [(20.0, "yes"), (5.0, "no")])
+def test_that_one_undoes_the_other_is_as_sure_as_ways_and_amounts_are(second_deg, decided):
+    pair = (answer("clockwise", 0.9), answer("counterclockwise", 0.8))
+    found = [
+        replace(measured(20.0), probability=0.7),
+        replace(measured(second_deg), probability=0.9),
+    ]
+    told = judge_undoing(compare_amounts("", found, (None, None), pair), pair)
+    assert told.decided == decided
+    back = 0.9 * 0.8 + 0.1 * 0.2  # both right, or both wrong
+    assert told.confidence == pytest.approx(back * 0.7 * 0.9)
+
+
 def test_a_claimed_order_of_amounts_is_judged():
     pair = (answer("clockwise"), answer("clockwise"))
     faster = compare_amounts(
