@@ -162,3 +162,23 @@ def test_ways_back_follow_each_other_in_the_other_order(aspect):
     came_from = before[:, :2] @ back
     came_from[:, 2] += before[:, 2]
     assert second.after(first).way_back() == pytest.approx(came_from, abs=1e-4)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_spoilt_frame_between_spoils_only_the_sum_of_the_steps(seed):
+    rng = np.random.default_rng(seed)
+    spoilt = Rigid(0.0, 1.0, 0.0).moved(IMPRINT) + rng.normal(0, 0.5, IMPRINT.shape)
+    frames = [IMPRINT, spoilt.astype(np.float32), Rigid(0.0, 2.0, 0.0).moved(IMPRINT)]
+    *_, [last] = align_in_turn([[small(frame) for frame in frames]])
+    assert (last.direct.x_px, last.direct.y_px) == pytest.approx((2.0, 0.0), abs=0.05)
+    assert abs(last.summed.x_px - 2.0) > 0.2
+
+
+@pytest.mark.parametrize("aspect", [0.6, 0.75, 1.0, 4 / 3])
+@pytest.mark.parametrize("turn_rad", [-0.15, -0.07, 0.05, 0.2])
+def test_a_turn_is_found_from_rest_whatever_the_shape_of_a_pixel(aspect, turn_rad):
+    rest, motion = Rigid(aspect=aspect), Rigid(turn_rad, 1.0, -2.0, aspect)
+    after = motion.moved(IMPRINT) + sensor_noise(2)
+    found = align(IMPRINT + sensor_noise(1), after, rest, aspect=aspect)
+    assert found.turn_rad == pytest.approx(turn_rad, abs=0.01)
+    assert (found.x_px, found.y_px) == pytest.approx((1.0, -2.0), abs=0.12)
