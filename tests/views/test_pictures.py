@@ -86,6 +86,16 @@ def test_a_mask_of_one_covers_the_view_and_nothing_else():
     assert share[:50].max() == share[:, 180:].max() == 0
 
 
+@pytest.mark.parametrize("view", [WHOLE, View(120.0, 104.0, 112.0)])
+def test_a_grid_is_read_at_the_middle_of_every_pixel(view):
+    grid = np.tile(np.arange(14, dtype=np.float32), (14, 1))
+    drawn = in_image(grid, view, (56, 56))  # a pixel is 4 of 224
+    left, cell = (view.centre_x_px - view.side_px / 2) / 4, view.side_px / 4 / 14
+    read_at = (np.arange(56) + 0.5 - left) / cell - 0.5
+    inside = (read_at > 1) & (read_at < 12)
+    assert drawn[28][inside] == pytest.approx(read_at[inside], abs=0.04)
+
+
 def test_a_field_of_nothing_draws_nothing():
     assert np.array_equal(draw_arrows(GREY, np.zeros((4, 5, 2)), np.zeros((4, 5)), WHOLE), GREY)
 
