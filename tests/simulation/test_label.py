@@ -79,3 +79,11 @@ def test_a_label_until_an_earlier_frame_counts_to_that_frame():
     label = label_for(moving, np.full(2, 0.1), Trace(), last=1)
     assert (label.slide_x_mm, label.depth_change_mm) == pytest.approx((1.0, -0.1))
     assert label.rotation_deg == pytest.approx(np.degrees(0.1))
+
+
+def test_a_label_tells_the_travel_both_ways_and_the_pixels_it_takes():
+    path = {"x_mm": (0.2, -0.1), "y_mm": (0.5, 0.7), "rotation_rad": (0.3, 0.1)}
+    label = label_for(scene(**path), np.full(2, 0.1), Trace())
+    assert (label.slide_x_mm, label.slide_y_mm) == pytest.approx((-0.3, 0.2))
+    assert label.rotation_deg == pytest.approx(-np.degrees(0.2))
+    assert label.slide_px == pytest.approx(5.0)  # 3 pixels of 0.1 mm across, 4 of 0.05 mm down

@@ -39,6 +39,19 @@ def test_a_turn_about_the_contact_turns_it_and_one_about_a_far_axis_carries_it_a
     assert y > 0.99  # the axis lies to the right: what is left of it goes down as it turns back
 
 
+@pytest.mark.parametrize("turn", [0.3, -0.5])
+def test_a_contact_beside_the_middle_is_carried_as_the_rotation_matrix_says(turn):
+    contact = np.zeros((224, 224), bool)
+    contact[20:60, 150:180] = True  # 2 mm high, 3 mm wide
+    here = np.array([(165 - 112) * 0.1, (40 - 112) * 0.05])
+    first, last = np.array([1.0, -2.0]), np.array([1.5, -0.5])
+    path = {"x_mm": (1.0, 1.5), "y_mm": (-2.0, -0.5), "rotation_rad": (0.4, 0.4 + turn)}
+    *moved, arc = motion_at_contact_mm(scene(**path), contact, 1)
+    back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    assert moved == pytest.approx(here - first - back @ (here - last), abs=1e-3)
+    assert arc == pytest.approx(turn * np.hypot(2, 3) / 12**0.5, rel=1e-3)
+
+
 def test_the_estimated_change_is_near_the_pictures():
     scenes = random_scenes(2, 12, objects=("hex_nut", "letter_l"), motions=DIRECTED)
     whole, bare = (simulate(scenes, seed=2, with_frames=wanted) for wanted in (True, False))
