@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.simulation.idle import MEASURED_IDLE
+from geotlm_lm.simulation.optics import lit
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.scene import Body, Optics, Path, Scene
 from geotlm_lm.simulation.simulate import simulate
@@ -62,6 +64,22 @@ def test_the_estimated_change_is_near_the_pictures():
     assert 0.8 < np.median(ratios) < 1.25
     assert min(ratios) > 0.5
     assert max(ratios) < 2.2
+
+
+@pytest.mark.parametrize("slope", [(0.5, 0.0), (0.3, -0.6), (-1.0, 0.2)])
+def test_of_a_plane_on_an_even_gel_the_estimated_change_is_the_pictures(slope):
+    optics = Optics(psf_mm=0.0, steep_darkening=0.3, saturation=1.2)
+    axis = (np.arange(224) - 111.5).astype(np.float32)
+    across, down = axis * optics.mm_per_px_x, axis[:, None] * optics.mm_per_px_y
+    depths = np.stack([np.full((224, 224), 0.5), slope[0] * across + slope[1] * down])
+    depths = depths.astype(np.float32)
+    where = np.zeros((224, 224), bool)
+    where[90:130, 90:130] = True
+    levels = MEASURED_IDLE[:, 1:-1, 1:-1].mean(axis=(1, 2))[:, None, None]
+    even = np.broadcast_to(levels, (3, 224, 224)).astype(np.float32)
+    drawn = image_change(*(lit(depth, even, optics) for depth in depths), where)
+    estimated = shading_change(optics, depths, np.stack([where, where]), 1)
+    assert estimated == pytest.approx(drawn, rel=1e-4)
 
 
 def test_nothing_touched_is_no_estimated_change():
