@@ -15,6 +15,8 @@ from geotlm_lm.simulation.touch import Touch, simulate_touch
         ({"twist_deg": -20.0, "slide_x_mm": 0.2}, Motion.COUNTERCLOCKWISE),
         ({"slide_x_mm": -1.0, "slide_y_mm": 0.4}, Motion.LEFT),
         ({"slide_y_mm": 1.0}, Motion.DOWN),
+        ({"slide_y_mm": -0.5, "twist_deg": 12.0}, Motion.UP),  # the turn's path is 0.42 mm
+        ({"slide_y_mm": 0.3, "twist_deg": -12.0}, Motion.COUNTERCLOCKWISE),
         ({}, Motion.STILL),
         ({"depth_mm": -0.2, "twist_deg": 20.0}, Motion.NONE),
     ],
