@@ -104,6 +104,23 @@ def test_each_use_gets_what_its_rule_says():
     assert (chat.method, chat.cost) == ("LM generated, int8", "39.0 ms a clip, p95 50.0")
 
 
+def test_a_loop_keeps_its_time_on_every_source_or_is_none():
+    rows = [row("steady", 0.1, 20.0, p95=39.0), row("quick", 0.05, 5.0, p95=8.0)]
+    rows += [row("steady", 0.1, 20.0, "sliding", p95=39.0)]
+    rows += [row("quick", 0.05, 5.0, "sliding", p95=41.0)]
+    loop, *_ = picks({"methods": rows, "batches": []})
+    assert loop.method == "steady"
+
+
+def test_of_batches_alike_in_error_the_fastest_is_picked():
+    rows = [row(name, error, 30.0) for name, error in (("a", 0.02), ("b", 0.025), ("c", 0.1))]
+    batches = [
+        BATCHES[0] | {"work": name, "ms_median": ms} for name, ms in (("a", 9), ("b", 8), ("c", 1))
+    ]
+    _, batch, _ = picks({"methods": rows, "batches": batches})
+    assert (batch.method, batch.cost) == ("b", "125 clips a second in batches of 1, 1 thread")
+
+
 def test_where_nothing_is_in_time_nothing_is_picked():
     slow = {"methods": [row("LM generated", 0.0, 90.0)], "batches": []}
     loop, batch, _ = picks(slow)
