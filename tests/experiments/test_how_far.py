@@ -2,10 +2,12 @@
 
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.geometry import CAMERA_PX, IMAGE_SIDE
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.data.labelled_recordings import WindowRow
@@ -24,6 +26,7 @@ from geotlm_lm.experiments.how_far import (
 )
 from geotlm_lm.reports.odometry import odometry_page
 from tests.answering.scripted import answerer_saying
+from tests.probe.imprints import moved_clip, textured_imprint
 from tests.tiny_bundle import tiny_bundle
 
 
@@ -105,6 +108,24 @@ def test_simulated_clips_know_their_amounts_and_flow_finds_most_of_a_slide():
     assert slide.amount > 0
     told = [flow_tells(one).value / one.amount for one in (slide, other)]
     assert all(0.2 < share < 1.5 for share in told)
+
+
+@pytest.mark.parametrize("way", [(12.0, 0.0), (0.0, -9.0)])
+def test_flow_tells_a_slide_in_the_pixels_of_the_picture_it_was_given(way):
+    rows, columns = CAMERA_PX
+    slides = [(0.0, 0.0), way]
+    taken = moved_clip(textured_imprint(3, rows, columns), [0, 0], slides, noise=0)
+    square = (IMAGE_SIDE, IMAGE_SIDE)
+    squashed = Clip(
+        np.stack(
+            [cv2.resize(frame, square, interpolation=cv2.INTER_AREA) for frame in taken.frames]
+        ),
+        background=cv2.resize(taken.background, square),
+    )
+    for clip, height, width in ((taken, rows, columns), (squashed, *square)):
+        found = flow_tells(Moved(clip, "px", 1.0, Motion.LEFT, "caps")).value
+        expected = np.hypot(way[0] * width / columns, way[1] * height / rows)
+        assert found == pytest.approx(expected, rel=0.05)
 
 
 def recordings(folder):
