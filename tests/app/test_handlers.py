@@ -7,8 +7,9 @@ import pytest
 from app import facts as page_facts
 from app import handlers, ui
 from app.api import Api
-from app.opening import show_clip
+from app.opening import perceive, show_clip
 from geotlm_lm import MAX_QUESTION_CHARACTERS, FrameSpec, GeoTLMError, Motion
+from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import MissingDependency
 from tests.app.fakes import NOTE, TURNING, FakeAnswerer
 
@@ -167,6 +168,14 @@ def test_of_both_quarters_the_one_checked_last_holds():
         *before,
         page_facts.UPSIDE_DOWN,
     ]
+
+
+def test_frames_are_counted_from_one_to_the_last():
+    levels = [40, 80, 120, 160]
+    frames = np.stack([np.full((48, 64, 3), level, np.uint8) for level in levels])
+    shown = perceive(FakeAnswerer(), Clip(frames, background=frames[0]))
+    drawn = [handlers.draw(shown, "raw", number) for number in (0, 1, 2, 3, 4, 9)]
+    assert [int(np.median(one)) for one in drawn] == [40, 40, 80, 120, 160, 160]
 
 
 def test_arrows_are_drawn_only_where_there_is_contact(path):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from app import live_tab
-from geotlm_lm import GeoTLMError
+from geotlm_lm import GeoTLMError, Motion
+from geotlm_lm.live.events import MotionEvent
 from tests.app.fakes import FakeAnswerer
 from tests.live.test_idle_tracker import gel, touched
 
@@ -27,6 +28,18 @@ def test_a_recording_is_watched_to_its_end(frames, tmp_path):
     assert rows[-1][3] > 0
     assert account.startswith("idle gel learnt · 40 frames · ")
     assert image.ndim == 3
+
+
+@pytest.mark.parametrize(
+    ("phase", "end_s", "row"),
+    [
+        ("start", None, [1.25, "clockwise begins", 3.5, 0.3, -0.1]),
+        ("end", 2.5, [2.5, "clockwise ends", 3.5, 0.3, -0.1]),
+    ],
+)
+def test_a_row_tells_when_it_began_or_ended_and_how_far_it_went(phase, end_s, row):
+    event = MotionEvent(phase, Motion.CLOCKWISE, 1.25, end_s, 3.51, 0.32, -0.08, 0.9)
+    assert live_tab.row_of(event) == row
 
 
 def test_a_recording_without_an_untouched_gel_says_so_at_its_end(frames, tmp_path):

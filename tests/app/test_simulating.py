@@ -24,6 +24,13 @@ def test_the_truth_is_what_was_asked_for(made):
     assert made.facts["true_motion"] == "right"
 
 
+def test_a_slide_down_is_told_in_the_pixels_of_the_squashed_picture():
+    true = simulate(FakeAnswerer(), Touch("key", slide_y_mm=-1.0, seed=1)).facts["true"]
+    # The view is as high as three quarters of its width, and squashed to a square.
+    assert true["slide_y_px"] == pytest.approx(-IMAGE_SIDE / 15.2, abs=0.01)
+    assert true["slide_x_px"] == 0
+
+
 def test_both_which_way_and_how_far_are_answered():
     answerer = FakeAnswerer()
     ask = answerer.ask
