@@ -251,7 +251,9 @@ def test_a_long_array_is_read_at_a_stride_and_says_so(tmp_path, room_for_six):
     )
 
 
-def test_a_long_video_is_read_at_a_stride_and_says_so(tmp_path, room_for_six):
+@pytest.mark.parametrize("room", [5, 6, 7])
+def test_a_long_video_is_read_at_a_stride_and_says_so(tmp_path, monkeypatch, room):
+    monkeypatch.setattr(limits, "KEPT_BYTES", room * 24 * 32 * 3)
     path = tmp_path / "clip.avi"
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 10, (32, 24))
     for value in range(20):
