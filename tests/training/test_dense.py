@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from geotlm_lm.backbone.mirror import Mirror, mirrored_field, mirrored_inputs
-from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
+from geotlm_lm.backbone.stem import FLOW_SCALE_PX, PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionClass, MotionLabel
 from geotlm_lm.training import dense
@@ -140,3 +140,24 @@ def test_each_clip_is_mirrored_on_its_own():
     seen, _ = dense.mirrored_at_random(inputs, truth, np.random.default_rng(0))
     kept = (seen == inputs).flatten(1).all(dim=1)
     assert 0.05 < kept.float().mean() < 0.5
+
+
+def test_amounts_that_cost_nothing_stand_for_the_true_ones():
+    true = torch.tensor([[0.0, 2.5], [25.0, math.nan], [3.0, 0.1]])
+    read_out = torch.log1p(true.nan_to_num() / torch.tensor(dense.AMOUNT_SCALES))
+    assert dense.amount_loss(read_out, true) == 0
+    torch.testing.assert_close(dense.amounts_told(read_out), true.nan_to_num())
+
+
+def test_displacement_is_read_out_in_the_unit_in_which_the_stem_tells_flow():
+    tokens, heads, truth = random_case()
+    one_way = torch.tensor([1.0, -2.0])
+    truth = replace(truth, displacement=(one_way * FLOW_SCALE_PX).expand(3, 2, 14, 14, 2))
+    torch.nn.init.zeros_(heads.patch.weight)
+
+    def loss(factor):
+        with torch.no_grad():
+            heads.patch.bias[:2] = factor * one_way
+            return float(dense_loss(tokens, heads, truth))
+
+    assert loss(1.0) < min(loss(0.9), loss(1.1), loss(FLOW_SCALE_PX), loss(1 / FLOW_SCALE_PX))
