@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from geotlm_lm.backbone.mirror import Mirror, mirrored_field, mirrored_inputs
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX, PATCH_INPUT_DIM
+from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionClass, MotionLabel
 from geotlm_lm.training import dense
@@ -161,3 +161,32 @@ def test_displacement_is_read_out_in_the_unit_in_which_the_stem_tells_flow():
             return float(dense_loss(tokens, heads, truth))
 
     assert loss(1.0) < min(loss(0.9), loss(1.1), loss(FLOW_SCALE_PX), loss(1 / FLOW_SCALE_PX))
+
+
+def test_inputs_motion_contact_and_depth_are_mirrored_together():
+    _, _, truth = random_case()
+    pattern = truth.depth
+    inputs = torch.zeros(3, 2, 14, 14, PATCH_INPUT_DIM)
+    inputs[..., MAGNIFICATION_AT] = pattern  # has no direction: it only goes to another place
+    field = torch.stack([pattern, 2 * pattern], dim=-1)
+    truth = replace(truth, displacement=field, contact=pattern)
+    rng, looks = np.random.default_rng(0), set()
+    for _ in range(8):
+        seen, mirrored = dense.mirrored_at_random(inputs, truth, rng)
+        torch.testing.assert_close(mirrored.contact, mirrored.depth)
+        torch.testing.assert_close(seen[..., MAGNIFICATION_AT], mirrored.depth)
+        signs = mirrored.displacement / torch.stack([mirrored.depth, 2 * mirrored.depth], dim=-1)
+        for sign, one, own in zip(signs, mirrored.depth, pattern, strict=True):
+            x, y = (float(axis.mean()) for axis in sign.unbind(dim=-1))
+            torch.testing.assert_close(sign, torch.tensor([x, y]).expand_as(sign))
+            flipped = [axis for axis, way in ((2, x), (1, y)) if way < 0]
+            assert torch.equal(one, own.flip(flipped))
+            looks.add((round(x), round(y)))
+    assert looks == {(1, 1), (-1, 1), (1, -1), (-1, -1)}
+
+
+def test_the_global_token_is_asked_how_many_pixels_move_where_it_touches():
+    _, _, truth = random_case()
+    moved = torch.tensor([3.0, -4.0]).expand(3, 2, 14, 14, 2)
+    summary = dense._summary(replace(truth, displacement=moved))
+    assert summary[:, -2] == pytest.approx(np.full(3, np.log1p(5.0)), rel=1e-3)
