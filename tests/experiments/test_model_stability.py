@@ -78,6 +78,8 @@ def test_an_imprint_near_the_border_is_the_same_imprint_further_right():
 
 def test_dropped_frames_leave_fewer_and_repeated_ones_as_many():
     assert [len(degraded("frames dropped", count)) for count in "123"] == [3, 2, 1]
+    ends = [degraded("frames dropped", count).frame_numbers for count in "12"]
+    assert [(one[0], one[-1]) for one in ends] == [(0, 3), (0, 3)]  # as far as the whole clip
     frames = degraded("frames repeated", "2").frames
     assert np.array_equal(frames[0], frames[2])
     assert np.array_equal(frames[3], touched().frames[3])

@@ -82,6 +82,16 @@ def test_channels_are_as_correlated_as_they_were_made(correlation):
     assert found["contact G-R"] == pytest.approx(1, abs=1e-4)
 
 
+def test_each_pair_of_channels_has_its_own_correlation():
+    fields = [cv2.GaussianBlur(noise(seed, SIDE, SIDE), (0, 0), 2.0) for seed in (1, 2)]
+    first, second = (field / field.std() for field in fields)
+    change = np.stack([first, -0.6 * first + 0.8 * second, -first], axis=-1)
+    found = contact_statistics(IDLE + 40 * change * disc(70)[..., None], IDLE)
+    assert found["contact B-R"] == pytest.approx(-1, abs=1e-4)
+    assert found["contact G-R"] == pytest.approx(-0.6, abs=0.1)
+    assert found["contact G-B"] == pytest.approx(0.6, abs=0.1)
+
+
 @pytest.mark.parametrize("blur_px", [1.5, 3.0])
 def test_sharpness_of_a_blurred_edge_is_its_closed_form(blur_px):
     # An edge of width w has gradient energy 1 / (2 sqrt(pi) w); w^2 = blur^2 + sigma^2.

@@ -1,17 +1,21 @@
 """Error against run time on a few clips and random weights: what is counted, in which order."""
 
+import itertools
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from geotlm_lm.answering import Answerer
 from geotlm_lm.checkpoint import save_bundle
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
+from geotlm_lm.evaluation.uncertainty import wilson_interval
 from geotlm_lm.experiments import model_omissions, runtime_processes
 from geotlm_lm.experiments.model_omissions import omission_rows
 from geotlm_lm.experiments.runtime import SIZES, RuntimeSizes, method_rows, runtime, spread
 from geotlm_lm.experiments.runtime_batches import batch_rows
-from geotlm_lm.experiments.runtime_clips import KnownClip, simulated_clips, turning_clips
+from geotlm_lm.experiments.runtime_clips import KnownClip, _known, simulated_clips, turning_clips
 from geotlm_lm.experiments.runtime_memory import peak_megabytes
 from geotlm_lm.experiments.runtime_methods import (
     CURL,
@@ -100,6 +104,26 @@ def test_methods_are_asked_in_turn_and_the_first_round_is_not_timed():
     assert rows["a"]["slide_error_px"] == pytest.approx(5.0)
     low, high = rows["a"]["error_interval"]
     assert low < 0.5 < high
+
+
+def test_the_interval_of_an_error_is_that_of_what_is_wrong():
+    cases = [known(Motion.CLOCKWISE, turn_deg=12.0)] * 9 + [known(Motion.LEFT)]
+    (row,) = method_rows({"a": Scripted([], "a")}, cases, repeats=1)
+    assert row["error"] == pytest.approx(0.1)
+    assert row["error_interval"] == pytest.approx(wilson_interval(0.1, 10))
+
+
+def test_what_is_right_only_now_and_then_is_an_error():
+    said = itertools.cycle(Motion)
+    wavering = {"a": lambda clip, among: {"a": Timed(next(said), 1.0)}}
+    (row,) = method_rows(wavering, [known(Motion.COUNTERCLOCKWISE)], repeats=3)
+    assert row["error"] == 1.0
+
+
+def test_a_known_slide_is_in_pixels_of_the_picture():
+    label = MotionLabel(Motion.DOWN, slide_x_mm=-0.3, slide_y_mm=0.4)
+    made = SimpleNamespace(clip=None, label=label, mm_per_px=(0.1, 0.05))
+    assert _known(made, SLIDES, "here").slide_px == pytest.approx((-3.0, 8.0))
 
 
 def test_a_spread_is_told_by_quantiles():
