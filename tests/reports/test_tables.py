@@ -267,3 +267,4 @@ def test_the_example_for_programs_nests_its_fields_as_the_answer_does():
     shown = json.loads(text.split("```json")[1].split("```")[0])
     assert is_part(shown, answer)
     assert shown["evidence"]["regions"]["upper_minus_lower"] == region
+    assert "takes 2.0 s (median of 3, 1.0-3.0 s)." in text
