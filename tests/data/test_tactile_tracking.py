@@ -208,3 +208,14 @@ def test_a_folder_without_trials_is_refused(tmp_path):
         f"true_start_T_currs.npy and contact_masks.npy; the first reason: no folder in it holds "
         f"poses"
     )
+
+
+def test_the_middle_of_a_contact_is_that_of_its_largest_part_right_and_down(one):
+    masks = np.zeros((6, ROWS, COLUMNS), bool)
+    masks[:, 20:31, 200:241] = True
+    masks[1:, 24:27, 210:230] = False  # a hole is filled
+    masks[2:, 100:104, 50:54] = True
+    np.save(one / "key0" / "contact_masks.npy", masks)
+    (trial, *_) = read_tactile_tracking(one).trials
+    assert trial.centres_px == pytest.approx(np.tile([220.0, 25.0], (6, 1)))
+    assert trial.contact_px.tolist() == [451, 391, *[407] * 4]
