@@ -9,7 +9,7 @@ import torch
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.odometry.movement import FLOOR, MOVEMENT_DIM
 from geotlm_lm.odometry.odometer import AMOUNTS, SPANS, UNITS, Odometer, amounts, place_of
-from geotlm_lm.training.odometry import train_odometer, within_tolerance_share
+from geotlm_lm.training.odometry import _target, train_odometer, within_tolerance_share
 from geotlm_lm.training.scoring import ClipSet
 
 
@@ -21,6 +21,18 @@ def test_amounts_lie_evenly_on_a_log_scale_within_their_span(unit):
     steps = (found[1:] / found[:-1]).tolist()
     assert steps == pytest.approx([steps[0]] * (AMOUNTS - 1))
     assert place_of(found, unit).tolist() == pytest.approx(list(range(AMOUNTS)))
+
+
+def test_what_is_learnt_is_a_bell_of_seven_tenths_of_a_cell_around_the_amount():
+    amount = torch.tensor([7.0, 12.5, 20.0])
+    unit = torch.tensor([0, 1, 0])
+    bells = _target(unit, amount)
+    cells = torch.arange(AMOUNTS, dtype=bells.dtype)
+    middles = (bells * cells).sum(dim=1)
+    places = [float(place_of(one, UNITS[kind])) for one, kind in zip(amount, unit, strict=True)]
+    assert middles.tolist() == pytest.approx(places, abs=0.01)
+    spread = (bells * (cells - middles[:, None]).square()).sum(dim=1).sqrt()
+    assert spread.tolist() == pytest.approx([0.7] * 3, abs=0.01)
 
 
 def clips(count, seed=0, scale=(0.1, 0.1)):
