@@ -145,3 +145,14 @@ def test_patches_without_contact_do_not_shape_the_shear():
     start_from_truth(own, fold.train)
     start_from_truth(other, replace(fold.train, shear_change=loud))
     assert torch.equal(own.to_shear.weight, other.to_shear.weight)
+
+
+@pytest.mark.usefixtures("fast")
+def test_dgr_adds_to_what_the_global_token_carries_and_takes_nothing_away():
+    noise = torch.Generator().manual_seed(1)
+    told = torch.randn(DATA.tokens.global_token.shape, generator=noise) * 0.1
+    for row, index in enumerate(DATA.motions.tolist()):
+        told[row, DIRECTED.index(ALL_MOTIONS[index])] += 2
+    dumb = Tokens(told, torch.randn(DATA.tokens.patches.shape, generator=noise))
+    data = replace(DATA, tokens=dumb)
+    assert right(trained(Recipe(DGRParts()), data=data, epochs=25)) > 0.9
