@@ -11,7 +11,7 @@ import pytest
 from geotlm_lm.answering import OPEN_QUESTION, Answerer
 from geotlm_lm.conversation.short_questions import in_full
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.core.labels import DIRECTED, Motion, MotionLabel, mirror, reverse
 from geotlm_lm.data.questions import questions_for
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.experiments.language_truth import (
@@ -193,3 +193,24 @@ def test_every_offered_motion_has_its_letter():
     letters = letters_of(asked)
     assert letters[Motion.UP] == asked.slots.letter
     assert sorted(letters.values()) == list("ABCD"[: len(letters)])
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        CAMERA,
+        FrameSpec(image_mirrored=True),
+        FrameSpec(viewpoint="object", actor="sensor"),
+        FrameSpec(image_quarter_turn="clockwise"),
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("motion", DIRECTED)
+def test_a_changed_clip_is_told_as_an_open_question_of_the_changed_motion_is(motion, frame):
+    types = {kind.kind: type_id for type_id, kind in load_templates().types.items()}
+
+    def truth(kind, of):
+        return truth_of(asked_about(motion, types[kind], seed=1), of, frame)
+
+    assert truth("reversed", motion) == truth("undo", motion) == truth("direction", reverse(motion))
+    assert truth("mirrored", motion) == truth("direction", mirror(motion))
