@@ -124,6 +124,7 @@ def test_an_answer_stands_beside_the_probe_the_flow_and_the_regions(path):
     readers = [row[0] for row in reply.verdicts]
     assert readers == ["language model", "linear probe", "optical flow"]
     assert [row[1] for row in reply.verdicts[:2]] == ["right", "right"]
+    assert reply.verdicts[1][2] == "90 % (not calibrated)"
     # The fake perceives one unit to the right, in the left half only.
     assert reply.regions[3:6] == [
         ["left", 1.0, 0.0, 1.0],

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from app.simulating import OBJECTS, simulate, touch_of
-from geotlm_lm import GeoTLMError, Touch
+from geotlm_lm import GeoTLMError, Touch, picture
 from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
+from geotlm_lm.views.pictures import ARROW_COLOUR
 from tests.app.fakes import FakeAnswerer
 
 
@@ -50,6 +51,13 @@ def test_the_error_is_the_reading_less_the_truth(made):
 def test_the_true_field_is_drawn_on_the_contact(made):
     assert made.truth_picture.shape == made.read_picture.shape == (448, 448, 3)
     assert not np.array_equal(made.truth_picture, made.read_picture)
+
+
+def test_the_true_field_goes_to_the_right_where_it_slides_to_the_right(made):
+    plain = picture(made.shown.seen, "raw").astype(int)
+    is_arrow = np.abs(made.truth_picture.astype(int) - ARROW_COLOUR).sum(axis=-1) < 60
+    assert is_arrow.sum() > 200
+    assert not (np.abs(plain - ARROW_COLOUR).sum(axis=-1) < 60).any()
 
 
 def test_the_depth_is_shown(made):

@@ -1,9 +1,13 @@
-"""A drawing of a stream appears when it is whole, and not at all where it cannot be."""
+"""A drawing of a stream: whole or not there, and the learned shear in its own way and place."""
+
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
+import torch
 
+from geotlm_lm.backbone.view import View
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.live import film
 from geotlm_lm.live.film import Film
@@ -71,3 +75,24 @@ def test_a_place_that_cannot_be_written_is_told(tmp_path):
     (tmp_path / "file").write_bytes(b"")
     with pytest.raises((UsageError, OSError)):
         drawn(tmp_path / "file" / "seen.mp4")
+
+
+@pytest.mark.parametrize(
+    ("step", "axis", "sign"), [((1, 0), 0, 1), ((-1, 0), 0, -1), ((0, 1), 1, 1)]
+)
+def test_an_arrow_goes_the_way_of_the_shear(tmp_path, step, axis, sign):
+    field = torch.tensor(step, dtype=torch.float32).expand(1, 14, 14, 2)
+    mask = torch.zeros(1, 14, 14)
+    mask[0, 4, 9] = 1
+    geometry = SimpleNamespace(shear_change=field, mask=mask)
+    perceived = SimpleNamespace(perception=SimpleNamespace(geometry=geometry), view=View())
+    film = Film(tmp_path / "seen.mp4", 25.0)
+    for _ in range(3):
+        film.add(np.full((224, 224, 3), 90, np.uint8), [], perceived)
+    film.close()
+    blue, green, red = cv2.split(cv2.VideoCapture(str(tmp_path / "seen.mp4")).read()[1].astype(int))
+    rows, columns = np.nonzero((red > 170) & (green > 140) & (blue < 110))
+    tail = (9.5 * 32, 4.5 * 32)  # the picture is twice as large
+    middle = columns.mean(), rows.mean()
+    assert sign * (middle[axis] - tail[axis]) > 8
+    assert abs(middle[1 - axis] - tail[1 - axis]) < 3

@@ -53,3 +53,13 @@ def test_a_label_for_each_clip_and_two_motions_are_asked_for(motions):
 def test_patches_are_as_wide_and_as_high_as_the_picture_has_room_for():
     clip = moved_clip(textured_imprint(2, rows=112, columns=224), np.zeros(2), [(0, 0)] * 2)
     assert imprint_travel(clip)[2] == pytest.approx((224 / 14, 112 / 14))
+
+
+def test_each_half_has_the_curl_of_its_own_patches(monkeypatch):
+    field = np.zeros((14, 14, 2), np.float32)
+    field[:7, :, 1] = 0.5 * np.arange(14)  # the upper half turns: 0.1 a pixel of patches of 5
+    travel = field, np.ones((14, 14), np.float32), (5.0, 4.0)
+    monkeypatch.setattr("geotlm_lm.probe.curl.imprint_travel", lambda clip: travel)
+    found = dict(zip(CURL_FEATURES, curl_features(None).tolist(), strict=True))
+    expected = {"upper": 0.1, "lower": 0.0, "left": 0.05, "right": 0.05, "global": 0.05}
+    assert found == pytest.approx(expected, rel=1e-3)
