@@ -138,8 +138,9 @@ def _read(path: Path, layout: str | None) -> Clip:
             f"{path}: only 1 frame was found, motion needs 2 or more; give the folder it lies in."
         )
     known = ", ".join(CLIP_SUFFIXES)
+    named = f"named '{suffix}'" if suffix else "without an ending"
     raise UnreadableClip(
-        f"{path}: files named '{suffix}' are not known, expected {known} or a folder of images; "
+        f"{path}: files {named} are not known, expected {known} or a folder of images; "
         f"export the recording as one of these."
     )
 

@@ -204,6 +204,11 @@ CASES = {
         cv2.imencode(".png", FRAMES[0])[1].tobytes(),
         "only 1 frame was found, motion needs 2 or more; give the folder it lies in.",
     ),
+    "clip": (
+        b"x",
+        "files without an ending are not known, expected .npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, "
+        ".webm, .tif, .tiff or a folder of images; export the recording as one of these.",
+    ),
     "clip.tactile": (
         b"x",
         "files named '.tactile' are not known, expected .npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, "
