@@ -28,6 +28,7 @@ class Film:
     """
 
     def __init__(self, path: Path, fps: float) -> None:
+        path.parent.mkdir(parents=True, exist_ok=True)  # a video's writer makes no folder
         self._path, self._fps, self._caption = path, fps, ""
         self._writer: cv2.VideoWriter | None = None
         self._part = path.with_name(f".{path.stem}.{os.getpid()}-{os.urandom(4).hex()}.mp4")
@@ -88,9 +89,9 @@ class Film:
             return declared == self._written and capture.grab()
 
     def _open(self, columns: int, rows: int) -> cv2.VideoWriter:
-        self._path.parent.mkdir(parents=True, exist_ok=True)  # a video's writer makes no folder
         code = cv2.VideoWriter_fourcc(*"mp4v")
         writer = cv2.VideoWriter(str(self._part), code, self._fps, (columns, rows))
         if not writer.isOpened():
+            self._part.unlink(missing_ok=True)
             raise UsageError(f"--draw: {self._path} cannot be written as video; give another name.")
         return writer

@@ -73,8 +73,8 @@ def test_one_that_is_cut_off_is_told_and_what_was_there_before_stays(tmp_path, m
 
 def test_a_place_that_cannot_be_written_is_told(tmp_path):
     (tmp_path / "file").write_bytes(b"")
-    with pytest.raises((UsageError, OSError)):
-        drawn(tmp_path / "file" / "seen.mp4")
+    with pytest.raises(OSError, match="file"):
+        Film(tmp_path / "file" / "seen.mp4", 25.0)
 
 
 @pytest.mark.parametrize(
