@@ -23,6 +23,7 @@ from geotlm_lm.recordings.images import (
 )
 from geotlm_lm.recordings.limits import kept_frames
 from geotlm_lm.recordings.read import read_background, read_clip
+from geotlm_lm.recordings.stacks import is_stack
 
 GIVEN, FOUND, NONE = "given", "the clip's own untouched frames", "none, each method guesses it"
 """Where a clip's background comes from, as reports say it."""
@@ -86,7 +87,7 @@ def read_manifest(path: str | Path) -> Manifest:
 def _read(root: Path, row: ManifestRow) -> tuple[Clip, str]:
     """Return a clip with its background if there is one, and where that comes from."""
     paths = [path for entry in row.frames for path in _files_of(root, entry)]
-    is_stills = all(path.suffix.lower() in IMAGE_SUFFIXES for path in paths)
+    is_stills = all(path.suffix.lower() in IMAGE_SUFFIXES and not is_stack(path) for path in paths)
     if len(paths) == 1 and not is_stills:
         clip = replace(read_clip(paths[0], fps=row.fps), name=row.clip_id)
     elif len(paths) < 2 or not is_stills:

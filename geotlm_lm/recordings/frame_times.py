@@ -32,7 +32,7 @@ def rate_by(times_ms: Sequence[float], told: float) -> tuple[float | None, tuple
     if is_even.mean() < 0.9:
         return None, (
             f"The frames are {steps.min():.0f} to {steps.max():.0f} ms apart, so that no frame "
-            f"rate holds for all of them; give that of the frames used by --fps.",
+            f"rate holds for all of them; give that of the frames used by fps.",
         )
     found = 1000 / float(steps[is_even].mean())
     if abs(found - told) <= SAME_RATE * found:

@@ -145,18 +145,22 @@ def read_still_image(path: Path) -> Frames:
     """
     try:
         stored = path.read_bytes()
-        if len(page_sizes(BytesIO(stored), most=2)) > 1:
-            raise UnreadableClip(
-                f"{path}: holds several pages, expected one image; give the file as the recording "
-                f"that it is, or save one page."
-            )
-        if (size := declared_size(stored)) is not None:
-            kept_frames(*size, str(path))  # refused before the decoder makes room for it
-        is_whole = bool(stored) and not is_cut_off(stored)
-        code = np.frombuffer(stored, np.uint8)
+    except OSError as error:
+        raise UnreadableClip(
+            f"{path}: cannot be opened ({error.strerror}); check the path and its permissions."
+        ) from error
+    if len(page_sizes(BytesIO(stored), most=2)) > 1:
+        raise UnreadableClip(
+            f"{path}: holds several pages, expected one image; give the file as the recording "
+            f"that it is, or save one page."
+        )
+    if (size := declared_size(stored)) is not None:
+        kept_frames(*size, str(path))  # refused before the decoder makes room for it
+    is_whole = bool(stored) and not is_cut_off(stored)
+    try:
         with quiet_decoders():
-            image = cv2.imdecode(code, AS_STORED) if is_whole else None
-    except (OSError, cv2.error):
+            image = cv2.imdecode(np.frombuffer(stored, np.uint8), AS_STORED) if is_whole else None
+    except cv2.error:
         image = None
     if image is None:
         raise UnreadableClip(

@@ -99,6 +99,10 @@ def require_rate(fps: float | None) -> None:
 def read_background(path: str | Path, order: Order = "RGB") -> Frames:
     """Return the idle gel in an image or .npy file, uint8, shape (rows, columns, 3).
 
+    Args:
+        path: Of the file.
+        order: Of the colours in an array; those of an image are known.
+
     Raises:
         UnreadableClip: If the file is missing or holds no single image.
     """

@@ -1,5 +1,6 @@
 import json
 
+import cv2
 import numpy as np
 import pytest
 
@@ -100,6 +101,18 @@ def test_a_recording_of_any_kind_may_stand_for_its_frames(tmp_path):
     assert (len(clip), clip.fps, clip.name, row.object_id) == (5, 30, "1", "cap")
 
 
+def test_a_tiff_of_several_pages_stands_for_its_frames_and_single_pages_are_images(tmp_path):
+    pages = [np.full((16, 16, 3), grey, np.uint8) for grey in (20, 21, 22)]
+    assert cv2.imwritemulti(str(tmp_path / "a.tif"), pages)
+    _, ((_, clip),) = read_one(manifest(tmp_path, "1,cap,,slide_up,a.tif,,"))
+    assert clip.frames[:, 0, 0, 0].tolist() == [20, 21, 22]
+    (tmp_path / "b").mkdir()
+    for place, page in enumerate(pages):
+        write_image(tmp_path / "b" / f"{place}.tif", page)
+    _, ((_, single),) = read_one(manifest(tmp_path, "1,cap,,slide_up,b,,"))
+    assert np.array_equal(single.frames, clip.frames)
+
+
 def test_an_untouched_start_becomes_the_background_and_is_counted(tmp_path):
     rng = np.random.default_rng(0)
     frames = np.full((9, 48, 64, 3), 120.0) + rng.normal(0, 0.5, (9, 48, 64, 3))
@@ -144,7 +157,7 @@ def test_a_path_that_a_csv_would_part_is_refused(tmp_path):
         ("a" * 300, "", "File name too long"),
         ("gone/*.png", "", "bad: its frames name 0 files, expected 2 or more images"),
         ("a/0.png", "", "bad: its frames name 1 file, expected 2 or more images"),
-        ("a/0.png;a/gone.png", "", "gone.png: is cut off or is no image"),
+        ("a/0.png;a/gone.png", "", "gone.png: cannot be opened (No such file or directory)"),
         ("a/0.png;b/0.png", "", "b/0.png: is 24x24 pixels, 0.png is 16x16"),
         ("a/0.png;a.npy", "", "bad: its frames name 2 files, expected 2 or more images, or one"),
         ("gone.npy", "", "gone.npy: no such file or folder"),

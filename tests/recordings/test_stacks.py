@@ -138,3 +138,12 @@ def test_among_single_images_it_is_told_to_be_a_recording(tmp_path):
         f"{tmp_path / '1.tif'}: holds several pages, expected one image; give the file as the "
         f"recording that it is, or save one page."
     )
+
+
+def test_an_image_that_cannot_be_opened_is_told_why(tmp_path):
+    with pytest.raises(UnreadableClip) as caught:
+        read_still_image(tmp_path / "gone.png")
+    assert str(caught.value) == (
+        f"{tmp_path / 'gone.png'}: cannot be opened (No such file or directory); check the path "
+        f"and its permissions."
+    )
