@@ -1,4 +1,4 @@
-"""What image decoders give, as RGB of 8 bits, and what they write to stderr, silenced."""
+"""Decoded images as RGB of 8 bits, with the decoders kept silent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The recordings of a folder, by name; of none but a TIFF more is read than that."""
+"""The recordings of a folder, by name; only a TIFF is opened, for how many pages it has."""
 
 from __future__ import annotations
 
