@@ -42,9 +42,19 @@ def batch(
         ),
     ],
     questions: Annotated[
-        Path, typer.Option(help="Text file, one question a line; # begins a comment.")
+        Path,
+        typer.Option(
+            parser=path_of,
+            metavar="<path>",
+            help="Text file, one question a line; # begins a comment.",
+        ),
     ],
-    out: Annotated[Path, typer.Option(help="Where the rows go, one JSON object a line.")],
+    out: Annotated[
+        Path,
+        typer.Option(
+            parser=path_of, metavar="<path>", help="Where the rows go, one JSON object a line."
+        ),
+    ],
     layout: LayoutName = None,
     fps: FramesPerSecond = None,
     square_pixels: SquarePixels = None,

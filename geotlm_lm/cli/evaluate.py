@@ -20,6 +20,7 @@ from geotlm_lm.cli.options import (
     HeadsRunFolder,
     Precision,
     Seed,
+    path_of,
     require_one_model,
     require_writable,
 )
@@ -34,19 +35,28 @@ REPORT_EVERY_S = 2.0
 
 Real = Annotated[
     Path | None,
-    typer.Option(help="Folder of labelled recordings (clips and a CSV of windows) to add."),
+    typer.Option(
+        parser=path_of,
+        metavar="<path>",
+        help="Folder of labelled recordings (clips and a CSV of windows) to add.",
+    ),
 ]
 Data = Annotated[
     list[Path] | None,
     typer.Option(
+        parser=path_of,
+        metavar="<path>",
         help="TactileTracking's folder, or a manifest of clips such as ToucHD-Sim's, to add; "
-        "may be given again."
+        "may be given again.",
     ),
 ]
 Clips = Annotated[
     int, typer.Option(min=0, help="Simulated clips per task; 0 leaves simulation out.")
 ]
-RecordOut = Annotated[Path | None, typer.Option(help="Write the record here, as JSON.")]
+RecordOut = Annotated[
+    Path | None,
+    typer.Option(parser=path_of, metavar="<path>", help="Write the record here, as JSON."),
+]
 RecordAsJson = Annotated[
     bool, typer.Option("--json", help="End with the record as one line of JSON.")
 ]

@@ -62,6 +62,8 @@ Background = Annotated[
     Path | None,
     typer.Option(
         "--background",
+        parser=path_of,
+        metavar="<path>",
         help="Image or .npy of the untouched gel. [default: from the recording, else estimated]",
     ),
 ]
@@ -78,13 +80,27 @@ MmPerPixel = Annotated[
     ),
 ]
 BundleFolder = Annotated[
-    Path | None, typer.Option(help="Folder of a model bundle. [default: the one shipped]")
+    Path | None,
+    typer.Option(
+        parser=path_of,
+        metavar="<path>",
+        help="Folder of a model bundle. [default: the one shipped]",
+    ),
 ]
 RealFolder = Annotated[
-    Path | None, typer.Option(help="Folder of labelled recordings to add; see `evaluate`.")
+    Path | None,
+    typer.Option(
+        parser=path_of,
+        metavar="<path>",
+        help="Folder of labelled recordings to add; see `evaluate`.",
+    ),
 ]
-RecordPath = Annotated[Path, typer.Option(help="Where the record goes, as JSON.")]
-TablePath = Annotated[Path, typer.Option(help="Where the table goes, as Markdown.")]
+RecordPath = Annotated[
+    Path, typer.Option(parser=path_of, metavar="<path>", help="Where the record goes, as JSON.")
+]
+TablePath = Annotated[
+    Path, typer.Option(parser=path_of, metavar="<path>", help="Where the table goes, as Markdown.")
+]
 Precision = Annotated[
     str,
     typer.Option(
@@ -104,7 +120,12 @@ EncoderName = Annotated[
 ]
 EncoderWeights = Annotated[
     Path | None,
-    typer.Option("--weights", help="The file the encoder's authors release; see the README."),
+    typer.Option(
+        "--weights",
+        parser=path_of,
+        metavar="<path>",
+        help="The file the encoder's authors release; see the README.",
+    ),
 ]
 EncoderHeads = Annotated[
     int | None,

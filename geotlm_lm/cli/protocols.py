@@ -47,13 +47,19 @@ RunFolder = Annotated[
 Out = Annotated[
     Path | None,
     typer.Option(
+        parser=path_of,
+        metavar="<path>",
         help=f"Where the record goes, as JSON. [default: {RECORD} for all tables of the embedded "
-        f"backbone, else nowhere]"
+        f"backbone, else nowhere]",
     ),
 ]
 Table = Annotated[
     Path | None,
-    typer.Option(help=f"Where the page goes, as Markdown. [default: {PAGE} likewise]"),
+    typer.Option(
+        parser=path_of,
+        metavar="<path>",
+        help=f"Where the page goes, as Markdown. [default: {PAGE} likewise]",
+    ),
 ]
 
 

@@ -11,6 +11,7 @@ from geotlm_lm.cli.options import (
     BundleFolder,
     RecordPath,
     Seed,
+    path_of,
     require_writable,
 )
 from geotlm_lm.cli.protocols import protocols
@@ -50,10 +51,12 @@ def readme(
     check: Annotated[
         bool, typer.Option("--check", help="Change nothing; fail if a number is out of date.")
     ] = False,
-    path: Annotated[Path, typer.Option("--readme", help="The file to fill.")] = Path("README.md"),
-    records: Annotated[Path, typer.Option(help="Folder of recorded runs.")] = Path(
-        "reports/recorded"
-    ),
+    path: Annotated[
+        Path, typer.Option("--readme", parser=path_of, metavar="<path>", help="The file to fill.")
+    ] = Path("README.md"),
+    records: Annotated[
+        Path, typer.Option(parser=path_of, metavar="<path>", help="Folder of recorded runs.")
+    ] = Path("reports/recorded"),
 ) -> None:
     """Write the numbers of recorded runs into the README's blocks.
 
@@ -71,12 +74,17 @@ def readme(
 
 @app.command()
 def confusions(
-    records: Annotated[Path, typer.Option("--record", help="The recorded evaluation.")] = Path(
-        "reports/recorded/evaluate.json"
-    ),
+    records: Annotated[
+        Path,
+        typer.Option("--record", parser=path_of, metavar="<path>", help="The recorded evaluation."),
+    ] = Path("reports/recorded/evaluate.json"),
     out: Annotated[
         Path | None,
-        typer.Option(help="Folder of the pictures. [default: beside the page that shows them]"),
+        typer.Option(
+            parser=path_of,
+            metavar="<path>",
+            help="Folder of the pictures. [default: beside the page that shows them]",
+        ),
     ] = None,
 ) -> None:
     """Draw who is taken for whom, a picture per table of a recorded evaluation.
@@ -99,7 +107,9 @@ def confusions(
 
 @app.command()
 def answer(
-    clip: Annotated[Path, typer.Option(help="The recording to ask about.")] = EXAMPLE_CLIP,
+    clip: Annotated[
+        Path, typer.Option(parser=path_of, metavar="<path>", help="The recording to ask about.")
+    ] = EXAMPLE_CLIP,
     question: Annotated[str, typer.Option("--q", help="The question.")] = EXAMPLE_QUESTION,
     out: RecordPath = Path("reports/recorded/answer.json"),
 ) -> None:
@@ -131,13 +141,27 @@ def stability(
     model: BundleFolder = None,
     out: Annotated[
         Path | None,
-        typer.Option(help="The record, as JSON. [default: reports/recorded/stability.json]"),
+        typer.Option(
+            parser=path_of,
+            metavar="<path>",
+            help="The record, as JSON. [default: reports/recorded/stability.json]",
+        ),
     ] = None,
     table: Annotated[
-        Path | None, typer.Option(help="The table, as Markdown. [default: reports/stability.md]")
+        Path | None,
+        typer.Option(
+            parser=path_of,
+            metavar="<path>",
+            help="The table, as Markdown. [default: reports/stability.md]",
+        ),
     ] = None,
     figure: Annotated[
-        Path | None, typer.Option(help="Also draw the model's figure here; needs matplotlib.")
+        Path | None,
+        typer.Option(
+            parser=path_of,
+            metavar="<path>",
+            help="Also draw the model's figure here; needs matplotlib.",
+        ),
     ] = None,
 ) -> None:
     """Put the model under stress, or with --simulator the contact solver; write what came of it.

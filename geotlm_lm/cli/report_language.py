@@ -9,13 +9,18 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import AsJson, BundleFolder, RecordPath, Seed
+from geotlm_lm.cli.options import AsJson, BundleFolder, RecordPath, Seed, path_of
 from geotlm_lm.cli.recorded import command_line, require_all_writable
 
 
 def language(
     real: Annotated[
-        Path | None, typer.Option(help="Folder of labelled recordings to ask about as well.")
+        Path | None,
+        typer.Option(
+            parser=path_of,
+            metavar="<path>",
+            help="Folder of labelled recordings to ask about as well.",
+        ),
     ] = None,
     clips: Annotated[
         int, typer.Option(min=0, help="Simulated clips; 0 leaves simulation out.")
@@ -26,9 +31,10 @@ def language(
     seed: Seed = 0,
     model: BundleFolder = None,
     out: RecordPath = Path("reports/recorded/language.json"),
-    table: Annotated[Path, typer.Option(help="Where the tables go, as Markdown.")] = Path(
-        "reports/language.md"
-    ),
+    table: Annotated[
+        Path,
+        typer.Option(parser=path_of, metavar="<path>", help="Where the tables go, as Markdown."),
+    ] = Path("reports/language.md"),
     as_json: AsJson = False,
 ) -> None:
     """Ask every type of question about clips nothing was trained on, and grade the answers.
@@ -67,9 +73,12 @@ def language(
 def transcript(
     model: BundleFolder = None,
     out: RecordPath = Path("reports/recorded/transcript.json"),
-    table: Annotated[Path, typer.Option(help="Where the transcript goes, as Markdown.")] = Path(
-        "reports/transcript.md"
-    ),
+    table: Annotated[
+        Path,
+        typer.Option(
+            parser=path_of, metavar="<path>", help="Where the transcript goes, as Markdown."
+        ),
+    ] = Path("reports/transcript.md"),
 ) -> None:
     """Ask questions that nobody wrote a template for; write down what was said.
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import BundleFolder, RealFolder, RecordPath, Seed, TablePath
+from geotlm_lm.cli.options import BundleFolder, RealFolder, RecordPath, Seed, TablePath, path_of
 from geotlm_lm.cli.recorded import command_line, require_all_writable, save_page, show
 
 
@@ -43,11 +43,15 @@ def runtime(
     seed: Seed = 0,
     model: BundleFolder = None,
     out: RecordPath = Path("reports/recorded/runtime.json"),
-    table: Annotated[Path, typer.Option(help="Where the tables go, as Markdown.")] = Path(
-        "reports/runtime.md"
-    ),
+    table: Annotated[
+        Path,
+        typer.Option(parser=path_of, metavar="<path>", help="Where the tables go, as Markdown."),
+    ] = Path("reports/runtime.md"),
     figure: Annotated[
-        Path | None, typer.Option(help="Also draw the figure here; needs matplotlib.")
+        Path | None,
+        typer.Option(
+            parser=path_of, metavar="<path>", help="Also draw the figure here; needs matplotlib."
+        ),
     ] = None,
 ) -> None:
     """Hold every way to name a motion, error against run time; say what to pick for which use.
@@ -81,7 +85,9 @@ def runtime(
 
 
 def cameras(
-    real: Annotated[Path, typer.Option(help="Folder of labelled recordings.")],
+    real: Annotated[
+        Path, typer.Option(parser=path_of, metavar="<path>", help="Folder of labelled recordings.")
+    ],
     clips: Annotated[int, typer.Option(min=2, help="Windows of each set at most.")] = 200,
     seed: Seed = 0,
     model: BundleFolder = None,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from geotlm_lm.cli.options import RecordPath, Seed, TablePath
+from geotlm_lm.cli.options import RecordPath, Seed, TablePath, path_of
 from geotlm_lm.cli.recorded import (
     command_line,
     require_all_writable,
@@ -29,9 +29,12 @@ def fuzz(
         list[str] | None, typer.Option(help="Only this one; may be repeated. [default: all]")
     ] = None,
     seed: Seed = 0,
-    found: Annotated[Path, typer.Option(help="Folder for inputs that did what none must.")] = Path(
-        "runs/fuzz"
-    ),
+    found: Annotated[
+        Path,
+        typer.Option(
+            parser=path_of, metavar="<path>", help="Folder for inputs that did what none must."
+        ),
+    ] = Path("runs/fuzz"),
     out: RecordPath = Path("reports/recorded/fuzz.json"),
     table: TablePath = Path("reports/fuzz.md"),
 ) -> None:
@@ -63,7 +66,12 @@ def fuzz(
 
 def page(
     pictures: Annotated[
-        Path | None, typer.Option(help="Folder to draw the page's pictures into. [default: none]")
+        Path | None,
+        typer.Option(
+            parser=path_of,
+            metavar="<path>",
+            help="Folder to draw the page's pictures into. [default: none]",
+        ),
     ] = None,
     out: RecordPath = Path("reports/recorded/page.json"),
 ) -> None:

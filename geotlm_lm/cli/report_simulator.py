@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import RecordPath, Seed, TablePath
+from geotlm_lm.cli.options import RecordPath, Seed, TablePath, path_of
 from geotlm_lm.cli.recorded import command_line, require_all_writable, save_page, show
 
 
@@ -16,7 +16,10 @@ def simulator(
     out: RecordPath = Path("reports/recorded/simulator.json"),
     table: TablePath = Path("reports/simulator.md"),
     figure: Annotated[
-        Path | None, typer.Option(help="Also draw the figure here; needs matplotlib.")
+        Path | None,
+        typer.Option(
+            parser=path_of, metavar="<path>", help="Also draw the figure here; needs matplotlib."
+        ),
     ] = None,
 ) -> None:
     """Hold every preset's error against its run time, beside what a user might take instead.
@@ -62,7 +65,12 @@ def simulator_stability(out: Path, table: Path) -> None:
 
 def optics(
     real: Annotated[
-        Path, typer.Option(help="Folder of real images: calibration/ and physiclear/.")
+        Path,
+        typer.Option(
+            parser=path_of,
+            metavar="<path>",
+            help="Folder of real images: calibration/ and physiclear/.",
+        ),
     ],
     clips: Annotated[int, typer.Option(min=1, help="Simulated clips.")] = 600,
     seed: Seed = 0,

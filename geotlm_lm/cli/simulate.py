@@ -55,7 +55,10 @@ LabelsOnly = Annotated[
     typer.Option("--labels-only", help="Write labels and true fields, and no pictures."),
 ]
 ClipFile = Annotated[
-    Path | None, typer.Option(help="Write one clip to this .npz instead of a data set.")
+    Path | None,
+    typer.Option(
+        parser=path_of, metavar="<path>", help="Write one clip to this .npz instead of a data set."
+    ),
 ]
 MotionOf = Annotated[
     MotionName | None,
@@ -68,8 +71,10 @@ ObjectName = Annotated[
 HeightMap = Annotated[
     Path | None,
     typer.Option(
+        parser=path_of,
+        metavar="<path>",
         help="With --clip: your own object, a .npy of heights in mm or a grey .png; what is "
-        "highest touches first."
+        "highest touches first.",
     ),
 ]
 SampleSize = Annotated[

@@ -32,7 +32,11 @@ def train(
     workers: Annotated[int, typer.Option(min=1, help="Processes that simulate.")] = 2,
     keep: Annotated[
         Path | None,
-        typer.Option(help="Bundle of which all but the odometer is kept; only that is trained."),
+        typer.Option(
+            parser=path_of,
+            metavar="<path>",
+            help="Bundle of which all but the odometer is kept; only that is trained.",
+        ),
     ] = None,
 ) -> None:
     """Train a model bundle; its folder is printed at the end, progress goes to stderr.

@@ -37,7 +37,10 @@ def watch(
         bool, typer.Option("--json", help="Print one JSON object a line, the account last.")
     ] = False,
     draw: Annotated[
-        Path | None, typer.Option(help="Write what was seen to this .mp4, as a drawing.")
+        Path | None,
+        typer.Option(
+            parser=path_of, metavar="<path>", help="Write what was seen to this .mp4, as a drawing."
+        ),
     ] = None,
     force: Force = False,
     question: Annotated[

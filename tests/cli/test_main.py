@@ -3,12 +3,15 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
+from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
 import typer
 
 from geotlm_lm.cli import main as main_module
+from geotlm_lm.cli.options import path_of
 from geotlm_lm.core.errors import BelowMinimum, IncompatibleBundle, MissingDependency
 
 
@@ -97,6 +100,15 @@ def test_a_wrong_call_ends_with_one_sentence_and_code_2(capsys, case):
         "evaluate --weights gone.pth --run-folder",
         "report protocols --run-folder",
         "report sizes --run-folder",
+        "info --clip x.npy --background",
+        "answer --clip x.npy --q Which? --model",
+        "evaluate --real",
+        "evaluate --out",
+        "manifest --out m.csv --root",
+        "report cameras --real",
+        "report language --model",
+        "report fuzz --out",
+        "watch --source x.mp4 --draw",
     ],
 )
 def test_an_empty_path_is_not_taken_for_the_current_folder(capsys, tmp_path, monkeypatch, words):
@@ -107,6 +119,26 @@ def test_an_empty_path_is_not_taken_for_the_current_folder(capsys, tmp_path, mon
         "An empty path was given, expected a file's or a folder's; give it.\n",
     )
     assert list(tmp_path.iterdir()) == []
+
+
+def test_no_command_takes_an_empty_path():
+    """Typer makes the current folder of an empty text wherever a path has no parser of its own."""
+    plain, seen = [], 0
+    for command in _commands(main_module.app):
+        for name, hint in get_type_hints(command, include_extras=True).items():
+            kind, *about = get_args(hint) if hasattr(hint, "__metadata__") else (hint,)
+            if kind is Path or Path in get_args(kind):
+                seen += 1
+                plain += [] if about and about[0].parser is path_of else [(command, name)]
+    assert plain == []
+    assert seen > 30
+
+
+def _commands(group):
+    """The functions of a group's commands and of the groups within it."""
+    return [command.callback for command in group.registered_commands] + [
+        command for inner in group.registered_groups for command in _commands(inner.typer_instance)
+    ]
 
 
 OUTPUTS = {
