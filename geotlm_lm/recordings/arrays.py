@@ -37,8 +37,9 @@ def read_archive(path: Path, layout: str | None = None) -> Clip:
 
     What it states by `square_pixels` is told by `stated_square_pixels`.
 
-    Where no array is called `frames`, the only other one is taken for them: `numpy.savez(path,
-    frames)` calls it `arr_0`. A note says so.
+    Where no array is called `frames`, the only other one is taken for them (`numpy.savez(path,
+    frames)` calls it `arr_0`), or of several the only one with the shape of pictures, in colour
+    before grey, as in an archive of `rgb` and `depth`. A note says so.
 
     Args:
         path: Of the file.
@@ -50,7 +51,7 @@ def read_archive(path: Path, layout: str | None = None) -> Clip:
     name = str(path)
     with _refusing_damage(name), zipfile.ZipFile(path) as archive:
         keys = sorted(entry.removesuffix(".npy") for entry in archive.namelist())
-        key = _key_of_frames(keys, name)
+        key = _key_of_frames(archive, keys, name)
         frames = _read_member(archive, key, name)
         others = {k: _read_member(archive, k, name) for k in ("fps", "background") if k in keys}
     clip = _to_clip(frames, layout, name)
@@ -95,14 +96,31 @@ BESIDES = ("fps", "background", SQUARE_PIXELS)
 """Keys of an archive that hold no frames."""
 
 
-def _key_of_frames(keys: list[str], name: str) -> str:
+def _key_of_frames(archive: zipfile.ZipFile, keys: list[str], name: str) -> str:
+    """Return `frames`, else the only array, else the only one that may be pictures by its shape."""
+    if "frames" in keys:
+        return "frames"
     others = [key for key in keys if key not in BESIDES]
-    if "frames" not in keys and len(others) != 1:
+    if len(others) > 1:
+        axes = {key: _picture_axes(archive, key, name) for key in others}
+        others = [key for key in others if axes[key] == max(axes.values()) > 0]
+    if len(others) != 1:
         raise UnreadableClip(
             f"{name}: found the keys {', '.join(keys) or 'none'}, expected 'frames' (and "
             f"optionally 'fps', 'background', '{SQUARE_PIXELS}'); save the frames under that key."
         )
-    return "frames" if "frames" in keys else others[0]
+    return others[0]
+
+
+def _picture_axes(archive: zipfile.ZipFile, key: str, name: str) -> int:
+    """Return 4 where an array has the shape of frames in colour, 3 of grey ones, 0 otherwise."""
+    try:
+        with archive.open(f"{key}.npy") as stream:
+            shape, _ = _read_header(stream, name)
+    except (UnreadableClip, KeyError, ValueError):  # not an array of numbers: no pictures either
+        return 0
+    is_colour = len(shape) == 4 and 3 in (shape[1], shape[3])
+    return 4 if is_colour else 3 * (len(shape) == 3)
 
 
 def read_still_array(path: Path, order: Order = "RGB") -> Frames:
