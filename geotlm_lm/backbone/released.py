@@ -13,13 +13,12 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from geotlm_lm.backbone.adapters.adapter import Adapter, Asked, load_strictly
-from geotlm_lm.backbone.adapters.anytouch1 import AnyTouch1
-from geotlm_lm.backbone.adapters.anytouch2 import AnyTouch2
-from geotlm_lm.backbone.adapters.internvit import InternViT
-from geotlm_lm.backbone.adapters.sparsh import Sparsh
+from geotlm_lm.backbone.adapters.adapter import Adapter, LoadOptions, load_strictly
+from geotlm_lm.backbone.adapters.anytouch import ANYTOUCH1, ANYTOUCH2
+from geotlm_lm.backbone.adapters.internvit import INTERNVIT
+from geotlm_lm.backbone.adapters.sparsh import SPARSH
 from geotlm_lm.backbone.adapters.t3 import T3
-from geotlm_lm.backbone.adapters.unit import UniT
+from geotlm_lm.backbone.adapters.unit import UNIT
 from geotlm_lm.backbone.pixels import Size
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.weights import listed, read_tensors
@@ -28,8 +27,7 @@ from geotlm_lm.core.errors import IncompatibleWeights, UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE
 
 ENCODERS: dict[str, Adapter] = {
-    adapter.name: adapter
-    for adapter in (AnyTouch2(), AnyTouch1(), Sparsh(), T3(), InternViT(), UniT())
+    adapter.name: adapter for adapter in (ANYTOUCH2, ANYTOUCH1, SPARSH, T3, INTERNVIT, UNIT)
 }
 """Every released encoder by the name the command line gives it."""
 
@@ -150,8 +148,8 @@ def load_encoder(
     adapter = None if name is None else adapter_named(name)
     tensors = read_tensors(path)
     adapter = adapter or recognised(path, tensors)
-    asked = Asked(path, heads, image)
-    module, size = load_strictly(adapter, adapter.complete(path, tensors), asked)
+    options = LoadOptions(path, heads, image)
+    module, size = load_strictly(adapter, adapter.complete(path, tensors), options)
     return ReleasedEncoder(adapter, module, size)
 
 

@@ -9,7 +9,6 @@ import pytest
 import torch
 
 from geotlm_lm.backbone import conv_encoder
-from geotlm_lm.backbone.adapters.t3 import encoder_depth
 from geotlm_lm.backbone.image_vit import sinusoids
 from tests.backbone.oracles import FLOAT32_TOLERANCE, FLOAT64_TOLERANCE, Oracle, check
 
@@ -81,7 +80,7 @@ def internvit(module, oracle, dtype):
 def t3(module, oracle, dtype):
     image = oracle.inputs("image", dtype)
     encoded = module.embed(image)
-    for block in module.blocks[: encoder_depth(module)]:
+    for block in module.blocks[: oracle.config["encoder_depth"]]:
         encoded = block(encoded)
     before = module(image)
     tokens = module.normed(before)

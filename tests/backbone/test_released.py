@@ -6,7 +6,7 @@ import pytest
 import torch
 from safetensors.torch import load_file, save_file
 
-from geotlm_lm.backbone.adapters.adapter import Asked, fitted
+from geotlm_lm.backbone.adapters.adapter import LoadOptions, fitted
 from geotlm_lm.backbone.released import ENCODERS, ReleasedEncoder, adapter_named, load_encoder
 from geotlm_lm.core.errors import IncompatibleWeights, UsageError
 from tests.backbone.full_size import FILES
@@ -36,7 +36,7 @@ def test_a_released_file_has_the_names_shapes_and_numbers_it_is_known_for(name):
     numbers, tensors, width, patches, size = TABLE[name]
     file = FILES[name]()
     assert (sum(value.numel() for value in file.values()), len(file)) == (numbers, tensors)
-    module, image, parts = fitted(ENCODERS[name], file, Asked(Path("released")))
+    module, image, parts = fitted(ENCODERS[name], file, LoadOptions(Path("released")))
     encoder = ReleasedEncoder(ENCODERS[name], module, image)
     assert encoder.parameter_count == numbers - CONSTANTS.get(name, 0)
     assert sum(len(pairs) for pairs in parts.values()) == tensors - (name in CONSTANTS)

@@ -1,1 +1,1 @@
-"""One released encoder per file: what its file holds, how its pixels are made, what it returns."""
+"""Released encoders: names in their files, preparation of pixels, and the tokens they return."""

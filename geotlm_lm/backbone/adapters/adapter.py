@@ -1,14 +1,12 @@
-"""What every released encoder answers for, and the strict loading they share."""
+"""What is known of a released encoder, and the strict loading of its file."""
 
 from __future__ import annotations
 
-import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar
 
 import torch
 from torch import Tensor, nn
@@ -16,38 +14,23 @@ from torch import Tensor, nn
 from geotlm_lm.backbone.pixels import Size
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.view import View
-from geotlm_lm.backbone.weights import listed
+from geotlm_lm.backbone.weights import listed, without_prefix
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import IncompatibleWeights, UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT, TUBE_FRAMES
 
+Tensors = dict[str, Tensor]
+
 Names = dict[str, tuple[str, ...]]
 """Our name of a weight -> the authors' names of its parts, joined along the first axis."""
 
-CLIP_BLOCK: Names = {
-    "norm1": ("layer_norm1",),
-    "qkv": ("self_attn.q_proj", "self_attn.k_proj", "self_attn.v_proj"),
-    "proj": ("self_attn.out_proj",),
-    "norm2": ("layer_norm2",),
-    "fc1": ("mlp.fc1",),
-    "fc2": ("mlp.fc2",),
-}
-"""Layers of a block as transformers' CLIP names them."""
-
-TIMM_BLOCK: Names = {
-    "norm1": ("norm1",),
-    "qkv": ("attn.qkv",),
-    "proj": ("attn.proj",),
-    "norm2": ("norm2",),
-    "fc1": ("mlp.fc1",),
-    "fc2": ("mlp.fc2",),
-}
-"""Layers of a block as timm and DINOv2 name them."""
+Axes = Mapping[str, int | None]
+"""Names of tensors and their numbers of axes; None for a tensor that must be absent."""
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What a file is read as.
+class LoadOptions:
+    """How a file is read.
 
     Args:
         path: The file, for messages.
@@ -61,98 +44,124 @@ class Asked:
     image: Size | None = None
 
 
+def _only(path: Path, tensors: Tensors) -> Tensors:
+    return tensors
+
+
+def _whole_image(clip: Clip) -> View | None:
+    return View()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Adapter(ABC):
     """One released encoder.
 
-    `select` leaves what the encoder consists of, `build` makes the empty module of the sizes found,
-    `names` says which tensor goes where, `pixels` is the authors' preparation of one clip, `tokens`
-    their forward pass cut to what DGR reads.
+    Args:
+        name: What the command line calls it.
+        title: What messages call it.
+        source: Where the authors release the file.
+        marks: The file is recognised by any one of these sets of tensors.
+        anchors: Tensors whose sizes `build` reads.
+        pixels: The authors' preparation of one clip of four frames at a size.
+        tokens: Their forward pass over a batch of such pixels, cut to what DGR reads.
+        view: The square of the image that the patch grid covers; None where it is no square.
+        prefixes: What is taken off the names in turn; where a file has one, all else is dropped.
+        kept: The names, or with a dot at the end their beginnings, that belong to the encoder;
+            empty for all.
+        dropped: Parts of names that do not belong to it.
+        complete: Adds the tensors of files that belong to the one at a path.
+        released_heads: Attention heads by width: a file does not tell them.
     """
 
-    name: ClassVar[str]
-    title: ClassVar[str]
-    source: ClassVar[str]
-    """Where the authors release the file."""
-    mark: ClassVar[tuple[str, int]]
-    """A tensor by which the file is recognised, and its number of axes."""
-    anchors: ClassVar[Mapping[str, int]]
-    """Tensors whose sizes `build` reads, and their numbers of axes."""
-    released_heads: ClassVar[Mapping[int, int]] = {}
-    """Attention heads by width: a file does not tell them."""
-
-    def claims(self, tensors: dict[str, Tensor]) -> bool:
-        """Tell whether a file looks like this encoder's."""
-        name, axes = self.mark
-        found = self.select(tensors).get(name)
-        return found is not None and found.ndim == axes
-
-    def complete(self, path: Path, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
-        """Return `tensors` with those of files that belong to the one at `path`."""
-        return tensors
+    name: str
+    title: str
+    source: str
+    marks: tuple[Axes, ...]
+    anchors: Mapping[str, int]
+    pixels: Callable[[Clip, Size], Tensor]
+    tokens: Callable[[nn.Module, Tensor], Tokens]
+    view: Callable[[Clip], View | None] = _whole_image
+    prefixes: tuple[str, ...] = ()
+    kept: tuple[str, ...] = ()
+    dropped: tuple[str, ...] = ()
+    complete: Callable[[Path, Tensors], Tensors] = _only
+    released_heads: Mapping[int, int] = field(default_factory=dict)
 
     @abstractmethod
-    def select(self, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
-        """Return the encoder's tensors by the authors' names, without prefix and bystanders."""
-
-    def checked(self, found: dict[str, Tensor], asked: Asked) -> dict[str, Tensor]:
-        """Return `found` without constants, once they are known to be the released ones."""
-        return found
-
-    @abstractmethod
-    def build(self, found: dict[str, Tensor], asked: Asked) -> tuple[nn.Module, Size]:
+    def build(self, found: Tensors, options: LoadOptions) -> tuple[nn.Module, Size]:
         """Return the empty module of the sizes found, and the size of the images it reads."""
 
     @abstractmethod
-    def names(self, module: nn.Module) -> Names:
+    def names(self, module: nn.Module, found: Tensors) -> Names:
         """Return which tensors fill the module."""
 
-    @abstractmethod
-    def pixels(self, clip: Clip, image: Size) -> Tensor:
-        """Return what the authors' module would receive for one clip of four frames."""
+    def claims(self, tensors: Tensors) -> bool:
+        """Tell whether a file looks like this encoder's."""
+        found = self.select(tensors)
+        return any(has_axes(found, mark) for mark in self.marks)
 
-    @abstractmethod
-    def tokens(self, module: nn.Module, pixels: Tensor) -> Tokens:
-        """Return the tokens of a batch of what `pixels` gives."""
+    def select(self, tensors: Tensors) -> Tensors:
+        """Return the encoder's tensors by the authors' names, without prefix and bystanders."""
+        for prefix in self.prefixes:
+            if any(name.startswith(prefix) for name in tensors):
+                tensors = without_prefix(tensors, prefix)
+        return {
+            name: value
+            for name, value in tensors.items()
+            if self._is_kept(name) and not any(part in name for part in self.dropped)
+        }
 
-    def view(self, clip: Clip) -> View | None:
-        """Return the square of the image that the grid covers; None where it is no square."""
-        return View()
+    def _is_kept(self, name: str) -> bool:
+        starts = tuple(one for one in self.kept if one.endswith("."))
+        return not self.kept or name in self.kept or name.startswith(starts)
 
-    def heads(self, width: int, asked: Asked) -> int:
+    def checked(self, found: Tensors, options: LoadOptions) -> Tensors:
+        """Return `found` without constants, once they are known to be the released ones."""
+        return found
+
+    def heads(self, width: int, options: LoadOptions) -> int:
         """Return the attention heads of a file of `width`.
 
         Raises:
             UsageError: If they were not given and the width is not a released one, or do not divide
                 the width.
         """
-        heads = asked.heads or self.released_heads.get(width)
+        heads = options.heads or self.released_heads.get(width)
         if heads is None:
             known = " or ".join(str(known) for known in self.released_heads)
             raise UsageError(
-                f"{asked.path}: {self.title} of width {width}, expected {known}; a file does not "
+                f"{options.path}: {self.title} of width {width}, expected {known}; a file does not "
                 f"tell its attention heads, give them by --heads."
             )
         if width % heads:
             raise UsageError(
-                f"{asked.path}: width {width} does not divide among {heads} attention heads; give "
-                f"the number its authors trained with by --heads."
+                f"{options.path}: width {width} does not divide among {heads} attention heads; "
+                f"give the number its authors trained with by --heads."
             )
         return heads
 
 
+def has_axes(tensors: Tensors, wanted: Axes) -> bool:
+    """Tell whether all of the `wanted` tensors are there, or absent, with their axes."""
+    return all(
+        name not in tensors if axes is None else name in tensors and tensors[name].ndim == axes
+        for name, axes in wanted.items()
+    )
+
+
 def load_strictly(
-    adapter: Adapter, tensors: dict[str, Tensor], asked: Asked
+    adapter: Adapter, tensors: Tensors, options: LoadOptions
 ) -> tuple[nn.Module, Size]:
     """Return the filled module and the size of its images, in float32.
 
     Raises:
         IncompatibleWeights: If a name is missing or unexpected, or a shape or value is wrong.
     """
-    module, image, parts = fitted(adapter, tensors, asked)
+    module, image, parts = fitted(adapter, tensors, options)
     for name, value in (pair for pairs in parts.values() for pair in pairs.items()):
         if not bool(torch.isfinite(value).all()):
             raise IncompatibleWeights(
-                f"{asked.path}: {name} holds values that are not finite; get the file of "
+                f"{options.path}: {name} holds values that are not finite; get the file of "
                 f"{adapter.title} again from {adapter.source}."
             )
     # Copies in any case: a tensor may still lie in the file.
@@ -165,7 +174,7 @@ def load_strictly(
 
 
 def fitted(
-    adapter: Adapter, tensors: dict[str, Tensor], asked: Asked
+    adapter: Adapter, tensors: Tensors, options: LoadOptions
 ) -> tuple[nn.Module, Size, dict[str, dict[str, Tensor]]]:
     """Return the empty module, the size of its images, and by our name what each weight is made of.
 
@@ -175,28 +184,28 @@ def fitted(
         IncompatibleWeights: If a name is missing or unexpected, a shape is wrong, or no module can
             have the sizes found.
     """
-    found = adapter.checked(adapter.select(tensors), asked)
+    found = adapter.checked(adapter.select(tensors), options)
     absent = [name for name in adapter.anchors if name not in found]
     if absent:
         others = [name for name in (found or tensors) if name not in adapter.anchors]
-        raise _mismatch(adapter, asked, absent, others)
+        raise _mismatch(adapter, options, absent, others)
     for name, axes in adapter.anchors.items():
         if found[name].ndim != axes:
-            raise _wrong_shape(adapter, asked, name, found[name].shape, f"{axes} axes")
+            raise _wrong_shape(adapter, options, name, found[name].shape, f"{axes} axes")
     try:
         with torch.device("meta"):
-            module, image = adapter.build(found, asked)
+            module, image = adapter.build(found, options)
     except ValueError as error:  # torch refuses sizes that its layers cannot have
         raise IncompatibleWeights(
-            f"{asked.path}: is not {adapter.title}: no encoder has the sizes found ({error}); get "
-            f"the file from {adapter.source}."
+            f"{options.path}: is not {adapter.title}: no encoder has the sizes found ({error}); "
+            f"get the file from {adapter.source}."
         ) from error
-    names = adapter.names(module)
+    names = adapter.names(module, found)
     expected = [name for parts in names.values() for name in parts]
     missing = [name for name in expected if name not in found]
     unexpected = sorted(set(found) - set(expected))
     if missing or unexpected:
-        raise _mismatch(adapter, asked, missing, unexpected)
+        raise _mismatch(adapter, options, missing, unexpected)
     fitting = {}
     for ours, wanted in module.state_dict().items():
         share = torch.Size([wanted.shape[0] // len(names[ours]), *wanted.shape[1:]])
@@ -204,7 +213,7 @@ def fitted(
         for name, value in fitting[ours].items():
             if value.shape != share:
                 shape = found[name].shape
-                raise _wrong_shape(adapter, asked, name, shape, str(tuple(share)))
+                raise _wrong_shape(adapter, options, name, shape, str(tuple(share)))
     return module, image, fitting
 
 
@@ -215,47 +224,11 @@ def _without_batch_axes(value: Tensor, shape: torch.Size) -> Tensor:
     return value
 
 
-def block_names(ours: str, theirs: str, style: Names) -> Names:
-    """Return the names of one block's weights and biases.
-
-    Args:
-        ours: Prefix of the block in our module.
-        theirs: Prefix of the block in the authors' file.
-        style: Their names of its layers.
-    """
-    return {
-        f"{ours}{layer}.{kind}": tuple(f"{theirs}{part}.{kind}" for part in parts)
-        for layer, parts in style.items()
-        for kind in ("weight", "bias")
-    }
-
-
 def block_count(found: Mapping[str, Tensor], prefix: str) -> int:
     """Return one more than the highest block number after `prefix`: a gap shows as missing."""
     pattern = re.compile(re.escape(prefix) + r"(\d+)\.")
     numbers = [int(match[1]) for name in found if (match := pattern.match(name))]
     return max(numbers, default=-1) + 1
-
-
-def square_grid(
-    adapter: Adapter, asked: Asked, patches: int, patch: Size, bins: int = 1
-) -> tuple[int, int, int]:
-    """Return (bins, rows, columns) of learned positions, square unless the image is said.
-
-    Raises:
-        IncompatibleWeights: If the positions do not fill such a grid.
-    """
-    if asked.image:
-        rows, columns = (asked.image[axis] // patch[axis] for axis in range(2))
-    else:
-        rows = columns = math.isqrt(patches // bins)
-    if bins * rows * columns != patches:
-        size = "a square image" if not asked.image else f"{asked.image[0]}x{asked.image[1]} pixels"
-        raise IncompatibleWeights(
-            f"{asked.path}: {patches} positions, expected {bins} times a grid of {size} for "
-            f"{adapter.title}; get the file for such images from {adapter.source}."
-        )
-    return bins, rows, columns
 
 
 def bin_means(frames: Tensor) -> Tensor:
@@ -264,18 +237,18 @@ def bin_means(frames: Tensor) -> Tensor:
 
 
 def _mismatch(
-    adapter: Adapter, asked: Asked, missing: Sequence[str], unexpected: Sequence[str]
+    adapter: Adapter, options: LoadOptions, missing: Sequence[str], unexpected: Sequence[str]
 ) -> IncompatibleWeights:
     return IncompatibleWeights(
-        f"{asked.path}: is not {adapter.title}: missing {listed(missing)}, unexpected "
+        f"{options.path}: is not {adapter.title}: missing {listed(missing)}, unexpected "
         f"{listed(unexpected)}; get the file from {adapter.source}."
     )
 
 
 def _wrong_shape(
-    adapter: Adapter, asked: Asked, name: str, shape: torch.Size, wanted: str
+    adapter: Adapter, options: LoadOptions, name: str, shape: torch.Size, wanted: str
 ) -> IncompatibleWeights:
     return IncompatibleWeights(
-        f"{asked.path}: is not {adapter.title}: {name} has shape {tuple(shape)}, expected "
+        f"{options.path}: is not {adapter.title}: {name} has shape {tuple(shape)}, expected "
         f"{wanted}; get the file from {adapter.source}."
     )
