@@ -10,7 +10,6 @@ from geotlm_lm.backbone.adapters.adapter import LoadOptions, fitted
 from geotlm_lm.backbone.released import ENCODERS, ReleasedEncoder, adapter_named, load_encoder
 from geotlm_lm.core.errors import IncompatibleWeights, UsageError
 from tests.backbone.full_size import FILES
-from tests.backbone.oracles import Oracle
 from tests.backbone.small_files import write_small
 
 TABLE = {
@@ -205,8 +204,8 @@ def test_the_file_may_vanish_once_it_is_read(tmp_path):
 
 
 @pytest.mark.parametrize("name", TABLE)
-def test_oracle_files_are_recognised_and_every_other_name_refuses_them(name):
-    oracle = Oracle(name)
+def test_oracle_files_are_recognised_and_every_other_name_refuses_them(oracles, name):
+    oracle = oracles(name)
     assert oracle.load().adapter.name == name
     for other in ENCODERS.keys() - {name}:
         with pytest.raises(IncompatibleWeights, match=f"is not {ENCODERS[other].title}: "):
