@@ -255,7 +255,8 @@ def test_oracle_sees_bilinear_positions_at_another_size(oracles, monkeypatch):
         torch.nn.functional, "interpolate", lambda x, **o: resize(x, **o | {"mode": "bilinear"})
     )
     outputs = internvit(module, oracle, torch.float64)
-    assert oracle.error(outputs["other_size_tokens"], "other_size_tokens") > SEEN_IN_FLOAT32
+    accepted = LOOSER["internvit"]["other_size_tokens"]
+    assert oracle.error(outputs["other_size_tokens"], "other_size_tokens") > accepted
     assert oracle.error(outputs["tokens"], "tokens") < FLOAT64_TOLERANCE
 
 
