@@ -1,80 +1,122 @@
-"""What an image file declares about its size, read before a decoder makes room for it."""
+"""What an image file declares about its size and pages, read before a decoder makes room for it.
+
+Pillow reads the headers. Its readers are called directly, without the check of sizes that
+`Image.open` adds: whoever asks here has a stricter limit and names the size.
+"""
 
 from __future__ import annotations
 
-from io import BytesIO
+import warnings
+from collections.abc import Iterator
+from io import SEEK_END, BytesIO
+from itertools import islice
+from typing import TYPE_CHECKING, BinaryIO
 
-from geotlm_lm.core.tiff_pages import BEGINNINGS as TIFFS
-from geotlm_lm.core.tiff_pages import page_sizes
+if TYPE_CHECKING:
+    from PIL.ImageFile import ImageFile
 
-_PNG, _BMP, _JPEG, _RIFF = b"\x89PNG\r\n\x1a\n", b"BM", b"\xff\xd8", b"RIFF"
-_FRAME_HEADERS = {0xC0, 0xC1, 0xC2, 0xC3, 0xC5, 0xC6, 0xC7, 0xC9, 0xCA, 0xCB, 0xCD, 0xCE, 0xCF}
-"""Markers of a JPEG (ISO/IEC 10918-1, table B.1) after which its size stands."""
+_PNG, _TIFF = b"\x89PNG\r\n\x1a\n", (b"II", b"MM")
+_COLUMNS_TAG, _ROWS_TAG = 256, 257
 
 
 def declared_size(stored: bytes) -> tuple[int, int] | None:
     """Return (rows, columns) as the header of a PNG, BMP, JPEG, WebP or TIFF gives them.
 
     Args:
-        stored: The file; its beginning is enough, of a TIFF the whole.
+        stored: The whole file.
 
     Returns:
         None where it is no such file, or cut off before its size.
     """
-    if stored.startswith(_PNG) and len(stored) >= 24:
-        return int.from_bytes(stored[20:24]), int.from_bytes(stored[16:20])
-    if stored.startswith(_BMP) and len(stored) >= 26:
-        # An OS/2 header is 12 bytes long and holds 16-bit numbers; rows run upwards if negative.
-        is_short = int.from_bytes(stored[14:18], "little") == 12
-        sides = (stored[18:20], stored[20:22]) if is_short else (stored[18:22], stored[22:26])
-        columns, rows = (int.from_bytes(side, "little", signed=not is_short) for side in sides)
-        return abs(rows), abs(columns)
-    if stored.startswith(_RIFF) and stored[8:12] == b"WEBP" and len(stored) >= 30:
-        return _webp_size(stored)
-    if stored.startswith(TIFFS):
+    if stored.startswith(_TIFF):
         return next(iter(page_sizes(BytesIO(stored), most=1)), None)
-    return _jpeg_size(stored) if stored.startswith(_JPEG) else None
+    image = _opened(stored)
+    if image is not None:
+        return image.size[::-1]
+    return _size_of_damaged_png(stored) if stored.startswith(_PNG) else None
 
 
 def is_cut_off(stored: bytes) -> bool:
-    """Tell whether a PNG declares a chunk that does not end within the file.
+    """Tell whether a PNG ends early or has a damaged chunk. False of any other file.
 
-    A decoder makes room for the chunk before it looks for its bytes: four of them can ask for
-    4 GB. False of any other file.
+    A decoder makes room for a chunk before it looks for its bytes: four of them can ask for 4 GB.
     """
-    at, kind = len(_PNG), b""
     if not stored.startswith(_PNG):
         return False
-    while kind != b"IEND" and at < len(stored):
-        kind = stored[at + 4 : at + 8]
-        at += 12 + int.from_bytes(stored[at : at + 4])  # length, name and checksum beside it
-    return at > len(stored)
+    try:
+        _opened(stored).verify()  # type: ignore[union-attr]  # None is cut off too
+    except Exception:  # Pillow raises whatever the damage leads to
+        return True
+    return False
 
 
-def _webp_size(stored: bytes) -> tuple[int, int] | None:
-    """Return the size that a WebP's first chunk declares: lossy, lossless, or extended."""
-    kind = stored[12:16]
-    if kind == b"VP8 ":
-        columns, rows = (int.from_bytes(stored[at : at + 2], "little") for at in (26, 28))
-        return rows & 0x3FFF, columns & 0x3FFF
-    if kind == b"VP8L":
-        sides = int.from_bytes(stored[21:25], "little")
-        return (sides >> 14 & 0x3FFF) + 1, (sides & 0x3FFF) + 1
-    if kind == b"VP8X":
-        columns, rows = (int.from_bytes(stored[at : at + 3], "little") for at in (24, 27))
-        return rows + 1, columns + 1
-    return None
+def page_sizes(file: BinaryIO, most: int) -> list[tuple[int, int] | None]:
+    """Return (rows, columns) of every page of a TIFF, in order; nothing of any other file.
+
+    By the directories alone: Pillow opens no page of a kind that it cannot decode, OpenCV may.
+
+    Args:
+        file: Open for reading, at any place.
+        most: Pages looked at; a chain of directories may be endless.
+
+    Returns:
+        None last where a page declares no size or lies outside the file: what follows is not known.
+    """
+    return list(islice(_page_sizes(file), most))
 
 
-def _jpeg_size(stored: bytes) -> tuple[int, int] | None:
-    at = 2
-    while at + 9 <= len(stored):
-        if stored[at] != 0xFF:  # decoders look for the next marker past bytes that do not belong
-            at += 1
-            continue
-        marker = stored[at + 1]
-        if marker in _FRAME_HEADERS:
-            return int.from_bytes(stored[at + 5 : at + 7]), int.from_bytes(stored[at + 7 : at + 9])
-        has_length = 0xC0 <= marker <= 0xFE and not 0xD0 <= marker <= 0xD9
-        at += 2 + int.from_bytes(stored[at + 2 : at + 4]) if has_length else 1
-    return None
+def _page_sizes(file: BinaryIO) -> Iterator[tuple[int, int] | None]:
+    from PIL.TiffImagePlugin import PREFIXES, ImageFileDirectory_v2
+
+    # Of a damaged directory Pillow warns on stderr; here it is told by None.
+    warnings.filterwarnings("ignore", module=r"PIL\.TiffImagePlugin")
+    end = file.seek(0, SEEK_END)
+    file.seek(0)
+    header = file.read(16)
+    if not header.startswith(tuple(PREFIXES)):
+        return
+    seen = {0}
+    try:
+        is_big = header[2:4] in (b"+\0", b"\0+")
+        directory = ImageFileDirectory_v2(header if is_big else header[:8])
+        while directory.next not in seen:
+            seen.add(at := directory.next)
+            directory.next = 0  # stays where the directory is damaged
+            if at < end:
+                file.seek(at)
+                directory.load(file)
+            size = int(directory.get(_ROWS_TAG, 0)), int(directory.get(_COLUMNS_TAG, 0))
+            yield size if all(size) and at < end else None
+            if not all(size) or at >= end:
+                return
+    except Exception:  # Pillow raises whatever the damage leads to
+        yield None
+
+
+def _size_of_damaged_png(stored: bytes) -> tuple[int, int] | None:
+    """Return what the first chunk declares though its checksum, or another chunk, is wrong."""
+    from PIL.PngImagePlugin import PngStream
+
+    stream = PngStream(BytesIO(stored[len(_PNG) :]))
+    try:
+        stream.call(*stream.read())
+    except Exception:  # Pillow raises whatever the damage leads to
+        return None
+    return stream.im_size[::-1]
+
+
+def _opened(stored: bytes) -> ImageFile | None:
+    """Return an image whose header was read; None where it is none of ours or damaged."""
+    from PIL import BmpImagePlugin, JpegImagePlugin, PngImagePlugin, WebPImagePlugin
+
+    readers = {
+        b"\x89PNG": PngImagePlugin.PngImageFile,
+        b"BM": BmpImagePlugin.BmpImageFile,
+        b"\xff\xd8": JpegImagePlugin.JpegImageFile,
+        b"RIFF": WebPImagePlugin.WebPImageFile,
+    }
+    reader = next((one for start, one in readers.items() if stored.startswith(start)), None)
+    try:
+        return None if reader is None else reader(BytesIO(stored))
+    except Exception:  # Pillow raises whatever the damage leads to
+        return None

@@ -14,8 +14,7 @@ import numpy as np
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.image_size import declared_size, is_cut_off
-from geotlm_lm.core.tiff_pages import page_sizes
+from geotlm_lm.core.image_size import declared_size, is_cut_off, page_sizes
 from geotlm_lm.recordings.decoding import AS_STORED, quiet_decoders, rgb_of_8_bits
 from geotlm_lm.recordings.limits import kept_frames, stride_for, stride_note
 

@@ -1,5 +1,7 @@
 """An image's size is read from its header as the decoder reads it."""
 
+import warnings
+
 import cv2
 import numpy as np
 import pytest
@@ -42,8 +44,8 @@ def test_every_sort_of_webp_declares_it():
     assert declared_size(lossy) == declared_size(lossless) == (37, 291)
     # An extended one stores both sides less one in three bytes each, after four of flags.
     sides = (291 - 1).to_bytes(3, "little") + (37 - 1).to_bytes(3, "little")
-    extended = lossy[:12] + b"VP8X" + (10).to_bytes(4, "little") + bytes(4) + sides
-    assert declared_size(extended) == (37, 291)
+    chunks = b"WEBPVP8X" + (10).to_bytes(4, "little") + bytes(4) + sides + lossy[12:]
+    assert declared_size(b"RIFF" + len(chunks).to_bytes(4, "little") + chunks) == (37, 291)
     assert declared_size(lossy[:12] + b"EXIF" + lossy[16:]) is None
 
 
@@ -72,11 +74,25 @@ def test_a_whole_file_is_not_cut_off_nor_is_one_with_more_behind_it(suffix):
     assert not is_cut_off(code + b"more")
 
 
-def test_a_png_is_cut_off_inside_a_chunk_and_not_between_two():
+def test_a_png_that_ends_early_is_cut_off_wherever_that_is():
     code = cv2.imencode(".png", IMAGE[:3, :3])[1].tobytes()
-    whole = [end for end in range(8, len(code)) if not is_cut_off(code[:end])]
-    # The head, its description, its picture; without an end the decoder finds nothing to decode.
-    assert whole == [8, 8 + 12 + 13, len(code) - 12]
+    assert all(is_cut_off(code[:end]) for end in range(8, len(code) - 4))  # the end's own checksum
+
+
+def test_a_png_with_a_damaged_chunk_is_cut_off():
+    code = bytearray(cv2.imencode(".png", IMAGE)[1].tobytes())
+    code[len(code) // 2] ^= 1
+    assert is_cut_off(bytes(code))
+
+
+@pytest.mark.parametrize("side", [20_000, 60_000])
+def test_a_size_that_pillow_takes_for_a_bomb_is_told_and_neither_refused_nor_warned_of(side):
+    code = bytearray(cv2.imencode(".jpg", IMAGE)[1].tobytes())
+    at = code.find(b"\xff\xc0") + 5
+    code[at : at + 4] = 2 * side.to_bytes(2)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert declared_size(bytes(code)) == (side, side)
 
 
 def test_a_chunk_larger_than_the_file_is_found_before_room_is_made_for_it():

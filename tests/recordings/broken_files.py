@@ -178,8 +178,8 @@ CASES = {
         "stack frames of one size and save those.",
     ),
     "keys.npz": (
-        npz(images=FRAMES, rate=25),
-        "found the keys images, rate, expected 'frames' (and optionally 'fps', 'background', "
+        npz(left=FRAMES, right=FRAMES),
+        "found the keys left, right, expected 'frames' (and optionally 'fps', 'background', "
         "'square_pixels'); save the frames under that key.",
     ),
     "fps.npz": (

@@ -1,5 +1,7 @@
 """Pages of a TIFF come back as frames, and what is no recording is refused in a sentence."""
 
+import struct
+
 import cv2
 import numpy as np
 import pytest
@@ -120,6 +122,16 @@ def test_vast_pages_are_refused_before_they_are_decoded(tmp_path, monkeypatch):
     monkeypatch.setattr(stacks.cv2, "imreadmulti", lambda *_, **__: pytest.fail("it was decoded"))
     with pytest.raises(UnreadableClip, match="frames are 32x24 pixels, expected at most 0 million"):
         read_clip(write_stack(tmp_path / "a.tif", FRAMES))
+
+
+def test_a_tag_that_points_outside_the_file_is_refused_and_nothing_is_printed(tmp_path, capfd):
+    stored = bytearray(write_stack(tmp_path / "a.tif", FRAMES).read_bytes())
+    at = int.from_bytes(stored[4:8], "little") + 2  # the first entry of the first directory
+    stored[at : at + 12] = struct.pack("<HHII", 254, 2, 2**31, 2**31)
+    (tmp_path / "a.tif").write_bytes(stored)
+    with pytest.raises(UnreadableClip, match="is cut off or is no TIFF of whole pages"):
+        read_clip(tmp_path / "a.tif")
+    assert capfd.readouterr() == ("", "")
 
 
 def test_in_a_folder_of_recordings_it_is_one_and_a_single_page_is_not(tmp_path):
