@@ -5,14 +5,9 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
-
-try:
-    import fcntl
-except ImportError:  # Windows
-    fcntl = None
 
 
 @contextmanager
@@ -35,34 +30,29 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
 
 @contextmanager
 def only_writer(path: Path) -> Iterator[bool]:
-    """Yield whether no other process is in such a block about `path`, made if missing.
+    """Yield whether no other process is in such a block about `path`.
 
-    The system forgets the claim with the process, however that ends. Where it has no such claims,
-    everybody is told to be the only one.
+    A lock file beside it says so while the block runs; the system forgets the lock with the
+    process, however that ends. Where files cannot be locked, everybody is told to be the only one.
     """
-    if fcntl is None:
+    from filelock import FileLock, Timeout
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    lock = FileLock(path.with_name(f".{path.name}.lock"))
+    try:
+        lock.acquire(blocking=False)
+    except Timeout:
+        yield False
+        return
+    except OSError:  # a file system without locks, or where nothing may be written
         yield True
         return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    while True:
-        with path.open("ab") as stream:
-            try:
-                fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                yield False
-                return
-            except OSError:  # a file system without claims
-                pass
-            if _is_still(stream, path):  # else the one before has just taken it away
-                yield True
-                return
-
-
-def _is_still(stream: IO[bytes], path: Path) -> bool:
     try:
-        return os.path.samestat(os.fstat(stream.fileno()), path.stat())
-    except FileNotFoundError:
-        return False
+        yield True
+    finally:
+        with suppress(OSError):  # Windows removes no open file
+            os.unlink(lock.lock_file)
+        lock.release()
 
 
 def write_text_atomically(path: Path, text: str) -> None:

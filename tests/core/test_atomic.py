@@ -1,10 +1,12 @@
 """A file is replaced whole or stays as it was."""
 
+import errno
 import stat
+import subprocess
+import sys
 
 import pytest
 
-from geotlm_lm.core import atomic
 from geotlm_lm.core.atomic import only_writer, replacing, write_text_atomically
 
 
@@ -46,30 +48,42 @@ def test_others_may_read_what_was_written(tmp_path):
 
 
 def test_one_writer_at_a_time(tmp_path):
-    path = tmp_path / "file"
+    path = tmp_path / "folder" / "file"
     with only_writer(path) as first, only_writer(path) as second:
         assert (first, second) == (True, False)
     with only_writer(path) as third:
         assert third
+    assert list(path.parent.iterdir()) == []
 
 
-def test_a_file_taken_away_by_the_writer_before_is_made_anew(tmp_path, monkeypatch):
-    path, claim = tmp_path / "file", atomic.fcntl.flock
-    taken = []
+def test_another_process_is_told_that_it_is_not_alone(tmp_path):
+    code = (
+        "import sys; from pathlib import Path; from geotlm_lm.core.atomic import only_writer\n"
+        "with only_writer(Path(sys.argv[1])) as alone: print(alone)"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path / "file")]
+    with only_writer(tmp_path / "file"):
+        told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert told == "False\n"
 
-    def late(stream, how):
-        claim(stream, how)
-        if not taken:
-            taken.append(path.unlink())
 
-    monkeypatch.setattr(atomic.fcntl, "flock", late)
-    with only_writer(path) as is_alone:
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
+def test_whoever_stops_in_an_error_leaves_the_way_free(tmp_path, error):
+    def stop():
+        with only_writer(tmp_path / "file"):
+            raise error
+
+    with pytest.raises(error):
+        stop()
+    with only_writer(tmp_path / "file") as is_alone:
         assert is_alone
-        assert path.exists()
 
 
-def test_without_claims_everybody_is_the_only_writer(tmp_path, monkeypatch):
-    monkeypatch.setattr(atomic, "fcntl", None)
+def test_where_nothing_can_be_locked_everybody_is_the_only_writer(tmp_path, monkeypatch):
+    def acquire(*_, **__):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr("filelock.BaseFileLock.acquire", acquire)
     with only_writer(tmp_path / "file") as first, only_writer(tmp_path / "file") as second:
         assert first
         assert second
