@@ -84,7 +84,7 @@ def batch(
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer
     from geotlm_lm.answering.batch import answer_all
-    from geotlm_lm.cli.evaluate import progress_on_stderr
+    from geotlm_lm.cli.progress import progress_on_stderr
 
     report = progress_on_stderr()
     result = answer_all(

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -24,14 +23,12 @@ from geotlm_lm.cli.options import (
     require_one_model,
     require_writable,
 )
+from geotlm_lm.cli.progress import progress_on_stderr
 from geotlm_lm.cli.recorded import command_line, require_record_file
 from geotlm_lm.core.errors import BelowMinimum, UsageError
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer
-
-REPORT_EVERY_S = 2.0
-"""A wait longer than this shows how far it is."""
 
 Real = Annotated[
     Path | None,
@@ -164,24 +161,6 @@ def _trained_on(
     require_writable(folder, "--run-folder")
     released = load_encoder(weights, encoder, heads=heads)
     released.to("cuda" if torch.cuda.is_available() else "cpu")
-    bundle = train_heads(released, preset, folder, seed)
+    bundle = train_heads(released, preset, folder, seed, progress_on_stderr())
     name = f"{released.adapter.title} ({weights.name})"
     return Answerer(bundle), name, {"encoder": bundle.provenance}
-
-
-def progress_on_stderr(unit: str = " clips") -> Callable[[str, int, int], None]:
-    """Return a progress report that prints at most every `REPORT_EVERY_S`, and at each end.
-
-    Args:
-        unit: What is counted, with a space before it.
-    """
-    last = time.monotonic()
-
-    def report(what: str, done: int, total: int) -> None:
-        nonlocal last
-        now = time.monotonic()
-        if done == total or now - last > REPORT_EVERY_S:
-            last = now
-            typer.echo(f"{what}: {done} of {total}{unit}", err=True)
-
-    return report

@@ -91,7 +91,7 @@ def protocols(
     if table is not None:
         require_writable_file(table, "--table")
     require_writable(run_folder, "--run-folder")
-    from geotlm_lm.cli.evaluate import progress_on_stderr
+    from geotlm_lm.cli.progress import progress_on_stderr
     from geotlm_lm.experiments.protocol_rows import TABLES
     from geotlm_lm.experiments.protocols import ProtocolSizes, run_protocols
     from geotlm_lm.reports.protocols import protocol_tables

@@ -41,7 +41,7 @@ def language(
 
     Example: geotlm-lm report language --real DIR
     """
-    from geotlm_lm.cli.evaluate import progress_on_stderr
+    from geotlm_lm.cli.progress import progress_on_stderr
     from geotlm_lm.core.atomic import write_text_atomically
     from geotlm_lm.core.errors import UsageError
     from geotlm_lm.core.record import RunRecord

@@ -81,7 +81,7 @@ def optics(
 
     Example: geotlm-lm report optics --real DIR
     """
-    from geotlm_lm.cli.evaluate import progress_on_stderr
+    from geotlm_lm.cli.progress import progress_on_stderr
     from geotlm_lm.experiments.evaluate import one_thread
     from geotlm_lm.experiments.optics import compare_optics
     from geotlm_lm.reports.optics import optics_report, verdict

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -142,6 +139,7 @@ def _write_data_set(
     labels_only: bool,
     scenes: dict[str, Any],
 ) -> None:
+    from geotlm_lm.cli.progress import progress_on_stderr
     from geotlm_lm.simulation.dataset import write_dataset
 
     require_writable(out, "--out")
@@ -151,7 +149,7 @@ def _write_data_set(
         objects=_bodies(objects),
         workers=workers or usable_cores(),
         with_frames=not labels_only,
-        progress=progress_and_rate(),
+        progress=progress_on_stderr(),
         **scenes,
     )
 
@@ -167,30 +165,3 @@ def _bodies(which: str) -> tuple[str, ...]:
     from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 
     return TRAINING_OBJECTS if which == "training" else EVERYDAY_OBJECTS
-
-
-RATE_AFTER_S = 0.5
-"""Two processes that end their first shards together would else seem to take no time at all."""
-
-
-def progress_and_rate(clock: Callable[[], float] = time.perf_counter) -> Callable[[int, int], None]:
-    """Return what prints the clips done and, from the second report on, the clips per second.
-
-    The rate counts from the first report: neither starting up nor what an earlier run left behind
-    is in it.
-
-    Args:
-        clock: Seconds from any moment on.
-    """
-    first: list[tuple[int, float]] = []
-
-    def show(done: int, total: int) -> None:
-        now, rate = clock(), ""
-        if not first:
-            first.append((done, now))
-        before, began = first[0]
-        if now - began > RATE_AFTER_S:
-            rate = f", {(done - before) / (now - began):.1f} clips/s"
-        print(f"simulated {done} of {total} clips{rate}", file=sys.stderr)
-
-    return show

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from geotlm_lm.cli.options import Seed, path_of, require_writable
+from geotlm_lm.cli.progress import progress_on_stderr
 from geotlm_lm.core.errors import UsageError
 
 
@@ -56,7 +57,7 @@ def train(
         from geotlm_lm.training.anew import train_odometer_anew
 
         print(f"training the odometer of {keep} into {out}", file=sys.stderr)
-        print(train_odometer_anew(keep, out, seed, workers))
+        print(train_odometer_anew(keep, out, seed, workers, progress_on_stderr("")))
         return
     from geotlm_lm.training.config import preset_named
 
@@ -65,4 +66,4 @@ def train(
     from geotlm_lm.training.train import train as train_bundle
 
     print(f"training preset {settings.name} into {out}", file=sys.stderr)
-    print(train_bundle(settings.name, out, seed, workers))
+    print(train_bundle(settings.name, out, seed, workers, progress_on_stderr("")))

@@ -73,7 +73,7 @@ def _one_run(count: int, seed: int, workers: int, options: Mapping[str, Any]) ->
     reports: list[tuple[float, int]] = []
     held: list[float] = []
 
-    def note(done: int, _: int) -> None:
+    def note(what: str, done: int, total: int) -> None:
         reports.append((time.perf_counter(), done))
         for worker in multiprocessing.active_children():
             held.extend(filter(None, [most_held_megabytes(worker.pid)]))

@@ -33,7 +33,6 @@ from geotlm_lm.training.examples import (
     simulate_examples,
 )
 from geotlm_lm.training.language import LanguageTraining, train_language
-from geotlm_lm.training.progress import Progress
 from geotlm_lm.training.scoring import ClipSet, score_bundle
 from geotlm_lm.training.train import claim_folder, example_sets, perceive_examples
 
@@ -165,13 +164,11 @@ def simulated_sets(
 
 def _trained(clips: ClipSet, config: LanguageTraining, folder: Path, name: str) -> Speaker:
     """Return the language model of one row; its checkpoint lies in `folder`."""
-    shown = Progress(f"train {name}", config.all_steps)
     return train_language(
         clips.fused_tokens,
         clips.labels,
         config=config,
         folder=folder,
-        progress=lambda step, _, loss: shown.show(step, f"loss {loss:.3f}"),
     )
 
 

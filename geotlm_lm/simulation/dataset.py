@@ -12,7 +12,7 @@ import multiprocessing
 import os
 import threading
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -27,6 +27,7 @@ from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.interrupts import children_end_with_it, deaf_children, whole_step
 from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.threads import one_thread_in_children
 from geotlm_lm.simulation.card import card_of
 from geotlm_lm.simulation.presets import PresetName, preset_named
@@ -40,8 +41,6 @@ SHARD_CLIPS = 64
 CARD_FILE = "README.md"
 
 DATASET_FORMAT = 2
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ def write_dataset(
     with_drift: bool = False,
     marker_share: float = MARKER_SHARE,
     with_frames: bool = True,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Path:
     """Write `count` clips of `objects` into the folder `out`, or finish writing them.
 
@@ -78,7 +77,7 @@ def write_dataset(
         with_drift: Whether the gel's tangential displacement is part of the truth.
         marker_share: Share of clips on a gel with markers.
         with_frames: Whether pictures are written beside labels and true fields.
-        progress: Called with (clips done, clips asked for) after every shard.
+        progress: Told after every shard how many clips are done.
 
     Returns:
         `out`.
@@ -105,8 +104,7 @@ def write_dataset(
     done = count - sum(shard.count for shard in missing)
     for written in _write_all(missing, workers):
         done += written
-        if progress is not None:
-            progress(done, count)
+        progress("simulated", done, count)
     write_text_atomically(out / CARD_FILE, card_of(out, count, wanted))
     return out
 

@@ -25,10 +25,10 @@ from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import GRID_SIDE, TIME_BIN_COUNT
 from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.training.examples import ExampleSet
 from geotlm_lm.training.forms import Recorded
-from geotlm_lm.training.progress import Progress
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.released import ReleasedEncoder
@@ -61,7 +61,12 @@ class EncodedClips:
 
 
 def encode_examples(
-    encoder: ReleasedEncoder, folder: Path, wanted: ExampleSet, *, seed: int
+    encoder: ReleasedEncoder,
+    folder: Path,
+    wanted: ExampleSet,
+    *,
+    seed: int,
+    progress: Progress = silent,
 ) -> EncodedClips:
     """Return the clips of `wanted`, simulating and encoding those that are not yet in `folder`.
 
@@ -70,6 +75,7 @@ def encode_examples(
         folder: Where the tokens of this encoder, and of no other, lie.
         wanted: Name, number and objects of the clips.
         seed: Root seed; with the name it decides every clip.
+        progress: Told how far it is.
 
     Raises:
         UsageError: If tokens are too large for half precision.
@@ -78,7 +84,6 @@ def encode_examples(
     about = folder / f"{wanted.stage}.jsonl"
     lines = _finished(about)
     arrays = _arrays(encoder, folder, wanted, is_new=not lines)
-    progress = Progress(f"encode {wanted.stage}", wanted.count, len(lines))
     with about.open("a") as stream:
         for batch in _batches(wanted, seed, len(lines)):
             rows = slice(len(lines), len(lines) + len(batch))
@@ -88,7 +93,7 @@ def encode_examples(
             stream.write("".join(f"{line}\n" for line in new))
             stream.flush()
             lines += new
-            progress.show(len(lines))
+            progress(f"encode {wanted.stage}", len(lines), wanted.count)
     return _read(folder, wanted, [json.loads(line) for line in lines[: wanted.count]])
 
 

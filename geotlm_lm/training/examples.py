@@ -26,10 +26,10 @@ from geotlm_lm.core.interrupts import (
     whole_step,
 )
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
+from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.core.threads import one_thread_in_children
 from geotlm_lm.training.forms import Recorded, as_recorded, bin_means, truth_in
-from geotlm_lm.training.progress import Progress
 
 if TYPE_CHECKING:
     from geotlm_lm.simulation.simulate import SimulatedClip
@@ -124,7 +124,14 @@ class ExampleSet:
         return [folder / f"{self.stage}_{index:04d}.npz" for index in range(chunk_count)]
 
 
-def simulate_examples(folder: Path, sets: Sequence[ExampleSet], *, seed: int, workers: int) -> None:
+def simulate_examples(
+    folder: Path,
+    sets: Sequence[ExampleSet],
+    *,
+    seed: int,
+    workers: int,
+    progress: Progress = silent,
+) -> None:
     """Simulate the chunks of `sets` that are not yet in `folder`.
 
     Ctrl-C ends the workers at once; finished chunks are kept.
@@ -134,6 +141,7 @@ def simulate_examples(folder: Path, sets: Sequence[ExampleSet], *, seed: int, wo
         sets: What to simulate.
         seed: Root seed.
         workers: Processes; the examples do not depend on it.
+        progress: Told how far it is.
     """
     jobs, chunk_count = [], 0
     for one in sets:
@@ -144,7 +152,6 @@ def simulate_examples(folder: Path, sets: Sequence[ExampleSet], *, seed: int, wo
         return
     folder.mkdir(parents=True, exist_ok=True)
     done = chunk_count - len(jobs)
-    progress = Progress("simulate", chunk_count, done)
     # Spawned, not forked: a forked child may inherit locked thread pools.
     pool = ProcessPoolExecutor(max(workers, 1), mp_context=get_context("spawn"))
     with pool, children_end_with_it():
@@ -152,7 +159,7 @@ def simulate_examples(folder: Path, sets: Sequence[ExampleSet], *, seed: int, wo
             written = pool.map(_write_chunk, jobs)
         for _ in written:
             done += 1
-            progress.show(done, f"chunks of {CHUNK_CLIPS} clips")
+            progress(f"simulate chunks of {CHUNK_CLIPS}", done, chunk_count)
 
 
 def read_examples(folder: Path, *wanted: ExampleSet) -> Examples:

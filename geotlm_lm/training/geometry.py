@@ -19,6 +19,7 @@ from geotlm_lm.backbone.stem import FLOW_SCALE_PX
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.dgr.encoder import DGR, Geometry
 from geotlm_lm.probe.linear import LinearProbe
@@ -27,7 +28,6 @@ from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.config import DGRMode
 from geotlm_lm.training.dense import DenseHeads
 from geotlm_lm.training.motion_loss import motion_loss
-from geotlm_lm.training.progress import Progress
 
 HEAD_RATE, DGR_RATE, WEIGHT_DECAY, BATCH = 1e-3, 3e-4, 0.01, 32
 """Paper, implementation details."""
@@ -90,6 +90,7 @@ def train_geometry(
     epochs: int,
     seed: int,
     path: Path,
+    progress: Progress = silent,
 ) -> GeometryModel:
     """Train DGR and the probe on `train`; keep the epoch that is best on `validation`.
 
@@ -103,6 +104,7 @@ def train_geometry(
         epochs: Epochs over the training split.
         seed: Root seed.
         path: Checkpoint, written after every epoch.
+        progress: Told how far it is.
 
     Raises:
         UsageError: If the checkpoint was trained on other tokens.
@@ -119,7 +121,6 @@ def train_geometry(
         weight_decay=WEIGHT_DECAY,
     )
     state = _restored(path, model, optimiser)
-    progress = Progress(f"train DGR ({mode})", epochs, state["epoch"])
     for epoch in range(state["epoch"], epochs):
         _one_epoch(model, train, optimiser, mode, generator_for(seed, "dgr", mode, epoch))
         accuracy = readable_accuracy(model, validation)
@@ -129,7 +130,7 @@ def train_geometry(
             state["best_accuracy"] = accuracy
         state |= weights | {"epoch": epoch + 1, "optimiser": optimiser.state_dict()}
         save_checkpoint(path, state)
-        progress.show(epoch + 1, f"validation {accuracy:.3f}")
+        progress(f"train DGR ({mode}), validation {accuracy:.3f}", epoch + 1, epochs)
     dgr.load_state_dict(state["best"]["dgr"])
     probe.load_state_dict(state["best"]["probe"])
     model.validation_accuracy = state["best_accuracy"]

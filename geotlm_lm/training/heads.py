@@ -16,6 +16,7 @@ from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.checkpoint import Bundle, Calibration
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.odometry.movement import movement
@@ -41,7 +42,9 @@ if TYPE_CHECKING:
 PERCEIVE_BATCH = 64
 
 
-def train_heads(encoder: ReleasedEncoder, preset: str, out: Path, seed: int) -> Bundle:
+def train_heads(
+    encoder: ReleasedEncoder, preset: str, out: Path, seed: int, progress: Progress = silent
+) -> Bundle:
     """Return a model that sees through `encoder`; the heads' checkpoints are kept in `out`.
 
     Args:
@@ -49,6 +52,7 @@ def train_heads(encoder: ReleasedEncoder, preset: str, out: Path, seed: int) -> 
         preset: Name of a preset for heads.
         out: Run folder; a run of the same encoder, preset and seed in it is continued.
         seed: Root seed.
+        progress: Told how far it is.
 
     Raises:
         UsageError: If the preset is unknown or the folder holds another run.
@@ -56,12 +60,13 @@ def train_heads(encoder: ReleasedEncoder, preset: str, out: Path, seed: int) -> 
     settings = heads_preset_named(preset)
     about = _claim(out, encoder, settings, seed)
     heads, validation = (
-        encode_examples(encoder, out / "tokens", one, seed=seed) for one in _sets(settings)
+        encode_examples(encoder, out / "tokens", one, seed=seed, progress=progress)
+        for one in _sets(settings)
     )
-    model = _train_perception(encoder, heads, validation, settings, seed, out)
+    model = _train_perception(encoder, heads, validation, settings, seed, out, progress)
     spoken_of = _perceived(model, heads)
-    odometer = train_odometer(spoken_of, seed=seed)
-    speaker = train_speaker(spoken_of, settings, seed, out)
+    odometer = train_odometer(spoken_of, seed=seed, progress=progress)
+    speaker = train_speaker(spoken_of, settings, seed, out, progress)
     bundle = Bundle(model, odometer, speaker, load_templates().grammar(), Calibration(), about)
     bundle.calibration = calibrated(bundle, _perceived(model, validation), seed)
     return bundle
@@ -99,6 +104,7 @@ def _train_perception(
     settings: HeadsPreset,
     seed: int,
     out: Path,
+    progress: Progress,
 ) -> GeoTLM:
     train_set, validation_set = _token_set(heads), _token_set(validation)
     epochs = settings.geometry_epochs
@@ -110,6 +116,7 @@ def _train_perception(
         epochs=epochs,
         seed=seed,
         path=out / "dgr_paper.pt",
+        progress=progress,
     )
     global_probe = train_global_probe(
         train_set, validation_set, trained.global_standardiser, epochs=epochs, seed=seed

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from torch.nn.functional import cross_entropy
 
 from geotlm_lm.core.interrupts import whole_step
 from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.data.questions import askable_types, questions_for, training_corpus, with_typo
@@ -28,8 +29,6 @@ from geotlm_lm.language.prompt import PromptEncoder
 from geotlm_lm.language.speak import Speaker
 from geotlm_lm.language.tokenizer import VOCABULARY_SIZE, clean_question, train_tokenizer
 from geotlm_lm.training.language_checkpoint import restore_language, store_language
-
-Progress = Callable[[int, int, float], None]
 
 CORPUS_ROUNDS = 16
 """Questions per type and motion the vocabulary is built from; enough to fill it."""
@@ -95,7 +94,7 @@ def train_language(
     *,
     config: LanguageTraining,
     folder: Path,
-    progress: Progress | None = None,
+    progress: Progress = silent,
 ) -> Speaker:
     """Return a speaker trained to answer questions about `fused_tokens`.
 
@@ -107,7 +106,7 @@ def train_language(
         labels: n labels.
         config: How to train.
         folder: Where the checkpoint lies.
-        progress: Called after each step with (step, steps, loss).
+        progress: Told after each step.
 
     Raises:
         ValueError: If tokens and labels differ in number, or a token is not finite.
@@ -136,8 +135,7 @@ def train_language(
                     step,
                 )
                 step += 1
-            if progress is not None:
-                progress(step, config.all_steps, loss)
+            progress(f"train language, loss {loss:.3f}", step, config.all_steps)
             if time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
                 store_language(folder, config, model, optimiser, step)
                 saved_at = time.monotonic()

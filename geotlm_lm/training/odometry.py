@@ -7,10 +7,10 @@ import torch
 from torch import Tensor
 
 from geotlm_lm.core.labels import ROTATIONS
+from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.data.contents import amount_of
 from geotlm_lm.evaluation.answers import within_tolerance
 from geotlm_lm.odometry.odometer import AMOUNTS, UNITS, Odometer, amounts, place_of
-from geotlm_lm.training.progress import Progress
 from geotlm_lm.training.scoring import ClipSet
 
 EPOCHS = 30
@@ -23,7 +23,7 @@ SOFT = 0.7
 chance."""
 
 
-def train_odometer(clips: ClipSet, *, seed: int) -> Odometer:
+def train_odometer(clips: ClipSet, *, seed: int, progress: Progress = silent) -> Odometer:
     """Return an odometer trained on the readable turns and slides of `clips`.
 
     It takes a quarter of a minute for 40,000 clips and keeps no checkpoint.
@@ -31,6 +31,7 @@ def train_odometer(clips: ClipSet, *, seed: int) -> Odometer:
     Args:
         clips: With labels that know the size of a pixel.
         seed: Of weights and order.
+        progress: Told how far it is.
 
     Raises:
         ValueError: If none of them turns, or none slides, by a known amount.
@@ -47,7 +48,6 @@ def train_odometer(clips: ClipSet, *, seed: int) -> Odometer:
         optimiser = torch.optim.AdamW(odometer.parameters(), weight_decay=WEIGHT_DECAY)
         steps = EPOCHS * -(-len(rows) // BATCH)
         schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, PEAK_RATE, total_steps=steps)
-        progress = Progress("train odometer", EPOCHS)
         for epoch in range(EPOCHS):
             for chosen in torch.randperm(len(rows)).split(BATCH):
                 logits = odometer(movement[chosen])[torch.arange(len(chosen)), unit[chosen]]
@@ -56,7 +56,7 @@ def train_odometer(clips: ClipSet, *, seed: int) -> Odometer:
                 loss.backward()
                 optimiser.step()
                 schedule.step()
-            progress.show(epoch + 1)
+            progress("train odometer", epoch + 1, EPOCHS)
     return odometer.eval().requires_grad_(False)
 
 

@@ -15,6 +15,7 @@ from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.vit import ViT, ViTConfig
 from geotlm_lm.core.interrupts import whole_step
+from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.config import TrainingPreset
@@ -26,7 +27,6 @@ from geotlm_lm.training.dense import (
     mirrored_at_random,
 )
 from geotlm_lm.training.examples import Examples
-from geotlm_lm.training.progress import Progress
 
 PRETRAINING_VERSION = 4
 """Raised when the backbone is shown or asked other things: no older run is continued."""
@@ -44,6 +44,7 @@ def pretrain(
     device: str,
     folder: Path,
     first: int = 0,
+    progress: Progress = silent,
 ) -> tuple[FrozenBackbone, DenseHeads]:
     """Train the backbone from random weights; resumes from `folder` where a run was interrupted.
 
@@ -54,6 +55,7 @@ def pretrain(
         device: Torch device.
         folder: Where the checkpoint lies.
         first: The examples before this one are left for others to learn from.
+        progress: Told how far it is.
 
     Returns:
         The backbone, and the linear read-outs it was trained through.
@@ -62,7 +64,7 @@ def pretrain(
     learner = _Learner(preset, steps, seed, device)
     path = folder / "backbone.pt"
     done = learner.restore(path)
-    progress, saved_at = Progress("pretrain backbone", steps, done), time.monotonic()
+    saved_at = time.monotonic()
     try:
         while done < steps:
             rng = generator_for(seed, "pretraining", done)
@@ -71,7 +73,7 @@ def pretrain(
             with whole_step():
                 loss = learner.step(*batch)
                 done += 1
-            progress.show(done, f"loss {loss:.3f}")
+            progress(f"pretrain backbone, loss {loss:.3f}", done, steps)
             if time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
                 learner.store(path, done)
                 saved_at = time.monotonic()

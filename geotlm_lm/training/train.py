@@ -6,9 +6,6 @@ Every stage leaves its result in the run folder, so that an interrupted run cont
 from __future__ import annotations
 
 import json
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +20,7 @@ from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, save_bundle
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.record import commit, machine
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.speak import Speaker
@@ -55,16 +53,15 @@ from geotlm_lm.training.language import LanguageTraining, train_language
 from geotlm_lm.training.motion_loss import counts_motion
 from geotlm_lm.training.odometry import train_odometer, within_tolerance_share
 from geotlm_lm.training.pretraining import PRETRAINING_VERSION, pretrain
-from geotlm_lm.training.progress import Progress
+from geotlm_lm.training.run_clock import clock
 from geotlm_lm.training.scoring import ClipSet, score_bundle, true_option_likelihoods
 
 RUN_FILE = "run.json"
-SECONDS_FILE = "seconds.txt"
 VALIDATION_EVERY = 7
 """Every seventh training object is kept from all weights, for mode choice and calibration."""
 
 
-def train(preset: str, out: Path, seed: int, workers: int) -> Path:
+def train(preset: str, out: Path, seed: int, workers: int, progress: Progress = silent) -> Path:
     """Train the bundle of `preset` and return its folder, `out`/bundle.
 
     Args:
@@ -72,6 +69,7 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
         out: Run folder; a run of the same preset and seed in it is continued.
         seed: Root seed; on one machine, the same seed and workers give the same weights.
         workers: Processes that simulate, and threads that train.
+        progress: Told how far it is.
 
     Raises:
         UsageError: If the preset is unknown or the folder holds another run.
@@ -83,7 +81,9 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
     device = "cuda" if torch.cuda.is_available() else "cpu"
     examples, sets = out / "examples", example_sets(settings)
     with clock(out) as seconds:
-        simulate_examples(examples, list(sets.values()), seed=seed, workers=workers)
+        simulate_examples(
+            examples, list(sets.values()), seed=seed, workers=workers, progress=progress
+        )
         learned = read_examples(examples, sets["heads"], sets["pretraining"])
         backbone, read_outs = pretrain(
             learned,
@@ -92,15 +92,16 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
             device=device,
             folder=out,
             first=settings.fresh_clips,
+            progress=progress,
         )
         validation = read_examples(examples, sets["validation"])
         model, modes = _train_perception(
-            backbone, read_outs, learned, validation, settings, seed, out
+            backbone, read_outs, learned, validation, settings, seed, out, progress
         )
-        spoken_of = perceive_examples(model, learned)
+        spoken_of = perceive_examples(model, learned, progress)
         del learned
-        odometer = train_odometer(spoken_of, seed=seed)
-        speaker = train_speaker(spoken_of, settings, seed, out)
+        odometer = train_odometer(spoken_of, seed=seed, progress=progress)
+        speaker = train_speaker(spoken_of, settings, seed, out, progress)
         provenance = {
             "command": f"geotlm-lm train --preset {preset} --seed {seed} --workers {workers} "
             f"--out RUN_FOLDER",
@@ -113,12 +114,13 @@ def train(preset: str, out: Path, seed: int, workers: int) -> Path:
         }
         grammar = load_templates().grammar()
         bundle = Bundle(model, odometer, speaker, grammar, Calibration(), provenance)
-        bundle.calibration = calibrated(bundle, perceive_examples(model, validation), seed)
+        perceived = perceive_examples(model, validation, progress)
+        bundle.calibration = calibrated(bundle, perceived, seed)
         folder = out / "bundle"
         save_bundle(folder, bundle)
         # What is scored is what was written: half precision and all.
         stored = load_bundle(folder)
-        test = perceive_examples(stored.model, read_examples(examples, sets["test"]))
+        test = perceive_examples(stored.model, read_examples(examples, sets["test"]), progress)
         scores = score_bundle(stored, test, seed)
         scores["amounts"] = within_tolerance_share(stored.odometer, test)
     write_card(folder, stored, scores, seconds())
@@ -142,10 +144,9 @@ def example_sets(settings: TrainingPreset) -> dict[str, ExampleSet]:
     return {one.stage: one for one in sets}
 
 
-def perceive_examples(model: GeoTLM, examples: Examples) -> ClipSet:
+def perceive_examples(model: GeoTLM, examples: Examples, progress: Progress = silent) -> ClipSet:
     """Return fused token, global token, contact share and movement of every example."""
     fused, plain, contact, moved = [], [], [], []
-    progress = Progress("perceive", len(examples))
     for start in range(0, len(examples), ENCODE_BATCH):
         inputs = torch.from_numpy(examples.inputs[start : start + ENCODE_BATCH])
         perception = model.fuse(model.backbone.encode_inputs(inputs))
@@ -154,7 +155,7 @@ def perceive_examples(model: GeoTLM, examples: Examples) -> ClipSet:
         contact.append(perception.geometry.region_mass[:, -1])
         evened = torch.from_numpy(examples.evened[start : start + ENCODE_BATCH])
         moved.append(movement(inputs, perception.geometry, evened))
-        progress.show(min(start + ENCODE_BATCH, len(examples)))
+        progress("perceive", min(start + ENCODE_BATCH, len(examples)), len(examples))
     return ClipSet(
         fused_tokens=torch.cat(fused),
         global_tokens=torch.cat(plain),
@@ -188,21 +189,6 @@ def claim_folder(out: Path, about: dict[str, Any]) -> None:
     write_text_atomically(path, json.dumps(about, indent=1) + "\n")
 
 
-@contextmanager
-def clock(out: Path) -> Iterator[Callable[[], float]]:
-    """Give the seconds this run has taken, those before an interruption included."""
-    path, started = out / SECONDS_FILE, time.monotonic()
-    before = float(path.read_text()) if path.exists() else 0.0
-
-    def seconds() -> float:
-        return before + time.monotonic() - started
-
-    try:
-        yield seconds
-    finally:
-        write_text_atomically(path, f"{seconds():.1f}\n")
-
-
 def _train_perception(
     backbone: FrozenBackbone,
     read_outs: DenseHeads,
@@ -211,13 +197,14 @@ def _train_perception(
     settings: TrainingPreset,
     seed: int,
     out: Path,
+    progress: Progress,
 ) -> tuple[GeoTLM, dict[str, float]]:
     """Train DGR both ways and keep the one that answers better on validation objects.
 
     The drawn shear field of `paper` follows no true displacement, so that it has to be better.
     """
-    train_set = _token_set(backbone, learned, settings.fresh_clips)
-    validation_set = _token_set(backbone, validation, len(validation))
+    train_set = _token_set(backbone, learned, settings.fresh_clips, progress)
+    validation_set = _token_set(backbone, validation, len(validation), progress)
     trained: dict[str, GeometryModel] = {
         mode: train_geometry(
             train_set,
@@ -227,6 +214,7 @@ def _train_perception(
             epochs=settings.geometry_epochs,
             seed=seed,
             path=out / f"dgr_{mode}.pt",
+            progress=progress,
         )
         for mode in ("paper", "grounded")
     }
@@ -250,15 +238,17 @@ def _train_perception(
     return model, accuracies
 
 
-def _token_set(backbone: FrozenBackbone, examples: Examples, count: int) -> TokenSet:
+def _token_set(
+    backbone: FrozenBackbone, examples: Examples, count: int, progress: Progress
+) -> TokenSet:
     """Encode the first `count` examples; tokens stay in half precision to fit in memory."""
     count = min(count, len(examples))
-    parts, progress = [], Progress("encode", count)
+    parts = []
     for start in range(0, count, ENCODE_BATCH):
         rows = slice(start, min(start + ENCODE_BATCH, count))
         tokens = backbone.encode_inputs(torch.from_numpy(examples.inputs[rows]))
         parts.append((tokens.global_token, tokens.patches.half()))
-        progress.show(rows.stop)
+        progress("encode", rows.stop, count)
     displacement = torch.from_numpy(examples.displacement_px[:count])
     labels = examples.labels[:count]
     return TokenSet(
@@ -271,19 +261,20 @@ def _token_set(backbone: FrozenBackbone, examples: Examples, count: int) -> Toke
     )
 
 
-def train_speaker(clips: ClipSet, settings: HeadsPreset, seed: int, out: Path) -> Speaker:
+def train_speaker(
+    clips: ClipSet, settings: HeadsPreset, seed: int, out: Path, progress: Progress = silent
+) -> Speaker:
     """Train the language model on the readable ones of `clips`; its checkpoint lies in `out`."""
     readable = clips.readable()
     config = LanguageTraining(
         steps=settings.language_steps, batch=settings.language_batch, seed=seed
     )
-    progress = Progress("train language", config.all_steps)
     return train_language(
         clips.fused_tokens[readable],
         [clips.labels[i] for i in readable],
         config=config,
         folder=out / "language",
-        progress=lambda step, _, loss: progress.show(step, f"loss {loss:.3f}"),
+        progress=progress,
     )
 
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from geotlm_lm.cli.main import main
-from geotlm_lm.cli.simulate import progress_and_rate
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.simulation import dataset
 
@@ -53,7 +52,7 @@ def test_a_data_set_is_written_with_its_card_and_progress_on_the_side(tmp_path, 
     assert run("simulate", "--out", folder, "--count", 2, "--objects", "everyday") == 0
     printed = capsys.readouterr()
     assert printed.out == f"{folder}\n"
-    assert printed.err.splitlines()[-1] == "simulated 2 of 2 clips"
+    assert printed.err.splitlines()[-1] == "simulated: 2 of 2 clips"
     assert (folder / "README.md").exists()
 
 
@@ -158,26 +157,3 @@ def test_all_usable_cores_simulate_unless_told_otherwise(tmp_path, monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 7)
     run("simulate", "--out", tmp_path)
     assert asked == [3, 2, 7]
-
-
-def test_the_rate_counts_from_the_first_report(capsys):
-    times = iter([10.0, 12.0, 15.0])
-    show = progress_and_rate(clock=lambda: next(times))
-    for done in (64, 128, 164):
-        show(done, 164)
-    assert capsys.readouterr().err.splitlines() == [
-        "simulated 64 of 164 clips",
-        "simulated 128 of 164 clips, 32.0 clips/s",
-        "simulated 164 of 164 clips, 20.0 clips/s",
-    ]
-
-
-def test_shards_that_end_together_tell_no_rate(capsys):
-    times = iter([10.0, 10.001, 12.0])
-    show = progress_and_rate(clock=lambda: next(times))
-    for done in (64, 128, 192):
-        show(done, 192)
-    assert capsys.readouterr().err.splitlines()[1:] == [
-        "simulated 128 of 192 clips",
-        "simulated 192 of 192 clips, 64.0 clips/s",
-    ]

@@ -13,7 +13,7 @@ from geotlm_lm.cli.main import main
 def calls(monkeypatch):
     made = []
 
-    def train(preset, out, seed, workers):
+    def train(preset, out, seed, workers, progress):
         made.append((preset, out, seed, workers))
         return out / "bundle"
 
@@ -65,7 +65,7 @@ def test_a_bundle_to_keep_reaches_the_other_seam(monkeypatch, capsys):
     made = []
     monkeypatch.setattr("geotlm_lm.checkpoint.read_config", lambda folder: {})
 
-    def train_odometer_anew(kept, out, seed, workers):
+    def train_odometer_anew(kept, out, seed, workers, progress):
         made.append((kept, out, seed, workers))
         return out / "bundle"
 

@@ -35,7 +35,7 @@ def test_shards_hold_every_clip_once_with_its_truth(tmp_path):
     assert arrays["frames"].shape == (3, 4, 224, 224, 3)
     assert arrays["displacement_px"].shape == (3, 4, 14, 14, 2)
     assert len(labels) == 3
-    assert seen == [(3, 7), (6, 7), (7, 7)]
+    assert seen == [("simulated", 3, 7), ("simulated", 6, 7), ("simulated", 7, 7)]
     card = (tmp_path / "README.md").read_text()
     assert "7 clips of 2 bodies" in card
 
@@ -47,7 +47,7 @@ def test_a_killed_run_resumes_to_the_same_bytes(tmp_path):
     class Killed(Exception):
         pass
 
-    def stop(done, _):
+    def stop(what, done, total):
         if done >= 3:
             raise Killed
 
@@ -118,7 +118,7 @@ def test_a_killed_worker_is_told_instead_of_waited_for(tmp_path, monkeypatch):
 def test_a_run_that_is_broken_off_ends_its_workers_and_not_its_callers_processes(tmp_path):
     mine = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(60,))
 
-    def start_and_fail(done, _):
+    def start_and_fail(what, done, total):
         mine.start()
         raise ZeroDivisionError
 

@@ -49,7 +49,7 @@ def same(one, two):
 
 
 def interrupt_after(count):
-    def progress(step, steps, loss):
+    def progress(what, step, steps):
         if step == count:
             raise KeyboardInterrupt
 
@@ -65,7 +65,7 @@ def test_an_interrupted_run_resumes_to_the_same_weights(tokens, straight, tmp_pa
         LABELS,
         config=CONFIG,
         folder=tmp_path,
-        progress=lambda step, of, loss: steps.append((step, of)),
+        progress=lambda what, step, of: steps.append((step, of)),
     )
     assert steps == [(4, 6), (5, 6), (6, 6)]
     assert same(weights(resumed), straight)
