@@ -9,7 +9,7 @@ from . import handlers
 from .clip_side import BUTTONS
 from .playing import add_play_button
 from .simulating import OBJECTS, simulate, touch_of
-from .told import gradio, model_at, told
+from .told import gradio, literal, model_at, told
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -54,7 +54,7 @@ def build(answerer: Answerer) -> None:
             handlers.draw(made.shown, seen, place),
             made.truth_picture,
             made.read_picture,
-            f"### {sentence_of(made.facts)}",
+            f"### {literal(sentence_of(made.facts))}",
             made.facts,
         )
 
