@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from geotlm_lm import GeoTLMError
 
 from .agents import require_mcp
+from .cache_folder import own_cache_folder
 from .told import gradio
 
 if TYPE_CHECKING:
@@ -27,9 +28,14 @@ def serve(port: int | None = None, *, mcp: bool = False, precision: str = "float
     Raises:
         GeoTLMError: If the toolkit or the model is missing, or the port is taken.
     """
-    gradio()  # told before the model is loaded
-    if mcp:
-        require_mcp()
+    with own_cache_folder():  # before the toolkit is imported, which looks for it
+        gradio()  # told before the model is loaded
+        if mcp:
+            require_mcp()
+        _serve(port, mcp, precision)
+
+
+def _serve(port: int | None, mcp: bool, precision: str) -> None:
     from .later import Later
     from .ui import build, launch
 

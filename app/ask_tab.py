@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
+from html import escape, unescape
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm import MAX_QUESTION_CHARACTERS
 
 from . import clip_side, handlers
 from .facts import checked, facts_of, fields_of, told_for
-from .told import gradio, model_at, told
+from .told import gradio, literal, model_at, told
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -42,7 +43,14 @@ def build(answerer: Answerer) -> None:
 
 def _talk_side(gr: Any) -> dict[str, Any]:
     side = {}
-    side["chat"] = gr.Chatbot(label="Conversation", height=300, buttons=["copy", "copy_all"])
+    side["chat"] = gr.Chatbot(
+        label="Conversation",
+        height=300,
+        buttons=["copy", "copy_all"],
+        # A question is shown as it was typed: a picture in it would be fetched from its site.
+        # Without Markdown the toolkit still takes a message for HTML.
+        render_markdown=False,
+    )
     side["notes"] = gr.Markdown()
     side["question"] = gr.Textbox(
         label="Question",
@@ -122,7 +130,7 @@ def _answer(
     mm_per_px: float | None,
 ) -> Iterator[tuple]:
     """Yield the conversation as words are generated, and with the last all that stands beside."""
-    before = [*(chat or []), {"role": "user", "content": question}]
+    before = [*(chat or []), _message("user", question)]
     skip, said = gradio().skip(), ""
     field = ""  # emptied once: what is typed meanwhile is the next question
     fields = fields_of(facts) | {"mm_per_px": mm_per_px or None}
@@ -130,7 +138,7 @@ def _answer(
         if isinstance(told_so_far, str):
             said += told_so_far
             beside = [skip] * len((*ANSWER_PARTS, "motion", *FRAME_PARTS))
-            yield [*before, {"role": "assistant", "content": said}], field, *beside
+            yield [*before, _message("assistant", said)], field, *beside
             field = skip
         else:
             reply = told_so_far
@@ -138,9 +146,9 @@ def _answer(
     stated = facts_of(frame)
     direction = None if reply.motion is None else reply.motion.value
     yield (
-        [*before, {"role": "assistant", "content": reply.sentence}],
+        [*before, _message("assistant", reply.sentence)],
         field,
-        reply.notes,
+        literal(reply.notes),
         reply.probabilities,
         reply.band,
         reply.verdicts,
@@ -179,9 +187,14 @@ def _retry(
     yield from _answer(answerer, shown, question, chat, *stated)
 
 
+def _message(role: str, text: str) -> dict[str, Any]:
+    """Return a message that the conversation shows as it is."""
+    return {"role": role, "content": escape(text, quote=False)}
+
+
 def _text(message: dict[str, Any]) -> str:
     """Return a message's words; the toolkit hands them back as a list of blocks."""
     content = message["content"]
     if isinstance(content, str):
-        return content
-    return " ".join(block.get("text", "") for block in content if isinstance(block, dict))
+        return unescape(content)
+    return unescape(" ".join(block.get("text", "") for block in content if isinstance(block, dict)))

@@ -8,9 +8,11 @@ from __future__ import annotations
 import base64
 import json
 import os
+import shlex
 import shutil
 import subprocess
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,17 +33,22 @@ class Browser:
     Args:
         profile: An empty folder for what the browser keeps.
         size: Width and height of the page.
+        flags: More of the browser's own, for example for a camera that plays a file.
     """
 
-    def __init__(self, profile: Path, size: tuple[int, int] = (1400, 1100)) -> None:
+    def __init__(
+        self,
+        profile: Path,
+        size: tuple[int, int] = (1400, 1100),
+        flags: Sequence[str] = (),
+    ) -> None:
         to_read, self._to_write = os.pipe()
         self._from_read, to_write = os.pipe()
-        flags = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe"]
-        flags += [f"--user-data-dir={profile}", "--no-first-run", "--hide-scrollbars"]
-        flags += [f"--window-size={size[0]},{size[1]}", "--disable-dev-shm-usage", "--incognito"]
-        command = (
-            f"exec 3<&{to_read} 4>&{to_write}; exec {EXECUTABLE} {' '.join(flags)} about:blank"
-        )
+        given = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe"]
+        given += [f"--user-data-dir={profile}", "--no-first-run", "--hide-scrollbars"]
+        given += [f"--window-size={size[0]},{size[1]}", "--disable-dev-shm-usage", "--incognito"]
+        words = shlex.join([str(EXECUTABLE), *given, *flags, "about:blank"])
+        command = f"exec 3<&{to_read} 4>&{to_write}; exec {words}"
         self._process = subprocess.Popen(
             ["bash", "-c", command],
             pass_fds=(to_read, to_write),

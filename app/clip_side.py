@@ -12,7 +12,7 @@ from . import handlers
 from .facts import MIRRORED, OTHER_SIDE, SENSOR_MOVES, TURNS, told_for
 from .opening import SUFFIXES, newest, show_clip
 from .playing import add_play_button
-from .told import gradio, model_at, told
+from .told import gradio, literal, model_at, told
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -144,7 +144,7 @@ def _opened(
     if before is not None and _size(before) != _size(opened):
         mm_per_px = 0  # what was said of other pixels
     drawn = handlers.draw(opened, view, number)
-    return opened, source, drawn, opened.notes, told_for(facts, None)[1], mm_per_px
+    return opened, source, drawn, literal(opened.notes), told_for(facts, None)[1], mm_per_px
 
 
 def _closed(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from . import handlers
 from .clip_side import BUTTONS
 from .opening import SUFFIXES, show_clip
-from .told import gradio, model_at, told
+from .told import gradio, literal, model_at, told
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -39,8 +39,8 @@ def build(answerer: Answerer) -> None:
             yield None, None, "", "", "", None  # what was said of the recordings before
             raise
         pictures = [handlers.draw(one, "arrows", 4) for one in shown]
-        texts = [result["first"]["text"], result["second"]["text"]]
-        yield (*pictures, *texts, f"### {result['text']}", result)
+        texts = [literal(result[one]["text"]) for one in ("first", "second")]
+        yield (*pictures, *texts, f"### {literal(result['text'])}", result)
 
     (first, first_picture, first_text), (second, second_picture, second_text) = sides
     outputs = [first_picture, second_picture, first_text, second_text, verdict, details]

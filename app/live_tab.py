@@ -91,7 +91,12 @@ def build(answerer: Answerer) -> None:
                 go = gr.Button("Watch", variant="primary")
                 clear = gr.Button("Stop and clear")
             camera = gr.Image(
-                sources=["webcam"], streaming=True, type="numpy", label="Or a sensor as camera"
+                sources=["webcam"],
+                streaming=True,
+                type="numpy",
+                label="Or a sensor as camera",
+                # Mirrored, as people like to see themselves, every direction would be reversed.
+                webcam_options=gr.WebcamOptions(mirror=False),
             )
         with gr.Column():
             seen = gr.Image(label="Shear change", interactive=False, buttons=BUTTONS)

@@ -126,6 +126,8 @@ def perceive(
         span: First and last frame to use; None to have them chosen.
         depth_mm: True indentation of each frame, where it was simulated.
     """
+    from geotlm_lm import shows_contact  # by now the model is loaded
+
     encoded = answerer.encode(recording, span=span)
     clip = encoded.clip
     geometry = encoded.perception.geometry
@@ -133,7 +135,15 @@ def perceive(
     captions = [f"frame {number}" for number in clip.frame_numbers]
     return Shown(
         encoded=encoded,
-        seen=Seen(clip.frames, clip.background, field, mask, encoded.view, depth_mm),
+        seen=Seen(
+            clip.frames,
+            clip.background,
+            field,
+            mask,
+            encoded.view,
+            depth_mm,
+            has_contact=shows_contact(answerer.bundle, encoded),
+        ),
         opinions=second_opinions(answerer, encoded).to_dict(),
         frames=list(zip(clip.frames, captions, strict=True)),
         notes="\n".join(f"- {note}" for note in clip.notes),

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from . import handlers
 from .clip_side import BUTTONS
 from .playing import add_play_button
 from .simulating import OBJECTS, simulate, touch_of
-from .told import gradio, model_at, told
+from .told import gradio, literal, model_at, told
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -49,13 +49,12 @@ def build(answerer: Answerer) -> None:
         except Exception:
             yield None, None, None, None, "", None  # what was said of the touch before
             raise
-        right = "right" if made.facts["is_right"] else f"wrong: {made.facts['true_motion']}"
         yield (
             made.shown,
             handlers.draw(made.shown, seen, place),
             made.truth_picture,
             made.read_picture,
-            f"### {made.facts['answer']}  ({right})",
+            f"### {literal(sentence_of(made.facts))}",
             made.facts,
         )
 
@@ -63,6 +62,12 @@ def build(answerer: Answerer) -> None:
     go.click(told(run), [view, number, *sliders], outputs, **model_at(picture))
     for control in (view, number):
         control.change(handlers.draw, [shown, view, number], picture, api_visibility="private")
+
+
+def sentence_of(facts: Mapping[str, Any]) -> str:
+    """Return the answer and whether it is correct; "right" would be taken for a direction."""
+    verdict = "correct" if facts["is_right"] else f"wrong: it was {facts['true_motion']}"
+    return f"{facts['answer']}  ({verdict})"
 
 
 def _sliders(gr: Any) -> list[Any]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm import GeoTLMError, Seen, learned_motion, picture
+from geotlm_lm import TRUE_DISPLACEMENT, GeoTLMError, Seen, learned_motion, picture
 
 from .handlers import AMOUNT_QUESTION, DIRECTION_QUESTION
 from .opening import Image, Shown, perceive
@@ -110,10 +110,20 @@ def simulate(answerer: Answerer, touch: Touch) -> Simulated:
 
 
 def _truth(made: Any, shown: Shown) -> Image:
-    """Return the true displacement, drawn as the learned one is, over the last frame."""
-    seen = shown.seen
-    whole = type(seen.view)()
-    true = Seen(seen.frames, seen.idle, made.displacement_px[-1], made.contact.mean(axis=0), whole)
+    """Return the true displacement, drawn as the learned one is, over the last frame.
+
+    From the first frame to the last: the learned one is from the first two to the last two.
+    """
+    seen, contact = shown.seen, made.contact.mean(axis=0)
+    true = Seen(
+        seen.frames,
+        seen.idle,
+        made.displacement_px[-1],
+        contact,
+        type(seen.view)(),
+        has_contact=bool(contact.any()),
+        scale=TRUE_DISPLACEMENT,
+    )
     return picture(true, "arrows")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import wraps
 from html import escape
@@ -60,6 +61,23 @@ def _shown(error: GeoTLMError, is_page: bool) -> Exception:
     # A recording's name is part of the sentence, and anybody may have chosen it.
     sentence = escape(str(error), quote=False) if is_page else str(error)
     return gradio().Error(sentence, print_exception=False)
+
+
+MARKUP = re.compile(r"[!-,./:-@\[-`{-~]")
+"""All that may mean anything else than itself in Markdown, HTML or a formula: punctuation, without
+the dash that begins an entry of a list."""
+
+
+def literal(text: str) -> str:
+    """Return a text as Markdown that shows it as it is.
+
+    Words may hold what a person typed, or what somebody called a file: shown as markup, a picture
+    in them would be fetched from its site, and a link would lead there.
+
+    Args:
+        text: Any; lines that begin with a dash are a list all the same.
+    """
+    return MARKUP.sub(r"\\\g<0>", text)
 
 
 MODEL = {"concurrency_limit": 1, "concurrency_id": "model"}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .agents import require_mcp, speak_json
+from .own_names import OWN_NAMES, OwnNamesOnly
 from .told import gradio
 
 if TYPE_CHECKING:
@@ -43,6 +44,9 @@ def build(answerer: Answerer) -> Any:
     return page
 
 
+HOST = "127.0.0.1"
+"""Where the page listens: on this machine only."""
+
 QUEUE = 64
 """Requests that may wait; one more is told to come back. Uses of the model run one by one."""
 
@@ -60,9 +64,12 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
     """
     if mcp:
         require_mcp()
+    from starlette.middleware import Middleware
+
+    names = (*OWN_NAMES, HOST)
     page.queue(max_size=QUEUE)
     _, address, _ = page.launch(
-        server_name="127.0.0.1",
+        server_name=HOST,
         server_port=port,
         share=False,
         max_file_size="512mb",
@@ -70,6 +77,7 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         quiet=True,
         ssr_mode=False,
         mcp_server=mcp,
+        app_kwargs={"middleware": [Middleware(OwnNamesOnly, names=names)]},
     )
     if mcp:
         speak_json(page)

@@ -21,6 +21,7 @@ _HOME_OF = {
     "Motion": "geotlm_lm.core.labels",
     "Seen": "geotlm_lm.views.pictures",
     "Session": "geotlm_lm.answering",
+    "TRUE_DISPLACEMENT": "geotlm_lm.views.pictures",
     "Touch": "geotlm_lm.simulation.touch",
     "Watcher": "geotlm_lm.live.watcher",
     "answer_schema": "geotlm_lm.answering.schema",
@@ -32,6 +33,7 @@ _HOME_OF = {
     "picture": "geotlm_lm.views.pictures",
     "read_clip": "geotlm_lm.recordings.read",
     "second_opinions": "geotlm_lm.opinions",
+    "shows_contact": "geotlm_lm.answering.withholding",
     "simulate_touch": "geotlm_lm.simulation.touch",
     "views_of": "geotlm_lm.views.pictures",
 }

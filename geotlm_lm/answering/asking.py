@@ -18,7 +18,7 @@ from geotlm_lm.answering.overruling import read_by_rule
 from geotlm_lm.answering.presumed_amounts import with_amount
 from geotlm_lm.answering.replying import UNTRAINED, by_rule, from_open_question, in_words
 from geotlm_lm.answering.streaming import Listener, StandingWords
-from geotlm_lm.answering.withholding import plain, too_little_contact
+from geotlm_lm.answering.withholding import plain, shows_contact, too_little_contact
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.about_recording import (
     Topic,
@@ -264,9 +264,9 @@ def _of_recording(encoded: Encoded, topic: Topic, frame: FrameSpec) -> Answer:
 def _place(bundle: Bundle, encoded: Encoded) -> Answer:
     """Say where the contact is, by the mask of the view."""
     seen = evidence(encoded)
-    share = seen["contact_share"]
-    if encoded.is_untouched or share < bundle.calibration.contact_threshold:
-        return plain(encoded, too_little_contact("say where", share), "contact", CAMERA)
+    if not shows_contact(bundle, encoded):
+        text = too_little_contact("say where", seen["contact_share"])
+        return plain(encoded, text, "contact", CAMERA)
     text = _place_in_words(encoded, seen)
     return replace(plain(encoded, text, "contact", CAMERA), abstained=False, confidence=1.0)
 

@@ -90,6 +90,12 @@ def unless_withheld(
     )
 
 
+def shows_contact(bundle: Bundle, encoded: Encoded) -> bool:
+    """Tell whether a clip shows enough contact for anything to be said, or drawn, of it."""
+    is_enough = encoded.contact_share >= bundle.calibration.contact_threshold
+    return is_enough and not encoded.is_untouched
+
+
 def is_contradicted(encoded: Encoded, slots: Slots) -> bool:
     """Tell whether an answer says that nothing touches a gel that did change."""
     is_denied = slots.kind == "contact" and slots.verdict is False

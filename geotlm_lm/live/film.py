@@ -13,7 +13,7 @@ from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.live.events import MotionEvent
 from geotlm_lm.recordings.video import quiet_capture
-from geotlm_lm.views.pictures import draw_arrows, magnified
+from geotlm_lm.views.pictures import draw_arrows, draw_legend, magnified
 
 CAPTION_ROWS = 32
 """Pixels of the strip below the frame that holds the caption."""
@@ -52,6 +52,7 @@ class Film:
             geometry = perceived.perception.geometry
             field, mask = (np.asarray(x[0]) for x in (geometry.shear_change, geometry.mask))
             image = draw_arrows(image, field, mask, perceived.view)
+            image = draw_legend(image, perceived.view)
         image = cv2.copyMakeBorder(image, 0, CAPTION_ROWS, 0, 0, cv2.BORDER_CONSTANT)
         place = (8, image.shape[0] - 10)
         white = (255, 255, 255)

@@ -56,7 +56,8 @@ class Window:
         turn_deg: Turn from the first sample to the last, clockwise.
         slide_x_px: Travel between the same, to the right, pixels of the frames.
         slide_y_px: Travel down the image.
-        encoded: Everything that was perceived, for whoever draws it.
+        encoded: Everything that was perceived, for whoever draws it; None where that shows no
+            contact.
     """
 
     motion: Motion
@@ -225,6 +226,7 @@ def model_reader(answerer: Answerer) -> ReadWindow:
     0.70 and 0.86.
     """
     from geotlm_lm.answering.measuring import travelled
+    from geotlm_lm.answering.withholding import shows_contact
 
     def read(clip: Clip, among: Sequence[Motion]) -> Window:
         try:
@@ -238,7 +240,8 @@ def model_reader(answerer: Answerer) -> ReadWindow:
         if answerer.bundle.calibration.withholds(motion, encoded.contact_share):
             motion = Motion.STILL
         went = travelled(answerer.bundle, encoded, motion) or learned_motion(encoded)
-        return Window(motion, odds[best], *went, encoded)
+        drawn = encoded if shows_contact(answerer.bundle, encoded) else None
+        return Window(motion, odds[best], *went, drawn)
 
     return read
 

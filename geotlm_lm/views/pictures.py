@@ -9,6 +9,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.backbone.stem import FLOW_SCALE_PX
+from geotlm_lm.core.geometry import IMAGE_SIDE
+
 if TYPE_CHECKING:
     from geotlm_lm.backbone.view import View
 
@@ -27,12 +30,32 @@ DIFFERENCE_GAIN = 4.0
 CONTACT_COLOUR = (255, 70, 40)
 ARROW_COLOUR = (255, 220, 0)
 FRAME_COLOUR = (235, 235, 235)
+LEGEND_COLOUR = (40, 40, 40)
+LEGEND_MARGIN = 8
 
-LONGEST_ARROW_PATCHES = 1.2
-"""Length of the longest arrow; the shear change is unitless, only its pattern means something."""
+ARROW_THICKNESS = 2
+"""Pixels of an arrow's line; a shorter arrow would be a dot without a direction: it is left out."""
 
-FAINTEST_ARROW = 0.05
-"""Arrows below this share of the longest are left out."""
+
+@dataclass(frozen=True)
+class ArrowScale:
+    """How long arrows are drawn: the same for every clip, so that lengths can be compared.
+
+    Args:
+        unit_px: Pixels of the 224-pixel view that one unit of the field is drawn as long as.
+        shown: Units of the arrow in the legend.
+        name: What it is an arrow of.
+    """
+
+    unit_px: float
+    shown: float
+    name: str
+
+
+LEARNED_SHEAR = ArrowScale(FLOW_SCALE_PX, 5, "learned shear (no unit)")
+"""As long as the motion between the two time-bins, where the shear was trained to be physical."""
+
+TRUE_DISPLACEMENT = ArrowScale(1.0, 20, "px of displacement")
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +70,9 @@ class Seen:
         view: The square of the image that the grid covers.
         depth_mm: Indentation of each frame over the whole image, shape (t, gh, gw); None unless
             simulated.
+        has_contact: Whether anything touches, as answers judge it; what the model makes of an
+            untouched gel is noise, and no arrow is drawn.
+        scale: Of the arrows.
     """
 
     frames: Image
@@ -55,6 +81,8 @@ class Seen:
     mask: Floats
     view: View
     depth_mm: Floats | None = None
+    has_contact: bool = True
+    scale: ArrowScale = LEARNED_SHEAR
 
 
 def views_of(seen: Seen) -> tuple[str, ...]:
@@ -85,7 +113,7 @@ def picture(seen: Seen, name: ViewName, index: int = -1) -> Image:
     if name == "contact":
         return draw_contact(magnified(frame), seen.mask, seen.view)
     if name == "arrows":
-        return draw_arrows(magnified(frame), seen.shear_change, seen.mask, seen.view)
+        return _with_arrows(seen, magnified(frame))
     if name == "depth":
         return draw_depth(seen.depth_mm[index], magnified(frame).shape[:2], seen.depth_mm.max())
     return magnified(frame)
@@ -122,30 +150,69 @@ def draw_contact(image: Image, mask: Floats, view: View) -> Image:
     return cv2.rectangle(drawn, first, last, FRAME_COLOUR, 1)
 
 
-def draw_arrows(image: Image, field: Floats, mask: Floats, view: View) -> Image:
-    """Draw the shear change over a frame, each arrow weighted by the contact mask.
+def _with_arrows(seen: Seen, image: Image) -> Image:
+    if not seen.has_contact:
+        return image
+    drawn = draw_arrows(image, seen.shear_change, seen.mask, seen.view, seen.scale)
+    return draw_legend(drawn, seen.view, seen.scale)
+
+
+def draw_arrows(
+    image: Image, field: Floats, mask: Floats, view: View, scale: ArrowScale = LEARNED_SHEAR
+) -> Image:
+    """Draw a field over a frame, where more than the mean of the view is in contact.
 
     Args:
         image: uint8, shape (rows, columns, 3), covering the whole frame.
-        field: (x right, y down), shape (gh, gw, 2), unitless.
-        mask: Shape (gh, gw), in [0, 1].
+        field: (x right, y down), shape (gh, gw, 2), in units of the scale.
+        mask: Contact mask, shape (gh, gw), in [0, 1].
         view: The square the grid covers.
+        scale: Of the arrows.
     """
     drawn = image.copy()
-    weighted = field * mask[..., None]
-    lengths = np.linalg.norm(weighted, axis=-1)
-    longest = float(lengths.max())
-    if longest == 0:
-        return drawn
     gh, gw = mask.shape
-    for row, column in np.argwhere(lengths > FAINTEST_ARROW * longest):
-        step = weighted[row, column] / longest * LONGEST_ARROW_PATCHES
+    for row, column in np.argwhere((mask > 0) & (mask >= mask.mean())):
         tail = np.array([(column + 0.5) / gw, (row + 0.5) / gh])
-        ends = np.stack([tail, tail + step / (gw, gh)])
-        ends = _grid_points(view, image.shape[:2], ends)
-        tail_px, tip_px = (tuple(int(v) for v in np.rint(end)) for end in ends)
-        cv2.arrowedLine(drawn, tail_px, tip_px, ARROW_COLOUR, 2, cv2.LINE_AA, tipLength=0.3)
+        ends = _grid_points(view, image.shape[:2], _arrow(tail, field[row, column], scale))
+        if np.linalg.norm(ends[1] - ends[0]) > ARROW_THICKNESS:
+            _draw_arrow(drawn, ends)
     return drawn
+
+
+def draw_legend(image: Image, view: View, scale: ArrowScale = LEARNED_SHEAR) -> Image:
+    """Draw an arrow of known length in the lower left corner, with what it stands for.
+
+    Args:
+        image: uint8, shape (rows, columns, 3), covering the whole frame.
+        view: The square that the arrows' grid covers: how much it is magnified.
+        scale: Of the arrows.
+    """
+    drawn = image.copy()
+    ends = _arrow(np.zeros(2), np.array([scale.shown, 0.0]), scale)
+    ends = _grid_points(view, image.shape[:2], ends)
+    text = f"= {scale.shown:g} {scale.name}"
+    font, size = cv2.FONT_HERSHEY_SIMPLEX, 0.45
+    (width, height), _ = cv2.getTextSize(text, font, size, 1)
+    middle = image.shape[0] - LEGEND_MARGIN - height
+    tail = np.array([LEGEND_MARGIN, middle], np.float32)
+    ends = ends - ends[0] + tail
+    begins = round(float(ends[1, 0])) + LEGEND_MARGIN
+    corner = (begins + width + LEGEND_MARGIN, image.shape[0])
+    cv2.rectangle(drawn, (0, middle - height - LEGEND_MARGIN // 2), corner, LEGEND_COLOUR, -1)
+    _draw_arrow(drawn, ends)
+    place = (begins, middle + height // 2)
+    cv2.putText(drawn, text, place, font, size, FRAME_COLOUR, 1, cv2.LINE_AA)
+    return drawn
+
+
+def _arrow(tail: Floats, step: Floats, scale: ArrowScale) -> Floats:
+    """Return tail and tip as shares of the view's side."""
+    return np.stack([tail, tail + np.asarray(step) * scale.unit_px / IMAGE_SIDE])
+
+
+def _draw_arrow(image: Image, ends: Floats) -> None:
+    tail, tip = (tuple(int(v) for v in np.rint(end)) for end in ends)
+    cv2.arrowedLine(image, tail, tip, ARROW_COLOUR, ARROW_THICKNESS, cv2.LINE_AA, tipLength=0.3)
 
 
 def draw_depth(depth_mm: Floats, size: tuple[int, int], deepest_mm: float) -> Image:

@@ -10,7 +10,7 @@ from geotlm_lm import GeoTLMError, Touch, picture, simulate_touch
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
-from geotlm_lm.views.pictures import draw_arrows
+from geotlm_lm.views.pictures import TRUE_DISPLACEMENT, draw_arrows, draw_legend
 from tests.app.fakes import FakeAnswerer
 
 
@@ -56,10 +56,12 @@ def test_the_true_field_is_drawn_on_the_contact(made):
 
 def test_the_true_field_goes_to_the_right_wherever_it_touches_in_the_end(made):
     truth = simulate_touch(Touch("key", slide_x_mm=1.0, seed=1))
-    right = (truth.contact[-1] > 0)[..., None] * np.float32([1, 0])
+    right = (truth.contact[-1] > 0)[..., None] * np.float32([IMAGE_SIDE / 20.3, 0])
     frame = picture(made.shown.seen, "raw")
-    expected = draw_arrows(frame, right, truth.contact.mean(axis=0), View())
+    contact = truth.contact.mean(axis=0)
+    expected = draw_arrows(frame, right, contact, View(), TRUE_DISPLACEMENT)
     assert not np.array_equal(expected, frame)
+    expected = draw_legend(expected, View(), TRUE_DISPLACEMENT)
     assert np.array_equal(made.truth_picture, expected)
 
 

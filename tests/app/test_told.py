@@ -4,7 +4,7 @@ import pytest
 
 gradio = pytest.importorskip("gradio", reason="the page needs gradio (extra: app)")
 
-from app.told import told  # noqa: E402
+from app.told import literal, told  # noqa: E402
 from geotlm_lm import GeoTLMError  # noqa: E402
 
 SENTENCE = "<img src=x onerror=alert(1)>.npy: is empty; frames 3 < 4."
@@ -45,3 +45,16 @@ def test_a_defect_is_not_taken_for_a_mistake():
 
     with pytest.raises(ZeroDivisionError):
         told(broken)()
+
+
+@pytest.mark.parametrize(
+    ("text", "markdown"),
+    [
+        ("![x](http://a.b/c)", r"\!\[x\]\(http\:\/\/a\.b\/c\)"),
+        ("<img src=x>", r"\<img src\=x\>"),
+        ("&lt; `a` **b** $c$", r"\&lt\; \`a\` \*\*b\*\* \$c\$"),
+        ("- a note, 3-4", r"- a note\, 3-4"),
+    ],
+)
+def test_markup_is_shown_as_it_is(text, markdown):
+    assert literal(text) == markdown

@@ -81,7 +81,7 @@ def test_a_place_that_cannot_be_written_is_told(tmp_path):
     ("step", "axis", "sign"), [((1, 0), 0, 1), ((-1, 0), 0, -1), ((0, 1), 1, 1)]
 )
 def test_an_arrow_goes_the_way_of_the_shear(tmp_path, step, axis, sign):
-    field = torch.tensor(step, dtype=torch.float32).expand(1, 14, 14, 2)
+    field = 5 * torch.tensor(step, dtype=torch.float32).expand(1, 14, 14, 2)
     mask = torch.zeros(1, 14, 14)
     mask[0, 4, 9] = 1
     geometry = SimpleNamespace(shear_change=field, mask=mask)
@@ -91,7 +91,9 @@ def test_an_arrow_goes_the_way_of_the_shear(tmp_path, step, axis, sign):
         film.add(np.full((224, 224, 3), 90, np.uint8), [], perceived)
     film.close()
     blue, green, red = cv2.split(cv2.VideoCapture(str(tmp_path / "seen.mp4")).read()[1].astype(int))
-    rows, columns = np.nonzero((red > 170) & (green > 140) & (blue < 110))
+    yellow = (red > 170) & (green > 140) & (blue < 110)
+    assert yellow[400:].any()  # the legend's arrow
+    rows, columns = np.nonzero(yellow[:400])
     tail = (9.5 * 32, 4.5 * 32)  # the picture is twice as large
     middle = columns.mean(), rows.mean()
     assert sign * (middle[axis] - tail[axis]) > 8

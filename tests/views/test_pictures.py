@@ -1,16 +1,21 @@
 """Pictures show what they are drawn from, where it is: pixels against known geometry."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from geotlm_lm.backbone.view import View
 from geotlm_lm.views.pictures import (
     ARROW_COLOUR,
+    LEARNED_SHEAR,
     PICTURE_SIDE,
+    TRUE_DISPLACEMENT,
     VIEW_NAMES,
     Seen,
     draw_arrows,
     draw_contact,
+    draw_legend,
     in_image,
     picture,
     views_of,
@@ -43,17 +48,17 @@ def yellow(image):
 )
 def test_an_arrow_goes_from_the_middle_of_its_patch_the_way_of_the_shear(step, axis, sign):
     field = np.broadcast_to(np.float32(step), (14, 14, 2))
-    drawn = yellow(draw_arrows(GREY, field, one_patch(6, 8), WHOLE))
+    drawn = yellow(draw_arrows(GREY, 10 * field, one_patch(6, 8), WHOLE))
     tail = (8.5 * 32, 6.5 * 32)
     middle = centre_of(drawn)
-    # 1.2 patches of 32 px, drawn from the middle of the patch on.
-    assert sign * (middle[axis] - tail[axis]) > 0.4 * 32
+    # 40 px of the view, 80 of the picture, drawn from the middle of the patch on.
+    assert sign * (middle[axis] - tail[axis]) > 0.4 * 80
     assert abs(middle[1 - axis] - tail[1 - axis]) < 2
 
 
 def test_arrows_stand_in_the_views_place():
     view = View(centre_x_px=150.0, centre_y_px=70.0, side_px=112.0)
-    field = np.broadcast_to(np.float32((1, 0)), (14, 14, 2))
+    field = np.broadcast_to(np.float32((5, 0)), (14, 14, 2))
     drawn = yellow(draw_arrows(GREY, field, one_patch(0, 0), view))
     x, y = centre_of(drawn)
     # The view's corner is at (94, 14) of 224, its patches are 8 px of 224, 16 of the picture.
@@ -98,6 +103,58 @@ def test_a_grid_is_read_at_the_middle_of_every_pixel(view):
 
 def test_a_field_of_nothing_draws_nothing():
     assert np.array_equal(draw_arrows(GREY, np.zeros((4, 5, 2)), np.zeros((4, 5)), WHOLE), GREY)
+
+
+def length_of(drawn):
+    """Return how many columns an arrow to the right takes up."""
+    columns = np.flatnonzero(drawn.any(axis=0))
+    return int(columns[-1] - columns[0]) if len(columns) else 0
+
+
+@pytest.mark.parametrize("side_px", [224.0, 112.0])
+def test_arrows_are_as_long_as_the_motion_whatever_else_is_drawn(side_px):
+    mask, view = one_patch(6, 1) + 0.5 * one_patch(9, 1), View(side_px=side_px)
+    for units in (3, 6, 9):
+        field = np.zeros((14, 14, 2), np.float32)
+        field[6, 1, 0], field[9, 1, 0] = units, 9
+        drawn = yellow(draw_arrows(GREY, field, mask, view))
+        row = round(6.5 / 14 * side_px * 2 + 224 - side_px)
+        # A unit is 4 px of the view, and a pixel of the image two of the picture.
+        expected = units * 4 * side_px / 224 * 2
+        assert length_of(drawn[row - 4 : row + 5]) == pytest.approx(expected, abs=4)
+
+
+def test_no_arrow_is_drawn_outside_of_the_contact():
+    field, mask = np.full((14, 14, 2), 9, np.float32), np.full((14, 14), 0.01, np.float32)
+    mask[:, :3] = 0.4
+    drawn = yellow(draw_arrows(GREY, field, mask, WHOLE))
+    assert drawn[:, : 3 * 32].any()
+    assert not drawn[:, 6 * 32 :].any()
+
+
+def test_nothing_is_drawn_over_a_gel_that_nothing_touches():
+    touched = seen()
+    noisy = replace(touched, shear_change=np.full((14, 14, 2), 9, np.float32))
+    assert not np.array_equal(picture(noisy, "arrows"), picture(noisy, "raw"))
+    untouched = replace(noisy, has_contact=False)
+    assert np.array_equal(picture(untouched, "arrows"), picture(untouched, "raw"))
+
+
+@pytest.mark.parametrize("scale", [LEARNED_SHEAR, TRUE_DISPLACEMENT])
+def test_the_legends_arrow_is_as_long_as_one_of_the_picture(scale):
+    legend = draw_legend(GREY, WHOLE, scale)
+    field = np.zeros((14, 14, 2), np.float32)
+    field[..., 0] = scale.shown
+    arrow = draw_arrows(GREY, field, one_patch(6, 3), WHOLE, scale)
+    assert length_of(yellow(legend)) == pytest.approx(length_of(yellow(arrow)), abs=1)
+    assert length_of(yellow(legend)) > 30
+    assert (legend[:400] == GREY[:400]).all()
+    assert (legend[400:] > 200).all(axis=-1).sum() > 100  # its words
+
+
+def test_a_legend_stands_in_the_picture():
+    words = picture(seen(), "arrows")[300:, :300]
+    assert (words == 40).all(axis=-1).sum() > 1000
 
 
 def seen(depth=None):

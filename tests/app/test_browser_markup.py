@@ -1,0 +1,94 @@
+"""The page in a real browser: what a person typed is shown as it is, and nothing is fetched."""
+
+import threading
+from dataclasses import replace
+from http.server import BaseHTTPRequestHandler, HTTPServer
+
+import pytest
+
+pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
+
+from app import ui  # noqa: E402
+from app.browser import EXECUTABLE, Browser  # noqa: E402
+from geotlm_lm.conversation.retell import CAMERA  # noqa: E402
+from tests.app.fakes import FakeAnswerer  # noqa: E402
+
+pytestmark = pytest.mark.skipif(
+    EXECUTABLE is None, reason="needs a Chromium (Debian: apt-get install chromium)"
+)
+
+TEXT = "document.body.innerText"
+SHOWN = "[...document.images].some(i => i.offsetParent && i.naturalWidth == 448)"
+
+
+class Echoing(FakeAnswerer):
+    """Repeats the question in its words and in a note."""
+
+    asked = "Which way?"
+
+    def ask(self, encoded, question, *, frame=CAMERA, listen=None):
+        answer = super().ask(encoded, question, frame=frame)
+        return replace(answer, text=f"You said {self.asked}", notes=(f"Noted: {self.asked}",))
+
+
+@pytest.fixture
+def elsewhere():
+    """Another site, and the paths that it was asked for."""
+    asked = []
+
+    class Site(BaseHTTPRequestHandler):
+        def do_GET(self):
+            asked.append(self.path)
+            self.send_response(404)
+            self.end_headers()
+
+        def log_message(self, *_):
+            pass
+
+    server = HTTPServer(("127.0.0.1", 0), Site)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    yield f"http://127.0.0.1:{server.server_port}", asked
+    server.shutdown()
+    server.server_close()
+
+
+@pytest.fixture
+def page(tmp_path):
+    answerer = Echoing()
+    served = ui.build(answerer)
+    browser = Browser(tmp_path / "profile")
+    browser.open(ui.launch(served))
+    yield browser, answerer
+    browser.close()
+    served.close()
+
+
+@pytest.mark.parametrize(
+    "markup",
+    [
+        "![seen]({site}/markdown.png) **bold** www.example.org $a$",
+        "<img src='{site}/html.png'><b>bold</b> <svg><image href='{site}/svg.png'/></svg>",
+        "[![seen]({site}/nested.png)]({site}/link) `code` &amp; <script>document.title=1</script>",
+    ],
+    ids=["markdown", "html", "nested"],
+)
+def test_a_question_is_shown_as_it_was_typed(page, elsewhere, recordings, markup):
+    (browser, answerer), (site, asked) = page, elsewhere
+    answerer.asked = markup.format(site=site)
+    browser.upload("Recording", recordings["dark"])
+    browser.wait_for(SHOWN, seconds=60)
+    browser.fill("Question", answerer.asked)
+    browser.click("Ask", "button.primary")
+    for beginning in ("", "You said ", "Noted: "):
+        browser.wait_for(f"{TEXT}.includes({beginning + answerer.asked!r})", seconds=30)
+    browser.click("Compare", "button[role=tab]")
+    for label, name in (("First recording", "bright"), ("Second recording", "dark")):
+        browser.upload(label, recordings[name])
+        browser.wait_for(f"{TEXT}.includes('{name}')", seconds=30)
+    browser.click("Compare", "button.primary")
+    browser.wait_for(f"{TEXT}.split({'You said ' + answerer.asked!r}).length > 2", seconds=30)
+    foreign = browser.run(
+        "performance.getEntriesByType('resource').map(e => new URL(e.name)).filter("
+        "u => u.protocol != 'data:' && u.host != location.host).map(u => u.href)"
+    )
+    assert (asked, foreign) == ([], [])
