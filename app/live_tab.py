@@ -23,6 +23,7 @@ from geotlm_lm import (
 
 from .clip_side import BUTTONS
 from .opening import by_its_name
+from .session_files import remove_seen
 from .told import MODEL, gradio, model_at, told
 
 if TYPE_CHECKING:
@@ -108,8 +109,14 @@ def build(answerer: Answerer) -> None:
     go.click(watch, [path, wanted], shown, **model_at(seen))
     path.change(_want, [path, wanted], shown, **private, queue=False)
     clear.click(clear_all, wanted, shown, **private, queue=False)
+
+    def follow_and_forget(*given: Any) -> tuple[Following | None, Any, list, str]:
+        for part in (camera, seen):
+            remove_seen(part)
+        return follow(answerer, *given)
+
     camera.stream(
-        told(partial(follow, answerer)),
+        told(follow_and_forget),
         [camera, following, wanted],
         [following, *shown],
         stream_every=0.1,

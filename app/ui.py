@@ -24,10 +24,12 @@ def build(answerer: Answerer) -> Any:
         MissingDependency: If gradio is not installed.
     """
     gr = gradio()
-    from . import api, ask_tab, benchmark_tab, compare_tab, live_tab, simulate_tab
+    from . import api, ask_tab, benchmark_tab, compare_tab, live_tab, session_files, simulate_tab
 
     # Without analytics nothing leaves the machine, and the page starts offline without a wait.
-    with gr.Blocks(title="geotlm-lm", analytics_enabled=False) as page:
+    with gr.Blocks(
+        title="geotlm-lm", analytics_enabled=False, delete_cache=session_files.DELETE_CACHE
+    ) as page:
         gr.Markdown(f"# Ask a touch sensor how the object moves\n\n{FRAME_OF_REFERENCE}")
         with gr.Tab("Ask"):
             ask_tab.build(answerer)
@@ -41,6 +43,7 @@ def build(answerer: Answerer) -> Any:
             benchmark_tab.build()
         with gr.Tab("API"):
             api.build(answerer)
+        session_files.connect(page, [one for one in page.blocks.values() if type(one) is gr.File])
     return page
 
 

@@ -15,7 +15,7 @@ nothing of how patch inputs are made from frames.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import torch
 import torch.nn.functional as F
@@ -24,6 +24,9 @@ from torch import Tensor, nn
 from geotlm_lm.backbone.linear import linear
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.geometry import GRID_SIDE, SENSOR_TOKEN_COUNT, TIME_BIN_COUNT
+
+MLP_RATIO, NORM_EPS = 4, 1e-5
+"""Width of a block's hidden layer over a token's, and epsilon of its norms, as in AnyTouch 2."""
 
 
 @dataclass(frozen=True)
@@ -35,13 +38,25 @@ class ViTConfig:
     depth: int = 4
     heads: int = 4
     grid_side: int = GRID_SIDE
-    mlp_ratio: int = 4
-    norm_eps: float = 1e-5
 
     @property
     def mlp_width(self) -> int:
         """Width of the hidden layer of a block's MLP."""
-        return self.width * self.mlp_ratio
+        return self.width * MLP_RATIO
+
+    @classmethod
+    def of(cls, stored: dict[str, Any]) -> ViTConfig:
+        """Return the sizes a bundle stores; older ones store the constants above beside them.
+
+        Raises:
+            ValueError: If a constant is another than this version's.
+            TypeError: If there is a size of another name.
+        """
+        sizes = dict(stored)
+        for name, value in {"mlp_ratio": MLP_RATIO, "norm_eps": NORM_EPS}.items():
+            if (found := sizes.pop(name, value)) != value:
+                raise ValueError(f"{name} is {found}, this version's {value}")
+        return cls(**sizes)
 
 
 class BlockSizes(Protocol):
@@ -71,7 +86,7 @@ class Block(nn.Module):
     """
 
     def __init__(
-        self, config: BlockSizes, *, norm_eps: float = 1e-5, has_layer_scale: bool = False
+        self, config: BlockSizes, *, norm_eps: float = NORM_EPS, has_layer_scale: bool = False
     ) -> None:
         super().__init__()
         width, hidden = config.width, config.mlp_width
@@ -112,9 +127,7 @@ class ViT(nn.Module):
         self.global_token = nn.Parameter(torch.empty(width))
         self.sensor_tokens = nn.Parameter(torch.empty(SENSOR_TOKEN_COUNT, width))
         self.positions = nn.Parameter(torch.empty(1 + config.grid_side**2, width))
-        self.blocks = nn.ModuleList(
-            Block(config, norm_eps=config.norm_eps) for _ in range(config.depth)
-        )
+        self.blocks = nn.ModuleList(Block(config) for _ in range(config.depth))
         self.split = nn.Linear(width, TIME_BIN_COUNT * width)
 
     def initialise(self, generator: torch.Generator) -> ViT:

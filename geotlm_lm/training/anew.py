@@ -46,8 +46,8 @@ def train_odometer_anew(
     """
     bundle = load_bundle(kept)
     try:
-        settings = TrainingPreset(**bundle.provenance["preset"])
-    except (KeyError, TypeError) as error:
+        settings = TrainingPreset.of(bundle.provenance["preset"])
+    except (AttributeError, KeyError, TypeError) as error:
         raise UsageError(
             f"{kept} does not say by which preset it was trained, expected a bundle that "
             f"`geotlm-lm train` wrote; train a whole one without --keep."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, Literal, TypeVar
 
 from geotlm_lm.core.errors import UsageError
@@ -49,7 +49,6 @@ class TrainingPreset(HeadsPreset):
         backbone_heads: Attention heads.
         pretraining_draws: Clips drawn during pretraining, repeats counted.
         pretraining_batch: Clips per step.
-        pretraining_rate: Peak learning rate of AdamW.
         geometry_clips: How many of the head clips DGR and probe learn from; no backbone has seen
             them, whereas it is pretrained on the others as well.
     """
@@ -61,8 +60,17 @@ class TrainingPreset(HeadsPreset):
     backbone_heads: int
     pretraining_draws: int
     pretraining_batch: int
-    pretraining_rate: float
     geometry_clips: int
+
+    @classmethod
+    def of(cls, stored: dict[str, Any]) -> TrainingPreset:
+        """Return the preset a bundle says it was trained by; older ones name constants too.
+
+        Raises:
+            TypeError: If a field is missing.
+        """
+        known = {field.name for field in fields(cls)}
+        return cls(**{name: value for name, value in stored.items() if name in known})
 
     @property
     def fresh_clips(self) -> int:
@@ -81,7 +89,6 @@ DEFAULT = TrainingPreset(
     backbone_heads=4,
     pretraining_draws=400_000,
     pretraining_batch=32,
-    pretraining_rate=1e-3,
     geometry_epochs=30,
     geometry_clips=8_000,
     language_steps=9_000,

@@ -30,6 +30,9 @@ from geotlm_lm.language.speak import Speaker
 from geotlm_lm.language.tokenizer import VOCABULARY_SIZE, clean_question, train_tokenizer
 from geotlm_lm.training.language_checkpoint import restore_language, store_language
 
+WEIGHT_DECAY = 0.1
+"""Of the matrices; gains, biases and embeddings are left alone."""
+
 CORPUS_ROUNDS = 16
 """Questions per type and motion the vocabulary is built from; enough to fill it."""
 
@@ -65,7 +68,6 @@ class LanguageTraining:
         batch: Questions per step, each about a clip drawn anew.
         learning_rate: Peak of the schedule.
         warmup: Steps of linear rise before the cosine fall to a tenth.
-        weight_decay: Of the matrices; gains, biases and embeddings are left alone.
         noise: Deviation of the Gaussian noise added to the fused token, in units of its spread over
             the training clips. There are far more questions than clips: without noise the decoder
             can learn a clip by heart from its token instead of the motion in it.
@@ -77,7 +79,6 @@ class LanguageTraining:
     batch: int = 64
     learning_rate: float = 3e-3
     warmup: int = 100
-    weight_decay: float = 0.1
     noise: float = 0.2
     seed: int = 0
     size: LanguageSize = field(default_factory=LanguageSize)
@@ -118,7 +119,7 @@ def train_language(
         raise ValueError("a fused token holds values that are not finite")
     speaker = new_speaker(fused_tokens, config)
     model = speaker.model.train()
-    optimiser = torch.optim.AdamW(_parameter_groups(model, config.weight_decay), betas=(0.9, 0.98))
+    optimiser = torch.optim.AdamW(_parameter_groups(model), betas=(0.9, 0.98))
     step = restore_language(folder, config, model, optimiser)
     shares = drawing_shares(labels)
     saved_at = time.monotonic()
@@ -269,11 +270,11 @@ def _by_length(
     return [part.tolist() for part in np.array_split(order, parts) if len(part)]
 
 
-def _parameter_groups(model: TactileDecoder, weight_decay: float) -> list[dict]:
+def _parameter_groups(model: TactileDecoder) -> list[dict]:
     decayed = [p for n, p in model.named_parameters() if p.ndim == 2 and "embed_tokens" not in n]
     plain = [p for n, p in model.named_parameters() if p.ndim < 2 or "embed_tokens" in n]
     return [
-        {"params": decayed, "weight_decay": weight_decay},
+        {"params": decayed, "weight_decay": WEIGHT_DECAY},
         {"params": plain, "weight_decay": 0.0},
     ]
 

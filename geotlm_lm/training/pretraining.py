@@ -32,7 +32,7 @@ PRETRAINING_VERSION = 4
 """Raised when the backbone is shown or asked other things: no older run is continued."""
 
 CHECKPOINT_EVERY_S = 30.0
-WEIGHT_DECAY = 0.05
+PEAK_RATE, WEIGHT_DECAY = 1e-3, 0.05
 WARMUP_SHARE = 0.05
 
 
@@ -99,9 +99,7 @@ class _Learner:
         self.vit.to(device)
         self.heads.to(device)
         self._parameters = [*self.vit.parameters(), *self.heads.parameters()]
-        self._optimiser = torch.optim.AdamW(
-            self._parameters, preset.pretraining_rate, weight_decay=WEIGHT_DECAY
-        )
+        self._optimiser = torch.optim.AdamW(self._parameters, PEAK_RATE, weight_decay=WEIGHT_DECAY)
         self._schedule = torch.optim.lr_scheduler.LambdaLR(
             self._optimiser, lambda step: _rate(step, steps)
         )

@@ -3,7 +3,7 @@
 import torch
 
 from geotlm_lm.backbone.frozen import FrozenBackbone
-from geotlm_lm.backbone.vit import Block, ViT, ViTConfig
+from geotlm_lm.backbone.vit import NORM_EPS, Block, ViT, ViTConfig
 
 CONFIG = ViTConfig(input_dim=7, width=24, depth=2, heads=3, grid_side=5)
 
@@ -21,7 +21,7 @@ def test_a_block_equals_its_formula_written_out():
 
     def norm(values, layer):
         centred = values - values.mean(-1, keepdim=True)
-        spread = (centred.square().mean(-1, keepdim=True) + CONFIG.norm_eps).sqrt()
+        spread = (centred.square().mean(-1, keepdim=True) + NORM_EPS).sqrt()
         return centred / spread * layer.weight + layer.bias
 
     query, key, value = (norm(x, block.norm1) @ block.qkv.weight.T + block.qkv.bias).chunk(3, -1)

@@ -19,7 +19,7 @@ from geotlm_lm.training.encoded import BATCH, encode_examples
 from geotlm_lm.training.examples import ExampleSet
 from geotlm_lm.training.heads import train_heads
 from geotlm_lm.training.language import LanguageTraining
-from tests.backbone.oracles import Oracle
+from tests.backbone.oracles import Oracle, oracle_sets
 from tests.backbone.small_files import write_small
 
 TINY = HeadsPreset(
@@ -84,9 +84,10 @@ def test_widths_that_differ_and_grids_without_a_view_answer_too(name, tmp_path):
     assert json.dumps(answer.to_dict())
 
 
+@pytest.mark.parametrize("folder", oracle_sets(), ids=str)
 @pytest.mark.parametrize("name", ["anytouch2", "anytouch1", "sparsh", "t3", "internvit", "unit"])
-def test_oracle_checkpoints_carry_dgr_probe_and_language_head(name, tmp_path):
-    encoder = Oracle(name).load()
+def test_oracle_checkpoints_carry_dgr_probe_and_language_head(folder, name, tmp_path):
+    encoder = Oracle(folder, name).load()
     bundle = train_heads(encoder, "tiny", tmp_path, seed=0)
     assert answers(bundle).text
     assert bundle.model.probe.head.in_features == encoder.width
