@@ -79,7 +79,10 @@ print("rich" in sys.modules)
 def test_rich_is_loaded_for_a_terminal_only(is_terminal):
     theirs, ours = os.pipe() if not is_terminal else pty.openpty()
     command = [sys.executable, "-c", PROGRAM]
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=ours, text=True, check=True)
+    narrow = os.environ | {"COLUMNS": "60"}  # all of it fits the terminal's buffer
+    done = subprocess.run(
+        command, stdout=subprocess.PIPE, stderr=ours, text=True, check=True, env=narrow
+    )
     os.close(ours)
     shown = os.read(theirs, 65536).decode()
     os.close(theirs)
