@@ -11,7 +11,7 @@ from geotlm_lm import GeoTLMError
 
 from .agents import require_mcp
 from .cache_folder import own_cache_folder
-from .told import gradio
+from .error_display import gradio
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -36,10 +36,10 @@ def serve(port: int | None = None, *, mcp: bool = False, precision: str = "float
 
 
 def _serve(port: int | None, mcp: bool, precision: str) -> None:
-    from .later import Later
+    from .lazy_answerer import LazyAnswerer
     from .ui import build, launch
 
-    model = Later(partial(_load, precision))
+    model = LazyAnswerer(partial(_load, precision))
     page = build(model)
     try:
         address = launch(page, port=port, mcp=mcp)

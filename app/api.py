@@ -6,11 +6,11 @@ import inspect
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from . import handlers, opening
-from .results import Answered, Compared, Field, Told
-from .simulating import simulate as simulate_and_ask
-from .simulating import touch_of
-from .told import MODEL, gradio, told
+from . import clip_loading, handlers
+from .error_display import MODEL, gradio, with_errors_shown
+from .results import AnswerResult, ComparisonResult, EvidenceFields, SimulatedAnswer
+from .simulation_handlers import simulate as simulate_and_ask
+from .simulation_handlers import touch_of
 from .uploads import Upload, Uploads
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class Api:
     def __init__(self, answerer: Answerer, uploads: Uploads) -> None:
         self._answerer, self._uploads = answerer, uploads
 
-    def ask(self, clip: Upload | str, question: str) -> Answered:
+    def ask(self, clip: Upload | str, question: str) -> AnswerResult:
         """Answer a question about how the object in a clip moves.
 
         Args:
@@ -86,7 +86,7 @@ class Api:
         """
         return handlers.ask(self._answerer, self._shown(clip), question).details
 
-    def evidence(self, clip: Upload | str) -> Field:
+    def evidence(self, clip: Upload | str) -> EvidenceFields:
         """Return the geometry a clip's answers rest on, without asking the language model.
 
         Args:
@@ -105,7 +105,7 @@ class Api:
             "second_opinions": shown.opinions,
         }
 
-    def compare(self, first: Upload | str, second: Upload | str) -> Compared:
+    def compare(self, first: Upload | str, second: Upload | str) -> ComparisonResult:
         """Tell whether the objects in two clips move the same way.
 
         Args:
@@ -126,7 +126,7 @@ class Api:
         slide_y_mm: float,
         thickness_mm: float,
         seed: int,
-    ) -> Told:
+    ) -> SimulatedAnswer:
         """Simulate a touch of a GelSight-like sensor and answer about it.
 
         Args:
@@ -151,8 +151,8 @@ class Api:
         }
         return simulate_and_ask(self._answerer, touch_of(object_name, numbers, seed)).facts
 
-    def _shown(self, clip: Any) -> opening.Shown:
-        return opening.show_clip(self._answerer, self._uploads.path_of(clip))
+    def _shown(self, clip: Any) -> clip_loading.LoadedClip:
+        return clip_loading.load_clip(self._answerer, self._uploads.path_of(clip))
 
 
 def build(answerer: Answerer) -> None:
@@ -173,6 +173,6 @@ def build(answerer: Answerer) -> None:
 
 def _typed(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return the function with its errors told, and its types as types: postponed they are text."""
-    shown = told(function, is_page=False)
+    shown = with_errors_shown(function, is_page=False)
     shown.__signature__ = inspect.signature(function, eval_str=True)
     return shown

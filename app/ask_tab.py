@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm import MAX_QUESTION_CHARACTERS
 
 from . import clip_side, handlers
-from .facts import checked, facts_of, fields_of, told_for
-from .told import gradio, literal, model_at, told
+from .error_display import gradio, literal, model_at, with_errors_shown
+from .facts import facts_of, fields_of, frame_preview, update_facts
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -89,8 +89,8 @@ def _connect_talk(
     answerer: Answerer, shown: Any, last: Any, clip: dict, talk: dict, stale: list[Any]
 ) -> None:
     gr = gradio()
-    answer = told(partial(_answer, answerer))
-    again = told(partial(_retry, answerer))
+    answer = with_errors_shown(partial(_answer, answerer))
+    again = with_errors_shown(partial(_retry, answerer))
     stated, framed = [clip[one] for one in FRAME_PARTS[:2]], [clip[one] for one in FRAME_PARTS[2:]]
     beside = [*(talk[name] for name in ANSWER_PARTS), last, *stated, *framed]
     outputs = [talk["chat"], talk["question"], *beside]
@@ -112,7 +112,7 @@ def _connect_talk(
     talk["suggested"].input(lambda text: text or "", talk["suggested"], talk["question"], **private)
 
     def check(facts: list[str], direction: str | None, event: gr.SelectData) -> tuple:
-        held, *framing = checked(facts, direction, event.value, event.selected)
+        held, *framing = update_facts(facts, direction, event.value, event.selected)
         # Boxes that stand as they should are left alone: others may be checked meanwhile.
         return gr.skip() if set(held) == set(facts) else held, *framing
 
@@ -158,7 +158,7 @@ def _answer(
         direction,
         stated,
         frame.mm_per_px or 0,
-        *told_for(stated, direction),
+        *frame_preview(stated, direction),
     )
 
 
@@ -172,7 +172,7 @@ def _forget(answerer: Answerer, others: int, shown: Any, facts: list[str]) -> tu
         facts: That are checked.
     """
     anew = None if shown is None else replace(shown, session=answerer.session(shown.encoded))
-    return anew, told_for(facts, None)[1], [], *[None] * others
+    return anew, frame_preview(facts, None)[1], [], *[None] * others
 
 
 def _retry(

@@ -6,29 +6,27 @@ import json
 from pathlib import Path
 from typing import Any
 
-from .told import gradio
+from .error_display import gradio
 
-RECORDED = Path(__file__).resolve().parent.parent / "reports" / "recorded"
+RECORDED = Path(__file__).resolve().parent.parent / "docs" / "results" / "records"
 COLUMNS = ("clips", "n", "method", "accuracy", "low", "high", "error", "ms, median", "ms, p95")
 ABSENT = (
-    "The recorded results lie in a checkout's `reports/recorded`; this installation has none. "
-    "`geotlm-lm evaluate` measures them anew."
+    "The recorded results lie in a checkout's `docs/results`; this installation has none. "
+    "`geotlm-lm bench accuracy` measures them anew."
 )
 
 
 def accuracy_rows(folder: Path = RECORDED) -> list[list[Any]]:
-    """Return one row per table and method of the recorded evaluation; none where there is none."""
-    path = folder / "evaluate.json"
+    """Return one row per set of clips and method as recorded; none where nothing is recorded."""
+    path = folder / "accuracy.json"
     if not path.exists():
         return []
-    tables = json.loads(path.read_text())["numbers"]["tables"]
     rows = []
-    for clips, table in tables.items():
-        for method, scores in table["methods"].items():
-            low, high = scores["interval"]
-            accuracy = scores["accuracy"]
-            numbers = [accuracy, low, high, 1 - accuracy, scores["ms_median"], scores["ms_p95"]]
-            rows.append([clips, table["clips"], method, *(round(v, 4) for v in numbers)])
+    for row in json.loads(path.read_text())["numbers"]["sections"]["clips"]["rows"]:
+        low, high = (1 - end for end in reversed(row["interval"]))
+        numbers = [1 - row["error"], low, high, row["error"], row["ms_p50"], row["ms_p95"]]
+        told = (round(value, 4) for value in numbers)
+        rows.append([row["case"], row["count"], row["variant"], *told])
     return rows
 
 
@@ -53,8 +51,8 @@ def build() -> None:
         return
     names = sorted({row[0] for row in rows})
     gr.Markdown(
-        "Errors with their run time, as recorded; the probes and optical flow choose among the "
-        "motions of the task, the words are free."
+        'Errors with their run time, as recorded. Methods "of the task" choose among its motions '
+        "only; the words are free."
     )
     chosen = gr.Dropdown(names, value=names[0], label="Clips")
     plot = gr.ScatterPlot(

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm import FrameSpec, draw_viewpoint
 
 from . import handlers
-from .facts import MIRRORED, OTHER_SIDE, SENSOR_MOVES, TURNS, told_for
-from .opening import SUFFIXES, newest, show_clip
-from .playing import add_play_button
-from .told import gradio, literal, model_at, told
+from .clip_loading import SUFFIXES, latest_upload, load_clip
+from .error_display import gradio, literal, model_at, with_errors_shown
+from .facts import MIRRORED, OTHER_SIDE, SENSOR_MOVES, TURNS, frame_preview
+from .play_button import add_play_button
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -62,7 +62,7 @@ def build(gr: Any) -> dict[str, Any]:
         side["mm_per_px"] = gr.Number(
             label="Millimetres per pixel (0: slides are told in pixels)", value=0, step=0.01
         )
-    side["told"] = gr.Markdown(handlers.told_in(FrameSpec(), None))
+    side["told"] = gr.Markdown(handlers.direction_in_frame(FrameSpec(), None))
     with gr.Accordion("Frames and notes", open=False):
         with gr.Row():
             # Text: of a number field left empty the page makes 0, which is a frame.
@@ -92,14 +92,14 @@ def connect(answerer: Answerer, shown: Any, clip: dict[str, Any], stale: list[An
     def read_again(path: Any, first: str, until: str, *looked: Any) -> Iterator[tuple]:
         # A mistake is told only after the clip before is closed: it must not answer for this one.
         try:
-            opened = show_clip(answerer, path, first, until)
+            opened = load_clip(answerer, path, first, until)
         except Exception:
             yield *_closed(path, *looked), *nothing
             raise
         yield *_opened(opened, path, *looked), *nothing
 
     def open_clip(paths: list[str] | None, *looked: Any) -> Iterator[tuple]:
-        given = newest(paths)
+        given = latest_upload(paths)
         box = gr.skip() if given == paths else given
         for step in read_again(given, "", "", *looked):
             yield *step, box, "", ""
@@ -121,12 +121,12 @@ def connect(answerer: Answerer, shown: Any, clip: dict[str, Any], stale: list[An
     open_example.__annotations__["event"] = gr.SelectData
     private, at_picture = {"api_visibility": "private"}, model_at(clip["picture"])
     file, anew = clip["path"], [*outputs, clip["path"], *span]
-    file.upload(told(open_clip), [file, *looked_at], anew, **at_picture)
+    file.upload(with_errors_shown(open_clip), [file, *looked_at], anew, **at_picture)
     for trigger in (file.clear, file.delete):
-        trigger(told(take_away), [file, *looked_at], anew, **at_picture)
-    clip["gallery"].select(told(open_example), looked_at, anew, **at_picture)
+        trigger(with_errors_shown(take_away), [file, *looked_at], anew, **at_picture)
+    clip["gallery"].select(with_errors_shown(open_example), looked_at, anew, **at_picture)
     given = [source, *span, *looked_at]
-    clip["read"].click(told(read_again), given, outputs, **at_picture)
+    clip["read"].click(with_errors_shown(read_again), given, outputs, **at_picture)
     pictured = [shown, clip["view"], clip["number"]]
     for control in (clip["view"], clip["number"]):
         control.change(handlers.draw, pictured, clip["picture"], **private)
@@ -144,7 +144,7 @@ def _opened(
     if before is not None and _size(before) != _size(opened):
         mm_per_px = 0  # what was said of other pixels
     drawn = handlers.draw(opened, view, number)
-    return opened, source, drawn, literal(opened.notes), told_for(facts, None)[1], mm_per_px
+    return opened, source, drawn, literal(opened.notes), frame_preview(facts, None)[1], mm_per_px
 
 
 def _closed(
@@ -152,7 +152,7 @@ def _closed(
 ) -> tuple:
     """Return what is shown when no clip is; the size of a pixel goes with the clip it was of."""
     known = mm_per_px if before is None else 0
-    return None, source, None, "", told_for(facts, None)[1], known
+    return None, source, None, "", frame_preview(facts, None)[1], known
 
 
 def _size(shown: Any) -> tuple[int, int]:

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from . import handlers
+from .clip_loading import SUFFIXES, load_clip
 from .clip_side import BUTTONS
-from .opening import SUFFIXES, show_clip
-from .told import gradio, literal, model_at, told
+from .error_display import gradio, literal, model_at, with_errors_shown
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -33,7 +33,7 @@ def build(answerer: Answerer) -> None:
     # Not `compare`: an event takes its function's name, and that one is the programs'.
     def compare_both(first: str | None, second: str | None) -> Iterator[tuple[Any, ...]]:
         try:
-            shown = [show_clip(answerer, path) if path else None for path in (first, second)]
+            shown = [load_clip(answerer, path) if path else None for path in (first, second)]
             result = handlers.compare(answerer, *shown)
         except Exception:
             yield None, None, "", "", "", None  # what was said of the recordings before
@@ -44,7 +44,7 @@ def build(answerer: Answerer) -> None:
 
     (first, first_picture, first_text), (second, second_picture, second_text) = sides
     outputs = [first_picture, second_picture, first_text, second_text, verdict, details]
-    go.click(told(compare_both), [first, second], outputs, **model_at(verdict))
+    go.click(with_errors_shown(compare_both), [first, second], outputs, **model_at(verdict))
     for path, picture, text in sides:
         emptied = [picture, text, verdict, details]
         # Not queued: it would empty what a click right after the upload has told.

@@ -38,19 +38,19 @@ def facts_of(frame: FrameSpec) -> list[str]:
     return [fact for fact, is_true in is_so.items() if is_true]
 
 
-def told_for(facts: list[str], direction: str | None) -> tuple:
+def frame_preview(facts: list[str], direction: str | None) -> tuple:
     """Return the picture of the frame the facts stand for, and the last direction told for it."""
     frame = FrameSpec(**fields_of(facts))
     motion = None if direction is None else Motion(direction)
-    return draw_viewpoint(frame), handlers.told_in(frame, motion)
+    return draw_viewpoint(frame), handlers.direction_in_frame(frame, motion)
 
 
-def checked(facts: list[str], direction: str | None, fact: str, is_checked: bool) -> tuple:
-    """Return the facts as they hold once one was checked or not, and what `told_for` returns.
+def update_facts(facts: list[str], direction: str | None, fact: str, is_checked: bool) -> tuple:
+    """Return the facts as they hold once one was checked or not, and what `frame_preview` returns.
 
     An image is turned by a quarter one way or the other: of both the one checked last holds.
     """
     quarters = (CLOCKWISE, COUNTERCLOCKWISE)
     replaced = quarters if is_checked and fact in quarters else (fact,)
     held = [one for one in facts if one not in replaced] + [fact] * is_checked
-    return held, *told_for(held, direction)
+    return held, *frame_preview(held, direction)

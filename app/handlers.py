@@ -14,7 +14,7 @@ from geotlm_lm import (
     picture,
 )
 
-from .opening import Image, Shown
+from .clip_loading import Image, LoadedClip
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -57,7 +57,7 @@ class Reply:
     timing: str
 
 
-def draw(shown: Shown | None, view: str, number: float) -> Image | None:
+def draw(shown: LoadedClip | None, view: str, number: float) -> Image | None:
     """Return one of the four frames, counted from 1, in the view asked for."""
     if shown is None:
         return None
@@ -66,7 +66,7 @@ def draw(shown: Shown | None, view: str, number: float) -> Image | None:
     return picture(shown.seen, name, index)
 
 
-def ask(answerer: Answerer, shown: Shown | None, question: str) -> Reply:
+def ask(answerer: Answerer, shown: LoadedClip | None, question: str) -> Reply:
     """Answer `question` about the clip that is shown, by itself, in the camera's frame.
 
     Raises:
@@ -77,7 +77,7 @@ def ask(answerer: Answerer, shown: Shown | None, question: str) -> Reply:
 
 
 def converse(
-    answerer: Answerer, shown: Shown | None, question: str, facts: Mapping[str, Any]
+    answerer: Answerer, shown: LoadedClip | None, question: str, facts: Mapping[str, Any]
 ) -> Iterator[str | Reply]:
     """Answer the next question of the conversation about the clip that is shown.
 
@@ -99,13 +99,13 @@ def converse(
         yield told if isinstance(told, str) else _reply(answerer, shown, told)
 
 
-def _open(shown: Shown | None) -> Shown:
+def _open(shown: LoadedClip | None) -> LoadedClip:
     if shown is None:
         raise GeoTLMError("No recording is open; upload a clip first.")
     return shown
 
 
-def _reply(answerer: Answerer, shown: Shown, answer: Any) -> Reply:
+def _reply(answerer: Answerer, shown: LoadedClip, answer: Any) -> Reply:
     is_sure_of_something = not answer.abstained and answer.options
     told = f"  ({100 * answer.confidence:.0f} % sure)" if is_sure_of_something else ""
     told += "" if answer.lean is None else f" {answer.lean.text}"
@@ -124,7 +124,7 @@ def _reply(answerer: Answerer, shown: Shown, answer: Any) -> Reply:
     )
 
 
-def _notes(answer: Any, shown: Shown) -> str:
+def _notes(answer: Any, shown: LoadedClip) -> str:
     """Return what is to be known of the answer: neither of the clip, nor said in it already."""
     said = {*shown.encoded.clip.notes, *([] if answer.lean is None else [answer.lean.text])}
     return "\n".join(f"- {note}" for note in answer.notes if note not in said)
@@ -137,7 +137,9 @@ def _in_the_image(answer: Any) -> Motion | None:
     return answer.frame.in_the_image(answer.direction)
 
 
-def compare(answerer: Answerer, first: Shown | None, second: Shown | None) -> dict[str, Any]:
+def compare(
+    answerer: Answerer, first: LoadedClip | None, second: LoadedClip | None
+) -> dict[str, Any]:
     """Answer about both clips and compare their directions.
 
     Returns:
@@ -151,7 +153,7 @@ def compare(answerer: Answerer, first: Shown | None, second: Shown | None) -> di
     return answerer.compare(first.encoded, second.encoded).to_dict()
 
 
-def told_in(frame: FrameSpec, direction: Any) -> str:
+def direction_in_frame(frame: FrameSpec, direction: Any) -> str:
     """Return the last direction as another frame of reference names it.
 
     Args:

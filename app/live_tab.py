@@ -21,10 +21,10 @@ from geotlm_lm import (
     picture,
 )
 
+from .clip_loading import with_clip_name
 from .clip_side import BUTTONS
-from .opening import by_its_name
+from .error_display import MODEL, gradio, model_at, with_errors_shown
 from .session_files import remove_seen
-from .told import MODEL, gradio, model_at, told
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -39,7 +39,7 @@ NOTHING = (None, [], "")
 
 
 @dataclass
-class Wanted:
+class WatchRequest:
     """What a session wants to see; what runs looks here whether it still is.
 
     The toolkit's own way to end what runs lets through what is already on its way to the page,
@@ -55,7 +55,7 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class Following:
+class CameraSession:
     """What a session keeps of its camera.
 
     Args:
@@ -76,7 +76,7 @@ class Following:
 def build(answerer: Answerer) -> None:
     """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
     gr = gradio()
-    following, wanted = gr.State(), gr.State(Wanted())
+    following, wanted = gr.State(), gr.State(WatchRequest())
     gr.Markdown(
         "Leave the gel untouched for the first half second: that is when its idle image is learnt."
     )
@@ -104,19 +104,19 @@ def build(answerer: Answerer) -> None:
             events = gr.Dataframe(headers=HEADERS, label="Motion events", interactive=False)
             account = gr.Markdown()
     private = {"api_visibility": "private"}
-    watch = told(partial(watch_recording, answerer))
+    watch = with_errors_shown(partial(watch_recording, answerer))
     shown = [seen, events, account]
     go.click(watch, [path, wanted], shown, **model_at(seen))
     path.change(_want, [path, wanted], shown, **private, queue=False)
     clear.click(clear_all, wanted, shown, **private, queue=False)
 
-    def follow_and_forget(*given: Any) -> tuple[Following | None, Any, list, str]:
+    def follow_and_forget(*given: Any) -> tuple[CameraSession | None, Any, list, str]:
         for part in (camera, seen):
             remove_seen(part)
-        return follow(answerer, *given)
+        return process_frame(answerer, *given)
 
     camera.stream(
-        told(follow_and_forget),
+        with_errors_shown(follow_and_forget),
         [camera, following, wanted],
         [following, *shown],
         stream_every=0.1,
@@ -126,7 +126,7 @@ def build(answerer: Answerer) -> None:
 
 
 def watch_recording(
-    answerer: Answerer, path: str | None, wanted: Wanted | None = None
+    answerer: Answerer, path: str | None, wanted: WatchRequest | None = None
 ) -> Iterator[tuple[Any, list, str]]:
     """Yield picture, events so far and account while a recording is watched.
 
@@ -140,10 +140,10 @@ def watch_recording(
     """
     if not path:
         raise GeoTLMError("No recording was given; upload one first.")
-    wanted = wanted or Wanted()
+    wanted = wanted or WatchRequest()
     wanted.path = path
     try:
-        with by_its_name(Path(path).parent):
+        with with_clip_name(Path(path).parent):
             for step in _watched(answerer, path):
                 if wanted.path != path:
                     yield NOTHING
@@ -154,7 +154,7 @@ def watch_recording(
         raise
 
 
-def _want(path: str | None, wanted: Wanted) -> tuple[Any, list, str]:
+def _want(path: str | None, wanted: WatchRequest) -> tuple[Any, list, str]:
     """Show nothing until the recording at `path`, if any, is watched."""
     wanted.path = path
     return NOTHING
@@ -173,15 +173,18 @@ def _watched(answerer: Answerer, path: str) -> Iterator[tuple[Any, list, str]]:
     yield image, rows, watcher.warning or _told(watcher)
 
 
-def clear_all(wanted: Wanted) -> tuple[Any, list, str]:
+def clear_all(wanted: WatchRequest) -> tuple[Any, list, str]:
     """End the watching, forget what a camera showed so far, and show nothing."""
     wanted.cleared += 1
     return _want(None, wanted)
 
 
-def follow(
-    answerer: Answerer, frame: Any, following: Following | None, wanted: Wanted | None = None
-) -> tuple[Following | None, Any, list, str]:
+def process_frame(
+    answerer: Answerer,
+    frame: Any,
+    following: CameraSession | None,
+    wanted: WatchRequest | None = None,
+) -> tuple[CameraSession | None, Any, list, str]:
     """Take in one camera frame of a session and return what it follows and what there is to show.
 
     Another size of frames is another camera: it is followed from its own beginning, as is one after
@@ -194,7 +197,7 @@ def follow(
         return None, None, [] if following is None else following.rows, ""
     now_s = time.monotonic()
     if following is None or following.shape != frame.shape:
-        following = Following(Watcher(model_reader(answerer)), frame.shape, now_s, cleared)
+        following = CameraSession(Watcher(model_reader(answerer)), frame.shape, now_s, cleared)
     watcher = following.watcher
     new = watcher.push(frame, now_s - following.began_s)
     following = replace(following, rows=following.rows + [row_of(event) for event in new])

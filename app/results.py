@@ -19,7 +19,7 @@ class Evidence(TypedDict):
     regions: dict[str, dict[str, float]]
 
 
-class Field(Evidence):
+class EvidenceFields(Evidence):
     """The evidence, the fields it was pooled from (a number a patch of the view), and others' view.
 
     `shear_change` is 14 x 14 x 2, `contact_mask` 14 x 14, rows first.
@@ -48,7 +48,7 @@ class Lean(TypedDict):
     text: str
 
 
-class Answered(TypedDict):
+class AnswerResult(TypedDict):
     """An answer, its probability, the frame it is told in, and what it rests on."""
 
     text: str
@@ -69,7 +69,7 @@ class Answered(TypedDict):
     second_opinions: dict[str, Any]
 
 
-class Compared(TypedDict):
+class ComparisonResult(TypedDict):
     """How two clips relate, and the answer about each."""
 
     text: str
@@ -81,7 +81,7 @@ class Compared(TypedDict):
     second: dict[str, Any]
 
 
-class Told(TypedDict):
+class SimulatedAnswer(TypedDict):
     """A simulated touch: the answers, the truth, and the error of the amounts that were read."""
 
     answer: str

@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from .told import gradio
+from .error_display import gradio
 
 SHOWN_S = 10.0
 """Time in which a browser has long fetched a live picture; ten of them come a second."""

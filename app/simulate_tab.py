@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from . import handlers
 from .clip_side import BUTTONS
-from .playing import add_play_button
-from .simulating import OBJECTS, simulate, touch_of
-from .told import gradio, literal, model_at, told
+from .error_display import gradio, literal, model_at, with_errors_shown
+from .play_button import add_play_button
+from .simulation_handlers import OBJECTS, simulate, touch_of
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -59,7 +59,7 @@ def build(answerer: Answerer) -> None:
         )
 
     outputs = [shown, picture, truth, read, sentence, facts]
-    go.click(told(run), [view, number, *sliders], outputs, **model_at(picture))
+    go.click(with_errors_shown(run), [view, number, *sliders], outputs, **model_at(picture))
     for control in (view, number):
         control.change(handlers.draw, [shown, view, number], picture, api_visibility="private")
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .agents import require_mcp, speak_json
+from .error_display import gradio
 from .own_names import OWN_NAMES, OwnNamesOnly
-from .told import gradio
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer

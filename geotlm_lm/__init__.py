@@ -32,8 +32,8 @@ _HOME_OF = {
     "open_source": "geotlm_lm.live.sources",
     "picture": "geotlm_lm.views.pictures",
     "read_clip": "geotlm_lm.recordings.read",
-    "second_opinions": "geotlm_lm.opinions",
-    "shows_contact": "geotlm_lm.answering.withholding",
+    "second_opinions": "geotlm_lm.reference_readings",
+    "shows_contact": "geotlm_lm.answering.abstention",
     "simulate_touch": "geotlm_lm.simulation.touch",
     "views_of": "geotlm_lm.views.pictures",
 }

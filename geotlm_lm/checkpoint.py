@@ -34,8 +34,8 @@ from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
 
 if TYPE_CHECKING:
+    from geotlm_lm.language.generation import Speaker
     from geotlm_lm.language.parse_answer import AnswerGrammar
-    from geotlm_lm.language.speak import Speaker
 
 BUNDLE_FORMAT = 4
 CONFIG_FILE = "config.json"
@@ -166,8 +166,8 @@ def load_bundle(folder: Path | None = None) -> Bundle:
             f"{folder}: {PERCEPTION_FILE} does not fit {CONFIG_FILE} ({first_line(error)}); train "
             f"or copy the bundle again."
         ) from error
+    from geotlm_lm.language.generation import Speaker
     from geotlm_lm.language.parse_answer import AnswerGrammar
-    from geotlm_lm.language.speak import Speaker
 
     speaker = Speaker.load(folder / LANGUAGE_DIR)
     if speaker.model.fused_width != model.backbone.width:

@@ -11,9 +11,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from geotlm_lm.backbone.alignment_images import AlignmentImages
 from geotlm_lm.backbone.stem import FLOW_SCALE_PX
 from geotlm_lm.backbone.tokens import Backbone, Tokens
-from geotlm_lm.backbone.traces import Traces
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size, filled_size
@@ -34,7 +34,7 @@ class Perception:
         views: The square of the image each clip's grid covers; None where it covers no square.
         inputs: What the stem made of each clip, (b, 2, gh, gw, dim); None where the backbone has no
             stem.
-        traces: What of each clip's imprint the stem aligned; empty likewise.
+        alignment_images: What of each clip's imprint the stem aligned; empty likewise.
     """
 
     global_token: Tensor
@@ -42,7 +42,7 @@ class Perception:
     fused_token: Tensor
     views: tuple[View | None, ...] = ()
     inputs: Tensor | None = None
-    traces: tuple[Traces, ...] = ()
+    alignment_images: tuple[AlignmentImages, ...] = ()
 
 
 @dataclass(eq=False)
@@ -76,7 +76,7 @@ class GeoTLM:
         patches = self.patch_standardiser.apply(tokens.patches)
         geometry = self.dgr(patches)  # Eqs. 2-8
         fused_token = global_token + geometry.feature  # Eq. 9
-        seen = tokens.views, tokens.inputs, tokens.traces
+        seen = tokens.views, tokens.inputs, tokens.alignment_images
         return Perception(global_token, geometry, fused_token, *seen)
 
 

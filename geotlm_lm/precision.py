@@ -19,7 +19,7 @@ from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.number_formats import INT8, require_offered
-from geotlm_lm.language.speak import Speaker
+from geotlm_lm.language.generation import Speaker
 from geotlm_lm.probe.standardise import Standardiser
 
 FLOATS = {
@@ -86,7 +86,7 @@ def in_precision(bundle: Bundle, precision: str, parts: tuple[str, ...] = PARTS)
     return changed
 
 
-def offered(bundle: Bundle, precision: str) -> Bundle:
+def in_offered_format(bundle: Bundle, precision: str) -> Bundle:
     """Return `bundle` the way a user wants it run; itself in float32.
 
     Args:
@@ -99,13 +99,13 @@ def offered(bundle: Bundle, precision: str) -> Bundle:
     require_offered(precision)
     if precision == "float32":
         return bundle
-    changed = runnable(bundle, precision)
+    changed = if_runnable(bundle, precision)
     if changed is None:
         raise UsageError(f"this processor or this torch cannot run {precision}; take float32.")
     return changed
 
 
-def runnable(bundle: Bundle, precision: str) -> Bundle | None:
+def if_runnable(bundle: Bundle, precision: str) -> Bundle | None:
     """Return `bundle` with backbone and language model changed; None where it cannot run here.
 
     Tokens, pooling and the 14 numbers stay in float32: what is drawn and graded is read from them.

@@ -1,64 +1,30 @@
 """Behaviour of the seam, with a bundle of random weights and a scripted speaker."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from geotlm_lm.answering import Answerer, check_question, deciding_word
-from geotlm_lm.checkpoint import Calibration
-from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
-from geotlm_lm.language.speak import Weighed
 from geotlm_lm.recordings import limits
 from geotlm_lm.recordings.read import read_clip
-from tests.tiny_bundle import tiny_bundle
-
-
-@pytest.fixture(scope="module")
-def bundle():
-    return tiny_bundle()
-
-
-class ScriptedSpeaker:
-    """Says one sentence, and finds it e^2.4 times as likely as every other option."""
-
-    def __init__(self, sentence):
-        self.sentence = sentence
-        self.scored = []
-
-    def generate(self, fused_token, questions):
-        assert len(fused_token) == len(questions)
-        return [self.sentence] * len(questions)
-
-    def weigh(self, fused_token, question, options):
-        written = self.sentence if self.sentence in options else None
-        return Weighed(self.score(fused_token, question, options), written)
-
-    def score(self, fused_token, question, options):
-        self.scored.append(list(options))
-        return np.array([-1.0 if option == self.sentence else -3.4 for option in options])
+from tests.answering import scripted
 
 
 def answerer_saying(bundle, slots=None, text=None, **calibration):
+    """An answerer whose model says one sentence whatever it is asked."""
     sentence = text if text is not None else bundle.grammar.sentence(slots)
-    return Answerer(
-        type(bundle)(
-            bundle.model,
-            bundle.odometer,
-            ScriptedSpeaker(sentence),
-            bundle.grammar,
-            Calibration(**calibration),
-            {},
-        )
-    )
+    made = scripted.answerer_saying(bundle, {"*": sentence}, **calibration).bundle
+    return Answerer(replace(made, odometer=bundle.odometer))
 
 
 def recording(frames=4):
-    rng = np.random.default_rng(1)
-    return Clip(rng.integers(95, 120, (frames, 48, 64, 3)).astype(np.uint8), name="x.npy")
+    """One without a background."""
+    return replace(scripted.recording(frames), background=None)
 
 
 def test_the_time_of_a_recording_read_at_a_stride_is_its_own(bundle, tmp_path, monkeypatch):

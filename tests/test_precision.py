@@ -11,14 +11,9 @@ from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.number_formats import OFFERED
 from geotlm_lm.core.resources import resource_dir
-from geotlm_lm.precision import PRECISIONS, in_precision, offered
+from geotlm_lm.precision import PRECISIONS, in_offered_format, in_precision
 from tests.answering.scripted import recording
 from tests.tiny_bundle import tiny_bundle
-
-
-@pytest.fixture(scope="module")
-def bundle():
-    return tiny_bundle()
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
@@ -34,12 +29,14 @@ def test_an_unknown_format_is_refused(bundle):
     with pytest.raises(ValueError, match="found float8 of"):
         in_precision(bundle, "float8")
     with pytest.raises(UsageError, match="found precision 'float8', expected one of float32,"):
-        offered(bundle, "float8")
+        in_offered_format(bundle, "float8")
 
 
 def test_float32_is_the_bundle_itself_and_every_format_has_a_digest_of_its_own(bundle):
-    assert offered(bundle, "float32") is bundle
-    assert len({offered(bundle, precision).digest() for precision in OFFERED}) == len(OFFERED)
+    assert in_offered_format(bundle, "float32") is bundle
+    assert len({in_offered_format(bundle, precision).digest() for precision in OFFERED}) == len(
+        OFFERED
+    )
 
 
 @pytest.mark.parametrize("fails", ["made", "run"])
@@ -51,12 +48,12 @@ def test_what_the_machine_cannot_make_or_run_is_told_in_a_sentence(bundle, monke
         *((formats, "_quantised") if fails == "made" else (FrozenBackbone, "encode_inputs")), refuse
     )
     with pytest.raises(UsageError, match="cannot run int8; take float32"):
-        offered(bundle, "int8")
+        in_offered_format(bundle, "int8")
 
 
 @pytest.mark.parametrize("precision", OFFERED)
 def test_what_is_drawn_and_graded_stays_in_float32(bundle, precision):
-    answerer = Answerer(offered(bundle, precision))
+    answerer = Answerer(in_offered_format(bundle, precision))
     geometry = answerer.encode(recording()).perception.geometry
     assert geometry.shear_change.numpy().dtype == geometry.mask.numpy().dtype == np.float32
 
@@ -65,7 +62,7 @@ def test_a_layer_in_eight_bits_and_its_double_have_two_digests(bundle):
     double = tiny_bundle()
     with torch.no_grad():
         double.model.backbone.vit.embed.weight.mul_(2)
-    assert offered(double, "int8").digest() != offered(bundle, "int8").digest()
+    assert in_offered_format(double, "int8").digest() != in_offered_format(bundle, "int8").digest()
 
 
 def test_the_shipped_model_in_eight_bits_says_what_it_says_in_float32():

@@ -1,4 +1,4 @@
-"""Load once, encode a clip once, ask many questions: the seam for people and programs.
+"""The seam for people and programs: load once, encode a clip once, ask many questions.
 
 Words are those the language model writes, token by token or found in the pass that weighs the
 closed set of answers; probabilities come from that pass; the evidence is the geometry the fused
@@ -14,11 +14,11 @@ from geotlm_lm.answering.answer import (
     evidence,
     four_frames_with_background,
 )
+from geotlm_lm.answering.answer_assembly import NOT_UNDERSTOOD
 from geotlm_lm.answering.answerer import Answerer, Why
-from geotlm_lm.answering.hearing import LEAST_SURE
-from geotlm_lm.answering.replying import NOT_UNDERSTOOD
+from geotlm_lm.answering.model_query import LEAST_SURE
+from geotlm_lm.answering.multi_clip import Comparison, Order
 from geotlm_lm.answering.session import Session, Turn
-from geotlm_lm.answering.several import Comparison, Order
 from geotlm_lm.conversation.question import OPEN_QUESTION, check_question
 
 __all__ = [

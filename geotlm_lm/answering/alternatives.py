@@ -1,11 +1,11 @@
-"""What else it may be: the other motions of an answer with their probabilities."""
+"""Add the other possible motions of an answer, with their probabilities."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 from geotlm_lm.answering.answer import Answer
-from geotlm_lm.conversation.wording import name
+from geotlm_lm.conversation.wording import motion_phrase
 from geotlm_lm.core.labels import Motion
 
 LEAST_TOLD = 0.005
@@ -16,7 +16,7 @@ NOTHING_ELSE = f"Nothing else reaches {LEAST_TOLD:.1%}."
 
 
 def with_alternatives(answer: Answer) -> Answer:
-    """Return an answer on the direction with what it may be besides, the likeliest first.
+    """Return an answer on the direction with the other motions, the likeliest first.
 
     What was withheld for want of contact has no options and stays as it is.
     """
@@ -26,7 +26,7 @@ def with_alternatives(answer: Answer) -> Answer:
     rest = {word: share for word, share in answer.options.items() if word != told}
     likeliest = sorted(rest, key=rest.get, reverse=True)[:AT_MOST]
     others = [
-        f"{name(Motion(word))} {share:.2g}%"
+        f"{motion_phrase(Motion(word))} {share:.2g}%"
         for word in likeliest
         if (share := 100 * rest[word]) >= 100 * LEAST_TOLD
     ]

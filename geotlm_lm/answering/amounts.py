@@ -1,4 +1,4 @@
-"""How far it went: one amount, and how far off it may be, from the probabilities of many.
+"""Choose one amount and its 90 % interval from the odometer's distribution over amounts.
 
 The odometer weighs a few dozen amounts, each standing for those nearest to it. Which single one is
 likeliest says little where three neighbours are nearly as likely; what is told is the amount that
@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.evaluation.answers import RELATIVE_TOLERANCE
+from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
 
 SPAN_SHARE = 0.9
 """Probability of the span, of all amounts in its unit."""
@@ -35,7 +35,7 @@ NAMES = {
 
 @dataclass(frozen=True)
 class Amount:
-    """How far something turned or slid between the first and the last frame, or in each second.
+    """A rotation or slide between the first and the last frame, or per second.
 
     Args:
         value: The amount told, in `unit`.
@@ -90,15 +90,15 @@ class Amount:
 
 
 def amount_in(word: str | None) -> tuple[float, str] | None:
-    """Return the amount of a deciding word and its unit; None where it is none."""
+    """Parse an amount and its unit from a deciding word; None where it is none."""
     said = _WORD.fullmatch(word or "")
     return None if said is None else (float(said[1]), said[2])
 
 
-def most_probably_right(
+def best_amount(
     amounts: tuple[float, ...], shares: NDArray[np.floating], unit: str, tolerance: float
 ) -> Amount:
-    """Return the amount that is most probably right within its tolerance, and its span.
+    """Return the amount most likely to be right within its tolerance, and its interval.
 
     Args:
         amounts: Rising; each stands for all that are nearer to it than to its neighbours.

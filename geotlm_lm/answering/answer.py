@@ -1,4 +1,4 @@
-"""What goes in and what comes out of an answer, as plain data; runs no model."""
+"""Data classes of what goes in and comes out of an answer; runs no model."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import torch
 from torch import Tensor
 
 from geotlm_lm.answering.amounts import Amount
-from geotlm_lm.backbone.evened import evened_motions
-from geotlm_lm.backbone.stem import Look, look
+from geotlm_lm.backbone.contrast_equalisation import equalised_motions
+from geotlm_lm.backbone.stem import StemMeasurement, measure_clip
 from geotlm_lm.backbone.view import View
-from geotlm_lm.conversation.retell import VERDICTS
+from geotlm_lm.conversation.motion_answers import VERDICTS
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT, REGIONS
@@ -32,7 +32,7 @@ _VERDICT_WORDS = dict.fromkeys(("contact", "moving"), ("yes", "no")) | {
 }
 """Deciding words where it is as the question says, denied or not, and where it is not."""
 
-GOES_BY = {"deg": MotionClass.ROTATION.value, "px": MotionClass.SLIDE.value}
+KIND_OF_UNIT = {"deg": MotionClass.ROTATION.value, "px": MotionClass.SLIDE.value}
 """Unit of what is measured -> the deciding word of an answer that says there is such an amount."""
 
 CUT_OFF_DOUBT = 1.5
@@ -66,8 +66,8 @@ class Encoded:
             than an untouched gel may: a touch held still and no touch then look alike.
         is_part: Whether the frames used were chosen inside a longer recording, or inside the span
             that was asked for: how far it went in the whole is then not known.
-        given_evened: How its evened images are taken to have moved, (1, *EVENED_SHAPE); None where
-            that is measured, once, when it is first asked for.
+        given_equalised_motions: How its contrast-equalised images are taken to have moved,
+            (1, *EQUALISED_SHAPE); None where that is measured, once, when first asked for.
     """
 
     clip: Clip
@@ -79,7 +79,7 @@ class Encoded:
     is_cut_off: bool = False
     is_static: bool = False
     is_part: bool = False
-    given_evened: Tensor | None = None
+    given_equalised_motions: Tensor | None = None
 
     @property
     def view(self) -> View | None:
@@ -90,19 +90,23 @@ class Encoded:
     def stem_inputs(self) -> Tensor:
         """What the stem makes of the clip, whichever backbone perceived it."""
         inputs = self.perception.inputs
-        return torch.from_numpy(self._look.inputs[None]) if inputs is None else inputs
+        return torch.from_numpy(self._stem_measurement.inputs[None]) if inputs is None else inputs
 
     @cached_property
-    def evened(self) -> Tensor:
-        """How the evened images move: a closer look, taken only where it is asked how far."""
-        if self.given_evened is not None:
-            return self.given_evened
-        traces = self.perception.traces
-        return torch.from_numpy(evened_motions(traces[0] if traces else self._look.traces)[None])
+    def equalised_motions(self) -> Tensor:
+        """How the contrast-equalised images move; measured only where an amount is asked for."""
+        if self.given_equalised_motions is not None:
+            return self.given_equalised_motions
+        traces = self.perception.alignment_images
+        return torch.from_numpy(
+            equalised_motions(traces[0] if traces else self._stem_measurement.alignment_images)[
+                None
+            ]
+        )
 
     @cached_property
-    def _look(self) -> Look:
-        return look(self.clip)
+    def _stem_measurement(self) -> StemMeasurement:
+        return measure_clip(self.clip)
 
     @property
     def doubt(self) -> float:
@@ -128,7 +132,7 @@ class Encoded:
 
 @dataclass(frozen=True)
 class Lean:
-    """Which way it goes, if it goes as the question takes for granted.
+    """The most likely direction, given that the presumed kind of motion occurs.
 
     Args:
         direction: The likeliest motion of that kind, in the answer's frame.
@@ -238,7 +242,7 @@ def with_background(clip: Clip) -> Clip:
 
 
 def deciding_word(slots: Slots) -> str:
-    """Return the word that tells an answer from the others of its kind."""
+    """Return the word that distinguishes an answer among those of its kind."""
     if slots.kind in _VERDICT_WORDS:
         is_so = slots.verdict != (slots.kind == "negation")  # there the denial is judged
         return _VERDICT_WORDS[slots.kind][not is_so]
@@ -247,7 +251,7 @@ def deciding_word(slots: Slots) -> str:
     if slots.kind == "class":
         return slots.motion_class.value
     if slots.unit is not None:
-        return GOES_BY[slots.unit]
+        return KIND_OF_UNIT[slots.unit]
     return slots.direction.value if slots.direction else slots.kind
 
 

@@ -9,26 +9,26 @@ from pathlib import Path
 
 import numpy as np
 
+from geotlm_lm.answering.abstention import contradicts_gel_change
 from geotlm_lm.answering.answer import Answer, Encoded, with_background
-from geotlm_lm.answering.asking import answer_question
-from geotlm_lm.answering.comparing import compare_clips
-from geotlm_lm.answering.expected import (
+from geotlm_lm.answering.answer_assembly import is_camera_frame
+from geotlm_lm.answering.argument_checks import (
     require_answer,
     require_encoded,
     require_frame,
     require_kind,
 )
-from geotlm_lm.answering.hearing import EVIDENCE_QUESTION, hear, score
-from geotlm_lm.answering.replying import is_as_seen
+from geotlm_lm.answering.clip_comparison import compare_clips
+from geotlm_lm.answering.model_query import EVIDENCE_QUESTION, query_model, score
+from geotlm_lm.answering.multi_clip import Comparison, Order, order_of_motions
+from geotlm_lm.answering.question_routing import answer_question
 from geotlm_lm.answering.session import Session
-from geotlm_lm.answering.several import Comparison, Order, tell_order
-from geotlm_lm.answering.streaming import Listener, pieces
-from geotlm_lm.answering.withholding import is_contradicted
+from geotlm_lm.answering.streaming import Listener, answer_pieces
 from geotlm_lm.checkpoint import Bundle, load_bundle
+from geotlm_lm.conversation.motion_answers import CAMERA
 from geotlm_lm.conversation.question import OPEN_QUESTION, check_question
-from geotlm_lm.conversation.reasons import chain
-from geotlm_lm.conversation.retell import CAMERA
-from geotlm_lm.conversation.wording import known, lowered
+from geotlm_lm.conversation.reasons import reasoning_steps
+from geotlm_lm.conversation.wording import decapitalised, frame_summary
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
@@ -76,9 +76,9 @@ class Answerer:
         """
         bundle = load_bundle(None if folder is None else Path(folder))
         if precision != "float32":
-            from geotlm_lm.precision import offered
+            from geotlm_lm.precision import in_offered_format
 
-            bundle = offered(bundle, precision)
+            bundle = in_offered_format(bundle, precision)
         return cls(bundle)
 
     def encode(self, clip: Clip, *, span: tuple[int, int] | None = None) -> Encoded:
@@ -179,7 +179,7 @@ class Answerer:
         Raises:
             UsageError: As `ask` does, at the first piece.
         """
-        return pieces(lambda listen: self.ask(encoded, question, frame=frame, listen=listen))
+        return answer_pieces(lambda listen: self.ask(encoded, question, frame=frame, listen=listen))
 
     def score(self, encoded: Encoded, question: str, kind: str = "direction") -> dict[str, float]:
         """Return the calibrated probability of every answer of `kind`, by its deciding word.
@@ -224,7 +224,7 @@ class Answerer:
         """
         if len(parts) < 2:
             raise ValueError(f"an order takes 2 clips or more, found {len(parts)}")
-        return tell_order([self.ask(one, OPEN_QUESTION, frame=frame) for one in parts])
+        return order_of_motions([self.ask(one, OPEN_QUESTION, frame=frame) for one in parts])
 
     def why(self, encoded: Encoded, answer: Answer) -> Why:
         """Return the reasons for `answer`: by rule from the geometry, and in the model's words.
@@ -240,15 +240,15 @@ class Answerer:
         require_answer(answer)
         claim = None if answer.kind in _CLAIM_ANOTHER_MOTION else answer.direction
         motion = None if claim is None else answer.frame.in_the_image(claim)
-        place, *measured, conclusion = chain(
-            answer.evidence, answer.text, motion, is_as_seen=is_as_seen(answer.frame)
+        place, *measured, conclusion = reasoning_steps(
+            answer.evidence, answer.text, motion, is_as_seen=is_camera_frame(answer.frame)
         )
-        frame = f"The answer is told in this frame: {known(answer.frame)}."
+        frame = f"The answer is told in this frame: {frame_summary(answer.frame)}."
         own = () if answer.abstained else self._own_reasons(encoded, motion)
         if not own:
             source = "by rule, from the geometry the model read; not in its own words"
             return Why((place, *measured, frame, conclusion), source)
-        measured[0] = f"Measured: {lowered(measured[0])}"
+        measured[0] = f"Measured: {decapitalised(measured[0])}"
         many = "sentence 2" if len(own) == 1 else f"sentences 2 to {len(own) + 1}"
         source = f"{many} in the model's words, the others by rule from the geometry it read"
         return Why((place, *own, *measured, frame, conclusion), source)
@@ -257,12 +257,12 @@ class Answerer:
         """Return the model's own sentences of evidence; none where it has none that may be told."""
         if "evidence" not in self.bundle.grammar.kinds:
             return ()
-        heard = hear(self.bundle, encoded, EVIDENCE_QUESTION)
+        heard = query_model(self.bundle, encoded, EVIDENCE_QUESTION)
         if heard.slots is None or heard.slots.kind != "evidence":
             return ()
         if self.bundle.calibration.withholds(heard.slots.direction, encoded.contact_share):
             return ()
-        if is_contradicted(encoded, heard.slots):
+        if contradicts_gel_change(encoded, heard.slots):
             return ()
         *steps, last = (f"{step.removesuffix('.')}." for step in heard.text.split(". "))
         if motion is not None and heard.slots.direction is not motion:

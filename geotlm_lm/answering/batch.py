@@ -1,4 +1,4 @@
-"""Many questions about many clips to JSON lines: each clip encoded once, stopped runs continued.
+"""Answer many questions about many clips into JSON lines; interrupted runs are resumed.
 
 Rows are kept in `NAME.part` while the run lasts and take the place of NAME when it is complete, so
 that a reader of NAME never sees half a table.
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from geotlm_lm.answering.answer import Encoded
 from geotlm_lm.answering.schema import answer_schema
-from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.conversation.motion_answers import CAMERA
 from geotlm_lm.core.atomic import only_writer, replacing
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -90,7 +90,7 @@ def answer_all(
                 f"{part}: another run is writing it, expected one at a time; wait for it, or give "
                 f"another --out."
             )
-        kept, errors = _continued(part, settings, len(questions))
+        kept, errors = _resumable_rows(part, settings, len(questions))
         if not kept:
             part.write_text(f"{json.dumps(settings)}\n", encoding="utf-8")
         with part.open("a", encoding="utf-8") as stream:
@@ -101,11 +101,11 @@ def answer_all(
                     stream.flush()
                     errors += sum(row["error"] is not None for row in rows)
                 progress(number + 1, len(clips))
-        _take_place(part, out)
+        _replace_output(part, out)
     return BatchResult(len(clips) * len(questions), errors, kept)
 
 
-def _take_place(part: Path, out: Path) -> None:
+def _replace_output(part: Path, out: Path) -> None:
     """Let the rows of a complete run take the place of `out`."""
     with part.open("rb") as written, replacing(out) as stream:
         next(written)  # what the run was of
@@ -165,7 +165,7 @@ def _stamp(clip: Path) -> list[Any]:
     return [clip.name, about.st_size, about.st_mtime_ns]
 
 
-def _continued(part: Path, settings: dict[str, Any], per_clip: int) -> tuple[int, int]:
+def _resumable_rows(part: Path, settings: dict[str, Any], per_clip: int) -> tuple[int, int]:
     """Return how many rows of whole clips a stopped run left, and how many of them hold errors.
 
     What is behind them, half a clip or half a row, is cut off.

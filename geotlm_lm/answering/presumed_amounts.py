@@ -1,14 +1,14 @@
-"""How far or how fast, beside a verdict on the motion that the question takes for granted."""
+"""Add the amount to a verdict on the motion that a question for an amount presumes."""
 
 from __future__ import annotations
 
-from geotlm_lm.answering.answer import GOES_BY, Answer, Encoded
-from geotlm_lm.answering.hearing import Heard
-from geotlm_lm.answering.joining import both
-from geotlm_lm.answering.measuring import answer_measured
+from geotlm_lm.answering.answer import KIND_OF_UNIT, Answer, Encoded
+from geotlm_lm.answering.measured_amounts import answer_measured
+from geotlm_lm.answering.merging import merge_answers
+from geotlm_lm.answering.model_query import ModelReply
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.kinds import asked_amount
-from geotlm_lm.conversation.retell import VERDICTS
+from geotlm_lm.conversation.motion_answers import VERDICTS
 from geotlm_lm.core.labels import DIRECTED, motion_class
 from geotlm_lm.language.parse_answer import Slots
 
@@ -26,8 +26,8 @@ def with_amount(bundle: Bundle, encoded: Encoded, question: str, answer: Answer)
     if kind is None or kind not in bundle.grammar.kinds:
         return answer
     goes = motion_class(answer.direction).value
-    unit = next(unit for unit, word in GOES_BY.items() if word == goes)
-    heard = Heard(Slots(kind, unit=unit), "", {goes: answer.confidence})
+    unit = next(unit for unit, word in KIND_OF_UNIT.items() if word == goes)
+    heard = ModelReply(Slots(kind, unit=unit), "", {goes: answer.confidence})
     amount = answer_measured(bundle, encoded, question, heard, answer.frame)
     is_denied = answer.decided == VERDICTS["premise"][3]
-    return answer if is_denied and amount.abstained else both(answer, amount)
+    return answer if is_denied and amount.abstained else merge_answers(answer, amount)

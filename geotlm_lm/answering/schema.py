@@ -1,4 +1,4 @@
-"""The published form of an answer, for programs that read it."""
+"""The published JSON Schema of an answer, for programs that read it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A conversation about clips: turns, the frame, and what a doubt or a repetition refers to.
+"""A conversation about clips: its turns, its frame, and what doubts and repetitions refer to.
 
 The language model hears one question at a time and no history: what a turn needs from the turns
 before it is exact (the frame, the last answer and its probability), so rules keep it. A doubt
@@ -8,36 +8,33 @@ repeats the answer with its probability and never turns it around: being asked t
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from geotlm_lm.answering.answer import Answer, Encoded
-from geotlm_lm.answering.expected import require_encoded, require_frame
-from geotlm_lm.answering.several import Comparison, Order
-from geotlm_lm.answering.streaming import Listener, pieces
+from geotlm_lm.answering.argument_checks import require_encoded, require_frame
+from geotlm_lm.answering.multi_clip import Comparison, Order
+from geotlm_lm.answering.streaming import Listener, answer_pieces
 from geotlm_lm.conversation.alternatives import asks_alternatives
-from geotlm_lm.conversation.asked_units import with_unit
-from geotlm_lm.conversation.bare_amounts import asks_range
+from geotlm_lm.conversation.amount_questions import asks_range
 from geotlm_lm.conversation.clip_names import clips_by_number
+from geotlm_lm.conversation.compound_questions import split_questions
 from geotlm_lm.conversation.courtesies import without_courtesies
-from geotlm_lm.conversation.doubts import doubted
-from geotlm_lm.conversation.follow_ups import asks_again_now, asks_where, of_another
+from geotlm_lm.conversation.follow_ups import asks_again_now, asks_where, follow_up_of
 from geotlm_lm.conversation.frame_facts import read_facts
+from geotlm_lm.conversation.image_rotation import unclear_rotation
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.likelihood_questions import likelihood_subject
+from geotlm_lm.conversation.motion_answers import CAMERA
+from geotlm_lm.conversation.pixel_scale import with_pixel_size
 from geotlm_lm.conversation.question import check_question
-from geotlm_lm.conversation.retell import CAMERA
-from geotlm_lm.conversation.scale import with_pixel_size
-from geotlm_lm.conversation.turned_image import unclear_turn
-from geotlm_lm.conversation.two_claims import asks_of_two
-from geotlm_lm.conversation.two_clips import asks_of_one
-from geotlm_lm.conversation.two_parts import two_parts
-from geotlm_lm.conversation.wording import level
+from geotlm_lm.conversation.requested_units import with_unit
+from geotlm_lm.conversation.text_normalisation import normalised_text
+from geotlm_lm.conversation.two_clip_claims import asks_of_two
+from geotlm_lm.conversation.two_clip_questions import asks_of_one
+from geotlm_lm.conversation.wording import confidence_level
 from geotlm_lm.core.frame_spec import FrameSpec
-
-if TYPE_CHECKING:
-    from geotlm_lm.answering.answerer import Answerer
 
 Reply = Answer | Comparison | Order
 
@@ -91,6 +88,26 @@ class Turn:
     meant: str = ""
 
 
+class ClipAnswerer(Protocol):
+    """What a conversation needs of a model; `Answerer` has it, and begins conversations itself."""
+
+    def ask(
+        self, encoded: Encoded, question: str, *, frame: FrameSpec, listen: Listener | None
+    ) -> Answer:
+        """Answer a question about one clip."""
+        ...
+
+    def compare(
+        self, first: Encoded, second: Encoded, question: str, *, frame: FrameSpec
+    ) -> Comparison:
+        """Answer a question about two clips."""
+        ...
+
+    def order(self, parts: Sequence[Encoded], *, frame: FrameSpec) -> Order:
+        """Name the motions of several clips in their order."""
+        ...
+
+
 class Session:
     """A conversation.
 
@@ -103,7 +120,7 @@ class Session:
         TypeError: If the clip is not encoded, or the frame is none.
     """
 
-    def __init__(self, answerer: Answerer, encoded: Encoded, frame: FrameSpec = CAMERA) -> None:
+    def __init__(self, answerer: ClipAnswerer, encoded: Encoded, frame: FrameSpec = CAMERA) -> None:
         require_encoded(encoded)
         require_frame(frame)
         self.answerer = answerer
@@ -155,7 +172,7 @@ class Session:
         typed = check_question(question)
         question = self._tied(without_courtesies(typed))
         question = with_pixel_size(question, self.encoded.clip.frames.shape[2])
-        question = corrected(question, self.frame)
+        question = without_leading_no(question, self.frame)
         amount = getattr(self.last, "amount", None)
         question = question if amount is None else with_unit(question, amount.unit)
         repeated = self._said_again(question)
@@ -177,7 +194,7 @@ class Session:
         Raises:
             UsageError: As `ask` does, at the first piece.
         """
-        return pieces(lambda listen: self.ask(question, listen=listen))
+        return answer_pieces(lambda listen: self.ask(question, listen=listen))
 
     def to_dict(self) -> list[dict[str, Any]]:
         """Return the turns as plain JSON values."""
@@ -196,18 +213,18 @@ class Session:
             return turn.meant
         if getattr(self.last, "kind", None) == "contact" and asks_where(question):
             return "Where is the contact?"
-        return of_another(question, turn and turn.meant)
+        return follow_up_of(question, turn and turn.meant)
 
     def _said_again(self, question: str) -> Reply | None:
         """Return the last answer again where the question doubts it or asks for it; else None."""
-        last, words = self._last_said(), plain_text(question)
+        last, words = self._last_said(), normalised_text(question)
         if last is None or (len(self.clips) > 1 and asks_of_one(question) is not None):
             return None
         if _AGAIN.fullmatch(words):
             return last
-        asks_surety = asked_kind(question) == "confidence" and two_parts(question) is None
-        is_doubt = _is_doubt(words) or (asks_surety and doubted(question) is None)
-        return _steadfast(last) if is_doubt else None
+        asks_surety = asked_kind(question) == "confidence" and split_questions(question) is None
+        is_doubt = _is_doubt(words) or (asks_surety and likelihood_subject(question) is None)
+        return _reaffirmed(last) if is_doubt else None
 
     def _last_said(self) -> Reply | None:
         """Return the last answer; where it is of a clip before, its text says so."""
@@ -218,7 +235,7 @@ class Session:
 
     def _reply(self, question: str, listen: Listener | None) -> Reply:
         stated = read_facts(question, self.frame)
-        is_unclear = unclear_turn(stated.rest) is not None
+        is_unclear = unclear_rotation(stated.rest) is not None
         kind = None if is_unclear else asked_kind(stated.rest)
         is_of_one = (
             kind != "order"
@@ -246,14 +263,14 @@ class Session:
 _CONTRADICTS = re.compile(r"^(?:no|nope|wrong|incorrect|not quite)[,.!;:]+ *", re.IGNORECASE)
 
 
-def corrected(question: str, frame: FrameSpec) -> str:
+def without_leading_no(question: str, frame: FrameSpec) -> str:
     """Return a text without the "no" before it, where a fact or another question follows.
 
     "No, the image is mirrored." is more than a doubt.
     """
     rest = _CONTRADICTS.sub("", question)
     asks = asked_kind(rest) not in (None, "confidence") or asks_direction(rest)
-    states = read_facts(rest, frame).is_stated or unclear_turn(rest) is not None
+    states = read_facts(rest, frame).is_stated or unclear_rotation(rest) is not None
     return rest if rest and (states or asks) else question
 
 
@@ -265,9 +282,9 @@ def _is_doubt(words: str) -> bool:
     )
 
 
-def _steadfast(last: Reply) -> Reply:
+def _reaffirmed(last: Reply) -> Reply:
     """Return the answer again, with how sure it is."""
     if last.abstained or getattr(last, "kind", None) == "confidence":
         return last
-    sure = _STANCE[level(last.confidence)]
+    sure = _STANCE[confidence_level(last.confidence)]
     return replace(last, text=f"{sure}, {last.confidence:.0%}: {last.text}")

@@ -1,4 +1,4 @@
-"""Words as they are generated, as far as they will stand in the answer.
+"""Stream those words of an answer that are final while the model still writes.
 
 Most answers are the model's own sentence and may be told while it is written. Others are derived
 from it by rule, are measured, or are withheld for want of contact or certainty: of these
@@ -14,28 +14,32 @@ from queue import SimpleQueue
 from threading import Thread
 from typing import Any
 
+from geotlm_lm.answering.abstention import contradicts_gel_change, lacks_reference
 from geotlm_lm.answering.answer import Encoded, deciding_word
-from geotlm_lm.answering.hearing import (
-    NEVER_DOUBTED,
-    Scores,
-    hear,
-    is_doubtful,
-)
-from geotlm_lm.answering.one_way import MEASURED, goes_another_way, told_motion
-from geotlm_lm.answering.overruling import (
-    CHECKED,
-    answers_what_it_cannot,
-    asked_openly,
+from geotlm_lm.answering.answer_assembly import NEEDS_MORE, is_camera_frame
+from geotlm_lm.answering.consistency_check import (
+    CHECKED_KINDS,
+    answers_unanswerable,
     contradicts_itself,
-    denies_the_open_answer,
-    passes_over_moving,
+    contradicts_open_answer,
+    ignores_moving_question,
+    kind_from_open_answer,
 )
-from geotlm_lm.answering.replying import NEEDS_MORE, is_as_seen
-from geotlm_lm.answering.withholding import is_contradicted, is_unfounded
+from geotlm_lm.answering.model_query import (
+    NEVER_ABSTAINED_KINDS,
+    Scores,
+    is_uncertain,
+    query_model,
+)
+from geotlm_lm.answering.single_direction import (
+    AMOUNT_KINDS,
+    is_of_other_motion,
+    open_answer_motion,
+)
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.kinds import is_ruled_out
+from geotlm_lm.conversation.motion_answers import ALWAYS_RULE_KINDS, RULE_KINDS
 from geotlm_lm.conversation.question import OPEN_QUESTION
-from geotlm_lm.conversation.retell import ALWAYS_RETOLD, RETOLD
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.language.parse_answer import Slots
 
@@ -43,8 +47,8 @@ Listener = Callable[[str], None]
 """Told each piece of an answer's words."""
 
 
-class StandingWords:
-    """Hands on those words that will stand, whatever comes after them.
+class StableWords:
+    """Passes on those words of a growing answer that no later word can change.
 
     Args:
         bundle: The model that writes them; its grammar holds every sentence there may be.
@@ -59,9 +63,9 @@ class StandingWords:
     ) -> None:
         self._tell, self._told = tell, ""
         self._question, self._frame = question, frame
-        self._opened = cache(lambda: hear(bundle, encoded, OPEN_QUESTION))
+        self._opened = cache(lambda: query_model(bundle, encoded, OPEN_QUESTION))
         self._stands = {
-            sentence: slots if stands(bundle, encoded, question, frame, slots) else None
+            sentence: slots if is_final_wording(bundle, encoded, question, frame, slots) else None
             for kind in bundle.grammar.kinds
             for sentence in bundle.grammar.options_for(kind)
             for slots in [bundle.grammar.parse(sentence)]
@@ -81,39 +85,44 @@ class StandingWords:
             self._told = text
 
     def _denies_the_open_answer(self, slots: Slots) -> bool:
-        if slots.kind in MEASURED:
-            return goes_another_way(slots, told_motion(self._opened()))
-        if slots.kind not in CHECKED:
+        if slots.kind in AMOUNT_KINDS:
+            return is_of_other_motion(slots, open_answer_motion(self._opened()))
+        if slots.kind not in CHECKED_KINDS:
             return False
-        return denies_the_open_answer(slots, self._opened().slots, self._question, self._frame)
+        return contradicts_open_answer(slots, self._opened().slots, self._question, self._frame)
 
 
 def _is_withheld(slots: Slots, scores: Scores) -> bool:
-    if slots.kind in NEVER_DOUBTED:
+    if slots.kind in NEVER_ABSTAINED_KINDS:
         return False
-    return is_doubtful(slots.kind, deciding_word(slots), scores(slots.kind))
+    return is_uncertain(slots.kind, deciding_word(slots), scores(slots.kind))
 
 
-def stands(bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, slots: Slots) -> bool:
-    """Tell whether a sentence of the model with these slots becomes the answer as it is."""
-    if is_ruled_out(question, slots.kind) or answers_what_it_cannot(slots, question):
+def is_final_wording(
+    bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, slots: Slots
+) -> bool:
+    """Tell whether the model's sentence with these slots becomes the answer unchanged."""
+    if is_ruled_out(question, slots.kind) or answers_unanswerable(slots, question):
         return False
-    if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RETOLD:
+    if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RULE_KINDS:
         return False
-    if passes_over_moving(slots, question) or asked_openly(slots, question) is not None:
+    if (
+        ignores_moving_question(slots, question)
+        or kind_from_open_answer(slots, question) is not None
+    ):
         return False
-    if is_contradicted(encoded, slots) or is_unfounded(encoded, slots):
+    if contradicts_gel_change(encoded, slots) or lacks_reference(encoded, slots):
         return False
     if contradicts_itself(slots, question):
         return False
-    if slots.kind in RETOLD and not is_as_seen(frame):
+    if slots.kind in RULE_KINDS and not is_camera_frame(frame):
         return False
     if slots.unit is not None:
         return False
     return not bundle.calibration.withholds(slots.direction, encoded.contact_share)
 
 
-def pieces(ask: Callable[[Listener], Any]) -> Iterator[Any]:
+def answer_pieces(ask: Callable[[Listener], Any]) -> Iterator[Any]:
     """Yield the text of an answer piece by piece, and last the answer.
 
     The pieces together are the answer's text. Only where the model begins a sentence and then ends

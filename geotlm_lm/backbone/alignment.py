@@ -20,7 +20,7 @@ from torch import Tensor
 
 from geotlm_lm.backbone.rigid import MIDDLE, SIDE, Rigid, warped
 from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE
-from geotlm_lm.core.ranked import ranked
+from geotlm_lm.core.rank_quantile import quantile_by_rank
 
 Floats = NDArray[np.float32]
 
@@ -91,7 +91,7 @@ def alignment(reliefs: Sequence[Floats], greens: Sequence[Floats], aspect: float
     at_rest = np.zeros((GRID_SIDE, GRID_SIDE, 2 * CHANNELS), np.float32)
     at_rest[..., CHANNELS - 1 :: CHANNELS] = 1
     frames = [at_rest]
-    for k, found in enumerate(align_in_turn(sequences, aspect), start=1):
+    for k, found in enumerate(align_sequence(sequences, aspect), start=1):
         parts = [
             _channels(images[k - 1], images[k], one)
             for images, one in zip(sequences, found, strict=True)
@@ -115,7 +115,7 @@ class Aligned:
     summed: Rigid
 
 
-def align_in_turn(
+def align_sequence(
     sequences: Sequence[Sequence[Floats]], aspect: float = 1.0
 ) -> Iterator[list[Aligned]]:
     """Yield how each image but the first is laid on those before it, of every sequence.
@@ -178,7 +178,7 @@ def _refined(before: Floats, after: Floats, motion: Rigid) -> Rigid:
     for _ in range(REFINEMENTS):
         _fill(rows, motion, before, after)
         error = rows[5]
-        spread = 2 * 1.48 * float(ranked(np.abs(error[counted]))) + 1e-4
+        spread = 2 * 1.48 * float(quantile_by_rank(np.abs(error[counted]))) + 1e-4
         weighted = rows[:5] * (changed / (1 + np.square(error / spread)))
         # Row by row: numpy's product of two such flat matrices takes twice as long.
         products = np.array([rows @ row for row in weighted], np.float64)

@@ -8,7 +8,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from geotlm_lm.backbone.stem import look
+from geotlm_lm.backbone.stem import measure_clip
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.vit import ViT
 from geotlm_lm.core.clip import Clip
@@ -38,9 +38,11 @@ class FrozenBackbone:
 
     def encode(self, clips: list[Clip]) -> Tokens:
         """Return the tokens of clips of four frames with a background each, in float32."""
-        inputs, views, traces = zip(*(look(clip) for clip in clips), strict=True)
+        inputs, views, traces = zip(*(measure_clip(clip) for clip in clips), strict=True)
         stacked = torch.from_numpy(np.stack(inputs))
-        return replace(self.encode_inputs(stacked), views=views, inputs=stacked, traces=traces)
+        return replace(
+            self.encode_inputs(stacked), views=views, inputs=stacked, alignment_images=traces
+        )
 
     @torch.inference_mode()
     def encode_inputs(self, inputs: Tensor) -> Tokens:

@@ -20,7 +20,7 @@ from geotlm_lm.backbone.lights import (
     turned_by_a_quarter,
 )
 from geotlm_lm.backbone.relief import RELIEF_SIDE, is_inside_out, reliefs
-from geotlm_lm.backbone.square import in_square
+from geotlm_lm.backbone.square_image import to_square
 from geotlm_lm.backbone.view import VIEW_CELL_PX, View, contact_view
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, filled_size, pixel_aspect
@@ -68,7 +68,7 @@ def imprint_of(clip: Clip) -> Imprint:
     frames, places = _distinct(clip.frames)
     rows, columns = clip.frames.shape[1:3]
     filled, aspect = filled_size(rows, columns), pixel_aspect(rows, columns)
-    whole = [in_square(frame, clip.background, filled) for frame in frames]
+    whole = [to_square(frame, clip.background, filled) for frame in frames]
     view = contact_view([_energy(green_image(image)) for image in whole])
     residual = [view.cut(image) for image in whole]
     residual, half, relief = _under_usual_lights(residual, aspect)

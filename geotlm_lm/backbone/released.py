@@ -147,7 +147,7 @@ def load_encoder(
     path = Path(path)
     adapter = None if name is None else adapter_named(name)
     tensors = read_tensors(path)
-    adapter = adapter or recognised(path, tensors)
+    adapter = adapter or detect_encoder(path, tensors)
     options = LoadOptions(path, heads, image)
     module, size = load_strictly(adapter, adapter.complete(path, tensors), options)
     return ReleasedEncoder(adapter, module, size)
@@ -166,7 +166,7 @@ def adapter_named(name: str) -> Adapter:
     raise UsageError(f"there is no encoder '{name}'; {hint}")
 
 
-def recognised(path: Path, tensors: dict[str, Tensor]) -> Adapter:
+def detect_encoder(path: Path, tensors: dict[str, Tensor]) -> Adapter:
     """Return the one encoder a file's names and shapes belong to.
 
     Raises:

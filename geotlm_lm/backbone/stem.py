@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.backbone.alignment import CHANNELS as ALIGNMENT_CHANNELS
 from geotlm_lm.backbone.alignment import alignment
+from geotlm_lm.backbone.alignment_images import AlignmentImages, alignment_images_of
 from geotlm_lm.backbone.imprint import (
     RESIDUAL_SCALE_GREY,
     area_means,
@@ -24,18 +25,20 @@ from geotlm_lm.backbone.imprint import (
     imprint_of,
 )
 from geotlm_lm.backbone.relief import RELIEF_SCALE, as_image
-from geotlm_lm.backbone.traces import Traces, traces_of
 from geotlm_lm.backbone.view import CONTRAST_FLOOR_GREY2, View
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE, TIME_BIN_COUNT, TUBE_FRAMES
+from geotlm_lm.core.geometry import (
+    FLOW_SCALE_PX,
+    GRID_SIDE,
+    IMAGE_SIDE,
+    TIME_BIN_COUNT,
+    TUBE_FRAMES,
+)
 
 Floats = NDArray[np.float32]
 
 CELLS = 4
 """Cells per patch side at which the residual is kept: 4 x 4 cells of 4 x 4 pixels."""
-
-FLOW_SCALE_PX = 4.0
-"""Pixels of accumulated flow mapped to 1."""
 
 FLOW_CHANNELS = 6
 """Flow x, flow y, log contrast, and the gradients' orientation (3)."""
@@ -72,23 +75,23 @@ AT_REST = np.array([0.0, 1.0, 0.0, 1.0], np.float32)
 where nothing differs from the idle gel, as the alignment has it."""
 
 
-class Look(NamedTuple):
-    """What the stem sees in a clip.
+class StemMeasurement(NamedTuple):
+    """What the stem measures in a clip.
 
     Args:
         inputs: Of its patch tokens, (2, 14, 14, PATCH_INPUT_DIM), early time-bin first; flow is
             accumulated from the clip's first frame to the mean of the bin's two frames, x right,
             y down, in pixels of the view.
         view: The square of the picture they cover.
-        traces: What was aligned, for who looks closer.
+        alignment_images: What was aligned, for finer measurements.
     """
 
     inputs: Floats
     view: View
-    traces: Traces
+    alignment_images: AlignmentImages
 
 
-def look(clip: Clip) -> Look:
+def measure_clip(clip: Clip) -> StemMeasurement:
     """Compute the inputs of one clip's patch tokens.
 
     Args:
@@ -98,7 +101,7 @@ def look(clip: Clip) -> Look:
         ValueError: If the clip is not four frames with a background.
     """
     imprint = imprint_of(clip)
-    traces = traces_of(imprint)
+    traces = alignment_images_of(imprint)
     half, relief = imprint.half, imprint.relief
     parts = [
         np.stack([_cells(image) for image in half]) / RESIDUAL_SCALE_GREY,
@@ -109,7 +112,7 @@ def look(clip: Clip) -> Look:
         _alignment(traces),
     ]
     inputs = _time_bins(np.concatenate(parts, axis=-1, dtype=np.float32), imprint.places)
-    return Look(inputs, imprint.view, traces)
+    return StemMeasurement(inputs, imprint.view, traces)
 
 
 def _cells(residual: Floats) -> Floats:
@@ -175,7 +178,7 @@ def _motion(images: list[NDArray[np.uint8]], patch_px: int) -> Floats:
     return np.concatenate([flow, orientation], axis=-1)
 
 
-def _alignment(traces: Traces) -> Floats:
+def _alignment(traces: AlignmentImages) -> Floats:
     """Return the alignment channels of each patch, (frames, 14, 14, 12)."""
     frames = alignment(traces.relief, traces.green, traces.aspect)
     for start in range(0, frames.shape[-1], ALIGNMENT_CHANNELS):

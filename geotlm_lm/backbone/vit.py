@@ -5,7 +5,7 @@ for each time-bin, as AnyTouch 2 has them, have to find it by attention among tw
 Measured after 1,000 steps, 128 wide in 392 tokens against 160 wide in 196: kind of motion of clips
 of other objects 0.904 and 0.923, pretraining loss 1.00 and 0.94, in 0.61 of the time; one clip on
 one thread, four blocks deep, 12.8 and 8.1 ms. Two blocks, trained a quarter longer, tell as much
-(reports/tried.md).
+(docs/tried.md).
 
 Token order: 1 global, 5 sensor, then the patches, rows before columns. Sensor tokens carry no
 position. No norm follows the last block: a token's length carries how far its patch moved. Knows

@@ -7,8 +7,6 @@ import sys
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from geotlm_lm.cli.options import (
     BundleFolder,
     FramesPerSecond,
@@ -16,7 +14,7 @@ from geotlm_lm.cli.options import (
     MmPerPixel,
     Precision,
     SquarePixels,
-    path_of,
+    path_option,
     require_writable_file,
 )
 from geotlm_lm.core.errors import UsageError
@@ -34,27 +32,12 @@ ROW_FIELDS = {"clip", "question", "answer", "error"}
 
 def batch(
     clips: Annotated[
-        Path,
-        typer.Option(
-            parser=path_of,
-            metavar="<path>",
-            help="Folder of recordings: files, or folders of images in it.",
-        ),
+        Path, path_option(help="Folder of recordings: files, or folders of images in it.")
     ],
     questions: Annotated[
-        Path,
-        typer.Option(
-            parser=path_of,
-            metavar="<path>",
-            help="Text file, one question a line; # begins a comment.",
-        ),
+        Path, path_option(help="Text file, one question a line; # begins a comment.")
     ],
-    out: Annotated[
-        Path,
-        typer.Option(
-            parser=path_of, metavar="<path>", help="Where the rows go, one JSON object a line."
-        ),
-    ],
+    out: Annotated[Path, path_option(help="Where the rows go, one JSON object a line.")],
     layout: LayoutName = None,
     fps: FramesPerSecond = None,
     square_pixels: SquarePixels = None,

@@ -177,8 +177,8 @@ class Conversation:
 
     def _frame(self, facts: str) -> None:
         from geotlm_lm.conversation.frame_facts import read_facts
-        from geotlm_lm.conversation.turned_image import unclear_turn
-        from geotlm_lm.conversation.wording import known
+        from geotlm_lm.conversation.image_rotation import unclear_rotation
+        from geotlm_lm.conversation.wording import frame_summary
 
         if facts:
             text = "reset the frame" if facts == "reset" else facts
@@ -188,10 +188,10 @@ class Conversation:
                     f"'{facts}' is no fact I know; say for example 'left-hand thread', 'the image "
                     f"is mirrored' or 'I look from the object's side'."
                 )
-                print(unclear_turn(stated.rest) or unknown, file=sys.stderr)
+                print(unclear_rotation(stated.rest) or unknown, file=sys.stderr)
                 return
             self.session.frame = stated.lasting
-        print(f"Frame: {known(self.session.frame)}.")
+        print(f"Frame: {frame_summary(self.session.frame)}.")
 
     def _why(self, _: str) -> None:
         from geotlm_lm.answering.session import OF_THE_CLIP_BEFORE

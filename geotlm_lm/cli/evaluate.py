@@ -19,7 +19,7 @@ from geotlm_lm.cli.options import (
     HeadsRunFolder,
     Precision,
     Seed,
-    path_of,
+    path_option,
     require_one_model,
     require_writable,
 )
@@ -32,17 +32,11 @@ if TYPE_CHECKING:
 
 Real = Annotated[
     Path | None,
-    typer.Option(
-        parser=path_of,
-        metavar="<path>",
-        help="Folder of labelled recordings (clips and a CSV of windows) to add.",
-    ),
+    path_option(help="Folder of labelled recordings (clips and a CSV of windows) to add."),
 ]
 Data = Annotated[
     list[Path] | None,
-    typer.Option(
-        parser=path_of,
-        metavar="<path>",
+    path_option(
         help="TactileTracking's folder, or a manifest of clips such as ToucHD-Sim's, to add; "
         "may be given again.",
     ),
@@ -50,10 +44,7 @@ Data = Annotated[
 Clips = Annotated[
     int, typer.Option(min=0, help="Simulated clips per task; 0 leaves simulation out.")
 ]
-RecordOut = Annotated[
-    Path | None,
-    typer.Option(parser=path_of, metavar="<path>", help="Write the record here, as JSON."),
-]
+RecordOut = Annotated[Path | None, path_option(help="Write the record here, as JSON.")]
 RecordAsJson = Annotated[
     bool, typer.Option("--json", help="End with the record as one line of JSON.")
 ]
@@ -101,26 +92,28 @@ def evaluate(
         folder = run_folder or Path("runs/encoder")
         chosen = "default" if preset is None else preset
         answerer, name, about = _trained_on(weights, encoder, heads, chosen, folder, seed)
-    from geotlm_lm.experiments.evaluate import evaluate as run
-    from geotlm_lm.reports.tables import evaluation_tables
+    from geotlm_lm.benchmarks.accuracy import EVALUATION, lowest_accuracy
+    from geotlm_lm.benchmarks.rendering import page
+    from geotlm_lm.benchmarks.rows import Run
+    from geotlm_lm.benchmarks.running import rows_of, run_bench
 
-    record = run(
-        answerer,
-        clips_per_task=clips,
+    run = Run(
         seed=seed,
-        real_folder=real,
-        data_paths=data or (),
-        model_name=name,
-        command=command_line(),
+        clips=clips,
+        real=real,
+        data=tuple(data or ()),
         progress=progress_on_stderr(),
+        answerer_given=answerer,
     )
+    record = run_bench(EVALUATION, run, command=command_line())
+    about = {"model": name, "model_digest": answerer.bundle.digest()} | about
     record = replace(record, config=record.config | about)
     if out is not None:
         record.save(out)
-    typer.echo(evaluation_tables(record), nl=False)
+    typer.echo(page(EVALUATION, record), nl=False)
     if as_json:
         typer.echo(json.dumps(asdict(record)))
-    _require_accuracy(record.numbers["minimum"], min_accuracy)
+    _require_accuracy(lowest_accuracy(rows_of(record, "clips")), min_accuracy)
 
 
 def _inputs(real: Path | None, data: Sequence[Path], weights: Path | None) -> list[Path]:

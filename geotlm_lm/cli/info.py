@@ -6,8 +6,6 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from geotlm_lm.cli.options import (
     AsJson,
     Background,
@@ -18,7 +16,7 @@ from geotlm_lm.cli.options import (
     FramesPerSecond,
     LayoutName,
     SquarePixels,
-    path_of,
+    path_option,
     span_of,
 )
 
@@ -29,12 +27,7 @@ ESTIMATED = "estimated from the frames"
 
 
 def info(
-    clip: Annotated[
-        Path | None,
-        typer.Option(
-            parser=path_of, metavar="<path>", help="Recording, as for `geotlm-lm answer`."
-        ),
-    ] = None,
+    clip: Annotated[Path | None, path_option(help="Recording, as for `geotlm-lm answer`.")] = None,
     as_json: AsJson = False,
     frames: FrameSpan = None,
     layout: LayoutName = None,

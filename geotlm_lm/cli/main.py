@@ -13,12 +13,12 @@ from geotlm_lm import __version__
 from geotlm_lm.cli.answer import answer
 from geotlm_lm.cli.app import app as serve_app
 from geotlm_lm.cli.batch import batch
+from geotlm_lm.cli.bench import app as bench
 from geotlm_lm.cli.chat import chat
 from geotlm_lm.cli.ending import ended_in_order
 from geotlm_lm.cli.evaluate import evaluate
 from geotlm_lm.cli.info import info
 from geotlm_lm.cli.manifest import manifest
-from geotlm_lm.cli.report import app as report
 from geotlm_lm.cli.simulate import simulate
 from geotlm_lm.cli.train import train
 from geotlm_lm.cli.watch import watch
@@ -51,8 +51,8 @@ ParseError = typer.BadParameter.__base__
 for command in (answer, batch, chat, info, manifest, simulate, train, watch):
     app.command()(command)
 app.command(name="app")(serve_app)
-app.command(epilog="Example: geotlm-lm evaluate --clips 40 --out reports/mine.json")(evaluate)
-app.add_typer(report, name="report")
+app.command(epilog="Example: geotlm-lm evaluate --clips 40 --out mine.json")(evaluate)
+app.add_typer(bench, name="bench")
 
 
 def _show_version(is_asked: bool) -> None:

@@ -8,15 +8,10 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Force, path_of, require_new_file
+from geotlm_lm.cli.options import Force, path_option, require_new_file
 from geotlm_lm.core.errors import UsageError
 
-Root = Annotated[
-    Path,
-    typer.Option(
-        parser=path_of, metavar="<path>", help="Folder of the data set, pictures anywhere in it."
-    ),
-]
+Root = Annotated[Path, path_option(help="Folder of the data set, pictures anywhere in it.")]
 Pattern = Annotated[
     str,
     typer.Option(
@@ -24,10 +19,7 @@ Pattern = Annotated[
         "and, where there are such, sensor, trial and frame."
     ),
 ]
-Out = Annotated[
-    Path,
-    typer.Option(parser=path_of, metavar="<path>", help="The manifest to write, .csv or .jsonl."),
-]
+Out = Annotated[Path, path_option(help="The manifest to write, .csv or .jsonl.")]
 BackgroundFrame = Annotated[
     str | None,
     typer.Option(

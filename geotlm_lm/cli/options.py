@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from typer.models import OptionInfo
 
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.number_formats import require_offered
@@ -25,12 +26,15 @@ def path_of(text: str) -> Path:
     return Path(text)
 
 
+def path_option(*names: str, help: str) -> OptionInfo:
+    """Return an option that takes a path; all of the commands do so by this one."""
+    return typer.Option(*names, parser=path_of, metavar="<path>", help=help)
+
+
 ClipPath = Annotated[
     Path,
-    typer.Option(
+    path_option(
         "--clip",
-        parser=path_of,
-        metavar="<path>",
         help="Recording: .npy, .npz, a video, a .tif of several pages, or a folder of images.",
     ),
 ]
@@ -60,10 +64,8 @@ SquarePixels = Annotated[
 ]
 Background = Annotated[
     Path | None,
-    typer.Option(
+    path_option(
         "--background",
-        parser=path_of,
-        metavar="<path>",
         help="Image or .npy of the untouched gel. [default: from the recording, else estimated]",
     ),
 ]
@@ -80,26 +82,10 @@ MmPerPixel = Annotated[
     ),
 ]
 BundleFolder = Annotated[
-    Path | None,
-    typer.Option(
-        parser=path_of,
-        metavar="<path>",
-        help="Folder of a model bundle. [default: the one shipped]",
-    ),
+    Path | None, path_option(help="Folder of a model bundle. [default: the one shipped]")
 ]
 RealFolder = Annotated[
-    Path | None,
-    typer.Option(
-        parser=path_of,
-        metavar="<path>",
-        help="Folder of labelled recordings to add; see `evaluate`.",
-    ),
-]
-RecordPath = Annotated[
-    Path, typer.Option(parser=path_of, metavar="<path>", help="Where the record goes, as JSON.")
-]
-TablePath = Annotated[
-    Path, typer.Option(parser=path_of, metavar="<path>", help="Where the table goes, as Markdown.")
+    Path | None, path_option(help="Folder of labelled recordings to add; see `evaluate`.")
 ]
 Precision = Annotated[
     str,
@@ -120,12 +106,7 @@ EncoderName = Annotated[
 ]
 EncoderWeights = Annotated[
     Path | None,
-    typer.Option(
-        "--weights",
-        parser=path_of,
-        metavar="<path>",
-        help="The file the encoder's authors release; see the README.",
-    ),
+    path_option("--weights", help="The file the encoder's authors release; see docs/encoders.md."),
 ]
 EncoderHeads = Annotated[
     int | None,
@@ -135,10 +116,8 @@ EncoderHeads = Annotated[
 ]
 HeadsRunFolder = Annotated[
     Path | None,
-    typer.Option(
+    path_option(
         "--run-folder",
-        parser=path_of,
-        metavar="<path>",
         help="With --weights: tokens and heads are kept here, to continue from. [default: "
         "runs/encoder]",
     ),

@@ -1,4 +1,4 @@
-"""What every report command does: try where it writes, tell how far it is, save what it made."""
+"""What every command that writes a record does: name itself, and replace nothing but a record."""
 
 from __future__ import annotations
 
@@ -6,32 +6,14 @@ import shlex
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-import typer
 
 from geotlm_lm.cli.options import require_writable_file
 from geotlm_lm.core.errors import UsageError
-
-if TYPE_CHECKING:
-    from geotlm_lm.core.record import RunRecord
 
 
 def command_line() -> str:
     """Return the command as a user would type it, whatever started the interpreter."""
     return shlex.join(["geotlm-lm", *sys.argv[1:]])
-
-
-def require_all_writable(out: Path, table: Path, figure: Path | None = None) -> None:
-    """Try to write in the folders of all, so that a place where it fails is told first.
-
-    Raises:
-        UsageError: If one cannot be written, or the record would replace something else.
-    """
-    require_record_file(out, "--out")
-    for path, option in ((table, "--table"), (figure, "--figure")):
-        if path is not None:
-            require_writable_file(path, option)
 
 
 def require_record_file(path: Path, option: str, *, inputs: Iterable[Path] = ()) -> None:
@@ -57,16 +39,3 @@ def require_record_file(path: Path, option: str, *, inputs: Iterable[Path] = ())
             f"{option}: {path} holds something else than a run's record and would be replaced, "
             f"expected a new file or an earlier record; give another name."
         ) from error
-
-
-def save_page(record: RunRecord, out: Path, table: Path, page: str) -> None:
-    """Write the record as JSON and its page as Markdown."""
-    from geotlm_lm.core.atomic import write_text_atomically
-
-    record.save(out)
-    write_text_atomically(table, page)
-
-
-def show(what: str, done: int, total: int) -> None:
-    """Tell on stderr how far a run is."""
-    typer.echo(f"{what}: {done} of {total}", err=True)

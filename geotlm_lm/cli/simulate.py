@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from geotlm_lm.cli.options import Force, Seed, path_of, require_new_file, require_writable
+from geotlm_lm.cli.options import Force, Seed, path_option, require_new_file, require_writable
 from geotlm_lm.cli.simulate_clip import own_body, require_shape, simulate_one, write_clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
@@ -16,12 +16,7 @@ from geotlm_lm.core.threads import usable_cores
 MotionName = Literal[tuple(motion.value for motion in Motion)]
 
 DataSet = Annotated[
-    Path | None,
-    typer.Option(
-        parser=path_of,
-        metavar="<path>",
-        help="Folder of the data set; a started one is continued.",
-    ),
+    Path | None, path_option(help="Folder of the data set; a started one is continued.")
 ]
 Count = Annotated[int | None, typer.Option(min=1, help="Clips in the data set. [default: 100]")]
 Objects = Annotated[
@@ -52,10 +47,7 @@ LabelsOnly = Annotated[
     typer.Option("--labels-only", help="Write labels and true fields, and no pictures."),
 ]
 ClipFile = Annotated[
-    Path | None,
-    typer.Option(
-        parser=path_of, metavar="<path>", help="Write one clip to this .npz instead of a data set."
-    ),
+    Path | None, path_option(help="Write one clip to this .npz instead of a data set.")
 ]
 MotionOf = Annotated[
     MotionName | None,
@@ -67,9 +59,7 @@ ObjectName = Annotated[
 ]
 HeightMap = Annotated[
     Path | None,
-    typer.Option(
-        parser=path_of,
-        metavar="<path>",
+    path_option(
         help="With --clip: your own object, a .npy of heights in mm or a grey .png; what is "
         "highest touches first.",
     ),

@@ -8,20 +8,13 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Seed, path_of, require_writable
+from geotlm_lm.cli.options import Seed, path_option, require_writable
 from geotlm_lm.cli.progress import progress_on_stderr
 from geotlm_lm.core.errors import UsageError
 
 
 def train(
-    out: Annotated[
-        Path,
-        typer.Option(
-            parser=path_of,
-            metavar="<path>",
-            help="Run folder; an interrupted run in it is continued.",
-        ),
-    ],
+    out: Annotated[Path, path_option(help="Run folder; an interrupted run in it is continued.")],
     preset: Annotated[
         str | None,
         typer.Option(
@@ -33,11 +26,7 @@ def train(
     workers: Annotated[int, typer.Option(min=1, help="Processes that simulate.")] = 2,
     keep: Annotated[
         Path | None,
-        typer.Option(
-            parser=path_of,
-            metavar="<path>",
-            help="Bundle of which all but the odometer is kept; only that is trained.",
-        ),
+        path_option(help="Bundle of which all but the odometer is kept; only that is trained."),
     ] = None,
 ) -> None:
     """Train a model bundle; its folder is printed at the end, progress goes to stderr.
@@ -54,10 +43,10 @@ def train(
 
         read_config(keep)  # told before the training is loaded
         require_writable(out, "--out")
-        from geotlm_lm.training.anew import train_odometer_anew
+        from geotlm_lm.training.retraining import retrain_odometer
 
         print(f"training the odometer of {keep} into {out}", file=sys.stderr)
-        print(train_odometer_anew(keep, out, seed, workers, progress_on_stderr("")))
+        print(retrain_odometer(keep, out, seed, workers, progress_on_stderr("")))
         return
     from geotlm_lm.training.config import preset_named
 

@@ -19,6 +19,7 @@ from geotlm_lm.cli.options import (
     Precision,
     SquarePixels,
     path_of,
+    path_option,
     require_new_file,
     require_question,
 )
@@ -37,10 +38,7 @@ def watch(
         bool, typer.Option("--json", help="Print one JSON object a line, the account last.")
     ] = False,
     draw: Annotated[
-        Path | None,
-        typer.Option(
-            parser=path_of, metavar="<path>", help="Write what was seen to this .mp4, as a drawing."
-        ),
+        Path | None, path_option(help="Write what was seen to this .mp4, as a drawing.")
     ] = None,
     force: Force = False,
     question: Annotated[

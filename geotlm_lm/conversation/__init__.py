@@ -1,4 +1,4 @@
-"""What a conversation about touch needs beside a model: rules on words, motions and frames.
+"""Rules on words, motions and frames that a conversation needs beside a model.
 
 Knows no model and no clip. The division of labour: the language model says what is asked and which
 motion it felt, always in the camera image; whatever follows exactly from a motion, a frame of

@@ -1,10 +1,10 @@
-"""What else it may be, asked for with the odds: "second guess?", "what are the probabilities?"."""
+"""Recognise requests for other possible motions: "second guess?", "what are the probabilities?"."""
 
 from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.plain_text import without_openers
+from geotlm_lm.conversation.text_normalisation import without_openers
 
 _OTHERS = (
     r"(?:(?:what|which) (?:else|other (?:motion|way|option|answer)s?) (?:could|can|might|may|would)"
@@ -26,6 +26,6 @@ _BARE = re.compile(r"(?:the )?(?:second|next)(?: (?:one|answer|choice|option))?\
 
 
 def asks_alternatives(question: str) -> bool:
-    """Tell whether a whole text asks what else a motion may be; not for the second of two clips."""
+    """Tell whether a whole text asks for other possible motions of one clip."""
     text = without_openers(question)
     return _ASKED.fullmatch(text) is not None and _BARE.fullmatch(text) is None

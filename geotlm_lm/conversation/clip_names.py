@@ -1,10 +1,10 @@
-"""How one of two clips is named: "the first one", "clip 2", "B"."""
+"""Recognise references to one of two clips: "the first one", "clip 2", "B"."""
 
 from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import offered_options
+from geotlm_lm.conversation.motion_claims import offered_options
 from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN, VERBS, forms
 
 CLIP = r"(?:one|clip|recording|video)"
@@ -61,7 +61,7 @@ def place_named(named: re.Match[str]) -> int:
 
 
 def clips_by_number(question: str) -> str:
-    """Return a question with "A" and "B", as two clips may be called, told as first and second."""
+    """Replace "A" and "B", as names of two clips, by first and second."""
     if question.isupper() or offered_options(question):
         return question
     text = _B.sub("the second one", question)

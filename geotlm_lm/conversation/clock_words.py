@@ -1,4 +1,4 @@
-"""Senses and ways told by a clock: "against the clock", "towards 3 o'clock"."""
+"""Translate clock directions into directions: "against the clock", "towards 3 o'clock"."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _FROM_TO = re.compile(r"\bfrom (?:the )?\w+(?: ?o'?clock)? (?:to|until|till)\b",
 
 
 def without_clocks(text: str) -> str:
-    """Return `text` with the words for directions that it tells by a clock.
+    """Replace clock directions in `text` by the words for directions.
 
     From one hour to another is an arc, or a span of time, and "at 9 o'clock" a time of day.
     """

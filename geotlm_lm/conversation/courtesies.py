@@ -1,4 +1,4 @@
-"""What is said around a question and asks nothing: greetings, excuses, a radio's "over"."""
+"""Strip what surrounds a question and asks nothing: greetings, excuses, "over"."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _CLOSES = re.compile(
 
 
 def without_courtesies(text: str) -> str:
-    """Return `text` without what is said around its question; a text of nothing else as it is.
+    """Strip greetings and the like around a question; a text of nothing else stays.
 
     What models have read around questions ("please", "just asking") stays.
     """

@@ -1,4 +1,4 @@
-"""Questions that name a state and its opposite, which claim neither: "is it moving or still?"."""
+"""Recognise questions that offer a state and its opposite: "is it moving or still?"."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ import re
 
 from geotlm_lm.conversation.kind_choices import REST
 from geotlm_lm.conversation.motion_verbs import GOES, SLIDES, TURNS, forms
-from geotlm_lm.conversation.plain_text import without_openers
 from geotlm_lm.conversation.question import OPEN_QUESTION
+from geotlm_lm.conversation.text_normalisation import without_openers
 
 _MOTION = r"(?:moving|in motion|in movement|dynamic|mobile)"
 _TOUCH = r"(?:touching|touched|in contact|contact)"

@@ -1,4 +1,4 @@
-"""Tells a question that is surely not English; in doubt it is.
+"""Detect questions that are surely not English; in doubt a text is English.
 
 Knows a few hundred common words. Terse questions, typos and made-up names must pass.
 """

@@ -1,4 +1,4 @@
-"""What a text of a few words asks after the question before it: "and the object?", "and now?"."""
+"""Complete short follow-up questions from the one before: "and the object?", "and now?"."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 
 from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.kinds import asked_amount
-from geotlm_lm.conversation.plain_text import plain_text, without_openers
+from geotlm_lm.conversation.text_normalisation import normalised_text, without_openers
 
 _OF_ANOTHER = re.compile(
     r"\W*(?:(?:no|nope|sorry|wait|ok|so|but)[,.:!]? +)*"
@@ -21,14 +21,14 @@ _WHERE = re.compile(r"where(?: exactly)?[ ?.!]*")
 _ASKS = {"magnitude": "How far does {} move?", "rate": "How fast does {} move?"}
 
 
-def of_another(question: str, before: str | None) -> str:
-    """Return the question before as of another one, where `question` names no more than that one.
+def follow_up_of(question: str, before: str | None) -> str:
+    """Return a follow-up that names only what it is about as a whole question.
 
     "And the object?" asks of the object what was asked of the sensor: how far, how fast, or else
     which way. Of what holds the sensor it asks which way alone: it goes as
     far as the object does. Any other question stays as it is.
     """
-    said = _OF_ANOTHER.fullmatch(plain_text(question))
+    said = _OF_ANOTHER.fullmatch(normalised_text(question))
     if said is None:
         return question
     is_of_it = before is not None and not re.search(rf"\b{HOLDER}$", said["who"])
@@ -42,5 +42,5 @@ def asks_where(question: str) -> bool:
 
 
 def asks_again_now(question: str) -> bool:
-    """Tell whether `question` asks what was asked before, as things stand now: "and now?"."""
-    return bool(_NOW.fullmatch(plain_text(question)))
+    """Tell whether `question` repeats the one before as of now: "and now?"."""
+    return bool(_NOW.fullmatch(normalised_text(question)))

@@ -1,9 +1,9 @@
-"""Facts about the recording, said in words, read into a `FrameSpec` by strict rules.
+"""Parse stated facts about a recording into a `FrameSpec`, by strict rules.
 
 A text is read as a whole or not at all: one clause that is not understood changes nothing. A
 question ("is the image mirrored?") and a supposition ("if it were mirrored") state no fact; an
 image supposed to be turned upside down holds for the one question it is part of. Turns by other
-angles are read in `turned_image`.
+angles are read in `image_rotation`.
 """
 
 from __future__ import annotations
@@ -12,21 +12,21 @@ import re
 from dataclasses import dataclass, replace
 from typing import Any
 
-from geotlm_lm.conversation.fact_words import (
+from geotlm_lm.conversation.frame_fact_patterns import (
     FACTS,
     HALF_TURN,
     IMAGE,
     LOOK,
     MOUNTED,
-    ON_ITS_HEAD,
     UPRIGHT,
+    UPSIDE_DOWN_PHRASE,
 )
+from geotlm_lm.conversation.image_rotation import asks_whether_clip_turned, read_image_rotation
 from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.motion_verbs import GOES, SLIDES, TURNS, forms
-from geotlm_lm.conversation.plain_text import plain_text
-from geotlm_lm.conversation.scale import is_courtesy, read_scale, scale_beside
-from geotlm_lm.conversation.statements import states_more
-from geotlm_lm.conversation.turned_image import asks_whether_clip_turned, read_turn
+from geotlm_lm.conversation.pixel_scale import is_courtesy, read_scale, stated_scale
+from geotlm_lm.conversation.statements import is_unread_statement
+from geotlm_lm.conversation.text_normalisation import normalised_text
 from geotlm_lm.core.frame_spec import FrameSpec
 
 OF_THE_TELLING = ("viewpoint", "actor")
@@ -41,9 +41,9 @@ _SUPPOSED = re.compile(
     rf" (?:upside[ -]down|on its head|{HALF_TURN})"
     rf"|(?:i|we|you|one) (?:had )?(?:turn|rotate|turned|rotated) {_HOLDER} {HALF_TURN}"
     rf"|{_HOLDER} (?:was|were|had been) (?:turned|rotated) {HALF_TURN})"
-    rf"|{IMAGE} (?:is|was|were|had been) {ON_ITS_HEAD}"
+    rf"|{IMAGE} (?:is|was|were|had been) {UPSIDE_DOWN_PHRASE}"
     rf"|{MOUNTED.format('is|was|were')} (?:upside[ -]down|on its head))"
-    rf"|had {IMAGE} been {ON_ITS_HEAD}|were {IMAGE} {ON_ITS_HEAD})\b\s*[,:;.]?",
+    rf"|had {IMAGE} been {UPSIDE_DOWN_PHRASE}|were {IMAGE} {UPSIDE_DOWN_PHRASE})\b\s*[,:;.]?",
     re.IGNORECASE,
 )
 """An image that is turned for the length of a question, as it is where the sensor is turned."""
@@ -122,7 +122,7 @@ a bound 500 semicolons took a second."""
 
 
 @dataclass(frozen=True)
-class Stated:
+class StatedFacts:
     """What a text states about the frame, and what it asks.
 
     Args:
@@ -138,7 +138,7 @@ class Stated:
     is_stated: bool = False
 
 
-def read_facts(text: str, frame: FrameSpec) -> Stated:
+def read_facts(text: str, frame: FrameSpec) -> StatedFacts:
     """Return `frame` with the facts that `text` begins with, and what remains of the text.
 
     Args:
@@ -147,10 +147,10 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
     """
     text = text.replace("\u2019", "'").strip()
     supposed = _supposed_scale(text, frame)
-    beside = scale_beside(text) if supposed is None else None
+    beside = stated_scale(text) if supposed is None else None
     if beside is not None and is_courtesy(beside.rest) and not beside.is_supposed:
         told = replace(frame, **beside.fields)
-        return Stated(told, told, "", True)
+        return StatedFacts(told, told, "", True)
     if beside is not None and _asks(beside.rest):
         stated = read_facts(beside.rest, replace(frame, **beside.fields))
         kept = {"mm_per_px": frame.mm_per_px} if beside.is_supposed else {}
@@ -167,8 +167,8 @@ def read_facts(text: str, frame: FrameSpec) -> Stated:
     return replace(stated, frame=replace(stated.frame, viewpoint="sensor"), rest=rest)
 
 
-def turn_told_after(text: str) -> bool:
-    """Tell whether `text` is a question with a turn of the image told behind it, left unread.
+def has_trailing_rotation(text: str) -> bool:
+    """Tell whether an image rotation is stated behind a question, where it is not read.
 
     A turn is told before a question: behind one it may be of what happened in between.
     """
@@ -177,19 +177,19 @@ def turn_told_after(text: str) -> bool:
 
 
 def _asks(text: str) -> bool:
-    return not states_more(text) and not _NOTHING_ASKED.fullmatch(text)
+    return not is_unread_statement(text) and not _NOTHING_ASKED.fullmatch(text)
 
 
-def _supposed_mover(text: str, frame: FrameSpec) -> Stated | None:
+def _supposed_mover(text: str, frame: FrameSpec) -> StatedFacts | None:
     """Return a question that supposes that the sensor moves in the object's place."""
     said = _INSTEAD.match(text)
     if said is None:
         return None
     asked = _WOULD_HAVE.sub(r"has \1", _WOULD_THAT_BE.sub(_OPEN_QUESTION, text[said.end() :]))
-    return Stated(replace(frame, actor="sensor"), frame, asked, True)
+    return StatedFacts(replace(frame, actor="sensor"), frame, asked, True)
 
 
-def _supposed_scale(text: str, frame: FrameSpec) -> Stated | None:
+def _supposed_scale(text: str, frame: FrameSpec) -> StatedFacts | None:
     """Return a question before which the size of a pixel is supposed beside other facts."""
     supposed = _SUPPOSED_FACTS.match(text)
     commas = list(re.finditer(r",\s+", text))[:MOST_CLAUSES] if supposed else []
@@ -197,11 +197,11 @@ def _supposed_scale(text: str, frame: FrameSpec) -> Stated | None:
         fields = _fields(text[supposed.end() : comma.start()].replace(", and ", " and "))
         rest = text[comma.end() :].strip()
         if fields.keys() > {"mm_per_px"} and rest and _asks(rest):
-            return Stated(replace(frame, **fields), frame, rest, True)
+            return StatedFacts(replace(frame, **fields), frame, rest, True)
     return None
 
 
-def _supposed_thread(text: str, frame: FrameSpec) -> Stated | None:
+def _supposed_thread(text: str, frame: FrameSpec) -> StatedFacts | None:
     """Return a question of a thread that is supposed.
 
     Or the question what another thread, or end of it, would do: "and with a left-hand one?".
@@ -211,15 +211,15 @@ def _supposed_thread(text: str, frame: FrameSpec) -> Stated | None:
     if (supposed := _SUPPOSED_THREAD.match(text)) is not None:
         fields = _fields(f"it is {supposed['fact']}")
         if fields and fields.keys() <= OF_A_THREAD:
-            return Stated(replace(frame, **fields), frame, text[supposed.end() :], True)
+            return StatedFacts(replace(frame, **fields), frame, text[supposed.end() :], True)
     another = _WITH_ANOTHER.fullmatch(text)
     fields = _fields(another["fact"]) if another else {}
     if not fields or not fields.keys() <= OF_A_THREAD:
         return None
-    return Stated(replace(frame, **fields), frame, _TIGHTER_OR_LOOSER, True)
+    return StatedFacts(replace(frame, **fields), frame, _TIGHTER_OR_LOOSER, True)
 
 
-def _read(text: str, frame: FrameSpec) -> Stated:
+def _read(text: str, frame: FrameSpec) -> StatedFacts:
     supposed = _SUPPOSED.search(text)
     if supposed and not _NO_SUPPOSITION.search(text[: supposed.start()]):
         stated = _read(_without(text, supposed), frame)
@@ -228,7 +228,7 @@ def _read(text: str, frame: FrameSpec) -> Stated:
     fields = _fields(text)
     if fields:
         told = replace(frame, **fields)
-        return Stated(told, told, "", True)
+        return StatedFacts(told, told, "", True)
     asked, mark, said = text.rpartition("?")
     fields = _fields(said) if asked and said else {}
     if fields and fields.keys().isdisjoint(UPRIGHT):  # a turn is told before
@@ -241,8 +241,8 @@ def _read(text: str, frame: FrameSpec) -> Stated:
             lasts = text[end] in ".!;\n"
             kept = {k: v for k, v in fields.items() if lasts or k not in OF_THE_TELLING}
             kept |= _fields(text[: text.rfind(". ", 0, end) + 1])  # sentences of their own
-            return Stated(replace(frame, **fields), replace(frame, **kept), rest, True)
-    return Stated(frame, frame, text)
+            return StatedFacts(replace(frame, **fields), replace(frame, **kept), rest, True)
+    return StatedFacts(frame, frame, text)
 
 
 def _without(text: str, supposed: re.Match[str]) -> str:
@@ -263,7 +263,7 @@ def _fields(text: str) -> dict[str, Any]:
 
     None of them if one clause is unknown, or if two turn the image by something else each.
     """
-    text = plain_text(text).rstrip(".!, ")
+    text = normalised_text(text).rstrip(".!, ")
     while (shorter := _LEAD.sub("", text)) != text:
         text = shorter
     if (assumed := _ASSUMED.match(text)) is not None:
@@ -299,4 +299,4 @@ def _fact(clause: str) -> dict[str, Any] | None:
     clause = _AGAIN.sub("", clause)
     clause = clause.removeprefix("that ")
     found = next((sets for words, sets in FACTS if re.fullmatch(words, clause)), None)
-    return found or read_turn(clause) or read_scale(clause)
+    return found or read_image_rotation(clause) or read_scale(clause)

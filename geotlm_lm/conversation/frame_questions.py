@@ -1,20 +1,20 @@
-"""What is asked, or left open, about the frame of reference itself: "is the image mirrored?"."""
+"""Recognise questions about the frame of reference itself: "is the image mirrored?"."""
 
 from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.claims import CLASS_NAMES
-from geotlm_lm.conversation.fact_words import IMAGE, ON_ITS_HEAD
+from geotlm_lm.conversation.frame_fact_patterns import IMAGE, UPSIDE_DOWN_PHRASE
 from geotlm_lm.conversation.kind_words import HOLDER
-from geotlm_lm.conversation.plain_text import plain_text, without_openers
+from geotlm_lm.conversation.motion_claims import CLASS_NAMES
+from geotlm_lm.conversation.object_names import THING, with_generic_objects
 from geotlm_lm.conversation.question import OPEN_QUESTION
-from geotlm_lm.conversation.things import THING, naming_nothing
-from geotlm_lm.conversation.wording import known
+from geotlm_lm.conversation.text_normalisation import normalised_text, without_openers
+from geotlm_lm.conversation.wording import frame_summary
 from geotlm_lm.core.frame_spec import FrameSpec
 
 _HOW = (
-    rf"(?:mirrored|flipped(?: left[ -]to[ -]right)?|(?:turned|rotated)|{ON_ITS_HEAD}|upright"
+    rf"(?:mirrored|flipped(?: left[ -]to[ -]right)?|(?:turned|rotated)|{UPSIDE_DOWN_PHRASE}|upright"
     r"|right side up|the right way up)"
 )
 _ASKED = re.compile(
@@ -89,8 +89,8 @@ _TOLD = (
 )
 
 
-def frame_to_settle(text: str, frame: FrameSpec) -> str | None:
-    """Return what is taken for granted of the image, where it is asked after or left open.
+def frame_clarification(text: str, frame: FrameSpec) -> str | None:
+    """Return what is assumed of the image, where a question asks for it or leaves it open.
 
     Args:
         text: What is left once the facts that could be read are taken out.
@@ -99,15 +99,15 @@ def frame_to_settle(text: str, frame: FrameSpec) -> str | None:
     text = without_openers(text)
     if not (_ASKED.fullmatch(text) or _LEFT_OPEN.fullmatch(text)):
         return None
-    return _TOLD.format(known(frame))
+    return _TOLD.format(frame_summary(frame))
 
 
-def of_another_frame(question: str) -> tuple[str, str] | None:
-    """Return what is asked for in a frame that no recording tells of, and what to say of that.
+def unknown_frame_request(question: str) -> tuple[str, str] | None:
+    """Return a request for a frame no recording defines, with the sentence that says so.
 
     None where no such frame is named: "which way does it go in the world frame?" names one.
     """
-    text = plain_text(question)
+    text = normalised_text(question)
     said = _ANOTHER.search(text)
     limit = _NO_SUCH_VIEW if said is None else _NOT_KNOWN.format(said["name"])
     said = said or _ANOTHER_VIEW.search(text)
@@ -119,7 +119,7 @@ def of_another_frame(question: str) -> tuple[str, str] | None:
 
 
 def asks_frame(question: str) -> bool:
-    """Tell whether `question` asks in which frame of reference directions are told."""
+    """Tell whether `question` asks for the frame of reference of directions."""
     text = without_openers(question)
     return bool(_OF_REFERENCE.fullmatch(text) or _WHERE_FROM.fullmatch(text))
 
@@ -129,5 +129,5 @@ def asks_which_moves(question: str) -> bool:
     plain = without_openers(question)
     if sum(bool(re.search(words, plain)) for _, words in CLASS_NAMES) > 1 or "still" in plain:
         return False  # "is the sensor turning or the object sliding?"
-    texts = naming_nothing(plain)
+    texts = with_generic_objects(plain)
     return any(_WHO.fullmatch(text) and len(_SENSOR_NAMED.findall(text)) == 1 for text in texts)

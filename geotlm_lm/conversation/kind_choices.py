@@ -1,11 +1,11 @@
-"""Choices between a kind of motion and rest, without letters: "is it slipping or stationary?"."""
+"""Recognise choices among kinds of motion and rest: "is it slipping or stationary?"."""
 
 from __future__ import annotations
 
 import re
 
 from geotlm_lm.conversation.motion_verbs import SLIDES, TURNS, forms
-from geotlm_lm.conversation.plain_text import without_openers
+from geotlm_lm.conversation.text_normalisation import without_openers
 from geotlm_lm.core.labels import MotionClass
 
 REST = (
@@ -32,7 +32,7 @@ _CHOICE = re.compile(
 
 
 def offered_kinds(question: str) -> frozenset[MotionClass] | None:
-    """Return the kinds of motion of which `question` asks which one it is; None where it does not.
+    """Return the kinds of motion that `question` offers to choose from; None if none.
 
     Rest is one of them, and a turn or a slide another: models know choices among the others.
     """

@@ -1,8 +1,8 @@
-"""The phrases that tell each later kind of question, as data; `kinds` reads them."""
+"""Patterns of each kind of question that rules recognise, as data; `kinds` reads them."""
 
 from __future__ import annotations
 
-from geotlm_lm.conversation.axes import COMPONENTS
+from geotlm_lm.conversation.axis_claims import COMPONENTS
 from geotlm_lm.conversation.clip_names import CLIP, FIRST_OR_SECOND
 from geotlm_lm.conversation.kind_words import (
     ALONE,

@@ -1,4 +1,4 @@
-"""Pieces of the phrases that rules look for: what they are of, and where they stand."""
+"""Fragments that the patterns of `kind_phrases` are built from."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What kind of question a text is, by its words alone.
+"""Classify a question by its words alone.
 
 For kinds a model was not trained on, and against a trained one that takes a wording it does not
 know for another kind: the rules keep it from taking "and played backwards?" for a question about
@@ -11,12 +11,12 @@ from __future__ import annotations
 import re
 from functools import lru_cache
 
-from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
-from geotlm_lm.conversation.claims import offered_options
 from geotlm_lm.conversation.kind_phrases import COUNTED, MOVEMENT, RULES
+from geotlm_lm.conversation.motion_claims import offered_options
 from geotlm_lm.conversation.motion_names import KEPT, claimed_motion, motions_named
 from geotlm_lm.conversation.motion_verbs import GO, STIR, WOBBLE
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.non_tactile_questions import asks_beyond_touch
+from geotlm_lm.conversation.text_normalisation import normalised_text
 
 LATER_KINDS = frozenset(RULES) | {"negation", "premise"}
 """Kinds the rules know by their words."""
@@ -59,11 +59,11 @@ _MORE_THAN_DIRECTION = re.compile(
 
 
 def asks_direction(question: str) -> bool:
-    """Tell whether `question` surely asks openly how the object moves, and nothing besides.
+    """Tell whether `question` surely asks openly for the motion, and for nothing else.
 
     Many ways to ask it are not recognised: what is not sure is left to the model.
     """
-    text = plain_text(question)
+    text = normalised_text(question)
     if asked_kind(question) is not None or claimed_motion(text) is not None:
         return False
     return bool(_DIRECTION.search(text)) and not (
@@ -76,22 +76,22 @@ def asks_whether_moving(question: str) -> bool:
 
     A model that has never read "budge" takes it for something touch cannot tell.
     """
-    return bool(_WHETHER_MOVING.search(plain_text(question)))
+    return bool(_WHETHER_MOVING.search(normalised_text(question)))
 
 
 def asked_amount(question: str) -> str | None:
     """Return "rate" or "magnitude" where `question` asks how fast or how far, whatever besides."""
-    text = plain_text(question)
+    text = normalised_text(question)
     return next((kind for kind in ("rate", "magnitude") if _RULES[kind].search(text)), None)
 
 
 def asks_from_object(question: str) -> bool:
     """Tell whether `question` asks for the view from the object's side, whatever besides."""
-    return bool(_RULES["viewpoint"].search(plain_text(question)))
+    return bool(_RULES["viewpoint"].search(normalised_text(question)))
 
 
 def is_ruled_out(question: str, kind: str | None) -> bool:
-    """Tell whether the words of `question` speak against an answer of `kind`.
+    """Tell whether the words of `question` exclude an answer of `kind`.
 
     They do where they tell a later kind and the answer is of another, and where the answer is of a
     later kind whose words are missing. Of 12,600 questions from the templates, a quarter of their
@@ -103,7 +103,7 @@ def is_ruled_out(question: str, kind: str | None) -> bool:
     """
     told = asked_kind(question)
     if told in _SEVERAL:
-        text = plain_text(question)
+        text = normalised_text(question)
         return kind in LATER_KINDS and not (kind in _RULES and _RULES[kind].search(text))
     if told is None:
         return kind in LATER_KINDS
@@ -113,7 +113,7 @@ def is_ruled_out(question: str, kind: str | None) -> bool:
 @lru_cache(maxsize=KEPT)
 def asked_kind(question: str) -> str | None:
     """Return the kind of `question` if its words tell one of the later kinds; else None."""
-    text = plain_text(question)
+    text = normalised_text(question)
     if asks_beyond_touch(text):
         return None
     if claimed_motion(text) is not None:

@@ -1,4 +1,4 @@
-"""Which motions the words of a text name; doubtful words name nothing."""
+"""Find the motions that a text names; ambiguous words name none."""
 
 from __future__ import annotations
 
@@ -6,10 +6,14 @@ import re
 from difflib import get_close_matches
 from functools import lru_cache
 
-from geotlm_lm.conversation.asides import ONE_OF_TWO, STILL_SO, UP_TO_AN_END
 from geotlm_lm.conversation.kind_words import GEL
 from geotlm_lm.conversation.motion_verbs import TURN
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.non_motion_phrases import (
+    ONE_OF_TWO,
+    STILL_UNCHANGED,
+    UP_IN_PHRASAL_VERB,
+)
+from geotlm_lm.conversation.text_normalisation import normalised_text
 from geotlm_lm.core.labels import Motion
 
 KEPT = 64
@@ -49,7 +53,7 @@ _NO_MOTION = re.compile(
     r"|look\w* (?:down|up) (?:at|on|into|from)\b"
     r"|\bwithout (?:los|break)ing (?:the )?contact\b"
     r"|\b(?:from|along|off|at) the (?:left|right|top|bottom|upper|lower)\b"
-    rf"|{STILL_SO}|{UP_TO_AN_END}|{ONE_OF_TWO}"
+    rf"|{STILL_UNCHANGED}|{UP_IN_PHRASAL_VERB}|{ONE_OF_TWO}"
 )
 """Words of motion in another sense; taken out before motions are looked for."""
 
@@ -121,7 +125,7 @@ of "shifting" and "lifting" 0.80."""
 
 def motions_named(text: str) -> set[Motion]:
     """Return every motion that `text` names."""
-    return set(_named(plain_text(text)))
+    return set(_named(normalised_text(text)))
 
 
 @lru_cache(maxsize=KEPT)

@@ -1,4 +1,4 @@
-"""The verbs for motion, in one place: what turns, what slides, what goes any way, what presses."""
+"""Inflected verbs of motion, by what they mean: turning, sliding, any motion, pressing."""
 
 from __future__ import annotations
 

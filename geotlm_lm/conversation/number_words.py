@@ -1,4 +1,4 @@
-"""Numbers in digits and in words: "12.5", "1 1/2", "twenty-five", "half a"."""
+"""Parse numbers in digits and in words: "12.5", "1 1/2", "twenty-five", "half a"."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Letters and numbers that label the options of a multiple choice, and the words of each option."""
+"""Parse the labels of a multiple choice, and the words of each option."""
 
 from __future__ import annotations
 
@@ -68,5 +68,5 @@ def _in_sequence(found: Labelled) -> Labelled:
 
 
 def without_tail(option: str) -> str:
-    """Return the words of an option without what is asked behind it: "up. Which letter?"."""
+    """Strip what is asked behind an option: "up. Which letter?"."""
     return _TAIL.sub("", option).strip(" ,;")

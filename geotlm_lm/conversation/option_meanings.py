@@ -1,14 +1,14 @@
-"""Of which motions each option of a choice is true, where some name no single one."""
+"""Find the motions of which each option of a choice is true, also where it names no single one."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
 
+from geotlm_lm.conversation.compound_claims import EVERY, claimed_set
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.option_labels import labelled, without_tail
-from geotlm_lm.conversation.plain_text import plain_text
-from geotlm_lm.conversation.whole_claims import EVERY, claimed_set
+from geotlm_lm.conversation.text_normalisation import normalised_text
 from geotlm_lm.core.labels import DIRECTED, Motion
 
 _REST = re.compile(
@@ -55,7 +55,7 @@ def option_sets(question: str) -> OptionSets | None:
 
 def _means(option: str) -> frozenset[Motion] | None:
     """Return the motions of which an option is true; none for all the others, None if unknown."""
-    words = plain_text(option).strip(" .,;?!()")
+    words = normalised_text(option).strip(" .,;?!()")
     return frozenset() if _REST.fullmatch(words) else claimed_set(words)
 
 
@@ -67,14 +67,14 @@ def true_option(sets: OptionSets, motion: Motion) -> str | None:
 
 def offers_neither(question: str) -> bool:
     """Tell whether directions are offered without letters, and "neither" with them."""
-    text = plain_text(question)
+    text = normalised_text(question)
     named = motions_named(text)
     return bool(_NEITHER.search(text)) and len(named) > 1 and named <= {*DIRECTED}
 
 
 def initials_spelt_out(question: str) -> str:
     """Return "L, R, U or D?" in words; any other question as it is."""
-    text = plain_text(question)
+    text = normalised_text(question)
     if not _ONLY_INITIALS.fullmatch(text):
         return question
     named = re.findall(rf"\b{_INITIAL}\b", text)

@@ -1,4 +1,4 @@
-"""Numbers with a unit, as people write them: "12 px", "half a turn", "twenty to thirty degrees".
+"""Parse numbers with a unit: "12 px", "half a turn", "twenty to thirty degrees".
 
 Knows no question: what a number is said of is read elsewhere.
 """

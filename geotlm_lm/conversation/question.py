@@ -1,4 +1,4 @@
-"""What may be asked at all: a short, non-empty text."""
+"""Check that a question is not empty and not too long."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A chain of reasons in words, by rule, from the geometry a model read; knows no model.
+"""Explain a motion in words, by rule, from the geometry that a model read; knows no model.
 
 The shear change of a contact is a common shift and what its halves do against each other. The mean
 is the shift: differences cancel in it. The differences of opposite halves are free of the shift:
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from geotlm_lm.conversation.wording import capitalised
-from geotlm_lm.core.labels import Motion, along
+from geotlm_lm.core.labels import Motion, signed_amount
 
 Regions = Mapping[str, Mapping[str, float]]
 """Shear change (x right, y down, unitless) and contact mass of each of the seven regions."""
@@ -30,7 +30,7 @@ LOPSIDED = 1.5
 
 @dataclass(frozen=True)
 class Pattern:
-    """What the seven regions say together, unitless.
+    """The common shift and the differences of the seven regions, unitless.
 
     Args:
         turn: How far a half is carried by the turn, positive clockwise as drawn in the image.
@@ -49,7 +49,7 @@ class Pattern:
 
         None for motions that no shift shows: still and untouched.
         """
-        return along(
+        return signed_amount(
             motion, turn=self.turn, right=self.slide_x, down=self.slide_y, inward=self.apart
         )
 
@@ -71,7 +71,7 @@ def pattern_of(regions: Regions) -> Pattern:
 
 
 def halves(regions: Regions) -> str:
-    """Return where the contact goes on the whole, and its halves against each other."""
+    """Describe the shift of the whole contact, and of its halves against each other."""
     differences = ("upper_minus_lower", "left_minus_right")
     shifts = [_shift(regions, name) for name in (*differences, "global")]
     greatest = max(abs(value) for shift in shifts for value in shift)
@@ -97,7 +97,7 @@ def contact_place(regions: Regions, share: float) -> str:
     return f"contact fills {share:.0%} of the square looked at, most of it {where}"
 
 
-def chain(
+def reasoning_steps(
     evidence: Mapping[str, Any],
     conclusion: str,
     motion: Motion | None,

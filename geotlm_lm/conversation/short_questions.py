@@ -1,4 +1,4 @@
-"""Claims of a word or two, put as whole questions: "turning?", "up or not?", "slip == true?"."""
+"""Expand claims of a word or two to whole questions: "turning?", "up or not?"."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import re
 from geotlm_lm.conversation.motion_names import claimed_motion
 from geotlm_lm.conversation.motion_verbs import PRESSES, TURNS, base_of, forms
 from geotlm_lm.conversation.motion_verbs import SLIDES as SLIDE_VERBS
-from geotlm_lm.conversation.plain_text import without_openers
+from geotlm_lm.conversation.text_normalisation import without_openers
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 
 _LEAD = r"(?:(?:or|maybe|query|check|still)[,:]? +)*"
@@ -43,8 +43,8 @@ def _ways(offered: str) -> list[str]:
     return re.split(" ?/ ?", offered)
 
 
-def in_full(question: str) -> str:
-    """Return a claim of a word or two as a question for a yes or a no; any other text as it is."""
+def expanded_question(question: str) -> str:
+    """Expand a claim of a word or two to a yes-or-no question; others stay as they are."""
     text = without_openers(question)
     if len(text.split()) > MOST_WORDS:
         return question

@@ -1,12 +1,12 @@
-"""Signs of x and y, and of rows and columns, told as ways: y and the row numbers grow downwards."""
+"""Translate signs of x, y, rows and columns into directions; y and rows grow downwards."""
 
 from __future__ import annotations
 
 import re
 
 from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE
-from geotlm_lm.conversation.plain_text import without_openers
 from geotlm_lm.conversation.question import OPEN_QUESTION
+from geotlm_lm.conversation.text_normalisation import without_openers
 
 _X = r"(?:d ?x|delta[ -]?x|x(?:[ -](?:coordinate|component|displacement|shift|motion|position))?)"
 _Y = _X.replace("x", "y")
@@ -111,13 +111,13 @@ _PLAINLY = tuple((re.compile(words), asked) for words, asked in (*_OF_A_VECTOR, 
 
 
 def asks_sign_of_turn(question: str) -> bool:
-    """Tell whether a question is after the sign of the turning angle, which is a convention."""
+    """Tell whether a question asks for the sign of the turning angle, a convention."""
     text = without_openers(question)
     return any(re.fullmatch(words, text) for words, _ in _OF_A_TURN)
 
 
-def asked_of_axes(question: str) -> str | None:
-    """Return what a question about a sign or a vector asks of a way; None of any other question.
+def canonical_axis_question(question: str) -> str | None:
+    """Rewrite a question about a sign or a vector as one about a direction; None for others.
 
     "Is dx negative?" asks whether it goes left, "does the row index increase?" whether down.
     """
@@ -149,7 +149,7 @@ def asked_of_axes(question: str) -> str | None:
 
 
 def counts_pixels(question: str) -> bool:
-    """Tell whether `question` asks of rows or columns, which are those of the recorded image."""
+    """Tell whether `question` is in terms of rows or columns of the recorded image."""
     text = without_openers(question)
     found = (words.fullmatch(text) for words in (_SIGN, *_EITHER))
     return any(said["column"] or said["row"] for said in found if said is not None)

@@ -1,4 +1,4 @@
-"""Mistyped words for kinds of motion, put right before anything else reads them."""
+"""Correct mistyped words for kinds of motion, before any other rule reads them."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ def _slips_of(word: str) -> set[str]:
 _MEANT_BY = {slip: word for word in _SHORT for slip in _slips_of(word) if slip not in _SHORT}
 
 
-def spelt(question: str) -> str:
-    """Return a question with the mistyped ones of a few words put right.
+def corrected_spelling(question: str) -> str:
+    """Correct the mistyped ones of a few words.
 
     Only what a model or a rule takes for another question is worth it: asked whether something is
     "sliping", the model says that something touches.
@@ -65,8 +65,8 @@ def spelt(question: str) -> str:
     return re.sub(r"[A-Za-z]{4,}", lambda word: _meant(word[0]), question)
 
 
-def as_words(question: str) -> str:
-    """Return a question with the words of code apart: "slip_direction", "isTurning()"."""
+def split_code_words(question: str) -> str:
+    """Split identifiers into words: "slip_direction", "isTurning()"."""
     apart = _JOINED.sub(" ", _UNEQUAL.sub(" is not ", question))
     if _CAMEL_CASE.fullmatch(question):
         apart = _HUMP.sub(" ", question).replace("()", "").lower()

@@ -1,4 +1,4 @@
-"""Amounts that a yes-or-no question claims: "did it turn 45 degrees?", "faster than 3 mm/s?"."""
+"""Parse amounts that a yes-or-no question claims: "did it turn 45 degrees?"."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from geotlm_lm.conversation.beyond_touch import asks_beyond_touch
-from geotlm_lm.conversation.claims import asks_yes_or_no
 from geotlm_lm.conversation.kinds import asked_kind
+from geotlm_lm.conversation.motion_claims import asks_yes_or_no
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
+from geotlm_lm.conversation.non_tactile_questions import asks_beyond_touch
 from geotlm_lm.conversation.number_words import NUMBER
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.object_sizes import without_sizes
 from geotlm_lm.conversation.quantities import Quantity, quantities, without_quantities
-from geotlm_lm.conversation.thing_sizes import without_sizes
+from geotlm_lm.conversation.text_normalisation import normalised_text
 
 Bound = Literal["about", "more", "less"]
 
@@ -221,7 +221,7 @@ def without_amount(question: str) -> str:
 
 
 def _text(question: str) -> str:
-    text = plain_text(question).replace("\u2212", "-")
+    text = normalised_text(question).replace("\u2212", "-")
     return without_sizes(text.replace("\u00bd", "1/2"))
 
 

@@ -1,11 +1,11 @@
-"""Tells a statement about the recording from a question, where no fact could be read in it."""
+"""Detect statements about the recording in which no fact could be read."""
 
 from __future__ import annotations
 
 import re
 
 from geotlm_lm.conversation.motion_names import motions_named
-from geotlm_lm.conversation.plain_text import plain_text
+from geotlm_lm.conversation.text_normalisation import normalised_text
 
 UNREAD = (
     "I read no fact about the recording in that; say for example 'left-hand thread', 'the image is "
@@ -42,12 +42,12 @@ _ASKS = re.compile(
 )
 
 
-def states_more(text: str) -> bool:
+def is_unread_statement(text: str) -> bool:
     """Tell whether `text`, in which no fact was read, seems to state one about the recording.
 
     Such a statement is no question: an answer to it would pass over what was meant.
     """
-    text = plain_text(text)
+    text = normalised_text(text)
     if _OF_A_SETUP.match(text) and not _ASKS.search(text):
         return True
     is_said = bool(_STATEMENT.match(text) and _STATES.search(text))

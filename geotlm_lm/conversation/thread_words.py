@@ -1,10 +1,10 @@
-"""Questions whether a thread goes in or out, opens or closes: they ask what tightening asks."""
+"""Rewrite questions about screwing in or out, opening or closing as "does it tighten?"."""
 
 from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.plain_text import without_openers
+from geotlm_lm.conversation.text_normalisation import without_openers
 
 _SCREWED = r"(?:screw|bolt|nut|thread|bulb)"
 _CLOSES = r"(?:cap|lid|jar|bottle|stopper|tap|valve|faucet)"
@@ -43,8 +43,8 @@ _WHERE_ONE_IS_KNOWN = re.compile(
 _TIGHTER_OR_LOOSER = "Is it tightening or loosening?"
 
 
-def of_a_thread(question: str, is_known: bool) -> str:
-    """Return a question about a thread in the words a model knows; any other as it is.
+def canonical_thread_question(question: str, is_known: bool) -> str:
+    """Rewrite a question about a thread in trained wording; others stay as they are.
 
     Args:
         question: What is asked.

@@ -1,4 +1,4 @@
-"""A motion and a frame of reference in words; every direction names its frame once."""
+"""Put a motion and a frame of reference into words; every direction names its frame once."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ _GERUNDS = {
 }
 
 
-def place(frame: FrameSpec) -> str:
-    """Return where from a direction is told: "in the camera image", "seen from ..."."""
+def frame_phrase(frame: FrameSpec) -> str:
+    """Return the frame of a direction as a phrase: "in the camera image"."""
     is_from_sensor = frame.viewpoint == "sensor"
     seen = "in the camera image" if is_from_sensor else "seen from the object's side"
     turned, mirrored = frame.turning(), ["the mirror undone"] * frame.image_mirrored
@@ -51,35 +51,35 @@ def place(frame: FrameSpec) -> str:
     return f"{seen} with {' and '.join(changed)}" if changed else seen
 
 
-def name(motion: Motion) -> str:
+def motion_phrase(motion: Motion) -> str:
     """Return a motion as a phrase without frame: "clockwise", "pressing in"."""
     return motion.value if motion in DIRECTED else _GERUNDS[motion]
 
 
-def sentence(told: Motion, frame: FrameSpec) -> str:
-    """Return the answer to "which way?", `told` being the motion as `frame` tells it."""
+def direction_sentence(told: Motion, frame: FrameSpec) -> str:
+    """Return a motion, `told` as `frame` names it, as a sentence with its frame."""
     if told not in DIRECTED:
         return AT_REST[told]
     if frame.actor == "sensor":
-        return f"The sensor goes {told.value}, {place(frame)}."
-    return f"{told.value.capitalize()}, {place(frame)}."
+        return f"The sensor goes {told.value}, {frame_phrase(frame)}."
+    return f"{told.value.capitalize()}, {frame_phrase(frame)}."
 
 
-def clause(told: Motion, frame: FrameSpec) -> str:
-    """Return the same as a clause: "it goes left in the camera image"."""
+def direction_clause(told: Motion, frame: FrameSpec) -> str:
+    """Return a motion as a clause with its frame: "it goes left in the camera image"."""
     if told not in DIRECTED:
         return _CLAUSES[told]
     who = "the sensor" if frame.actor == "sensor" else "it"
-    return f"{who} goes {told.value} {place(frame)}"
+    return f"{who} goes {told.value} {frame_phrase(frame)}"
 
 
-def level(probability: float) -> str:
+def confidence_level(probability: float) -> str:
     """Return a probability as a word: high from 0.9, medium from 0.6, low below."""
     return "high" if probability >= 0.9 else "medium" if probability >= 0.6 else "low"
 
 
-def known(frame: FrameSpec) -> str:
-    """Return everything that is known of the frame, in one clause."""
+def frame_summary(frame: FrameSpec) -> str:
+    """Return all known facts of the frame in one clause."""
     facts = [frame.sentence()]
     if frame.thread is not None:
         facts.append(f"{frame.thread}-hand thread")
@@ -95,6 +95,6 @@ def capitalised(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}"
 
 
-def lowered(text: str) -> str:
+def decapitalised(text: str) -> str:
     """Return `text` as it goes on within a sentence, its other letters as they are."""
     return f"{text[:1].lower()}{text[1:]}"

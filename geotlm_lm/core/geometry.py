@@ -31,6 +31,9 @@ SENSOR_TOKEN_COUNT = 5
 SHEAR_CHANNEL_COUNT = 2
 """In-plane components of the shear signal, (x, y)."""
 
+FLOW_SCALE_PX = 4.0
+"""Pixels of accumulated flow, of a 224-pixel image, that are 1 in inputs and learned shear."""
+
 REGIONS = ("upper", "lower", "upper_minus_lower", "left", "right", "left_minus_right", "global")
 """The seven pooling regions in the paper's order (Eq. 6)."""
 

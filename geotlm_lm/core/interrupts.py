@@ -12,7 +12,7 @@ from multiprocessing.process import BaseProcess
 
 
 @contextmanager
-def whole_step() -> Iterator[None]:
+def uninterrupted_step() -> Iterator[None]:
     """Let Ctrl-C and SIGTERM wait until the block is done: half a step must not be saved."""
     if threading.current_thread() is not threading.main_thread():
         yield  # Python delivers signals to the main thread only.
@@ -32,7 +32,7 @@ def whole_step() -> Iterator[None]:
 
 
 @contextmanager
-def deaf_children() -> Iterator[None]:
+def children_without_interrupts() -> Iterator[None]:
     """Start processes inside that never see Ctrl-C: it is their parent's to end them.
 
     A terminal sends Ctrl-C to every process of a command; each worker would print a trace.
@@ -48,7 +48,7 @@ def deaf_children() -> Iterator[None]:
 
 
 @contextmanager
-def children_end_with_it() -> Iterator[Callable[[], None]]:
+def children_killed_on_error() -> Iterator[Callable[[], None]]:
     """End the processes started inside at once if the block is broken off.
 
     Yields what a block that lets others work in between calls once its own are started: processes

@@ -97,7 +97,7 @@ def turn_by_quarter(motion: Motion) -> Motion:
     return _QUARTER_TURNED.get(motion, motion)
 
 
-def along(
+def signed_amount(
     motion: Motion, *, turn: float, right: float, down: float, inward: float = 0.0
 ) -> float | None:
     """Return how far a movement goes the way `motion` names, negative against it.

@@ -8,7 +8,7 @@ INT8 = "int8"
 
 OFFERED = ("float32", "bfloat16", INT8)
 """Measured to err alike; bfloat16 answers in 0.90, int8 in 0.88 of float32's time
-(reports/runtime.md)."""
+(docs/results/pareto.md)."""
 
 
 def require_offered(precision: str) -> str:

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, along
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, signed_amount
 
 Poses = NDArray[np.float64]
 
@@ -174,7 +174,7 @@ def labelled_pairs(trial: Tracked, rule: PairRule, task: str) -> list[LabelledPa
     ]
 
 
-def sweep(trials: Sequence[Tracked], rule: PairRule, task: str) -> list[dict[str, Any]]:
+def sweep_pair_counts(trials: Sequence[Tracked], rule: PairRule, task: str) -> list[dict[str, Any]]:
     """Count the pairs of every gap and threshold, the other thresholds as `rule` has them.
 
     Returns:
@@ -204,7 +204,7 @@ def nearest_rule(
     return rules[best]
 
 
-def evenly(pairs: Sequence[LabelledPair], most: int) -> list[LabelledPair]:
+def evenly_spaced(pairs: Sequence[LabelledPair], most: int) -> list[LabelledPair]:
     """Return at most `most` of `pairs`, evenly through the recording."""
     if len(pairs) <= most:
         return list(pairs)
@@ -227,5 +227,5 @@ def _pair(
 ) -> LabelledPair:
     right, down = (float(value) for value in slide_px)
     among = ROTATIONS if task == "rotation" else SLIDES
-    motion = max(among, key=lambda one: along(one, turn=turn_deg, right=right, down=down))
+    motion = max(among, key=lambda one: signed_amount(one, turn=turn_deg, right=right, down=down))
     return LabelledPair(first, last, motion, float(turn_deg), (right, down))

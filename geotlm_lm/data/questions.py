@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.data.contents import CONTENTS, Content, amount_of
+from geotlm_lm.data.question_contents import CONTENTS, Content, amount_of
 from geotlm_lm.data.templates import QuestionType, Templates, Wording, load_templates
 from geotlm_lm.language.parse_answer import Slots
 

@@ -11,7 +11,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from geotlm_lm.core.labels import ROTATIONS, Motion, along
+from geotlm_lm.core.labels import ROTATIONS, Motion, signed_amount
 
 RESTING = (Motion.STILL, Motion.NONE)
 
@@ -51,7 +51,7 @@ class Reading:
 
     def along(self, motion: Motion) -> float:
         """Return how far the window goes the way `motion` names, in that motion's own unit."""
-        far = along(
+        far = signed_amount(
             motion,
             turn=self.turn_deg,
             right=self.slide_x_px,

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import cv2
 
-from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
 from geotlm_lm.recordings.pixels import check_layout
 from geotlm_lm.recordings.read import read_clip, require_rate
@@ -109,7 +109,6 @@ class Recording:
         square_pixels: bool | None = None,
     ) -> None:
         self.name, self.dropped, self._is_rate_given = str(path), 0, fps is not None
-        self.notes: tuple[str, ...] = ()
         self._path, self._is_video = path, path.suffix.lower() in VIDEO_SUFFIXES
         if not path.exists():
             raise UnreadableClip(f"{path}: no such file or folder; check the path.")
@@ -126,7 +125,8 @@ class Recording:
             self.notes = self._clip.notes
             told = self._clip.fps or 0.0
         self._recorded_fps, self.is_rate_assumed = _rate(fps, told)
-        self.fps = self._recorded_fps / (1 if self._is_video else _stride(self._clip))
+        kept = (0, 1) if self._is_video else self._clip.frame_numbers
+        self.fps = self._recorded_fps / (kept[1] - kept[0])
 
     def __iter__(self) -> Iterator[StreamFrame]:
         """Yield every frame; a video is decoded as it is read, however long it is.
@@ -152,7 +152,7 @@ class Recording:
                 yield StreamFrame(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), time_s)
 
 
-class Played:
+class RealTimePlayback:
     """A recording played at its own rate, as a camera would give it: late frames are dropped.
 
     Args:
@@ -259,7 +259,7 @@ def open_source(
     fps: float | None = None,
     layout: str | None = None,
     square_pixels: bool | None = None,
-) -> Recording | Played | Camera:
+) -> Recording | RealTimePlayback | Camera:
     """Return the stream called `name`: a camera's number, a device file, or a recording.
 
     Args:
@@ -267,8 +267,7 @@ def open_source(
         at_its_rate: Play a recording as fast as it was taken, and drop what is too late.
         fps: Frames per second; None to take what the recording or the camera says.
         layout: Axes of an array, its order of colours; see `read_clip`. None to guess.
-        square_pixels: Of an array or images; None as in `read_clip`. Cameras and videos give their
-            frames as they are.
+        square_pixels: Of an array or images; None as in `read_clip`.
 
     Raises:
         MissingDependency: If a camera does not open.
@@ -282,7 +281,7 @@ def open_source(
     if name.startswith("/dev/"):
         return Camera(name, fps)
     recording = Recording(Path(name), fps, layout, square_pixels)
-    return Played(recording) if at_its_rate else recording
+    return RealTimePlayback(recording) if at_its_rate else recording
 
 
 def _rate(given: float | None, told: float) -> tuple[float, bool]:
@@ -290,10 +289,6 @@ def _rate(given: float | None, told: float) -> tuple[float, bool]:
     if given is not None:
         return given, False
     return (told, False) if 0 < told < 1e4 else (DEFAULT_FPS, True)
-
-
-def _stride(clip: Clip) -> int:
-    return clip.frame_numbers[1] - clip.frame_numbers[0]
 
 
 def _advice(device: int | str) -> str:

@@ -73,7 +73,7 @@ ReadWindow = Callable[[Clip, Sequence[Motion]], Window]
 
 
 @dataclass
-class Account:
+class StreamStatistics:
     """How a stream was kept up with.
 
     Args:
@@ -129,7 +129,7 @@ class Watcher:
         self._idle, self._segmenter = IdleTracker(), Segmenter()
         self._samples: deque[Sample] = deque(maxlen=KEPT_SAMPLES)
         self._due_s = float("-inf")
-        self.account = Account()
+        self.account = StreamStatistics()
         self.perceived: Any = None
         """What the model saw in the last window; None while nothing touches."""
 
@@ -225,8 +225,8 @@ def model_reader(answerer: Answerer) -> ReadWindow:
     objects 0.85 of the turns and 0.91 of the slides are told to within a fifth; by the shear alone
     0.70 and 0.86.
     """
-    from geotlm_lm.answering.measuring import travelled
-    from geotlm_lm.answering.withholding import shows_contact
+    from geotlm_lm.answering.abstention import shows_contact
+    from geotlm_lm.answering.measured_amounts import amount_along
 
     def read(clip: Clip, among: Sequence[Motion]) -> Window:
         try:
@@ -239,7 +239,7 @@ def model_reader(answerer: Answerer) -> ReadWindow:
         motion = among[best]
         if answerer.bundle.calibration.withholds(motion, encoded.contact_share):
             motion = Motion.STILL
-        went = travelled(answerer.bundle, encoded, motion) or learned_motion(encoded)
+        went = amount_along(answerer.bundle, encoded, motion) or learned_motion(encoded)
         drawn = encoded if shows_contact(answerer.bundle, encoded) else None
         return Window(motion, odds[best], *went, drawn)
 

@@ -10,7 +10,7 @@ import math
 import torch
 from torch import Tensor
 
-from geotlm_lm.backbone.evened import EVENED_SHAPE
+from geotlm_lm.backbone.contrast_equalisation import EQUALISED_SHAPE
 from geotlm_lm.backbone.stem import (
     ALIGNED_AT,
     CELLS,
@@ -37,20 +37,20 @@ FLOOR = 0.3
 SQUARE_ASPECT = pixel_aspect(IMAGE_SIDE, IMAGE_SIDE)
 """Of the simulator's pictures."""
 
-_EVENED_DIM = math.prod(EVENED_SHAPE[:-1]) * 3
-MOVEMENT_DIM = 2 * (1 + 2 * len(ALIGNMENTS) + len(FLOWS)) + 2 * len(LAST_STEP) + 2 + _EVENED_DIM
+_EQUALISED_DIM = math.prod(EQUALISED_SHAPE[:-1]) * 3
+MOVEMENT_DIM = 2 * (1 + 2 * len(ALIGNMENTS) + len(FLOWS)) + 2 * len(LAST_STEP) + 2 + _EQUALISED_DIM
 """Numbers that describe how far a clip's imprint moved."""
 
 
 def movement(
-    inputs: Tensor, geometry: Geometry, evened: Tensor, aspect: float = SQUARE_ASPECT
+    inputs: Tensor, geometry: Geometry, equalised: Tensor, aspect: float = SQUARE_ASPECT
 ) -> Tensor:
     """Describe how far each clip's imprint moved, (b, MOVEMENT_DIM).
 
     First the logarithms of turn and travel of every rigid motion, the learned shear's first, in
     degrees and pixels of the 224-pixel image; then how well the alignments fit, the logarithm of
     the view's side, relative to the image's, and the contact mass; last turn, travel and fit of
-    the evened images' alignments.
+    the contrast-equalised images' alignments.
 
     Early time-bins are among them: what is told is the way to the last frame, a bin is a mean of
     two, and frames do not follow each other evenly. Without these and the sums over the steps 0.83
@@ -61,7 +61,8 @@ def movement(
     Args:
         inputs: What the stem made of the clips, (b, 2, 14, 14, PATCH_INPUT_DIM).
         geometry: What DGR made of their tokens.
-        evened: How their evened images are laid on each other, (b, *EVENED_SHAPE).
+        equalised: How their contrast-equalised images are laid on each other,
+            (b, *EQUALISED_SHAPE).
         aspect: Width of a pixel over its height.
     """
     inputs = inputs.float()
@@ -82,11 +83,11 @@ def movement(
     fits = [inputs[..., place].mean(dim=(2, 3)) for place in LAST_STEP]
     mass = geometry.region_mass[:, REGIONS.index("global")].float()
     whole = torch.stack([side.log(), mass], dim=1)
-    return torch.cat([_log(sizes), *fits, whole, _evened_sizes(evened.float())], dim=1)
+    return torch.cat([_log(sizes), *fits, whole, _equalised_sizes(equalised.float())], dim=1)
 
 
-def _evened_sizes(evened: Tensor) -> Tensor:
-    turn_rad, way_px, fit = evened.split([1, 2, 1], dim=-1)
+def _equalised_sizes(equalised: Tensor) -> Tensor:
+    turn_rad, way_px, fit = equalised.split([1, 2, 1], dim=-1)
     travel_px = way_px.norm(dim=-1, keepdim=True)
     sizes = [_log(turn_rad.rad2deg().abs()), _log(travel_px), fit]
     return torch.cat(sizes, dim=-1).flatten(1)

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.geometry import camera_size
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, along
-from geotlm_lm.core.ranked import ranked
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, signed_amount
+from geotlm_lm.core.rank_quantile import quantile_by_rank
 from geotlm_lm.probe.rigid_fit import Field, fit_rigid, radius_of_gyration
 
 Grey = NDArray[np.uint8]
@@ -133,10 +133,10 @@ class RigidFlow:
         Raises:
             ValueError: If `among` is empty.
         """
-        return decide(self.fit(clip, background), among)
+        return classify_motion(self.fit(clip, background), among)
 
 
-def decide(motion: RigidMotion, among: Iterable[Motion]) -> Motion:
+def classify_motion(motion: RigidMotion, among: Iterable[Motion]) -> Motion:
     """Return the one of `among` that a rigid motion speaks for.
 
     Untouched gel first, then stillness, then an imprint that grows or fades and hardly travels,
@@ -170,12 +170,14 @@ def imprint_contrast(residual: Field) -> Field:
     Smoothed, so that sensor noise weighs next to nothing, and free of a change of exposure.
     """
     smooth = cv2.GaussianBlur(residual, (0, 0), NOISE_SIGMA_PX)[::FIT_STRIDE, ::FIT_STRIDE]
-    return np.abs(smooth - ranked(smooth[::2, ::2]))
+    return np.abs(smooth - quantile_by_rank(smooth[::2, ::2]))
 
 
 def _dominant_direction(motion: RigidMotion, directed: list[Motion]) -> Motion:
     path = {
-        one: along(one, turn=motion.turn_px, right=motion.slide_x_px, down=motion.slide_y_px)
+        one: signed_amount(
+            one, turn=motion.turn_px, right=motion.slide_x_px, down=motion.slide_y_px
+        )
         for one in DIRECTED
     }
     turns = [one for one in directed if one in ROTATIONS]

@@ -14,7 +14,13 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.limits import DECLARED_BYTES, KEPT_BYTES, stride_for, stride_note
+from geotlm_lm.recordings.limits import (
+    DECLARED_BYTES,
+    FEWEST_KEPT,
+    KEPT_BYTES,
+    stride_for,
+    stride_note,
+)
 from geotlm_lm.recordings.pixels import Order, layout_of, parts_of, still_to_rgb, to_rgb
 
 
@@ -52,9 +58,9 @@ def read_archive(path: Path, layout: str | None = None) -> Clip:
     with _refusing_damage(name), zipfile.ZipFile(path) as archive:
         keys = sorted(entry.removesuffix(".npy") for entry in archive.namelist())
         key = _key_of_frames(archive, keys, name)
-        frames = _read_member(archive, key, name)
+        frames, step, count = _read_frames(archive, key, name)
         others = {k: _read_member(archive, k, name) for k in ("fps", "background") if k in keys}
-    clip = _to_clip(frames, layout, name)
+    clip = _to_clip(frames, layout, name, step, count)
     if key != "frames":
         clip = clip.with_note(f"The array '{key}' was taken for the frames.")
     fps, idle = others.get("fps"), others.get("background")
@@ -116,7 +122,7 @@ def _picture_axes(archive: zipfile.ZipFile, key: str, name: str) -> int:
     """Return 4 where an array has the shape of frames in colour, 3 of grey ones, 0 otherwise."""
     try:
         with archive.open(f"{key}.npy") as stream:
-            shape, _ = _read_header(stream, name)
+            shape, _, _ = _read_header(stream, name)
     except (UnreadableClip, KeyError, ValueError):  # not an array of numbers: no pictures either
         return 0
     is_colour = len(shape) == 4 and 3 in (shape[1], shape[3])
@@ -140,7 +146,7 @@ def map_array(path: Path) -> NDArray:
     """
     with _refusing_damage(str(path)):
         with path.open("rb") as stream:
-            shape, dtype = _read_header(stream, str(path))
+            shape, _, dtype = _read_header(stream, str(path))
             needed = stream.tell() + math.prod(shape) * dtype.itemsize
         if path.stat().st_size < needed:
             raise UnreadableClip(
@@ -152,13 +158,16 @@ def map_array(path: Path) -> NDArray:
         return np.load(path, mmap_mode="r", allow_pickle=False)
 
 
-def _read_header(stream: IO[bytes], name: str) -> tuple[tuple[int, ...], np.dtype]:
-    """Return the declared shape and type, refusing what must not be read."""
+def _read_header(stream: IO[bytes], name: str) -> tuple[tuple[int, ...], bool, np.dtype]:
+    """Return the declared shape, whether the first axis runs fastest, and the type.
+
+    Refuses what must not be read.
+    """
     version = np.lib.format.read_magic(stream)
     read = np.lib.format.read_array_header_1_0
     if version != (1, 0):
         read = np.lib.format.read_array_header_2_0
-    shape, _, dtype = read(stream)
+    shape, is_fortran, dtype = read(stream)
     if dtype.hasobject:
         raise UnreadableClip(
             f"{name}: holds Python objects, which are never unpickled, expected uint8 frames "
@@ -170,28 +179,64 @@ def _read_header(stream: IO[bytes], name: str) -> tuple[tuple[int, ...], np.dtyp
             f"{name}: declares {declared / 2**30:.0f} GiB (shape {shape}), the limit is "
             f"{DECLARED_BYTES // 2**30} GiB; cut the recording into parts."
         )
-    return shape, dtype
+    return shape, is_fortran, dtype
 
 
 def _read_member(archive: zipfile.ZipFile, key: str, name: str) -> NDArray:
     with archive.open(f"{key}.npy") as stream:
-        shape, dtype = _read_header(stream, name)
-    declared = math.prod(shape) * dtype.itemsize
-    if declared > ARCHIVE_BYTES:
-        # A compressed array cannot be mapped: all of it would have to be unpacked first.
-        raise UnreadableClip(
-            f"{name}: '{key}' unpacks to {declared / 2**30:.1f} GiB, the limit for .npz is "
-            f"{ARCHIVE_BYTES // 2**30} GiB; save it as .npy instead."
-        )
+        shape, _, dtype = _read_header(stream, name)
+        _check_unpacked(shape, dtype, KEPT_BYTES, key, name)
     with archive.open(f"{key}.npy") as stream:
         return np.lib.format.read_array(stream, allow_pickle=False)
 
 
+def _read_frames(archive: zipfile.ZipFile, key: str, name: str) -> tuple[NDArray, int, int]:
+    """Return the frames that fit, at which step they were taken, and of how many.
+
+    A compressed array cannot be mapped; one that is too large to be held is unpacked in blocks, of
+    which every `step`-th frame is kept.
+    """
+    with archive.open(f"{key}.npy") as stream:
+        shape, is_fortran, dtype = _read_header(stream, name)
+        frame_bytes = math.prod(shape[1:]) * dtype.itemsize
+        # Frames stored with the first axis fastest lie scattered over the whole array.
+        is_whole = is_fortran or frame_bytes * FEWEST_KEPT > KEPT_BYTES
+        most = KEPT_BYTES if is_whole else ARCHIVE_BYTES
+        if _check_unpacked(shape, dtype, most, key, name) > KEPT_BYTES:
+            step = -(-shape[0] // (KEPT_BYTES // frame_bytes))
+            kept = np.empty((-(-shape[0] // step), *shape[1:]), dtype)
+            at_once = max(BLOCK_BYTES // (step * frame_bytes), 1)
+            for start in range(0, len(kept), at_once):
+                count = min(step * at_once, shape[0] - step * start)
+                block = np.frombuffer(stream.read(count * frame_bytes), dtype)
+                kept[start : start + at_once] = block.reshape(count, *shape[1:])[::step]
+            return kept, step, shape[0]
+    frames = _read_member(archive, key, name)
+    return frames, 1, shape[0] if shape else 0
+
+
+def _check_unpacked(shape: tuple[int, ...], dtype: np.dtype, most: int, key: str, name: str) -> int:
+    """Return the bytes an array of an archive unpacks to, refusing more than `most`."""
+    declared = math.prod(shape) * dtype.itemsize
+    if declared > most:
+        raise UnreadableClip(
+            f"{name}: '{key}' unpacks to {declared / 2**30:.1f} GiB, the limit for .npz is "
+            f"{most / 2**30:g} GiB; save it as .npy instead."
+        )
+    return declared
+
+
 ARCHIVE_BYTES = 4 * KEPT_BYTES
-"""Bytes one array of an archive may unpack to."""
+"""Bytes the frames of an archive may unpack to, of which `KEPT_BYTES` are held: a bound on time."""
+
+BLOCK_BYTES = 16 * 2**20
+"""Bytes of an archive unpacked at once, at least one step of frames."""
 
 
-def _to_clip(stored: NDArray, layout: str | None, name: str) -> Clip:
+def _to_clip(
+    stored: NDArray, layout: str | None, name: str, step: int = 1, count: int | None = None
+) -> Clip:
+    """Return stored frames, every `step`-th of a recording of `count`, as a clip that fits."""
     axes, order = parts_of(layout)
     found, layout_note = layout_of(stored.shape, axes, name)
     if stored.shape[0] == 0 or stored.size == 0:
@@ -199,12 +244,12 @@ def _to_clip(stored: NDArray, layout: str | None, name: str) -> Clip:
             f"{name}: holds no pixels (shape {stored.shape}); record or export it again."
         )
     rows, columns = (stored.shape[found.index(axis)] for axis in "HW")
-    stride = stride_for(len(stored), rows, columns, name)
-    frames, range_note = to_rgb(stored[::stride], found, order, name)
-    notes = (layout_note, range_note)
+    more = stride_for(len(stored), rows, columns, name)
+    frames, range_note = to_rgb(stored[::more], found, order, name)
+    notes, count, stride = (layout_note, range_note), count or len(stored), step * more
     if stride > 1:
-        notes = (*notes, stride_note(stride, len(stored)))
-    return Clip(frames, name=name, frame_numbers=tuple(range(0, len(stored), stride)), notes=notes)
+        notes = (*notes, stride_note(stride, count))
+    return Clip(frames, name=name, frame_numbers=tuple(range(0, count, stride)), notes=notes)
 
 
 def _one_number(value: NDArray, name: str) -> float | None:

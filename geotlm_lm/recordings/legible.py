@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.ranked import ranked
+from geotlm_lm.core.rank_quantile import quantile_by_rank
 
 Colours = NDArray[np.uint8]
 """Pixels, colour first: (3, frames, rows, columns), or (3, rows, columns) of one image."""
@@ -91,7 +91,7 @@ def noise_grey(lines: NDArray[np.uint8]) -> float:
     """
     wide = lines.astype(np.int16)
     bend = wide[..., :-2] - 2 * wide[..., 1:-1] + wide[..., 2:]
-    return float(ranked(np.abs(bend))) / (0.6745 * np.sqrt(6.0))
+    return float(quantile_by_rank(np.abs(bend))) / (0.6745 * np.sqrt(6.0))
 
 
 def _require_pixels(clip: Clip) -> None:
@@ -112,7 +112,7 @@ def _require_exposed(clip: Clip, sample: Colours) -> None:
             f"{clip.name}: {black.max():.0%} of frame {_number(clip, black)} is black, expected "
             f"at most {MOST_BLACK:.0%}; check the camera and the sensor's lights."
         )
-    level = np.array([int(ranked(frame)) for frame in brightest])
+    level = np.array([int(quantile_by_rank(frame)) for frame in brightest])
     if level.min() < DIM_GREY:
         raise UnreadableClip(
             f"{clip.name}: frame {_number(clip, -level)} is dim, its middle grey level is "
@@ -136,7 +136,9 @@ def _require_quiet(clip: Clip, lines: NDArray[np.uint8]) -> None:
 
 def _require_steady(clip: Clip, sample: Colours, idle: Colours) -> None:
     residual = sample.astype(np.int16) - idle[:, None]
-    offsets = np.array([[ranked(frame) for frame in colour] for colour in residual], np.float64)
+    offsets = np.array(
+        [[quantile_by_rank(frame) for frame in colour] for colour in residual], np.float64
+    )
     within = np.ptp(offsets, axis=1)
     if within.max() > MOST_CHANGE_GREY:
         raise UnreadableClip(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.ranked import ranked
+from geotlm_lm.core.rank_quantile import quantile_by_rank
 
 Floats = NDArray[np.float32]
 
@@ -75,7 +75,7 @@ class Change:
         The largest over the frames, in green, which a video codec keeps best; a change of exposure
         does not count.
         """
-        return max(float(ranked(np.abs(one), 1 - TOUCHED_SHARE)) for one in self.changes)
+        return max(float(quantile_by_rank(np.abs(one), 1 - TOUCHED_SHARE)) for one in self.changes)
 
     @cached_property
     def is_beyond_noise(self) -> bool:
@@ -128,11 +128,11 @@ def _noise_grey(step: Floats) -> float:
     """Return the deviation of one frame's noise, at the width the change is measured at."""
     fine = step - cv2.GaussianBlur(step, (0, 0), BLUR_PX)
     # The median of a normal deviation's size is 0.6745; two frames' noise adds up in a step.
-    return float(ranked(np.abs(fine))) / (0.6745 * 2**0.5)
+    return float(quantile_by_rank(np.abs(fine))) / (0.6745 * 2**0.5)
 
 
 def _smooth(change: Floats) -> Floats:
-    return cv2.GaussianBlur(change - ranked(change), (0, 0), BLUR_PX)
+    return cv2.GaussianBlur(change - quantile_by_rank(change), (0, 0), BLUR_PX)
 
 
 def _small(image: NDArray[np.uint8]) -> Floats:

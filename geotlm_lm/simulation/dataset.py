@@ -25,7 +25,11 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError, UsageError
-from geotlm_lm.core.interrupts import children_end_with_it, deaf_children, whole_step
+from geotlm_lm.core.interrupts import (
+    children_killed_on_error,
+    children_without_interrupts,
+    uninterrupted_step,
+)
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.threads import one_thread_in_children
@@ -179,8 +183,8 @@ def _write_all(shards: list[_Shard], workers: int) -> Iterator[int]:
         initializer=_prepare_worker,
     )
     try:
-        with children_end_with_it() as all_started:
-            with deaf_children(), one_thread_in_children():
+        with children_killed_on_error() as all_started:
+            with children_without_interrupts(), one_thread_in_children():
                 writing = [pool.submit(_write_shard, shard) for shard in shards]
             all_started()  # what the caller starts when it is told of a shard is no worker
             for future in as_completed(writing):
@@ -242,7 +246,7 @@ def _write_shard(shard: _Shard) -> int:
     made["object_names"] = np.array(names)
     made["index"] = np.arange(shard.first_index, shard.first_index + shard.count)
     made["labels"] = np.array(json.dumps(labels))
-    with whole_step():  # a worker that is ended here leaves its shard, not a part of it
+    with uninterrupted_step():  # a worker that is ended here leaves its shard, not a part of it
         _save_atomically(Path(shard.path), made)
     return shard.count
 

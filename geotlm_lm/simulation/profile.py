@@ -214,10 +214,6 @@ class Profile:
         lines = body[middle[0], None], body[:, middle[1], None].T
         return all(_is_smooth_along(one, half, reach_mm) for one in (*lines, body, body.T))
 
-    def overlap_area_mm2(self, depth_mm: float) -> float:
-        """Return the area of the object lower than `depth_mm` above its lowest point."""
-        return float((self._coarse() < depth_mm).mean() * RASTER_MM**2)
-
     def depth_for_area(self, area_mm2: float) -> float:
         """Return the depth at which `area_mm2` of the object lies below it."""
         values = self._coarse().ravel()

@@ -9,7 +9,7 @@ from geotlm_lm.checkpoint import CARD_FILE, Bundle
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.training.config import TrainingPreset
-from geotlm_lm.training.examples import VARIED, WORN_SHARE
+from geotlm_lm.training.examples import DAMAGED_SHARE, VARIED
 from geotlm_lm.training.geometry import EQUAL_ACCURACY
 
 SCORES_FILE = "scores.json"
@@ -66,7 +66,7 @@ def _how_made(folder: Path, bundle: Bundle, seconds: float) -> str:
     return f"""\
 Answers questions about the motion of a touched object in a four-frame clip of a GelSight-like
 sensor. Every weight was trained on simulated clips alone, {markers:.0%} of them on gels
-with markers, {WORN_SHARE:.0%} damaged by compression, a dim or drifting camera or a faint touch.
+with markers, {DAMAGED_SHARE:.0%} damaged by compression, a dim or drifting camera or a faint touch.
 
 - Backbone: ViT, width {config.width}, {config.depth} layers, {config.heads} heads, one
   token for both time-bins of a patch, frozen after pretraining on {pretrained_on:,} simulated

@@ -20,16 +20,16 @@ from numpy.typing import NDArray
 from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.interrupts import (
-    children_end_with_it,
-    deaf_children,
+    children_killed_on_error,
+    children_without_interrupts,
     end_if_orphaned,
-    whole_step,
+    uninterrupted_step,
 )
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.core.threads import one_thread_in_children
-from geotlm_lm.training.forms import Recorded, as_recorded, bin_means, truth_in
+from geotlm_lm.training.recording_forms import RecordedForm, as_recorded, bin_means, truth_in_view
 
 if TYPE_CHECKING:
     from geotlm_lm.simulation.simulate import SimulatedClip
@@ -44,17 +44,18 @@ ten motions a doubtful turn of a round body was taken for a slide (turns right 0
 VARIED = {"marker_share": 0.15, "unsteady_share": 0.5}
 """What training adds to the plain series: gels with markers, and unsteady hands."""
 
-WORN_SHARE = 0.2
+DAMAGED_SHARE = 0.2
 """Share of training's clips damaged by light or storage. Without any, of 60 clips through JPEG of
 quality 20 nine were told wrong, of as many that grow 5 % brighter on the way six, and of as many a
 fifth as bright five; of undamaged ones none."""
 
-EXAMPLES_VERSION = 5
+EXAMPLES_VERSION = 6
 """Raised when what is stored of the same clips changes: labels know the size of a pixel since 2;
 since 3 the stem subtracts the idle gel first and ends its refinement at 0.04 px; since 4 it finds
-lights on other sides; since 5 there are the motions of evened images."""
+lights on other sides; since 5 there are the motions of
+contrast-equalised images; since 6 they are stored by that name."""
 
-_ARRAYS = ("inputs", "evened", "displacement_px", "contact", "depth_mm")
+_ARRAYS = ("inputs", "equalised_motions", "displacement_px", "contact", "depth_mm")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +64,8 @@ class Examples:
 
     Args:
         inputs: Patch inputs, float16, shape (n, 2, 14, 14, dim).
-        evened: How the evened images move, float16, shape (n, *EVENED_SHAPE).
+        equalised_motions: How the contrast-equalised images move, float16,
+            shape (n, *EQUALISED_SHAPE).
         displacement_px: True displacement since the first frame, mean per time-bin, float16,
             shape (n, 2, 14, 14, 2), pixels of the square image.
         contact: Share of each patch in contact per time-bin, float16, shape (n, 2, 14, 14).
@@ -73,7 +75,7 @@ class Examples:
     """
 
     inputs: NDArray[np.float16]
-    evened: NDArray[np.float16]
+    equalised_motions: NDArray[np.float16]
     displacement_px: NDArray[np.float16]
     contact: NDArray[np.float16]
     depth_mm: NDArray[np.float16]
@@ -92,8 +94,8 @@ class ExampleSet:
         stage: Name of the set; with the seed it decides every clip.
         count: Number of examples; whole chunks are simulated.
         objects: Names of the objects to touch.
-        is_varied: Whether it is `VARIED` and `WORN_SHARE` of it is damaged, as training is, or the
-            plain series that evaluations use.
+        is_varied: Whether it is `VARIED` and `DAMAGED_SHARE` of it is damaged, as training is, or
+            the plain series that evaluations use.
     """
 
     stage: str
@@ -114,9 +116,9 @@ class ExampleSet:
             **(VARIED if self.is_varied else {}),
         )
 
-    def recorded(self, simulated: SimulatedClip, rng: np.random.Generator) -> Recorded:
-        """Return one of the set's clips in a form drawn from `rng`, worn where training is."""
-        return as_recorded(simulated, rng, worn_share=WORN_SHARE if self.is_varied else 0.0)
+    def recorded(self, simulated: SimulatedClip, rng: np.random.Generator) -> RecordedForm:
+        """Return one of the set's clips in a form drawn from `rng`, damaged where training is."""
+        return as_recorded(simulated, rng, damaged_share=DAMAGED_SHARE if self.is_varied else 0.0)
 
     def chunk_paths(self, folder: Path) -> list[Path]:
         """Return the files in `folder` that hold the set."""
@@ -154,8 +156,8 @@ def simulate_examples(
     done = chunk_count - len(jobs)
     # Spawned, not forked: a forked child may inherit locked thread pools.
     pool = ProcessPoolExecutor(max(workers, 1), mp_context=get_context("spawn"))
-    with pool, children_end_with_it():
-        with deaf_children(), one_thread_in_children():
+    with pool, children_killed_on_error():
+        with children_without_interrupts(), one_thread_in_children():
             written = pool.map(_write_chunk, jobs)
         for _ in written:
             done += 1
@@ -218,18 +220,21 @@ def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
         about.append([simulated.object_name, recorded.label.to_dict()])
         end_if_orphaned()
     stacked = {name: np.stack(values).astype(np.float16) for name, values in arrays.items()}
-    with whole_step(), replacing(path) as stream:  # a worker ended here leaves no part of a file
+    with (
+        uninterrupted_step(),
+        replacing(path) as stream,
+    ):  # a worker ended here leaves no part of a file
         np.savez(stream, about=np.array(json.dumps(about)), **stacked)
 
 
-def _example(recorded: Recorded) -> tuple[NDArray, ...]:
+def _example(recorded: RecordedForm) -> tuple[NDArray, ...]:
     """Return the arrays of one example, in the order of `_ARRAYS`."""
-    from geotlm_lm.backbone.evened import evened_motions
-    from geotlm_lm.backbone.stem import look
+    from geotlm_lm.backbone.contrast_equalisation import equalised_motions
+    from geotlm_lm.backbone.stem import measure_clip
 
-    inputs, view, traces = look(recorded.clip)
-    evened = evened_motions(traces)
-    truth = truth_in(view, recorded.truth)
+    inputs, view, traces = measure_clip(recorded.clip)
+    evened = equalised_motions(traces)
+    truth = truth_in_view(view, recorded.truth)
     return inputs, evened, *(bin_means(values[recorded.order]) for values in truth)
 
 

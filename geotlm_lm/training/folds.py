@@ -17,7 +17,6 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.dgr.ablations import AblatedDGR, DGRParts
 from geotlm_lm.dgr.encoder import Geometry
-from geotlm_lm.evaluation.splits import Fold, Rows
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.training.config import DGRMode
@@ -31,7 +30,8 @@ from geotlm_lm.training.geometry import (
     fit_standardisers,
     grounding_loss,
 )
-from geotlm_lm.training.read_outs import start_from_truth
+from geotlm_lm.training.least_squares_start import initialise_from_truth
+from geotlm_lm.training.object_folds import Fold, Rows
 
 PREDICT_BATCH = 256
 
@@ -119,7 +119,7 @@ def train_on_fold(
         fold = _without_patches(fold)
     reader = _Reader(fold.train.tokens, labels, recipe, seed)
     if recipe.mode == "grounded":
-        start_from_truth(reader.dgr, fold.train)
+        initialise_from_truth(reader.dgr, fold.train)
     optimiser = torch.optim.AdamW(reader.rates(), weight_decay=WEIGHT_DECAY)
     best: tuple[tuple[float, float], int, dict[str, Tensor]] | None = None
     for epoch in range(epochs):

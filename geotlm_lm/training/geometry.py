@@ -26,7 +26,7 @@ from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.config import DGRMode
-from geotlm_lm.training.dense import DenseHeads
+from geotlm_lm.training.dense_targets import DenseHeads
 from geotlm_lm.training.motion_loss import motion_loss
 
 HEAD_RATE, DGR_RATE, WEIGHT_DECAY, BATCH = 1e-3, 3e-4, 0.01, 32

@@ -23,8 +23,8 @@ from geotlm_lm.odometry.movement import movement
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.config import HeadsPreset, heads_preset_named
-from geotlm_lm.training.encoded import EncodedClips, encode_examples
-from geotlm_lm.training.examples import EXAMPLES_VERSION, VARIED, WORN_SHARE, ExampleSet
+from geotlm_lm.training.encoded_clips import EncodedClips, encode_examples
+from geotlm_lm.training.examples import DAMAGED_SHARE, EXAMPLES_VERSION, VARIED, ExampleSet
 from geotlm_lm.training.geometry import (
     ALL_MOTIONS,
     TokenSet,
@@ -85,7 +85,7 @@ def _sets(settings: HeadsPreset) -> tuple[ExampleSet, ExampleSet]:
 def _claim(out: Path, encoder: ReleasedEncoder, settings: HeadsPreset, seed: int) -> dict:
     """Mark `out` as the folder of this run and say what it is, or refuse a folder of another."""
     about = encoder.describe() | {"preset": settings.to_dict(), "seed": seed}
-    about |= {"series": SERIES_VERSION, "varied": VARIED, "worn": WORN_SHARE}
+    about |= {"series": SERIES_VERSION, "varied": VARIED, "worn": DAMAGED_SHARE}
     about |= {"examples": EXAMPLES_VERSION}
     path = out / RUN_FILE
     if path.exists() and json.loads(path.read_text()) != about:
@@ -152,7 +152,9 @@ def _perceived(model: GeoTLM, clips: EncodedClips) -> ClipSet:
         fused.append(perception.fused_token)
         plain.append(perception.global_token)
         contact.append(perception.geometry.region_mass[:, -1])
-        moved.append(movement(clips.inputs[rows], perception.geometry, clips.evened[rows]))
+        moved.append(
+            movement(clips.inputs[rows], perception.geometry, clips.equalised_motions[rows])
+        )
     return ClipSet(
         fused_tokens=torch.cat(fused),
         global_tokens=torch.cat(plain),

@@ -18,15 +18,15 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn.functional import cross_entropy
 
-from geotlm_lm.core.interrupts import whole_step
+from geotlm_lm.core.interrupts import uninterrupted_step
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.data.questions import askable_types, questions_for, training_corpus, with_typo
 from geotlm_lm.language.decoder import LanguageSize, TactileDecoder
+from geotlm_lm.language.generation import Speaker
 from geotlm_lm.language.prompt import PromptEncoder
-from geotlm_lm.language.speak import Speaker
 from geotlm_lm.language.tokenizer import VOCABULARY_SIZE, clean_question, train_tokenizer
 from geotlm_lm.training.language_checkpoint import restore_language, store_language
 
@@ -125,7 +125,7 @@ def train_language(
     saved_at = time.monotonic()
     try:
         while step < config.all_steps:
-            with whole_step():
+            with uninterrupted_step():
                 chosen = draw_clips(shares, config, step)
                 loss = _step(
                     speaker,

@@ -8,8 +8,8 @@ from torch import Tensor
 
 from geotlm_lm.core.labels import ROTATIONS
 from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.data.contents import amount_of
-from geotlm_lm.evaluation.answers import within_tolerance
+from geotlm_lm.core.tolerance import within_tolerance
+from geotlm_lm.data.question_contents import amount_of
 from geotlm_lm.odometry.odometer import AMOUNTS, UNITS, Odometer, amounts, place_of
 from geotlm_lm.training.scoring import ClipSet
 

@@ -14,12 +14,12 @@ from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.vit import ViT, ViTConfig
-from geotlm_lm.core.interrupts import whole_step
+from geotlm_lm.core.interrupts import uninterrupted_step
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.config import TrainingPreset
-from geotlm_lm.training.dense import (
+from geotlm_lm.training.dense_targets import (
     DenseHeads,
     DenseTruth,
     dense_batch,
@@ -70,7 +70,7 @@ def pretrain(
             rng = generator_for(seed, "pretraining", done)
             rows = np.sort(rng.integers(first, len(examples), size=preset.pretraining_batch))
             batch = mirrored_at_random(*dense_batch(examples, rows, device), rng)
-            with whole_step():
+            with uninterrupted_step():
                 loss = learner.step(*batch)
                 done += 1
             progress(f"pretrain backbone, loss {loss:.3f}", done, steps)

@@ -14,8 +14,8 @@ from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.data.questions import WORDINGS, QuestionAnswer, questions_for
-from geotlm_lm.evaluation.calibration import expected_calibration_error
 from geotlm_lm.probe.linear import LinearProbe
+from geotlm_lm.training.calibration_error import expected_calibration_error
 
 OPEN_TYPE = "T1"
 

@@ -23,7 +23,7 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.record import commit, machine
 from geotlm_lm.data.templates import load_templates
-from geotlm_lm.language.speak import Speaker
+from geotlm_lm.language.generation import Speaker
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.odometry.movement import movement
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
@@ -31,11 +31,11 @@ from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.calibration import fit_contact_threshold, fit_temperature
 from geotlm_lm.training.card import write_card
 from geotlm_lm.training.config import HeadsPreset, TrainingPreset, preset_named
-from geotlm_lm.training.dense import DenseHeads
+from geotlm_lm.training.dense_targets import DenseHeads
 from geotlm_lm.training.examples import (
+    DAMAGED_SHARE,
     EXAMPLES_VERSION,
     VARIED,
-    WORN_SHARE,
     Examples,
     ExampleSet,
     read_examples,
@@ -102,16 +102,8 @@ def train(preset: str, out: Path, seed: int, workers: int, progress: Progress = 
         del learned
         odometer = train_odometer(spoken_of, seed=seed, progress=progress)
         speaker = train_speaker(spoken_of, settings, seed, out, progress)
-        provenance = {
-            "command": f"geotlm-lm train --preset {preset} --seed {seed} --workers {workers} "
-            f"--out RUN_FOLDER",
-            "preset": settings.to_dict(),
-            "seed": seed,
-            "machine": machine(),
-            "commit": commit(),
-            "device": device,
-            "dgr_validation_accuracy": modes,
-        }
+        provenance = _provenance(settings, seed, workers)
+        provenance |= {"device": device, "dgr_validation_accuracy": modes}
         grammar = load_templates().grammar()
         bundle = Bundle(model, odometer, speaker, grammar, Calibration(), provenance)
         perceived = perceive_examples(model, validation, progress)
@@ -125,6 +117,18 @@ def train(preset: str, out: Path, seed: int, workers: int, progress: Progress = 
         scores["amounts"] = within_tolerance_share(stored.odometer, test)
     write_card(folder, stored, scores, seconds())
     return folder
+
+
+def _provenance(settings: TrainingPreset, seed: int, workers: int) -> dict[str, Any]:
+    """Return how to get a bundle again, for the bundle itself."""
+    command = f"geotlm-lm train --preset {settings.name} --seed {seed} --workers {workers}"
+    return {
+        "command": f"{command} --out RUN_FOLDER",
+        "preset": settings.to_dict(),
+        "seed": seed,
+        "machine": machine(),
+        "commit": commit(),
+    }
 
 
 def example_sets(settings: TrainingPreset) -> dict[str, ExampleSet]:
@@ -153,7 +157,7 @@ def perceive_examples(model: GeoTLM, examples: Examples, progress: Progress = si
         fused.append(perception.fused_token)
         plain.append(perception.global_token)
         contact.append(perception.geometry.region_mass[:, -1])
-        evened = torch.from_numpy(examples.evened[start : start + ENCODE_BATCH])
+        evened = torch.from_numpy(examples.equalised_motions[start : start + ENCODE_BATCH])
         moved.append(movement(inputs, perception.geometry, evened))
         progress("perceive", min(start + ENCODE_BATCH, len(examples)), len(examples))
     return ClipSet(
@@ -169,7 +173,7 @@ def perceive_examples(model: GeoTLM, examples: Examples, progress: Progress = si
 def about_examples(settings: TrainingPreset, seed: int) -> dict[str, Any]:
     """Return what the examples of a run depend on."""
     about = {"preset": settings.to_dict(), "seed": seed}
-    about |= {"series": SERIES_VERSION, "inputs": PATCH_INPUT_DIM, "worn": WORN_SHARE}
+    about |= {"series": SERIES_VERSION, "inputs": PATCH_INPUT_DIM, "worn": DAMAGED_SHARE}
     about |= {"examples": EXAMPLES_VERSION}
     return about | {"varied": VARIED, "pretraining": PRETRAINING_VERSION}
 

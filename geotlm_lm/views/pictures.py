@@ -9,8 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX
-from geotlm_lm.core.geometry import IMAGE_SIDE
+from geotlm_lm.core.geometry import FLOW_SCALE_PX, IMAGE_SIDE
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.view import View

@@ -6,12 +6,12 @@ import numpy as np
 import torch
 
 from geotlm_lm.answering import OPEN_QUESTION, Answerer
-from geotlm_lm.answering.hearing import AMOUNT_QUESTION, RATE_QUESTION
+from geotlm_lm.answering.model_query import AMOUNT_QUESTION, RATE_QUESTION
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
+from geotlm_lm.language.generation import ScoredAnswers
 from geotlm_lm.language.parse_answer import AnswerGrammar, Slots
-from geotlm_lm.language.speak import Weighed
 from geotlm_lm.odometry.odometer import AMOUNTS, amounts
 
 FIRST_KINDS = ("direction", "verify", "choice", "class", "contact", "moving", "refusal")
@@ -44,7 +44,7 @@ class Scripted:
         said = self._says(question)
         if said in options and question not in self.heard:
             self.heard.append(question)
-        return Weighed(
+        return ScoredAnswers(
             self.score(fused_token, question, options), said if said in options else None
         )
 

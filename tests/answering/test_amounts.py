@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.answering.amounts import Amount, amount_in, most_probably_right
-from geotlm_lm.evaluation.answers import TOLERANCES, within_tolerance
+from geotlm_lm.answering.amounts import Amount, amount_in, best_amount
+from geotlm_lm.core.tolerance import TOLERANCES, within_tolerance
 from geotlm_lm.odometry.odometer import amounts
 
 DEGREES = [1, 2, 4, 6, 8, 10, 12, 15, 18, 22, 27, 33, 40, 48, 58, 70]
@@ -12,9 +12,7 @@ DEGREES = [1, 2, 4, 6, 8, 10, 12, 15, 18, 22, 27, 33, 40, 48, 58, 70]
 
 def weighed(weights, unit="deg"):
     """The amount told of these probabilities, by amount."""
-    return most_probably_right(
-        tuple(weights), np.array(list(weights.values())), unit, TOLERANCES[unit]
-    )
+    return best_amount(tuple(weights), np.array(list(weights.values())), unit, TOLERANCES[unit])
 
 
 def bell(centre, spread, amounts=DEGREES):

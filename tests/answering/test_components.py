@@ -4,21 +4,21 @@ from dataclasses import replace
 
 import pytest
 
+from geotlm_lm.answering.abstention import neutral_answer
 from geotlm_lm.answering.amounts import Amount
-from geotlm_lm.answering.components import in_components
-from geotlm_lm.answering.withholding import plain
+from geotlm_lm.answering.components import split_into_components
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from tests.answering.scripted import measuring, recording
-from tests.answering.test_measuring import encoded
+from tests.answering.test_measured_amounts import encoded
 
 CAMERA = FrameSpec()
 
 
 def told(clip, motion, frame=CAMERA, unit="px"):
     amount = Amount(20.0, unit, 15.0, 25.0, 0.9)
-    answer = replace(plain(clip, amount.sentence(), "magnitude", frame), amount=amount)
-    return in_components(clip, answer, motion, frame).text
+    answer = replace(neutral_answer(clip, amount.sentence(), "magnitude", frame), amount=amount)
+    return split_into_components(clip, answer, motion, frame).text
 
 
 @pytest.mark.parametrize(

@@ -3,11 +3,8 @@
 import pytest
 
 from geotlm_lm.answering import OPEN_QUESTION
-from geotlm_lm.answering.hearing import AMOUNT_QUESTION, EVIDENCE_QUESTION, MOVING_QUESTION
-from geotlm_lm.conversation.kinds import is_ruled_out
-from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.core.seeding import generator_for
-from geotlm_lm.data.questions import questions_for
+from geotlm_lm.answering.model_query import AMOUNT_QUESTION, EVIDENCE_QUESTION, MOVING_QUESTION
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.parse_answer import Slots
 from tests.answering.scripted import answerer_saying, recording
@@ -61,37 +58,3 @@ def test_an_amount_in_new_words_is_asked_for_again_in_words_the_model_knows(bund
     answer = answerer.ask(answerer.encode(recording()), "How many degrees, about?")
     assert answer.text.startswith("About 13 degrees of turning")
     assert answer.told_by == "rule"
-
-
-@pytest.mark.parametrize(
-    "question",
-    [
-        "Which way does it move across the surface of the gel?",
-        "Which way?",
-        "What direction is it?",
-    ],
-)
-def test_who_surely_asks_which_way_is_told_more_than_the_kind_of_motion(bundle, question):
-    said = {question: "A rotation.", OPEN_QUESTION: "Clockwise, in the camera image."}
-    answerer = answerer_saying(bundle, said, temperature=0.1)
-    answer = answerer.ask(answerer.encode(recording()), question)
-    assert (answer.text, answer.decided) == ("Clockwise, in the camera image.", "clockwise")
-
-
-def test_words_of_several_clips_need_the_models_word_too(bundle):
-    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
-    asked = "In order to grip it: which way does it go?"
-    answer = answerer.ask(answerer.encode(recording()), asked)
-    assert (answer.text, answer.told_by) == ("Left, in the camera image.", "model")
-
-
-@pytest.mark.parametrize("wordings", ["seen", "held_out"])
-def test_next_to_no_question_of_the_templates_is_taken_for_another_kind(wordings):
-    label = MotionLabel(Motion.CLOCKWISE, rotation_deg=12.0)
-    asked = [
-        one
-        for seed in range(50)
-        for one in questions_for(label, generator_for(seed, "by words"), wordings=wordings)
-    ]
-    ruled_out = [one.question for one in asked if is_ruled_out(one.question, one.slots.kind)]
-    assert len(ruled_out) <= 0.002 * len(asked), ruled_out

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from geotlm_lm.answering import Answer, Answerer
-from geotlm_lm.answering.streaming import pieces
+from geotlm_lm.answering.streaming import answer_pieces
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.language.parse_answer import KINDS
@@ -110,7 +110,7 @@ def test_pieces_wait_for_nothing_but_the_next_one():
         told.append("after a")
         raise RuntimeError("broken")
 
-    stream = pieces(ask)
+    stream = answer_pieces(ask)
     assert next(stream) == "a"
     with pytest.raises(RuntimeError, match="broken"):
         next(stream)
@@ -120,13 +120,13 @@ def test_pieces_wait_for_nothing_but_the_next_one():
 def test_a_thread_that_still_answers_is_waited_for_when_python_ends():
     program = (
         "import time\n"
-        "from geotlm_lm.answering.streaming import pieces\n"
+        "from geotlm_lm.answering.streaming import answer_pieces\n"
         "def ask(listen):\n"
         "    listen('a')\n"
         "    time.sleep(0.3)\n"
         "    print('answered', flush=True)\n"
         "    raise RuntimeError\n"
-        "stream = pieces(ask)\n"
+        "stream = answer_pieces(ask)\n"
         "print(next(stream), flush=True)\n"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from geotlm_lm.answering import Answerer
+from geotlm_lm.answering.abstention import UNRECOGNISED
 from geotlm_lm.answering.answer import FAINT_DOUBT
-from geotlm_lm.answering.withholding import UNRECOGNISED
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from tests.answering.scripted import answerer_saying, feeling, recording

@@ -17,7 +17,7 @@ def address():
 
 @pytest.fixture(params=[(1400, 1100), (390, 844)], ids=["wide", "phone"])
 def browser(request, tmp_path, address):
-    from app.browser import Browser
+    from tests.app.browser import Browser
 
     browser = Browser(tmp_path / "profile", request.param)
     browser.open(address)

@@ -10,12 +10,12 @@ import torch
 from geotlm_lm import FrameSpec, Motion
 from geotlm_lm.answering import Encoded, Lean, evidence
 from geotlm_lm.answering.answer import with_background
+from geotlm_lm.answering.multi_clip import compare_directions
 from geotlm_lm.answering.session import Session
-from geotlm_lm.answering.several import compare_directions
 from geotlm_lm.backbone.stem import ALIGNED_AT, PATCH_INPUT_DIM
 from geotlm_lm.backbone.view import View
 from geotlm_lm.checkpoint import Calibration
-from geotlm_lm.conversation.retell import CAMERA
+from geotlm_lm.conversation.motion_answers import CAMERA
 from geotlm_lm.core.labels import reverse
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception

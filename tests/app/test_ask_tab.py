@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("gradio", reason="the page needs gradio (extra: app)")
 
 from app import ask_tab  # noqa: E402
-from app.opening import show_clip  # noqa: E402
+from app.clip_loading import load_clip  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 
 QUESTION = "Is it <b>5 px</b> &amp; a < b?"
@@ -19,7 +19,7 @@ def test_a_question_is_asked_again_as_it_was_typed(recordings, as_blocks):
     asked = []
     session = SimpleNamespace(take_back=asked.append)
     answerer = FakeAnswerer()
-    shown = show_clip(answerer, str(recordings["bright"]))
+    shown = load_clip(answerer, str(recordings["bright"]))
     chat = next(ask_tab._answer(answerer, shown, QUESTION, [], [], None))[0]
     assert chat[0]["content"] == SHOWN
     if as_blocks:

@@ -6,15 +6,14 @@ from app import benchmark_tab
 
 
 def test_every_recorded_accuracy_is_a_row_with_its_error():
-    tables = json.loads((benchmark_tab.RECORDED / "evaluate.json").read_text())["numbers"]["tables"]
+    record = json.loads((benchmark_tab.RECORDED / "accuracy.json").read_text())
+    recorded = record["numbers"]["sections"]["clips"]["rows"]
     rows = benchmark_tab.accuracy_rows()
-    assert len(rows) == sum(len(table["methods"]) for table in tables.values())
-    name, table = next(iter(tables.items()))
-    method, scores = next(iter(table["methods"].items()))
-    row = next(row for row in rows if (row[0], row[2]) == (name, method))
-    assert row[1] == table["clips"]
-    assert abs(row[3] - scores["accuracy"]) < 1e-4
-    assert abs(row[6] - (1 - scores["accuracy"])) < 1e-4
+    assert len(rows) == len(recorded)
+    for row, one in zip(rows, recorded, strict=True):
+        assert row[:3] == [one["case"], one["count"], one["variant"]]
+        assert row[4] - 1e-4 <= row[3] <= row[5] + 1e-4
+        assert abs(row[3] + row[6] - 1) < 2e-4
 
 
 def test_every_recorded_run_is_listed_with_its_command():

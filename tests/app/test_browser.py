@@ -10,8 +10,8 @@ import pytest
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
 from app import ui  # noqa: E402
-from app.browser import EXECUTABLE, Browser  # noqa: E402
-from geotlm_lm.conversation.retell import CAMERA  # noqa: E402
+from geotlm_lm.conversation.motion_answers import CAMERA  # noqa: E402
+from tests.app.browser import EXECUTABLE, Browser  # noqa: E402
 from tests.app.fakes import NOTE, FakeAnswerer  # noqa: E402
 from tests.live.test_idle_tracker import gel, touched  # noqa: E402
 

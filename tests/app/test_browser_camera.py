@@ -6,7 +6,7 @@ import pytest
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
 from app import live_tab, ui  # noqa: E402
-from app.browser import EXECUTABLE, Browser  # noqa: E402
+from tests.app.browser import EXECUTABLE, Browser  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 
 ROWS, COLUMNS = 480, 640
@@ -44,13 +44,13 @@ def browser(tmp_path):
 
 @pytest.mark.skipif(EXECUTABLE is None, reason="needs a Chromium (Debian: apt install chromium)")
 def test_what_is_left_in_the_camera_is_left_for_the_model(browser, monkeypatch):
-    received, follow = [], live_tab.follow
+    received, follow = [], live_tab.process_frame
 
     def followed(answerer, frame, *kept):
         received.extend([] if frame is None else [frame])
         return follow(answerer, frame, *kept)
 
-    monkeypatch.setattr(live_tab, "follow", followed)
+    monkeypatch.setattr(live_tab, "process_frame", followed)
     page = ui.build(FakeAnswerer())
     try:
         browser.open(ui.launch(page))

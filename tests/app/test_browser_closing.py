@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from app.browser import EXECUTABLE  # noqa: E402
+from tests.app.browser import EXECUTABLE  # noqa: E402
 from tests.app.test_browser import CHECKED, PICTURE, TEXT  # noqa: E402
 
 pytestmark = pytest.mark.skipif(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from app import clip_side
-from app.opening import perceive
+from app.clip_loading import perceive
 from geotlm_lm.core.clip import Clip
 from tests.app.fakes import FakeAnswerer
 

@@ -7,7 +7,7 @@ import pytest
 from app import facts as page_facts
 from app import handlers, ui
 from app.api import Api
-from app.opening import perceive, show_clip
+from app.clip_loading import load_clip, perceive
 from geotlm_lm import MAX_QUESTION_CHARACTERS, FrameSpec, GeoTLMError, Motion
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import MissingDependency
@@ -26,14 +26,14 @@ def path(tmp_path):
 
 
 def test_a_clip_is_shown_as_its_four_frames_with_notes(path):
-    shown = show_clip(FakeAnswerer(), path, 3, 9)
+    shown = load_clip(FakeAnswerer(), path, 3, 9)
     assert [caption for _, caption in shown.frames] == ["frame 3", "frame 5", "frame 7", "frame 9"]
     assert "- Frames 3, 5, 7, 9 are used." in shown.notes
 
 
 def test_an_answer_is_shown_with_its_probabilities(path):
     answerer = FakeAnswerer()
-    reply = handlers.ask(answerer, show_clip(answerer, path, None, None), "Which way?")
+    reply = handlers.ask(answerer, load_clip(answerer, path, None, None), "Which way?")
     assert reply.sentence.startswith("To the right, at ")
     assert reply.sentence.endswith(".  (97 % sure)")
     assert reply.probabilities == {"right": 0.97, "left": 0.03}
@@ -41,7 +41,7 @@ def test_an_answer_is_shown_with_its_probabilities(path):
 
 def test_what_an_answer_leans_to_stands_behind_it(path):
     answerer = FakeAnswerer()
-    shown = show_clip(answerer, path)
+    shown = load_clip(answerer, path)
     reply = handlers.ask(answerer, shown, TURNING)
     assert reply.sentence.endswith(".  (97 % sure) If it turns at all, it goes clockwise.")
     *_, streamed = handlers.converse(answerer, shown, TURNING, {})
@@ -50,7 +50,7 @@ def test_what_an_answer_leans_to_stands_behind_it(path):
 
 def test_an_answers_own_notes_are_shown_beside_it(path):
     answerer = FakeAnswerer()
-    shown = show_clip(answerer, path)
+    shown = load_clip(answerer, path)
     assert shown.encoded.clip.notes  # those are told beside the clip
     assert handlers.ask(answerer, shown, "Which way?").notes == f"- {NOTE}"
     assert handlers.ask(answerer, shown, TURNING).notes == f"- {NOTE}"
@@ -62,7 +62,7 @@ def test_programs_are_told_how_long_a_question_may_be():
 
 def test_words_come_as_they_are_generated_and_last_the_whole_reply(path):
     answerer = FakeAnswerer()
-    shown = show_clip(answerer, path)
+    shown = load_clip(answerer, path)
     *pieces, reply = handlers.converse(answerer, shown, "Which way?", {})
     assert pieces[:3] == ["To ", "the ", "right, "]
     assert reply.sentence == f"{''.join(pieces)}  (97 % sure)"
@@ -71,7 +71,7 @@ def test_words_come_as_they_are_generated_and_last_the_whole_reply(path):
 
 def test_facts_hold_for_the_turns_that_follow_and_show_in_the_page(path):
     answerer = FakeAnswerer()
-    shown = show_clip(answerer, path)
+    shown = load_clip(answerer, path)
     *_, checked = handlers.converse(answerer, shown, "Which way?", {"image_mirrored": True})
     assert checked.sentence.startswith("To the left, ")
     assert checked.motion is Motion.RIGHT  # in the camera image, as before
@@ -102,17 +102,19 @@ def test_turns_that_are_checked_together_add_up():
 
 def test_what_a_turned_image_shows_is_found_again_from_what_is_told(path):
     answerer = FakeAnswerer()
-    shown = show_clip(answerer, path)
+    shown = load_clip(answerer, path)
     facts = page_facts.fields_of([page_facts.CLOCKWISE])
     *_, checked = handlers.converse(answerer, shown, "Which way?", facts)
     assert checked.sentence.startswith("To the up, ")
     assert checked.motion is Motion.RIGHT
-    assert handlers.told_in(shown.session.frame, checked.motion).endswith("that is **up**.")
+    assert handlers.direction_in_frame(shown.session.frame, checked.motion).endswith(
+        "that is **up**."
+    )
 
 
 def test_doubt_is_answered_from_the_conversation(path):
     answerer = FakeAnswerer()
-    shown = show_clip(answerer, path)
+    shown = load_clip(answerer, path)
     *_, first = handlers.converse(answerer, shown, "Which way?", {})
     *_, again = handlers.converse(answerer, shown, "Are you sure?", {})
     assert again.sentence == f"I stay with it, 97%: {first.sentence}"
@@ -120,7 +122,7 @@ def test_doubt_is_answered_from_the_conversation(path):
 
 def test_an_answer_stands_beside_the_probe_the_flow_and_the_regions(path):
     answerer = FakeAnswerer()
-    reply = handlers.ask(answerer, show_clip(answerer, path), "Which way?")
+    reply = handlers.ask(answerer, load_clip(answerer, path), "Which way?")
     readers = [row[0] for row in reply.verdicts]
     assert readers == ["language model", "linear probe", "optical flow"]
     assert [row[1] for row in reply.verdicts[:2]] == ["right", "right"]
@@ -150,7 +152,7 @@ def test_an_answer_stands_beside_the_probe_the_flow_and_the_regions(path):
 )
 def test_all_verdicts_are_told_in_the_frame_of_the_answer(path, facts, told, moved):
     answerer = FakeAnswerer()
-    shown = show_clip(answerer, path)
+    shown = load_clip(answerer, path)
     flow = {"motion": "right", "rotation_deg": 2.0, "slide_x_px": 3.0, "slide_y_px": 1.0}
     shown.opinions["optical_flow"] = flow
     fields = page_facts.fields_of(facts)
@@ -161,11 +163,11 @@ def test_all_verdicts_are_told_in_the_frame_of_the_answer(path, facts, told, mov
 
 def test_of_both_quarters_the_one_checked_last_holds():
     before = [page_facts.CLOCKWISE, page_facts.MIRRORED]
-    held, _, told = page_facts.checked(before, "right", page_facts.COUNTERCLOCKWISE, True)
+    held, _, told = page_facts.update_facts(before, "right", page_facts.COUNTERCLOCKWISE, True)
     assert held == [page_facts.MIRRORED, page_facts.COUNTERCLOCKWISE]
-    assert told == page_facts.told_for(held, "right")[1]
-    assert page_facts.checked(held, None, page_facts.MIRRORED, False)[0] == held[1:]
-    assert page_facts.checked(before, None, page_facts.UPSIDE_DOWN, True)[0] == [
+    assert told == page_facts.frame_preview(held, "right")[1]
+    assert page_facts.update_facts(held, None, page_facts.MIRRORED, False)[0] == held[1:]
+    assert page_facts.update_facts(before, None, page_facts.UPSIDE_DOWN, True)[0] == [
         *before,
         page_facts.UPSIDE_DOWN,
     ]
@@ -180,7 +182,7 @@ def test_frames_are_counted_from_one_to_the_last():
 
 
 def test_arrows_are_drawn_only_where_there_is_contact(path):
-    shown = show_clip(FakeAnswerer(), path, 3, 9)
+    shown = load_clip(FakeAnswerer(), path, 3, 9)
     raw, drawn = (handlers.draw(shown, view, 4).astype(int) for view in ("raw", "arrows"))
     changed = np.abs(drawn - raw).sum(axis=-1) > 30
     assert changed[:, :224].sum() > 500
@@ -188,7 +190,7 @@ def test_arrows_are_drawn_only_where_there_is_contact(path):
 
 
 def test_a_view_that_is_not_known_of_a_clip_falls_back_to_the_frame(path):
-    shown = show_clip(FakeAnswerer(), path)
+    shown = load_clip(FakeAnswerer(), path)
     assert shown.views == ("raw", "difference", "contact", "arrows")
     assert np.array_equal(handlers.draw(shown, "depth", 2), handlers.draw(shown, "raw", 2))
     assert handlers.draw(None, "raw", 1) is None
@@ -199,7 +201,7 @@ def test_several_images_are_one_recording(tmp_path):
     for number in range(4):
         paths.append(str(tmp_path / f"{number}.png"))
         cv2.imwrite(paths[-1], np.full((40, 50, 3), 40 * number, np.uint8))
-    shown = show_clip(FakeAnswerer(), paths)
+    shown = load_clip(FakeAnswerer(), paths)
     assert [int(frame.mean()) for frame, _ in shown.frames] == [0, 40, 80, 120]
 
 
@@ -209,7 +211,7 @@ def test_several_images_are_one_recording(tmp_path):
 )
 def test_two_clips_are_compared_by_their_directions(tmp_path, tops, relation):
     answerer = FakeAnswerer()
-    shown = [show_clip(answerer, saved(tmp_path, f"{k}.npy", top)) for k, top in enumerate(tops)]
+    shown = [load_clip(answerer, saved(tmp_path, f"{k}.npy", top)) for k, top in enumerate(tops)]
     result = handlers.compare(answerer, *shown)
     assert result["relation"] == relation
     told = {"same": "The same: ", "opposite": "Opposite: ", "unknown": "I cannot compare them; "}
@@ -219,29 +221,29 @@ def test_two_clips_are_compared_by_their_directions(tmp_path, tops, relation):
 def test_a_comparison_of_one_clip_is_told(path):
     answerer = FakeAnswerer()
     with pytest.raises(GeoTLMError, match="^A comparison needs two recordings; upload both.$"):
-        handlers.compare(answerer, show_clip(answerer, path), None)
+        handlers.compare(answerer, load_clip(answerer, path), None)
 
 
 def test_a_direction_is_told_again_for_another_frame():
-    told = handlers.told_in(FrameSpec(viewpoint="object"), Motion.CLOCKWISE)
+    told = handlers.direction_in_frame(FrameSpec(viewpoint="object"), Motion.CLOCKWISE)
     assert told.endswith("that is **counterclockwise**.")
-    assert handlers.told_in(FrameSpec(), None).startswith("Frame: camera image")
+    assert handlers.direction_in_frame(FrameSpec(), None).startswith("Frame: camera image")
 
 
 def test_nothing_uploaded_is_told():
     with pytest.raises(GeoTLMError, match="^No recording was given; upload a clip first.$"):
-        show_clip(FakeAnswerer(), None, None, None)
+        load_clip(FakeAnswerer(), None, None, None)
 
 
 def test_an_unreadable_upload_is_told_by_its_own_name(tmp_path):
     (tmp_path / "text.npy").write_text("no array")
     with pytest.raises(GeoTLMError, match="^text.npy: is cut off or is no numpy file"):
-        show_clip(FakeAnswerer(), str(tmp_path / "text.npy"), None, None)
+        load_clip(FakeAnswerer(), str(tmp_path / "text.npy"), None, None)
 
 
 def test_half_a_span_is_told(path):
     with pytest.raises(GeoTLMError, match="^Only one end of the span was given"):
-        show_clip(FakeAnswerer(), path, 3, None)
+        load_clip(FakeAnswerer(), path, 3, None)
 
 
 def test_a_question_without_a_clip_is_told():

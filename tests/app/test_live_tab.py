@@ -52,8 +52,8 @@ def test_a_recording_without_an_untouched_gel_says_so_at_its_end(frames, tmp_pat
 def test_a_camera_is_followed_frame_by_frame_and_each_session_by_itself(frames):
     one = other = None
     for frame in frames[:6]:
-        one, *_ = live_tab.follow(FakeAnswerer(), frame, one)
-    other, _, _, account = live_tab.follow(FakeAnswerer(), frames[0], other)
+        one, *_ = live_tab.process_frame(FakeAnswerer(), frame, one)
+    other, _, _, account = live_tab.process_frame(FakeAnswerer(), frames[0], other)
     assert one.watcher.account.frames == 6
     assert other.watcher.account.frames == 1
     assert account.startswith("learning the idle gel")
@@ -64,14 +64,14 @@ def test_the_times_of_a_camera_count_from_its_first_frame(frames, monkeypatch):
     monkeypatch.setattr(live_tab, "time", SimpleNamespace(monotonic=lambda: next(clock)))
     following = None
     for frame in frames:
-        following, _, rows, _ = live_tab.follow(FakeAnswerer(), frame, following)
+        following, _, rows, _ = live_tab.process_frame(FakeAnswerer(), frame, following)
     assert rows
     assert all(0 <= row[0] <= 0.04 * len(frames) for row in rows)
 
 
 def test_a_camera_of_another_size_is_followed_from_its_beginning(frames):
-    following, *_ = live_tab.follow(FakeAnswerer(), frames[0], None)
-    following, *_ = live_tab.follow(FakeAnswerer(), frames[1][:60, :80], following)
+    following, *_ = live_tab.process_frame(FakeAnswerer(), frames[0], None)
+    following, *_ = live_tab.process_frame(FakeAnswerer(), frames[1][:60, :80], following)
     assert following.watcher.account.frames == 1
 
 
@@ -94,7 +94,7 @@ def test_watching_ends_with_nothing_left_where_something_else_is_wanted(frames, 
     np.savez(tmp_path / "clip.npz", frames=np.stack(frames), fps=25.0)
     path = str(tmp_path / "clip.npz")
     for change in (live_tab.clear_all, lambda wanted: setattr(wanted, "path", "other.npz")):
-        wanted = live_tab.Wanted()
+        wanted = live_tab.WatchRequest()
         steps = live_tab.watch_recording(FakeAnswerer(), path, wanted)
         next(steps)
         assert wanted.path == path
@@ -103,10 +103,10 @@ def test_watching_ends_with_nothing_left_where_something_else_is_wanted(frames, 
 
 
 def test_a_camera_is_followed_anew_after_everything_was_emptied(frames):
-    wanted, following = live_tab.Wanted(), None
+    wanted, following = live_tab.WatchRequest(), None
     for frame in frames[:3]:
-        following, *_ = live_tab.follow(FakeAnswerer(), frame, following, wanted)
+        following, *_ = live_tab.process_frame(FakeAnswerer(), frame, following, wanted)
     assert live_tab.clear_all(wanted) == live_tab.NOTHING
     # What was on its way then comes back with the next frame, and must not go on.
-    following, _, rows, _ = live_tab.follow(FakeAnswerer(), frames[3], following, wanted)
+    following, _, rows, _ = live_tab.process_frame(FakeAnswerer(), frames[3], following, wanted)
     assert (following.watcher.account.frames, rows) == (1, [])

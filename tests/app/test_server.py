@@ -111,12 +111,13 @@ def test_clients_at_once_never_get_each_others_answers(address, tmp_path):
         assert abs(told - level) < 2
 
 
-README = Path(__file__).resolve().parents[2] / "README.md"
+ROOT = Path(__file__).resolve().parents[2]
 
 
-def test_the_readmes_client_runs_and_is_the_pages(address, capsys, monkeypatch):
-    monkeypatch.chdir(README.parent)
-    blocks = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
+def test_the_documented_client_runs_and_is_the_pages(address, capsys, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    page = (ROOT / "docs/programs.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
     code = next(block for block in blocks if "gradio_client" in block)
     assert code in api.SNIPPET
     exec(code.replace("http://127.0.0.1:7860/", address).replace("http://127.0.0.1:7860", address))

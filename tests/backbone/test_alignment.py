@@ -8,7 +8,7 @@ from geotlm_lm.backbone.alignment import (
     CHANNELS,
     LEAST_WEIGHT,
     align,
-    align_in_turn,
+    align_sequence,
     alignment,
     changed_weight,
     small,
@@ -115,7 +115,7 @@ def test_channels_tell_the_motion_from_the_first_frame_and_what_it_explains():
 def test_steps_add_up_to_what_is_laid_on_the_first_frame_directly():
     frames = [Rigid(0.0, 1.0 * k, -0.5 * k).moved(IMPRINT) for k in range(4)]
     before = Rigid()
-    for k, [found] in enumerate(align_in_turn([frames]), start=1):
+    for k, [found] in enumerate(align_sequence([frames]), start=1):
         assert found.summed == found.step.after(before)
         for total in (found.direct, found.summed):
             assert (total.x_px, total.y_px) == pytest.approx((k, -0.5 * k), abs=0.2)
@@ -169,7 +169,7 @@ def test_a_spoilt_frame_between_spoils_only_the_sum_of_the_steps(seed):
     rng = np.random.default_rng(seed)
     spoilt = Rigid(0.0, 1.0, 0.0).moved(IMPRINT) + rng.normal(0, 0.5, IMPRINT.shape)
     frames = [IMPRINT, spoilt.astype(np.float32), Rigid(0.0, 2.0, 0.0).moved(IMPRINT)]
-    *_, [last] = align_in_turn([[small(frame) for frame in frames]])
+    *_, [last] = align_sequence([[small(frame) for frame in frames]])
     assert (last.direct.x_px, last.direct.y_px) == pytest.approx((2.0, 0.0), abs=0.05)
     assert abs(last.summed.x_px - 2.0) > 0.2
 

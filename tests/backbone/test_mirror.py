@@ -11,7 +11,7 @@ import torch
 
 from geotlm_lm.backbone import imprint
 from geotlm_lm.backbone.mirror import Mirror, mirrored_field, mirrored_inputs
-from geotlm_lm.backbone.stem import CELLS, FLOW_CHANNELS, look
+from geotlm_lm.backbone.stem import CELLS, FLOW_CHANNELS, measure_clip
 from geotlm_lm.simulation.series import simulate_series
 from tests.backbone.test_stem import moving_clip
 
@@ -19,7 +19,7 @@ FLOWS = [3 * CELLS**2 + start + place for start in (0, FLOW_CHANNELS) for place 
 
 
 def seen(clip):
-    return torch.from_numpy(look(clip).inputs)[None]
+    return torch.from_numpy(measure_clip(clip).inputs)[None]
 
 
 def turned_over(clip, mirror):

@@ -42,9 +42,9 @@ def test_a_released_file_has_the_names_shapes_and_numbers_it_is_known_for(name):
     assert (encoder.width, encoder.patch_shape, encoder.image) == (width, patches, size)
 
 
-def test_the_readme_tells_the_same_sizes():
-    readme = Path(__file__).resolve().parents[2] / "README.md"
-    rows = [line for line in readme.read_text().splitlines() if line.startswith("| `")]
+def test_the_documentation_tells_the_same_sizes():
+    page = Path(__file__).resolve().parents[2] / "docs/encoders.md"
+    rows = [line for line in page.read_text().splitlines() if line.startswith("| `")]
     for name, (numbers, _, _, patches, _) in TABLE.items():
         (row,) = [line for line in rows if line.startswith(f"| `{name}`")]
         assert f"| {numbers - CONSTANTS.get(name, 0):,} |" in row

@@ -12,7 +12,7 @@ from geotlm_lm.backbone.stem import (
     FLOW_SCALE_PX,
     MAGNIFICATION_AT,
     PATCH_INPUT_DIM,
-    look,
+    measure_clip,
 )
 from geotlm_lm.backbone.view import MIN_VIEW_PX, View
 from geotlm_lm.core.clip import Clip
@@ -45,7 +45,7 @@ def centre_flow_px(inputs, time_bin):
 
 @pytest.mark.parametrize("shift", [(3.0, 0.0), (-3.0, 0.0), (0.0, 6.0), (1.0, -1.0)])
 def test_flow_is_the_mean_displacement_of_each_time_bin(shift):
-    inputs, view, _ = look(moving_clip(shift))
+    inputs, view, _ = measure_clip(moving_clip(shift))
     shift, zoom = np.array(shift), IMAGE_SIDE / view.side_px
     # Frames sit at 0, 1/3 | 2/3, 1 of the way: means 1/6 and 5/6.
     assert centre_flow_px(inputs, 0) / zoom == pytest.approx(shift / 6, abs=0.15)
@@ -53,7 +53,7 @@ def test_flow_is_the_mean_displacement_of_each_time_bin(shift):
 
 
 def test_a_clockwise_turn_moves_the_top_right_and_the_right_side_down():
-    flow = look(moving_clip(turn_deg=6.0)).inputs[1]
+    flow = measure_clip(moving_clip(turn_deg=6.0)).inputs[1]
     assert flow[4, 6:8, FLOW_X].mean() > 0.3
     assert flow[9, 6:8, FLOW_X].mean() < -0.3
     assert flow[6:8, 9, FLOW_Y].mean() > 0.3
@@ -62,9 +62,9 @@ def test_a_clockwise_turn_moves_the_top_right_and_the_right_side_down():
 
 def test_repeated_frames_carry_no_flow():
     clip = moving_clip((4.0, 0.0))
-    still = look(clip.select([0, 0, 0, 0])).inputs
+    still = measure_clip(clip.select([0, 0, 0, 0])).inputs
     assert np.abs(still[..., FLOW_X : FLOW_Y + 1]).max() == 0
-    pair, view, _ = look(clip.select([0, 0, 3, 3]))
+    pair, view, _ = measure_clip(clip.select([0, 0, 3, 3]))
     assert np.abs(pair[0, ..., FLOW_X : FLOW_Y + 1]).max() == 0
     zoom = IMAGE_SIDE / view.side_px
     assert centre_flow_px(pair, 1)[0] / zoom == pytest.approx(4.0, abs=0.3)
@@ -74,12 +74,12 @@ def test_repeated_frames_carry_no_flow():
 def test_a_repeated_frame_is_looked_at_once_and_tells_the_same(numbers, monkeypatch):
     clip = moving_clip((4.0, 1.0), turn_deg=6.0).select(numbers)
     squares = []
-    square = imprint.in_square
-    monkeypatch.setattr(imprint, "in_square", lambda *one: squares.append(one) or square(*one))
-    inputs, view, _ = look(clip)
+    square = imprint.to_square
+    monkeypatch.setattr(imprint, "to_square", lambda *one: squares.append(one) or square(*one))
+    inputs, view, _ = measure_clip(clip)
     assert len(squares) == len(set(numbers))
     monkeypatch.setattr(imprint, "_distinct", lambda frames: (list(frames), [0, 1, 2, 3]))
-    expected, other, _ = look(clip)
+    expected, other, _ = measure_clip(clip)
     assert len(squares) == len(set(numbers)) + 4
     assert view == other
     # Aligned with the first frame once more, a repeated one may end a step nearer.
@@ -90,13 +90,13 @@ def test_a_repeated_frame_is_looked_at_once_and_tells_the_same(numbers, monkeypa
 def test_the_idle_gel_tells_the_same_however_often_it_is_looked_at(monkeypatch):
     idle = np.random.default_rng(0).integers(90, 130, (224, 224, 3)).astype(np.uint8)
     clip = Clip(np.stack([idle] * 4), background=idle)
-    inputs, _, _ = look(clip)
+    inputs, _, _ = measure_clip(clip)
     monkeypatch.setattr(imprint, "_distinct", lambda frames: (list(frames), [0, 1, 2, 3]))
-    np.testing.assert_array_equal(inputs, look(clip).inputs)
+    np.testing.assert_array_equal(inputs, measure_clip(clip).inputs)
 
 
 def test_contrast_is_higher_where_the_imprint_is():
-    contrast = look(moving_clip()).inputs[..., CONTRAST]
+    contrast = measure_clip(moving_clip()).inputs[..., CONTRAST]
     assert contrast[:, 6:8, 6:8].min() > contrast[:, 0, 0].max() + 0.5
 
 
@@ -104,7 +104,7 @@ def test_inputs_do_not_depend_on_the_recorded_size_beyond_resampling():
     clip = moving_clip((3.0, 0.0), noise_grey=0.0)
     twice = [cv2.resize(frame, (640, 480)) for frame in clip.frames]
     large = Clip(np.stack(twice), background=np.full((480, 640, 3), 110, np.uint8))
-    small, large = look(clip).inputs, look(large).inputs
+    small, large = measure_clip(clip).inputs, measure_clip(large).inputs
     assert small.shape == large.shape == (2, 14, 14, PATCH_INPUT_DIM)
     assert centre_flow_px(large, 1) == pytest.approx(centre_flow_px(small, 1), abs=0.2)
 
@@ -112,7 +112,7 @@ def test_inputs_do_not_depend_on_the_recorded_size_beyond_resampling():
 def test_a_clip_without_background_is_refused():
     clip = Clip(np.zeros((4, 32, 32, 3), np.uint8))
     with pytest.raises(ValueError, match="the stem reads 4 frames and a background, found 4"):
-        look(clip)
+        measure_clip(clip)
 
 
 def imprint_at(x, y, sigma_px):
@@ -129,7 +129,7 @@ def imprint_at(x, y, sigma_px):
 
 @pytest.mark.parametrize(("x", "y"), [(60, 150), (170, 70), (112, 112)])
 def test_the_view_is_laid_around_the_imprint_wherever_it_is(x, y):
-    _, view, _ = look(imprint_at(x, y, sigma_px=12))
+    _, view, _ = measure_clip(imprint_at(x, y, sigma_px=12))
     assert (view.centre_x_px, view.centre_y_px) == pytest.approx((x, y), abs=6)
     assert MIN_VIEW_PX <= view.side_px < 130
 
@@ -137,11 +137,13 @@ def test_the_view_is_laid_around_the_imprint_wherever_it_is(x, y):
 def test_an_untouched_gel_is_looked_at_as_a_whole():
     rng = np.random.default_rng(0)
     frames = (110 + rng.normal(size=(4, 224, 224, 3))).astype(np.uint8)
-    assert look(Clip(frames, background=np.full((224, 224, 3), 110, np.uint8))).view == View()
+    assert (
+        measure_clip(Clip(frames, background=np.full((224, 224, 3), 110, np.uint8))).view == View()
+    )
 
 
 def test_every_patch_knows_how_far_the_view_is_magnified():
-    inputs, view, _ = look(imprint_at(112, 112, sigma_px=12))
+    inputs, view, _ = measure_clip(imprint_at(112, 112, sigma_px=12))
     assert inputs[..., MAGNIFICATION_AT] == pytest.approx(np.log(224 / view.side_px), rel=1e-5)
     assert inputs[0, 0, 0, MAGNIFICATION_AT] > 0.3
 
@@ -170,7 +172,7 @@ def turned_clip(clip, quarters):
 
 @pytest.mark.parametrize("quarters", [1, 2, 3])
 def test_a_recording_turned_by_quarters_shows_dents_as_dents_and_their_motion(quarters):
-    inputs, view, _ = look(turned_clip(shaded_clip((9.0, 0.0)), quarters))
+    inputs, view, _ = measure_clip(turned_clip(shaded_clip((9.0, 0.0)), quarters))
     relief = inputs[1, ..., MAGNIFICATION_AT - 1]
     assert relief.max() > 3 * abs(relief.min())
     # What goes right as recorded goes up after one quarter counterclockwise.
@@ -184,7 +186,7 @@ def test_a_recording_turned_by_quarters_shows_dents_as_dents_and_their_motion(qu
 
 def test_a_portrait_picture_keeps_its_shape_and_the_view_says_what_it_fills():
     portrait = turned_clip(shaded_clip(), 1)
-    _, view, _ = look(portrait)
+    _, view, _ = measure_clip(portrait)
     assert (view.picture_height_px, view.picture_width_px) == (224, 126)
     # The dent is at (150, 130) of 320 x 240: turned, 130 to the right and 320 - 150 down.
     x = (view.centre_x_px - (224 - 126) / 2) / 126 * 240

@@ -1,11 +1,13 @@
 import json
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 import typer
 from typer.testing import CliRunner
 
+from geotlm_lm.benchmarks.rows import Bench, Pivot, Row, Section, every
 from geotlm_lm.cli import evaluate as command
 from geotlm_lm.core.errors import BelowMinimum, UsageError
 from geotlm_lm.core.record import RunRecord
@@ -13,20 +15,23 @@ from geotlm_lm.core.record import RunRecord
 
 @pytest.fixture
 def judged(monkeypatch):
-    """Replaces the model and the run; returns the options the run was given."""
+    """Replaces the model and the bench; returns the runs that the bench was given."""
     from geotlm_lm import answering
-    from geotlm_lm.experiments import evaluate as experiment
+    from geotlm_lm.benchmarks import accuracy
 
-    given = {}
+    given = []
 
-    def run(answerer, **options):
-        given.update(options)
-        options["progress"]("simulated rotation", 5, 5)
-        return RunRecord("evaluate", "", options["seed"], 1.0, {"tables": {}, "minimum": 0.8})
+    def rows(run):
+        given.append(run)
+        run.progress("simulated rotation", 5, 5)
+        yield Row("simulated rotation", "words", 5, 0.2, interval=(0.1, 0.3))
 
-    load = classmethod(lambda cls, folder, precision: folder)
+    view = (Pivot(lambda row: f"{row.error:g}"), every)
+    bench = Bench("evaluate", "Mine", "", (Section("clips", "Clips", "", rows, {"": view}),))
+    bundle = SimpleNamespace(digest=lambda: "0123456789ab")
+    load = classmethod(lambda cls, folder, precision: SimpleNamespace(bundle=bundle))
     monkeypatch.setattr(answering.Answerer, "load", load)
-    monkeypatch.setattr(experiment, "evaluate", run)
+    monkeypatch.setattr(accuracy, "EVALUATION", bench)
     return given
 
 
@@ -40,8 +45,7 @@ def invoke():
 def test_options_reach_the_run(judged, invoke, tmp_path):
     result = invoke("--clips", "7", "--seed", "3", "--real", str(tmp_path), "--model", "some/tiny")
     assert result.exit_code == 0
-    assert (judged["clips_per_task"], judged["seed"], judged["real_folder"]) == (7, 3, tmp_path)
-    assert judged["model_name"] == "tiny"
+    assert (judged[0].clips, judged[0].seed, judged[0].real) == (7, 3, tmp_path)
 
 
 def test_progress_goes_to_stderr_only(judged, invoke):
@@ -52,12 +56,13 @@ def test_progress_goes_to_stderr_only(judged, invoke):
 
 def test_the_last_line_is_the_record_when_json_is_asked_for(judged, invoke):
     record = json.loads(invoke("--json").stdout.splitlines()[-1])
-    assert record["numbers"]["minimum"] == 0.8
+    assert record["numbers"]["sections"]["clips"]["rows"][0]["error"] == 0.2
+    assert record["config"]["model_digest"] == "0123456789ab"
 
 
 def test_the_record_is_written_where_asked(judged, invoke, tmp_path):
     invoke("--out", str(tmp_path / "deep" / "run.json"))
-    assert RunRecord.load(tmp_path / "deep" / "run.json").numbers["minimum"] == 0.8
+    assert RunRecord.load(tmp_path / "deep" / "run.json").name == "evaluate"
 
 
 def test_the_record_never_replaces_the_data_it_judges(judged, invoke, tmp_path):
@@ -102,7 +107,7 @@ def test_the_recorded_command_is_what_a_user_types(monkeypatch):
 
 def test_importing_the_commands_loads_no_torch():
     code = (
-        "import sys, geotlm_lm.cli.evaluate, geotlm_lm.cli.report; "
+        "import sys, geotlm_lm.cli.evaluate, geotlm_lm.cli.bench; "
         "sys.exit(any(name in sys.modules for name in ('torch', 'transformers', 'cv2')))"
     )
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
@@ -112,7 +117,7 @@ def test_data_sets_reach_the_run(judged, invoke, tmp_path):
     paths = [tmp_path / "trials", tmp_path / "touchd.csv"]
     words = [word for path in paths for word in ("--data", str(path))]
     assert invoke("--clips", "0", *words).exit_code == 0
-    assert judged["data_paths"] == paths
+    assert list(judged[0].data) == paths
 
 
 def test_a_record_replaces_an_earlier_record_and_nothing_else(judged, invoke, tmp_path):

@@ -65,13 +65,13 @@ def test_a_bundle_to_keep_reaches_the_other_seam(monkeypatch, capsys):
     made = []
     monkeypatch.setattr("geotlm_lm.checkpoint.read_config", lambda folder: {})
 
-    def train_odometer_anew(kept, out, seed, workers, progress):
+    def retrain_odometer(kept, out, seed, workers, progress):
         made.append((kept, out, seed, workers))
         return out / "bundle"
 
-    module = ModuleType("geotlm_lm.training.anew")
-    module.train_odometer_anew = train_odometer_anew
-    monkeypatch.setitem(sys.modules, "geotlm_lm.training.anew", module)
+    module = ModuleType("geotlm_lm.training.retraining")
+    module.retrain_odometer = retrain_odometer
+    monkeypatch.setitem(sys.modules, "geotlm_lm.training.retraining", module)
     with pytest.raises(SystemExit) as exit_info:
         main(["train", "--keep", "runs/a/bundle", "--out", "runs/b", "--workers", "1"])
     assert exit_info.value.code == 0

@@ -16,16 +16,17 @@ import torch
 import geotlm_lm
 from geotlm_lm.answering import Answerer
 from geotlm_lm.answering import answer as answer_room
-from geotlm_lm.answering.measuring import weighed_amounts
+from geotlm_lm.answering.measured_amounts import amount_distribution
 from geotlm_lm.backbone import stem
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.experiments.model_omissions import FOREIGN
+from geotlm_lm.language.generation import ScoredAnswers
 from geotlm_lm.language.parse_answer import Slots
-from geotlm_lm.language.speak import Weighed
 from tests.answering.scripted import first_kinds_of, recording
 from tests.tiny_bundle import tiny_bundle
+
+FOREIGN = "In welche Richtung dreht es sich?"
 
 PERCEIVED = {"choose", "touch", "encode", "total"}
 SPOKEN = PERCEIVED | {"generate", "score"}
@@ -45,7 +46,7 @@ class Counting:
     def weigh(self, fused_token, question, options):
         self.scored += 1
         weights = np.where(np.array(options) == self.sentence, -0.1, -5.0)
-        return Weighed(weights, self.sentence if self.sentence in options else None)
+        return ScoredAnswers(weights, self.sentence if self.sentence in options else None)
 
 
 @pytest.fixture(scope="module")
@@ -119,7 +120,7 @@ def looks(monkeypatch):
         monkeypatch.setattr(room, name, lambda *given: calls.append(name) or step(*given))
 
     count(stem, "imprint_of")
-    count(answer_room, "evened_motions")
+    count(answer_room, "equalised_motions")
     return calls
 
 
@@ -128,8 +129,8 @@ def test_how_far_looks_closer_once_at_the_imprint_that_was_found(answerer, looks
     answerer.ask(encoded, "Which way is it moving?")
     assert looks == ["imprint_of"]
     for unit in ("deg", "px"):
-        weighed_amounts(answerer.bundle, encoded, unit, FrameSpec())
-    assert looks == ["imprint_of", "evened_motions"]
+        amount_distribution(answerer.bundle, encoded, unit, FrameSpec())
+    assert looks == ["imprint_of", "equalised_motions"]
 
 
 def test_a_doubt_and_a_repetition_run_nothing(answerer, encodings):
@@ -192,8 +193,8 @@ NEEDS = {
     "--version": set(),
     "--help": set(),
     "answer --help": set(),
-    "report --help": set(),
-    "report readme --help": set(),
+    "bench --help": set(),
+    "bench render --help": set(),
     "info --clip CLIP": READING,
     "simulate --clip MADE": SIMULATING,
     "answer --clip CLIP --q Which?": ANSWERING,
@@ -203,7 +204,7 @@ NEEDS = {
 }
 """Command -> the heavy packages it may load; no other one."""
 
-MODELLESS = {"answering", "language", "checkpoint", "backbone", "training", "experiments"}
+MODELLESS = {"answering", "language", "checkpoint", "backbone", "training", "benchmarks"}
 """Rooms that no command loads which needs no model."""
 
 

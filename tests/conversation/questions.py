@@ -16,8 +16,8 @@ from typing import Any
 import torch
 
 from geotlm_lm.answering import Answerer, Encoded
+from geotlm_lm.answering.multi_clip import Comparison, Order
 from geotlm_lm.answering.session import Reply
-from geotlm_lm.answering.several import Comparison, Order
 from geotlm_lm.recordings.read import read_clip
 from tests.conversation.reading import reading
 
@@ -91,7 +91,8 @@ def recorded(
         after: The turns before it in the same conversation; without any it is asked by itself.
         of: Names of clips; `BOTH` for two.
     """
-    return {name: told(asked(answerer, clips, name, text, after)) for name in of}
+    of_clips = {note for encoded in clips.values() for note in encoded.clip.notes}
+    return {name: told(asked(answerer, clips, name, text, after), of_clips) for name in of}
 
 
 def asked(
@@ -109,8 +110,8 @@ def asked(
     return session.ask(text)
 
 
-def told(reply: Reply) -> dict[str, Any]:
-    """Return what a reply says, as plain values."""
+def told(reply: Reply, of_clips: set[str]) -> dict[str, Any]:
+    """Return what a reply says, as plain values, without the notes that any answer would have."""
     own: dict[str, Any] = {"text": reply.text}
     if isinstance(reply, Order):
         own["motions"] = [motion and motion.value for motion in reply.motions]
@@ -120,6 +121,8 @@ def told(reply: Reply) -> dict[str, Any]:
         direction = reply.direction and reply.direction.value
         own |= {"kind": reply.kind, "decided": reply.decided, "direction": direction}
         own |= {"told_by": reply.told_by}
+        notes = [note for note in reply.notes if note not in of_clips]
+        own |= {"notes": notes} if notes else {}
     return own | {"confidence": round(reply.confidence, 6), "abstained": reply.abstained}
 
 

@@ -7,68 +7,72 @@ from dataclasses import asdict, fields, is_dataclass
 from enum import Enum
 from typing import Any
 
-from geotlm_lm.answering import asking
-from geotlm_lm.answering.overruling import read_by_rule
-from geotlm_lm.conversation.about_recording import asked_of_recording
+from geotlm_lm.answering import question_routing
+from geotlm_lm.answering.consistency_check import kind_by_rule
 from geotlm_lm.conversation.alternatives import asks_alternatives
-from geotlm_lm.conversation.asked_units import asked_unit
-from geotlm_lm.conversation.axes import asks_components, claimed_axis
-from geotlm_lm.conversation.changes import asked_changes, claimed_of_change, claimed_remedy
-from geotlm_lm.conversation.claims import (
-    asks_both_kinds,
-    asks_yes_or_no,
-    claimed,
-    claimed_class,
-    offered_options,
-    presumed_class,
-)
+from geotlm_lm.conversation.axis_claims import asks_components, claimed_axis
+from geotlm_lm.conversation.compound_claims import compound_claim
+from geotlm_lm.conversation.compound_questions import split_questions
 from geotlm_lm.conversation.courtesies import without_courtesies
-from geotlm_lm.conversation.doubts import doubted
 from geotlm_lm.conversation.either_or import asked_whether_over
 from geotlm_lm.conversation.english import is_english
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.frame_questions import asks_frame, asks_which_moves
-from geotlm_lm.conversation.future import asks_what_comes
-from geotlm_lm.conversation.half_ways import asked_half, claimed_half
+from geotlm_lm.conversation.future_questions import asks_future_motion
+from geotlm_lm.conversation.half_directions import asked_half, claimed_half
+from geotlm_lm.conversation.hypothetical_changes import (
+    claimed_inverse,
+    claims_on_changed_clip,
+    supposed_changes,
+)
+from geotlm_lm.conversation.image_rotation import unclear_rotation
 from geotlm_lm.conversation.kind_choices import offered_kinds
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whether_moving
+from geotlm_lm.conversation.likelihood_questions import likelihood_subject
+from geotlm_lm.conversation.motion_answers import CAMERA
+from geotlm_lm.conversation.motion_claims import (
+    asks_both_kinds,
+    asks_yes_or_no,
+    claimed_motion_class,
+    claimed_motions,
+    offered_options,
+    presumed_class,
+)
 from geotlm_lm.conversation.option_meanings import offers_neither, option_sets
-from geotlm_lm.conversation.retell import CAMERA
-from geotlm_lm.conversation.scale import asks_scale, with_pixel_size
+from geotlm_lm.conversation.pixel_scale import asks_scale, with_pixel_size
+from geotlm_lm.conversation.recording_questions import recording_topic
+from geotlm_lm.conversation.requested_units import requested_unit
 from geotlm_lm.conversation.stated_amounts import (
     claimed_amount,
     claims_unread_amount,
     denies_amount,
 )
-from geotlm_lm.conversation.turned_image import unclear_turn
-from geotlm_lm.conversation.two_claims import (
+from geotlm_lm.conversation.two_clip_claims import (
+    asks_inverse,
     asks_same_amount,
-    asks_undoing,
+    claimed_count,
     claimed_each,
-    claimed_image,
     claimed_relation,
-    claimed_share,
     claimed_subject,
+    claimed_transform,
     claims_same_kind,
-    supposed_change,
+    supposed_transform,
 )
-from geotlm_lm.conversation.two_clips import asks_each_amount, asks_of_one
-from geotlm_lm.conversation.two_parts import two_parts
-from geotlm_lm.conversation.untold import asks_place, never_told, untold
-from geotlm_lm.conversation.whole_claims import whole_claim
+from geotlm_lm.conversation.two_clip_questions import asks_each_amount, asks_of_one
+from geotlm_lm.conversation.unanswerable import asks_place, never_answered_reply, unanswerable_reply
 from geotlm_lm.core.frame_spec import FrameSpec
 
 CHANGES = ("mirrored", "reversed", "undo", "viewpoint", "actor")
 
 OF_ONE: Mapping[str, Callable[[str], Any]] = {
     "kind": lambda text: asked_kind(text) or (asks_direction(text) and "direction") or None,
-    "answered_as": read_by_rule,
+    "answered_as": kind_by_rule,
     "is_claim": asks_yes_or_no,
     "asks_whether_moving": asks_whether_moving,
-    "claim": claimed,
-    "claimed_class": claimed_class,
+    "claim": claimed_motions,
+    "claimed_class": claimed_motion_class,
     "presumed_class": presumed_class,
-    "whole_claim": whole_claim,
+    "whole_claim": compound_claim,
     "axis": lambda text: claimed_axis(text.lower()),
     "components": asks_components,
     "choice": offered_options,
@@ -81,29 +85,29 @@ OF_ONE: Mapping[str, Callable[[str], Any]] = {
     "amount": claimed_amount,
     "unread_amount": claims_unread_amount,
     "denied_amount": denies_amount,
-    "unit": lambda text: asked_unit(text, "deg") or asked_unit(text, "px"),
+    "unit": lambda text: requested_unit(text, "deg") or requested_unit(text, "px"),
     "alternatives": asks_alternatives,
-    "recording": asked_of_recording,
+    "recording": recording_topic,
     "scale": asks_scale,
     "frame_asked": asks_frame,
     "which_moves": asks_which_moves,
     "over": lambda text: asked_whether_over(text) is not None,
-    "future": asks_what_comes,
+    "future": asks_future_motion,
     "place": asks_place,
-    "parts": lambda text: two_parts(text) is not None,
-    "untold": lambda text: (never_told(text) or untold(text)) is not None,
+    "parts": lambda text: split_questions(text) is not None,
+    "untold": lambda text: (never_answered_reply(text) or unanswerable_reply(text)) is not None,
 }
 OF_TWO: Mapping[str, Callable[[str], Any]] = {
     "relation": claimed_relation,
-    "share": claimed_share,
+    "share": claimed_count,
     "each": claimed_each,
     "subject": claimed_subject,
-    "image": claimed_image,
-    "supposed": lambda text: (said := supposed_change(text)) and said[1:],
+    "image": claimed_transform,
+    "supposed": lambda text: (said := supposed_transform(text)) and said[1:],
     "same_kind": claims_same_kind,
     "same_amount": asks_same_amount,
     "each_amount": asks_each_amount,
-    "undoing": asks_undoing,
+    "undoing": asks_inverse,
     "clip": lambda text: (said := asks_of_one(text)) and said[0],
 }
 
@@ -124,17 +128,17 @@ def reading(text: str, columns: int) -> dict[str, Any]:
         found["lasting"] = _told(stated.lasting)
     if not stated.rest:
         return {"is_fact": True} | found
-    if unclear_turn(stated.rest, said) is not None:
+    if unclear_rotation(stated.rest, said) is not None:
         return {"lacks": "turn"} | found
-    asked, frame = asking._as_known(stated.rest, stated.frame)
+    asked, frame = question_routing._canonical_question(stated.rest, stated.frame)
     found["frame"] = _told(frame)
     found |= {name: read(asked) for name, read in OF_ONE.items()}
     if found["kind"] in CHANGES:
-        found["changes"] = asked_changes(asked, found["kind"]).names
-        found["claim_of_change"] = claimed_of_change(asked)
-        found["remedy"] = claimed_remedy(asked)
+        found["changes"] = supposed_changes(asked, found["kind"]).names
+        found["claim_of_change"] = claims_on_changed_clip(asked)
+        found["remedy"] = claimed_inverse(asked)
     if found["kind"] == "confidence":
-        found["doubted"] = doubted(asked)
+        found["doubted"] = likelihood_subject(asked)
     found["of_two"] = _without_empty({name: read(stated.rest) for name, read in OF_TWO.items()})
     return _without_empty(found)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.conversation.reasons import chain, contact_place, halves, pattern_of
+from geotlm_lm.conversation.reasons import contact_place, halves, pattern_of, reasoning_steps
 from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.dgr.regions import pool_regions, region_mass
@@ -97,7 +97,7 @@ def test_the_place_of_contact_is_where_the_mass_is():
 
 def steps(field, motion):
     evidence = {"regions": regions_of(*field), "contact_share": 1.0}
-    return chain(evidence, "So it is.", motion)
+    return reasoning_steps(evidence, "So it is.", motion)
 
 
 @pytest.mark.parametrize(
@@ -130,7 +130,7 @@ def test_without_a_moving_claim_nothing_adds_up(motion):
 
 def test_steps_before_a_conclusion_told_elsewhere_name_the_camera_image():
     evidence = {"regions": regions_of(*FIELDS[Motion.COUNTERCLOCKWISE]), "contact_share": 1.0}
-    _, way, sums, _ = chain(evidence, "So it is.", Motion.CLOCKWISE, is_as_seen=False)
+    _, way, sums, _ = reasoning_steps(evidence, "So it is.", Motion.CLOCKWISE, is_as_seen=False)
     assert way.startswith("In the camera image the whole contact stays, the upper half goes left")
     assert sums == (
         "The common shift cancels in the differences of the halves, which add up counterclockwise "

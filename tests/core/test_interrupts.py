@@ -6,7 +6,7 @@ from multiprocessing import get_context
 
 import pytest
 
-from geotlm_lm.core.interrupts import children_end_with_it, whole_step
+from geotlm_lm.core.interrupts import children_killed_on_error, uninterrupted_step
 
 
 @pytest.fixture(autouse=True)
@@ -22,7 +22,7 @@ def test_an_interrupt_waits_until_the_step_is_taken(number):
     done = []
 
     def step():
-        with whole_step():
+        with uninterrupted_step():
             signal.raise_signal(number)
             done.append("step")
 
@@ -38,14 +38,14 @@ def test_an_interrupt_waits_until_the_step_is_taken(number):
 
 
 def test_outside_a_step_interrupts_arrive_as_ever():
-    with whole_step():
+    with uninterrupted_step():
         pass
     with pytest.raises(KeyboardInterrupt):
         signal.raise_signal(signal.SIGINT)
 
 
 def test_an_error_in_a_step_is_told_as_it_is():
-    with pytest.raises(ZeroDivisionError), whole_step():
+    with pytest.raises(ZeroDivisionError), uninterrupted_step():
         raise ZeroDivisionError
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
@@ -70,7 +70,7 @@ def test_a_block_that_is_broken_off_ends_what_it_started(started):
     before, inside = started(), []
 
     def block():
-        with children_end_with_it():
+        with children_killed_on_error():
             inside.append(started())
             raise KeyboardInterrupt
 
@@ -84,7 +84,7 @@ def test_a_block_that_is_broken_off_ends_nothing_that_others_start_meanwhile(sta
     inside = []
 
     def block():
-        with children_end_with_it() as all_started:
+        with children_killed_on_error() as all_started:
             inside.append(started())
             all_started()
             inside.append(started())

@@ -8,10 +8,10 @@ from geotlm_lm.core.labels import (
     SLIDES,
     Motion,
     MotionLabel,
-    along,
     mirror,
     motion_class,
     reverse,
+    signed_amount,
     turn_by_quarter,
 )
 
@@ -48,20 +48,20 @@ def test_a_label_survives_json_values():
 @pytest.mark.parametrize("motion", [*DIRECTED, Motion.PRESS, Motion.RELEASE])
 def test_a_movement_goes_its_own_way_and_against_the_reversed_one(motion):
     amounts = {"turn": 1.0, "right": 2.0, "down": 3.0, "inward": 4.0}
-    assert abs(along(motion, **amounts)) in amounts.values()
-    assert along(reverse(motion), **amounts) == -along(motion, **amounts)
+    assert abs(signed_amount(motion, **amounts)) in amounts.values()
+    assert signed_amount(reverse(motion), **amounts) == -signed_amount(motion, **amounts)
 
 
 def test_clockwise_right_down_and_inward_are_positive():
-    assert along(Motion.CLOCKWISE, turn=1, right=0, down=0) == 1
-    assert along(Motion.RIGHT, turn=0, right=1, down=0) == 1
-    assert along(Motion.DOWN, turn=0, right=0, down=1) == 1
-    assert along(Motion.PRESS, turn=0, right=0, down=0, inward=1) == 1
+    assert signed_amount(Motion.CLOCKWISE, turn=1, right=0, down=0) == 1
+    assert signed_amount(Motion.RIGHT, turn=0, right=1, down=0) == 1
+    assert signed_amount(Motion.DOWN, turn=0, right=0, down=1) == 1
+    assert signed_amount(Motion.PRESS, turn=0, right=0, down=0, inward=1) == 1
 
 
 @pytest.mark.parametrize("motion", [Motion.STILL, Motion.NONE])
 def test_stillness_and_absence_go_no_way(motion):
-    assert along(motion, turn=1, right=1, down=1, inward=1) is None
+    assert signed_amount(motion, turn=1, right=1, down=1, inward=1) is None
 
 
 @pytest.mark.parametrize("motion", Motion)
@@ -87,7 +87,7 @@ LABELS = [
 def test_a_mirrored_clip_goes_as_far_the_way_its_label_names(label):
     def far(one):
         way = {"turn": one.rotation_deg, "right": one.slide_x_mm, "down": one.slide_y_mm}
-        return along(one.motion, **way, inward=one.depth_change_mm)
+        return signed_amount(one.motion, **way, inward=one.depth_change_mm)
 
     mirrored = label.mirrored()
     assert far(mirrored) == far(label) > 0

@@ -12,12 +12,12 @@ from geotlm_lm.data.pose_pairs import (
     LEAST_TURNS_DEG,
     LabelledPair,
     PairRule,
-    evenly,
+    evenly_spaced,
     image_motion,
     in_plane_turn,
     labelled_pairs,
     nearest_rule,
-    sweep,
+    sweep_pair_counts,
 )
 from tests.data.tracked_trials import path_of, poses_of
 
@@ -175,9 +175,11 @@ def steady_turn(step_deg, count=60):
 
 def test_a_sweep_counts_every_gap_and_threshold():
     """One degree a frame: a pair g frames apart turns by g degrees, 60 - g such pairs."""
-    rows = sweep([steady_turn(1.0)], PairRule(), "rotation")
+    rows = sweep_pair_counts([steady_turn(1.0)], PairRule(), "rotation")
     assert len(rows) == len(GAPS_FRAMES) * len(LEAST_TURNS_DEG)
-    assert len(sweep([], PairRule(), "sliding")) == len(GAPS_FRAMES) * len(LEAST_SLIDES_PX)
+    assert len(sweep_pair_counts([], PairRule(), "sliding")) == len(GAPS_FRAMES) * len(
+        LEAST_SLIDES_PX
+    )
     found = {(row["gap_frames"], row["least"]): row["pairs"] for row in rows}
     # At just its threshold a turn may round either way; none of these is.
     assert (found[5, 3.0], found[10, 5.0], found[10, 12.0], found[25, 12.0]) == (55, 50, 0, 35)
@@ -185,13 +187,13 @@ def test_a_sweep_counts_every_gap_and_threshold():
 
 
 def test_the_rule_nearest_to_a_number_of_pairs_is_taken():
-    rows = sweep([steady_turn(1.0)], PairRule(), "rotation")
+    rows = sweep_pair_counts([steady_turn(1.0)], PairRule(), "rotation")
     rule = nearest_rule(rows, PairRule(), "rotation", 36)
     assert (rule.gap_frames, len(labelled_pairs(steady_turn(1.0), rule, "rotation"))) == (25, 35)
 
 
 def test_a_rule_without_pairs_is_the_last_resort():
-    rows = sweep([steady_turn(1.0)], PairRule(), "rotation")
+    rows = sweep_pair_counts([steady_turn(1.0)], PairRule(), "rotation")
     assert 0 in [row["pairs"] for row in rows]
     rule = nearest_rule(rows, PairRule(), "rotation", 1)
     assert len(labelled_pairs(steady_turn(1.0), rule, "rotation")) > 0
@@ -203,5 +205,5 @@ def test_a_trial_shorter_than_the_gap_has_no_pairs():
 
 def test_pairs_are_thinned_evenly():
     pairs = [LabelledPair(k, k + 1, Motion.UP, 0.0, (0.0, -9.0)) for k in range(9)]
-    assert [pair.first for pair in evenly(pairs, 3)] == [0, 4, 8]
-    assert evenly(pairs, 9) == pairs
+    assert [pair.first for pair in evenly_spaced(pairs, 3)] == [0, 4, 8]
+    assert evenly_spaced(pairs, 9) == pairs

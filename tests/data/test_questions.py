@@ -8,9 +8,9 @@ from sklearn.feature_extraction.text import TfidfVectorizer
 from sklearn.linear_model import LogisticRegression
 
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, MotionLabel
-from geotlm_lm.data.contents import amount_of
+from geotlm_lm.data.distractors import PAIRS, SECOND_PAIR, draw_option_set
+from geotlm_lm.data.question_contents import amount_of
 from geotlm_lm.data.questions import questions_for, with_typo
-from geotlm_lm.data.rivals import PAIRS, SECOND_PAIR, draw_option_set
 from geotlm_lm.data.templates import load_templates
 
 ROUNDS = 120

@@ -1,4 +1,4 @@
-"""The README's programs, run as they stand there against the shipped model behind a server."""
+"""The documentation's programs, run as they stand there against the shipped model."""
 
 import re
 import shutil
@@ -13,11 +13,12 @@ from app import api, ui  # noqa: E402
 from geotlm_lm import Answerer  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
-BLOCKS = re.findall(r"```(python|bash)\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+PAGE = (ROOT / "docs/programs.md").read_text()
+BLOCKS = re.findall(r"```(python|bash)\n(.*?)```", PAGE, re.DOTALL)
 
 
 def example(mark, address):
-    """Return the README's only block that holds a mark, for a server of ours."""
+    """Return the page's only block that holds a mark, for a server of ours."""
     (code,) = (text for _, text in BLOCKS if mark in text)
     assert "http://127.0.0.1:7860" in code
     return code.replace("http://127.0.0.1:7860", address.rstrip("/"))
@@ -69,10 +70,9 @@ def test_the_agents_example_tells_it_too(answerer, capsys):
         page.close()
 
 
-def test_the_pages_examples_are_the_readmes():
-    readme = (ROOT / "README.md").read_text()
+def test_the_examples_told_on_the_page_are_the_documented_ones():
     for snippet in (api.SNIPPET, api.REST_SNIPPET, api.MCP_SNIPPET):
-        assert snippet.strip() in readme
+        assert snippet.strip() in PAGE
 
 
 def test_every_promised_field_is_in_the_answer(address):
@@ -83,10 +83,10 @@ def test_every_promised_field_is_in_the_answer(address):
     client = Client(address, verbose=False)
     clip = handle_file("app/examples/hex_nut_counterclockwise.npz")
     calls = {
-        "/ask": ((clip, "Which way?"), results.Answered),
-        "/evidence": ((clip,), results.Field),
-        "/compare": ((clip, clip), results.Compared),
-        "/simulate": (("key", 0.6, 15.0, 0.0, 0.0, 4.0, 0), results.Told),
+        "/ask": ((clip, "Which way?"), results.AnswerResult),
+        "/evidence": ((clip,), results.EvidenceFields),
+        "/compare": ((clip, clip), results.ComparisonResult),
+        "/simulate": (("key", 0.6, 15.0, 0.0, 0.0, 4.0, 0), results.SimulatedAnswer),
     }
     for name, (given, promised) in calls.items():
         assert set(client.predict(*given, api_name=name)) == set(promised.__annotations__)

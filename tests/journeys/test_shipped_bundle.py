@@ -12,19 +12,19 @@ import geotlm_lm
 from geotlm_lm.answering import Answerer
 from geotlm_lm.backbone import imprint
 from geotlm_lm.backbone.lights import Lights
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, look
+from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, measure_clip
+from geotlm_lm.benchmarks.cases.recordings import turned_by_quarter
 from geotlm_lm.checkpoint import embedded_bundle_dir
 from geotlm_lm.cli.simulate import simulate_one
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import PATCH_SIDE
 from geotlm_lm.core.labels import DIRECTED, Motion, mirror, reverse, turn_by_quarter
 from geotlm_lm.data.labelled_recordings import find_labelled_recordings
-from geotlm_lm.experiments.cases import turned_by_quarter
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.simulate import simulate
-from geotlm_lm.training.forms import truth_in
+from geotlm_lm.training.recording_forms import truth_in_view
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "app" / "examples"
@@ -64,7 +64,9 @@ def test_the_bundle_is_small():
 def test_patch_tokens_carry_motion_smaller_than_a_patch(answerer, touches):
     perception = answerer.bundle.model.perceive([made.clip for made in touches])
     found = perception.geometry.shear_change.numpy() * FLOW_SCALE_PX
-    truths = [truth_in(view, made) for view, made in zip(perception.views, touches, strict=True)]
+    truths = [
+        truth_in_view(view, made) for view, made in zip(perception.views, touches, strict=True)
+    ]
     bins = np.stack([moved.reshape(2, 2, 14, 14, 2).mean(1) for moved, _, _ in truths])
     true = bins[:, 1] - bins[:, 0]
     contact = np.stack([share.mean(0) for _, share, _ in truths])
@@ -96,7 +98,7 @@ def test_the_example_clips_are_seen_as_they_come(path, monkeypatch):
     monkeypatch.setattr(
         imprint, "is_inside_out", lambda *a: found.append(inside_out(*a)) or found[-1]
     )
-    look(read_clip(path))
+    measure_clip(read_clip(path))
     assert found == [Lights(), False]
 
 
@@ -148,7 +150,7 @@ def test_grey_recordings_are_told_and_measured(answerer, touches):
     greys = [replace(made, clip=in_grey(made.clip)) for made in touches]
     right = [direction(answerer, made.clip) is made.label.motion for made in greys]
     assert np.mean(right) >= 0.85
-    inputs = [look(made.clip).inputs for made in greys]
+    inputs = [measure_clip(made.clip).inputs for made in greys]
     assert all(one[1, ..., MAGNIFICATION_AT - 1].any() for one in inputs)
 
 

@@ -7,18 +7,16 @@ import torch
 
 import geotlm_lm
 from geotlm_lm.answering import Answerer
+from geotlm_lm.benchmarks.cases.damaged import extreme_clips
+from geotlm_lm.benchmarks.cases.stiff import STIFF_CASES
+from geotlm_lm.benchmarks.rows import Run
+from geotlm_lm.benchmarks.stability_rows import CONFIDENT, judge, judge_scene
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.experiments import extreme_clips as extremes
-from geotlm_lm.experiments.judging import judge
-from geotlm_lm.experiments.model_stability import stiff_rows
-from geotlm_lm.experiments.simulator_stability import CASES as STIFF
 from geotlm_lm.simulation.touch import Touch, simulate_touch
 
 pytestmark = pytest.mark.skipif(
     not (Path(geotlm_lm.__file__).parent / "bundle").is_dir(), reason="needs the trained bundle"
 )
-
-CONFIDENT = 0.9
 
 
 @pytest.fixture(scope="module")
@@ -33,15 +31,10 @@ def answerer():
 def verdicts(answerer):
     """Every extreme recording, made of a turning nut, and what became of it."""
     touched = simulate_touch(Touch("hex_nut", twist_deg=12.0)).clip
-    patch = pytest.MonkeyPatch()
-    patch.setattr(extremes, "LONG_FRAMES", 1_000)
-    try:
-        return {
-            name: (extreme, judge(answerer, extreme.make, extreme.right))
-            for name, extreme in extremes.extreme_clips(touched, Motion.CLOCKWISE).items()
-        }
-    finally:
-        patch.undo()
+    return {
+        name: (extreme, judge(answerer, extreme.make, extreme.right))
+        for name, extreme in extreme_clips(touched, Motion.CLOCKWISE, long_frames=1_000).items()
+    }
 
 
 def test_nothing_crashes(verdicts):
@@ -66,6 +59,5 @@ def test_what_is_no_picture_is_refused(verdicts, name):
 
 @pytest.mark.parametrize("name", ["friction 1e6", "depth -0.5 mm", "nu 0.5, incompressible"])
 def test_stiff_scenes_are_answered(answerer, name):
-    (row,) = stiff_rows(answerer, {name: STIFF[name]}, 0)
-    assert row["crashed"] == row["refused"] == 0
-    assert row["solver"].endswith(", converged")
+    verdict = judge_scene(Run(answerer_given=answerer), STIFF_CASES[name])
+    assert verdict.outcome not in ("crashed", "refused")

@@ -1,8 +1,8 @@
 import pytest
 import torch
 
+from geotlm_lm.language.generation import Speaker
 from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS
-from geotlm_lm.language.speak import Speaker
 
 model_module = pytest.importorskip("geotlm_lm.language.model")
 pytest.importorskip("geotlm_lm.language.processor")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.backbone.evened import EVENED_SHAPE
+from geotlm_lm.backbone.contrast_equalisation import EQUALISED_SHAPE
 from geotlm_lm.backbone.mirror import Mirror, mirrored_inputs
 from geotlm_lm.backbone.stem import ALIGNED_AT, FLOW_SCALE_PX, MAGNIFICATION_AT, PATCH_INPUT_DIM
 from geotlm_lm.core.geometry import IMAGE_SIDE
@@ -30,7 +30,7 @@ def turned(degrees, x_px=0.0, y_px=0.0, aspect=SQUARE_ASPECT):
     return torch.from_numpy(field / FLOW_SCALE_PX).float()
 
 
-STILL = torch.zeros(1, *EVENED_SHAPE)
+STILL = torch.zeros(1, *EQUALISED_SHAPE)
 
 
 def geometry(field, mask=None):
@@ -101,7 +101,7 @@ def test_a_mirror_image_moves_as_far(mirror):
     made[..., MAGNIFICATION_AT] = 0.3
     still = geometry(turned(0.0))
     flipped = mirrored_inputs(made, mirror)
-    evened = torch.rand(1, *EVENED_SHAPE, generator=rng)
+    evened = torch.rand(1, *EQUALISED_SHAPE, generator=rng)
     # Turned the other way round, and left and right exchanged.
     opposite = evened * torch.tensor([-1.0, -1.0, 1.0, 1.0])
     assert movement(flipped, still, opposite)[0].tolist() == pytest.approx(
@@ -110,7 +110,7 @@ def test_a_mirror_image_moves_as_far(mirror):
 
 
 def test_the_last_numbers_are_turn_travel_and_fit_of_the_evened_images():
-    evened = torch.zeros(1, *EVENED_SHAPE)
+    evened = torch.zeros(1, *EQUALISED_SHAPE)
     evened[0, -1, -1, -1] = torch.tensor([np.radians(-25.0), 3.0, -4.0, 0.9])
     found = movement(inputs(turned(0.0)), geometry(turned(0.0)), evened)[0]
     assert (found[-3:-1].exp() - FLOOR).tolist() == pytest.approx([25.0, 5.0], abs=1e-2)

@@ -8,7 +8,7 @@ from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, mirror, r
 from geotlm_lm.probe.rigid_flow import (
     RigidFlow,
     RigidMotion,
-    decide,
+    classify_motion,
 )
 from tests.probe.imprints import IDLE_LEVEL, moved_clip, textured_imprint
 
@@ -118,21 +118,23 @@ ALL = tuple(Motion)
     ],
 )
 def test_the_stated_rules_decide_among_all_ten(motion, expected):
-    assert decide(motion, ALL) == expected
+    assert classify_motion(motion, ALL) == expected
 
 
 def test_a_direction_is_named_when_only_directions_are_asked():
-    assert decide(rigid_motion(turn_deg=1e-3), ROTATIONS) == Motion.CLOCKWISE
+    assert classify_motion(rigid_motion(turn_deg=1e-3), ROTATIONS) == Motion.CLOCKWISE
 
 
 def test_nothing_asked_is_refused():
     with pytest.raises(ValueError, match="at least one motion"):
-        decide(rigid_motion(), ())
+        classify_motion(rigid_motion(), ())
 
 
 @pytest.mark.parametrize("contrast", [(1.0, 1.2), (1.0, 1.35), (1.0, 1.45), (1.0, 2.0)])
 def test_what_fades_is_told_as_what_grows_played_backwards(contrast):
-    grown, faded = (decide(rigid_motion(contrast=one), ALL) for one in (contrast, contrast[::-1]))
+    grown, faded = (
+        classify_motion(rigid_motion(contrast=one), ALL) for one in (contrast, contrast[::-1])
+    )
     assert faded == reverse(grown)
 
 

@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 import pytest
 
+from geotlm_lm.benchmarks.cases.damaged import extreme_clips
+from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip, UsageError
-from geotlm_lm.experiments.cases import SimulatedCases
-from geotlm_lm.experiments.extreme_clips import extreme_clips
 from geotlm_lm.recordings.choose import choose_frames
 from geotlm_lm.recordings.read import read_clip
 

@@ -1,11 +1,13 @@
 """What is written in any supported form comes back as the same frames, colours in RGB order."""
 
+import tracemalloc
+
 import cv2
 import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings import limits, video
+from geotlm_lm.recordings import arrays, limits, video
 from geotlm_lm.recordings.pixels import layout_of
 from geotlm_lm.recordings.read import read_clip
 
@@ -273,6 +275,33 @@ def test_a_long_array_is_read_at_a_stride_and_says_so(tmp_path, room_for_six):
     assert clip.notes[-1] == (
         "Of 20 frames one in 4 was read to bound memory; cut the recording to see all of them."
     )
+
+
+@pytest.mark.parametrize("block_bytes", [1, 30_000])
+def test_an_archive_that_unpacks_to_more_than_is_kept_is_never_held_whole(
+    tmp_path, monkeypatch, block_bytes
+):
+    frames = colourful(count=1_000)
+    kept = 340 * frames[0].nbytes  # one in 3 fits
+    monkeypatch.setattr(arrays, "KEPT_BYTES", kept)
+    monkeypatch.setattr(arrays, "BLOCK_BYTES", block_bytes)
+    monkeypatch.setattr(limits, "KEPT_BYTES", kept)
+    np.savez_compressed(tmp_path / "clip.npz", frames=frames)
+    tracemalloc.start()
+    clip = read_clip(tmp_path / "clip.npz")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert clip.frame_numbers == tuple(range(0, 1_000, 3))
+    assert np.array_equal(clip.frames, frames[::3])
+    assert clip.notes[-1].startswith("Of 1000 frames one in 3 was read to bound memory")
+    assert peak < 0.8 * frames.nbytes  # a third as stored, a third as RGB
+
+
+def test_an_archive_whose_frames_cannot_be_taken_one_by_one_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(arrays, "KEPT_BYTES", FRAMES.nbytes - 1)
+    np.savez(tmp_path / "clip.npz", frames=np.asfortranarray(FRAMES))
+    with pytest.raises(UnreadableClip, match="'frames' unpacks to .*; save it as .npy instead"):
+        read_clip(tmp_path / "clip.npz")
 
 
 @pytest.mark.parametrize("room", [5, 6, 7])

@@ -8,13 +8,13 @@ from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.simulate import simulate
-from geotlm_lm.training import examples, forms
+from geotlm_lm.training import examples, recording_forms
 from geotlm_lm.training.examples import (
     ExampleSet,
     read_examples,
     simulate_examples,
 )
-from geotlm_lm.training.forms import _frame_order, mirrored
+from geotlm_lm.training.recording_forms import _frame_order, mirrored
 from tests.training.in_process import InProcess
 
 
@@ -91,9 +91,9 @@ def test_a_mirrored_clip_has_mirrored_truth_and_the_same_image_flipped():
 @pytest.mark.usefixtures("_small_chunks")
 def test_some_clips_are_mirrored_with_their_labels(tmp_path, monkeypatch):
     """All of them here: every displacement must agree with its label's sign."""
-    monkeypatch.setattr(forms, "MIRRORED_SHARE", 1.0)
+    monkeypatch.setattr(recording_forms, "MIRRORED_SHARE", 1.0)
     flipped = made_in(tmp_path / "flipped")
-    monkeypatch.setattr(forms, "MIRRORED_SHARE", 0.0)
+    monkeypatch.setattr(recording_forms, "MIRRORED_SHARE", 0.0)
     plain = made_in(tmp_path / "plain")
     assert [label.mirrored() for label in flipped.labels] == list(plain.labels)
     assert not np.array_equal(flipped.inputs, plain.inputs)

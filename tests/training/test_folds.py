@@ -10,11 +10,11 @@ from geotlm_lm.backbone.stem import FLOW_SCALE_PX
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES
 from geotlm_lm.dgr.ablations import AblatedDGR, DGRParts
-from geotlm_lm.evaluation.splits import Fold
 from geotlm_lm.training import folds
 from geotlm_lm.training.folds import Recipe, standardise_fold, train_on_fold
 from geotlm_lm.training.geometry import ALL_MOTIONS
-from geotlm_lm.training.read_outs import start_from_truth
+from geotlm_lm.training.least_squares_start import initialise_from_truth
+from geotlm_lm.training.object_folds import Fold
 from tests.training.moving_tokens import token_set
 
 FOLD = Fold(np.arange(0, 120), np.arange(120, 160), np.arange(160, 240), ("x",))
@@ -126,7 +126,7 @@ def test_the_seed_decides_and_a_row_of_four_motions_names_only_those():
 def test_read_outs_of_the_truth_give_displacement_and_contact_back():
     fold = standardise_fold(DATA, FOLD)
     dgr = AblatedDGR(6, 6, DGRParts())
-    start_from_truth(dgr, fold.train)
+    initialise_from_truth(dgr, fold.train)
     with torch.no_grad():
         found = dgr(fold.test.tokens.patches)
     touched = fold.test.contact > 0
@@ -142,8 +142,8 @@ def test_patches_without_contact_do_not_shape_the_shear():
     fold = standardise_fold(DATA, FOLD)
     loud = fold.train.shear_change + 99.0 * (fold.train.contact == 0)[..., None]
     own, other = (AblatedDGR(6, 6, DGRParts()) for _ in range(2))
-    start_from_truth(own, fold.train)
-    start_from_truth(other, replace(fold.train, shear_change=loud))
+    initialise_from_truth(own, fold.train)
+    initialise_from_truth(other, replace(fold.train, shear_change=loud))
     assert torch.equal(own.to_shear.weight, other.to_shear.weight)
 
 

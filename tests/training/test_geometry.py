@@ -9,7 +9,7 @@ import torch
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.training import geometry
-from geotlm_lm.training.dense import DenseHeads
+from geotlm_lm.training.dense_targets import DenseHeads
 from geotlm_lm.training.geometry import better_mode, train_geometry, train_global_probe
 from tests.training.moving_tokens import token_set
 

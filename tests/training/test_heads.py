@@ -15,7 +15,7 @@ from geotlm_lm.language.decoder import LanguageSize
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.training import config, train
 from geotlm_lm.training.config import HeadsPreset
-from geotlm_lm.training.encoded import BATCH, encode_examples
+from geotlm_lm.training.encoded_clips import BATCH, encode_examples
 from geotlm_lm.training.examples import ExampleSet
 from geotlm_lm.training.heads import train_heads
 from geotlm_lm.training.language import LanguageTraining
@@ -144,7 +144,7 @@ def test_finished_tokens_are_read_and_not_made_again(anytouch2, tmp_path, monkey
 
 def test_stored_tokens_are_the_encoders_own_of_the_same_clips(anytouch2, tmp_path):
     from geotlm_lm.core.seeding import generator_for
-    from geotlm_lm.training.forms import as_recorded
+    from geotlm_lm.training.recording_forms import as_recorded
 
     stored = encode_examples(anytouch2, tmp_path, WANTED, seed=1)
     seed = int(generator_for(1, "encoded", "check").integers(2**62))

@@ -18,9 +18,9 @@ from geotlm_lm.core.labels import ROTATIONS, SLIDES
 from geotlm_lm.language.decoder import LanguageSize
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.training import config, examples, language, odometry, train
-from geotlm_lm.training.anew import train_odometer_anew
 from geotlm_lm.training.examples import read_examples
 from geotlm_lm.training.language import LanguageTraining
+from geotlm_lm.training.retraining import retrain_odometer
 from tests.training.in_process import InProcess
 
 TINY = replace(
@@ -152,7 +152,7 @@ def test_clips_of_objects_kept_for_another_set_are_refused(finished):
 def test_only_the_odometer_of_a_bundle_is_trained_anew(finished, tmp_path, monkeypatch):
     shutil.copytree(finished / "examples", tmp_path / "examples")
     monkeypatch.setattr(odometry, "EPOCHS", odometry.EPOCHS + 1)
-    folder = train_odometer_anew(finished / "bundle", tmp_path, seed=3, workers=1)
+    folder = retrain_odometer(finished / "bundle", tmp_path, seed=3, workers=1)
     before, after = load_bundle(finished / "bundle"), load_bundle(folder)
     for kept in ("model.backbone.vit", "model.dgr", "model.probe", "speaker.model"):
         once, again = (attrgetter(kept)(one).state_dict() for one in (before, after))
@@ -172,4 +172,4 @@ def test_a_bundle_that_does_not_say_its_preset_is_not_trained_anew(finished, tmp
     del config["provenance"]["preset"]
     path.write_text(json.dumps(config))
     with pytest.raises(UsageError, match="does not say by which preset it was trained"):
-        train_odometer_anew(tmp_path / "bundle", tmp_path / "run", seed=0, workers=1)
+        retrain_odometer(tmp_path / "bundle", tmp_path / "run", seed=0, workers=1)

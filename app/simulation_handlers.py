@@ -1,0 +1,131 @@
+"""Handlers of the Simulate tab: a touch, its true field, the answer, and its error."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geotlm_lm import TRUE_DISPLACEMENT, GeoTLMError, Seen, learned_motion, picture
+
+from .clip_loading import Image, LoadedClip, perceive
+from .handlers import AMOUNT_QUESTION, DIRECTION_QUESTION
+
+if TYPE_CHECKING:
+    from geotlm_lm import Answerer, Touch
+
+OBJECTS = (
+    "key",
+    "bottle_cap",
+    "hex_nut",
+    "screw_head",
+    "coin",
+    "bead",
+    "pen_clip",
+    "textured_ball",
+    "can_rim",
+    "corner",
+    "cable",
+    "table_edge",
+)
+"""Shapes on offer: everyday things that no weight was trained on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """A simulated touch as the page shows it."""
+
+    shown: LoadedClip
+    truth_picture: Image
+    read_picture: Image
+    facts: dict[str, Any]
+
+
+def touch_of(name: Any, numbers: Mapping[str, Any], seed: Any) -> Touch:
+    """Return the touch that was asked for.
+
+    Args:
+        name: Of the shape.
+        numbers: Lengths, angles and friction, by the names of the touch's fields.
+        seed: A whole number.
+
+    Raises:
+        GeoTLMError: If a number is missing or none, in one sentence.
+    """
+    from geotlm_lm import Touch
+
+    given = {field: _number(field, value) for field, value in numbers.items()}
+    whole = _number("seed", seed)
+    if not whole.is_integer():
+        raise GeoTLMError(f"seed is {whole:g}, expected a whole number from 0.")
+    return Touch("" if name is None else str(name), **given, seed=int(whole))
+
+
+def _number(field: str, value: Any) -> float:
+    if value is None or value == "":
+        raise GeoTLMError(f"{field} was left empty; give a number.")
+    try:
+        return float(value)
+    except (TypeError, ValueError) as error:
+        raise GeoTLMError(f"{field} is {str(value)[:40]!r}, expected a number.") from error
+
+
+def simulate(answerer: Answerer, touch: Touch) -> Simulated:
+    """Simulate a touch, ask about it, and tell the answer's error.
+
+    Raises:
+        GeoTLMError: If the touch cannot be simulated.
+    """
+    from geotlm_lm import simulate_touch
+
+    made = simulate_touch(touch)
+    shown = perceive(answerer, made.clip, depth_mm=made.depth_mm)
+    answer = answerer.ask(shown.encoded, DIRECTION_QUESTION)
+    how_far = answerer.ask(shown.encoded, AMOUNT_QUESTION)
+    turn_deg, x_px, y_px = learned_motion(shown.encoded)
+    label = made.label
+    px_per_mm = [1 / size for size in made.mm_per_px]
+    true = {
+        "rotation_deg": label.rotation_deg,
+        "slide_x_px": label.slide_x_mm * px_per_mm[0],
+        "slide_y_px": label.slide_y_mm * px_per_mm[1],
+    }
+    read = {"rotation_deg": turn_deg, "slide_x_px": x_px, "slide_y_px": y_px}
+    facts = {
+        "answer": answer.text,
+        "how_far": how_far.text,
+        "direction": None if answer.direction is None else answer.direction.value,
+        "confidence": round(answer.confidence, 4),
+        "true_motion": label.motion.value,
+        "is_right": answer.direction == label.motion,
+        "is_readable": label.is_readable,
+        "true": _rounded(true),
+        "read": _rounded(read),
+        "error": _rounded({name: read[name] - true[name] for name in true}),
+        "timing_ms": _rounded(made.timing_ms),
+    }
+    return Simulated(shown, _truth(made, shown), picture(shown.seen, "arrows"), facts)
+
+
+def _truth(made: Any, shown: LoadedClip) -> Image:
+    """Return the true displacement, drawn as the learned one is, over the last frame.
+
+    From the first frame to the last: the learned one is from the first two to the last two.
+    """
+    seen, contact = shown.seen, made.contact.mean(axis=0)
+    true = Seen(
+        seen.frames,
+        seen.idle,
+        made.displacement_px[-1],
+        contact,
+        type(seen.view)(),
+        has_contact=bool(contact.any()),
+        scale=TRUE_DISPLACEMENT,
+    )
+    return picture(true, "arrows")
+
+
+def _rounded(values: dict[str, float]) -> dict[str, float]:
+    return {name: round(float(np.float64(value)), 2) for name, value in values.items()}

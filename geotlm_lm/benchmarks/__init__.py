@@ -1,0 +1,1 @@
+"""Error, run time and stability, measured: four benches over one harness."""

@@ -1,0 +1,179 @@
+"""How far: amounts the odometer tells beside optical flow's, on clips whose amounts are known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from geotlm_lm.answering import Answerer, deciding_word
+from geotlm_lm.answering.amounts import Amount
+from geotlm_lm.answering.measured_amounts import measured_amount
+from geotlm_lm.answering.model_query import ModelReply
+from geotlm_lm.benchmarks.cases.recordings import real_cases
+from geotlm_lm.benchmarks.cases.semi_real import SemiRealSlides
+from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
+from geotlm_lm.benchmarks.rendering import number, right_with_interval
+from geotlm_lm.benchmarks.rows import Listing, Row, Run, Section, every
+from geotlm_lm.benchmarks.statistics import share_row
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.tolerance import within_tolerance
+from geotlm_lm.data.labelled_recordings import LabelledRecordings, WindowRow
+from geotlm_lm.data.question_contents import amount_of
+from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
+from geotlm_lm.language.parse_answer import Slots
+from geotlm_lm.probe.rigid_flow import RigidFlow
+
+ABOUT = """\
+The kind of motion is given; only how far it went from the first to the last frame is asked. An
+amount is right if it is off by 2 degrees, 2 pixels of a 224-pixel image, or a fifth of the true
+one, at most; *off by* is relative to the true one. The odometer also tells a span meant to hold
+nine tenths of the true amounts, and how probable its amount is right. Simulated and semi-real
+amounts are exact. Those of real windows were measured from the images: where two measurements
+differ by more than the tolerance the window is left out, and on gels with markers they are how far
+the markers went, which lag behind the object. Intervals resample families of objects."""
+
+CLIPS, ODOMETER, FLOW = 300, "odometer", "optical flow"
+
+Unit = Literal["deg", "px"]
+UNITS: dict[str, Unit] = {"rotation": "deg", "sliding": "px"}
+
+COLUMNS: dict[Unit, tuple[tuple[str, ...], ...]] = {
+    "deg": (("rotation_deg_cw",), ("rotation_deg_cw_search",), ("rotation_deg_cw_cumulative",)),
+    "px": (("dx_px", "dy_px"), ("dx_px_cumulative", "dy_px_cumulative")),
+}
+"""Columns of a table of windows that tell how far, and those of measurements beside the first."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moved:
+    """A clip of four frames whose imprint goes `amount` degrees, or pixels of its own frames."""
+
+    clip: Clip
+    unit: Unit
+    amount: float
+    motion: Motion
+    family: str
+
+    def is_right(self, told: float) -> bool:
+        """Tell whether an amount is within tolerance, pixels being those of a 224-pixel image."""
+        rows, columns = self.clip.frames.shape[1:3]
+        side = rows if self.motion in (Motion.UP, Motion.DOWN) else columns
+        scale = side / IMAGE_SIDE if self.unit == "px" else 1.0
+        return within_tolerance(told / scale, self.amount / scale, self.unit)
+
+
+def amount_rows(run: Run) -> Iterator[Row]:
+    """Yield two rows for each source of clips: the odometer's and optical flow's."""
+    for title, clips in sources(run):
+        run.progress(f"how far, {title}", 0, 1)
+        told = [(one, odometer_tells(run.answerer, one), flow_tells(one)) for one in clips]
+        for place, method in ((1, ODOMETER), (2, FLOW)) if told else ():
+            yield scored(title, method, [(one[0], one[place]) for one in told], run.seed)
+
+
+def sources(run: Run) -> Iterator[tuple[str, Iterator[Moved]]]:
+    """Yield titles and clips: simulated, real windows whose tables tell how far, semi-real."""
+    few = slice(run.size(None, 2))
+    for is_unsteady in (False, True):
+        for task, unit in UNITS.items():
+            cases = SimulatedCases(task, run.size(CLIPS, 4), run.seed, is_unsteady=is_unsteady)
+            yield cases.title, _simulated(cases, unit)
+    for name, cases in real_cases(run.real).items() if run.real else ():
+        for task, unit in UNITS.items():
+            rows = tuple(row for row in cases.recordings.rows if known_amount(row, unit))[few]
+            yield f"real {name}, {task}", _windows(replace(cases.recordings, rows=rows), unit)
+        touched = read_touch_table(cases.recordings.folder / TABLE_NAME)[few]
+        slides = SemiRealSlides(touched, run.seed).made()
+        moved = (Moved(one.clip, "px", way, one.motion, one.family) for one, way in slides)
+        yield f"semi-real {name}, sliding", moved
+
+
+def _simulated(cases: SimulatedCases, unit: Unit) -> Iterator[Moved]:
+    for made in cases.made():
+        yield Moved(made.clip, unit, amount_of(made.label), made.label.motion, made.object_name)
+
+
+def _windows(recordings: LabelledRecordings, unit: Unit) -> Iterator[Moved]:
+    for one in recordings.windows(frames=("four",), backwards=True):
+        amount = known_amount(one.row, unit)
+        yield Moved(one.clip, unit, amount, one.motion, one.row.object_family)
+
+
+def known_amount(row: WindowRow, unit: Unit) -> float | None:
+    """Return how far a labelled window goes; None where its table does not tell.
+
+    Where a second measurement stands beside the first, the two have to agree within tolerance.
+    """
+
+    def length(columns: tuple[str, ...]) -> float | None:
+        try:
+            return math.hypot(*(float(row.values[name]) for name in columns))
+        except (KeyError, ValueError):
+            return None
+
+    if row.motion not in (ROTATIONS if unit == "deg" else SLIDES):
+        return None
+    first, *others = map(length, COLUMNS[unit])
+    agree = first and all(one is None or within_tolerance(one, first, unit) for one in others)
+    return first if agree else None
+
+
+def odometer_tells(answerer: Answerer, moved: Moved) -> Amount:
+    """Return what the odometer tells of a clip whose kind of motion is given."""
+    slots = Slots("magnitude", unit=moved.unit)
+    heard = ModelReply(slots, "", {deciding_word(slots): 1.0})
+    return measured_amount(answerer.bundle, answerer.encode(moved.clip), heard, FrameSpec())
+
+
+def flow_tells(moved: Moved) -> float:
+    """Return what the rigid motion that fits optical flow best tells."""
+    found = RigidFlow().fit(moved.clip)
+    if moved.unit == "deg":
+        return abs(found.rotation_deg)
+    rows, columns = moved.clip.frames.shape[1:3]
+    camera_rows, camera_columns = camera_size(rows, columns)
+    x, y = found.slide_x_px * columns / camera_columns, found.slide_y_px * rows / camera_rows
+    return float(np.hypot(x, y))
+
+
+def scored(
+    case: str, variant: str, pairs: Sequence[tuple[Moved, Amount | float]], seed: int
+) -> Row:
+    """Return how near told amounts are to the true ones; the odometer's also say how sure."""
+    values = [told if isinstance(told, float) else told.value for _, told in pairs]
+    right = [one.is_right(value) for (one, _), value in zip(pairs, values, strict=True)]
+    off_by = np.abs(np.array(values) / [one.amount for one, _ in pairs] - 1)
+    detail = {"unit": pairs[0][0].unit, "off_by": float(np.median(off_by))}
+    sure = [(one.amount, told) for one, told in pairs if not isinstance(told, float)]
+    if sure:
+        detail["in_span"] = float(np.mean([told.low <= true <= told.high for true, told in sure]))
+        detail["mean_probability"] = float(np.mean([told.probability for _, told in sure]))
+    families = [one.family for one, _ in pairs]
+    return share_row(case, variant, right, families, seed, detail=detail)
+
+
+_COLUMNS = {
+    "clips": lambda row: row.case,
+    "method": lambda row: row.variant,
+    "n": lambda row: str(row.count),
+    "unit": lambda row: row.detail["unit"],
+    "right (95 %)": right_with_interval,
+    "off by, median": lambda row: f"{row.detail['off_by']:.0%}",
+    "span holds it": lambda row: number(row.detail.get("in_span")),
+    "mean probability": lambda row: number(row.detail.get("mean_probability")),
+}
+
+AMOUNTS = Section(
+    name="amounts",
+    title="How far it goes",
+    about=ABOUT,
+    run=lambda run: list(amount_rows(run)),
+    views={"": (Listing(_COLUMNS), every)},
+)

@@ -1,0 +1,128 @@
+"""Public data sets that users bring: TactileTracking's trials, and clips listed in a manifest.
+
+Each is judged as the paper's two tasks, rotation and sliding, with the object as the unit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from geotlm_lm.benchmarks.judging import Case
+from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+from geotlm_lm.data import pose_pairs
+from geotlm_lm.data.manifest import Manifest, read_manifest
+from geotlm_lm.data.tactile_tracking import (
+    TactileTracking,
+    Trial,
+    is_tactile_tracking,
+    pair_clip,
+    read_tactile_tracking,
+)
+from geotlm_lm.recordings.choose import choose_frames
+
+DATA_TASKS: dict[str, tuple[Motion, ...]] = {"rotation": ROTATIONS, "sliding": SLIDES}
+
+PAIRS_PER_TRIAL = 50
+"""Pairs of each trial judged per task at most, evenly through it: neighbouring ones are nearly the
+same, and the paper's totals are 49 and 76 a trial."""
+
+DataSet = TactileTracking | Manifest
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedPairs:
+    """Pairs of frames of TactileTracking's trials, as clips a, a, b, b."""
+
+    pairs: Sequence[tuple[Trial, Sequence[pose_pairs.LabelledPair]]]
+
+    def __len__(self) -> int:
+        return sum(len(own) for _, own in self.pairs)
+
+    def __iter__(self) -> Iterator[Case]:
+        for trial, own in self.pairs:
+            recording = trial.recording() if own else None
+            for pair in own:
+                clip = pair_clip(recording, trial, pair)
+                yield Case(clip, pair.motion, trial.object_id, trial.object_id, {})
+
+
+@dataclass(frozen=True, eq=False)
+class ListedClips:
+    """The clips of a manifest that show motions of a task: four frames each, as a user's is cut."""
+
+    manifest: Manifest
+    among: tuple[Motion, ...]
+
+    def __len__(self) -> int:
+        return sum(row.motion in self.among for row in self.manifest.rows)
+
+    def __iter__(self) -> Iterator[Case]:
+        for row, clip in self.manifest.clips(self.among):
+            tags = {"sensor": row.sensor or "unnamed"}
+            yield Case(choose_frames(clip), row.motion, row.object_id, row.object_id, tags)
+
+
+def open_data_set(path: Path) -> DataSet:
+    """Read TactileTracking's folder, or a manifest.
+
+    Raises:
+        UnreadableClip: If it is neither, or nothing in it can be used.
+    """
+    if is_tactile_tracking(path):
+        return read_tactile_tracking(path)
+    if path.is_dir():
+        raise UnreadableClip(
+            f"{path}: holds no trials of TactileTracking, expected folders with poses; give "
+            f"another folder, a manifest's file, or labelled recordings with --real."
+        )
+    return read_manifest(path)
+
+
+def open_data_sets(paths: Sequence[Path]) -> dict[str, DataSet]:
+    """Read data sets; return them by the names their tables get.
+
+    Raises:
+        UnreadableClip: As of `open_data_set`.
+        UsageError: If two have one name.
+    """
+    found: dict[str, DataSet] = {}
+    for path in paths:
+        name = data_set_name(data_set := open_data_set(path))
+        if name in found:
+            raise UsageError(f"{path}: another data set is called '{name}' too; rename one.")
+        found[name] = data_set
+    return found
+
+
+def data_set_name(data_set: DataSet) -> str:
+    """Return what tables call a data set."""
+    if isinstance(data_set, Manifest):
+        return f"manifest {data_set.path.stem}"
+    return f"TactileTracking {data_set.folder.resolve().name}"
+
+
+def tracked_pairs(data: TactileTracking, task: str) -> tuple[TrackedPairs, dict[str, Any]]:
+    """Choose the pairs to judge, and tell how: no method has seen a pair by then.
+
+    The paper gives the number of its pairs and no threshold. The rule of the sweep is taken that
+    comes nearest to that number, in proportion to the trials that are here.
+    """
+    usual = pose_pairs.PairRule()
+    swept = pose_pairs.sweep_pair_counts(data.trials, usual, task)
+    target = pose_pairs.PAPER_PAIRS[task] * len(data.trials) / pose_pairs.PAPER_TRIALS
+    chosen = pose_pairs.nearest_rule(swept, usual, task, target)
+    found = [(trial, pose_pairs.labelled_pairs(trial, chosen, task)) for trial in data.trials]
+    cases = TrackedPairs(
+        [(trial, pose_pairs.evenly_spaced(own, PAIRS_PER_TRIAL)) for trial, own in found]
+    )
+    facts = {
+        "rule": asdict(chosen),
+        "found": sum(len(own) for _, own in found),
+        "paper": pose_pairs.PAPER_PAIRS[task],
+        "paper_share": len(data.trials) / pose_pairs.PAPER_TRIALS,
+    }
+    return cases, facts

@@ -1,0 +1,88 @@
+"""Simulated clips of everyday objects that no weight was trained on, and the tasks they pose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from geotlm_lm.benchmarks.judging import Case
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.seeding import seed_for
+
+if TYPE_CHECKING:
+    from geotlm_lm.simulation.simulate import SimulatedClip
+
+TASKS: dict[str, tuple[Motion, ...]] = {
+    "rotation": ROTATIONS,
+    "sliding": SLIDES,
+    "all": tuple(Motion),
+}
+"""The simulated tasks: the paper's two, and all ten motions together."""
+
+UNREADABLE = {"readable": "no"}
+"""Tag of a clip whose images do not tell the motion its label names."""
+
+MOST_TRIES = 6
+"""Scenes simulated per clip asked for, at most: a bound on a search, not an expected number."""
+
+
+@dataclass
+class SimulatedCases:
+    """Readable simulated clips of objects that no training ever uses.
+
+    Args:
+        task: One of `TASKS`.
+        count: How many clips to give.
+        seed: Root of the scenes.
+        is_unsteady: Whether the hand is `simulation.motions.UNSTEADY`: smaller turns and
+            slides, and more change of depth on the way.
+        with_unreadable: Also give the unreadable clips that come up on the way, tagged; they do not
+            count as asked for.
+        unreadable: How many clips came up whose images do not tell the motion; filled while
+            iterating.
+    """
+
+    task: str
+    count: int
+    seed: int
+    is_unsteady: bool = False
+    with_unreadable: bool = False
+    unreadable: int = field(default=0)
+
+    @property
+    def among(self) -> tuple[Motion, ...]:
+        """The motions in question."""
+        return TASKS[self.task]
+
+    @property
+    def title(self) -> str:
+        """What a report calls these clips."""
+        return f"simulated {self.task}" + (", unsteady hand" if self.is_unsteady else "")
+
+    def __iter__(self) -> Iterator[Case]:
+        for made in self.made():
+            name, tags = made.object_name, {} if made.label.is_readable else UNREADABLE
+            yield Case(made.clip, made.label.motion, name, name, tags)
+
+    def made(self) -> Iterator[SimulatedClip]:
+        """Yield the same clips with the whole truth about them."""
+        from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
+        from geotlm_lm.simulation.series import simulate_series
+
+        self.unreadable = given = 0
+        series = simulate_series(
+            seed_for(self.seed, "evaluation", self.task),
+            MOST_TRIES * self.count,
+            objects=EVERYDAY_OBJECTS,
+            motions=self.among,
+            unsteady_share=float(self.is_unsteady),
+        )
+        for made in series:
+            is_readable = made.label.is_readable
+            self.unreadable += not is_readable
+            given += is_readable
+            if is_readable or self.with_unreadable:
+                yield made
+            if given == self.count:
+                return

@@ -1,0 +1,235 @@
+"""Which way does it go? Words, probes and flow on simulated, real and semi-real clips.
+
+Every set of clips is put to all variants in turn; simulated and real clips are never pooled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from geotlm_lm.benchmarks.cases.beyond_windows import (
+    NoContactWindows,
+    PressedIn,
+    WholeRecordings,
+    backwards,
+)
+from geotlm_lm.benchmarks.cases.data_sets import (
+    DATA_TASKS,
+    DataSet,
+    ListedClips,
+    data_set_name,
+    open_data_sets,
+    tracked_pairs,
+)
+from geotlm_lm.benchmarks.cases.recordings import (
+    QuarterTurned,
+    RealCases,
+    StartingInContact,
+    by_task,
+    real_cases,
+)
+from geotlm_lm.benchmarks.cases.semi_real import SemiRealHeld, SemiRealSlides, UntouchedCases
+from geotlm_lm.benchmarks.cases.simulated import TASKS, UNREADABLE, SimulatedCases
+from geotlm_lm.benchmarks.judging import (
+    Case,
+    Replies,
+    Variant,
+    ask_all,
+    claims_turned_round,
+    rows_of_replies,
+)
+from geotlm_lm.benchmarks.rows import Row, Run
+from geotlm_lm.benchmarks.variants import CONTRASTS, GENERATED, all_variants, in_question
+from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.labels import SLIDES, Motion
+from geotlm_lm.data.manifest import Manifest
+from geotlm_lm.data.touch_table import (
+    TABLE_NAME,
+    read_directed,
+    read_touch_table,
+    read_untouched,
+)
+
+CLIPS = 300
+"""Simulated clips of each task."""
+
+
+class Judge:
+    """Puts sets of clips to the same variants.
+
+    Args:
+        run: The model, the seed and who is told how far it is.
+        variants: What is compared; words, probes and flow by default.
+    """
+
+    def __init__(self, run: Run, variants: Mapping[str, Variant] | None = None) -> None:
+        self.run = run
+        self.variants = all_variants(run.answerer, run.seed) if variants is None else variants
+
+    def replies(
+        self, title: str, cases: Iterable[Case], among: Sequence[Motion], total: int
+    ) -> Replies:
+        """Return what every variant said of every case."""
+
+        def tell(done: int) -> None:
+            self.run.progress(title, done, max(done, total))
+
+        return ask_all(in_question(self.variants, among), cases, among, tell)
+
+    def rows(
+        self, title: str, replies: Replies, facts: Mapping[str, Any] | None = None
+    ) -> list[Row]:
+        """Return the rows of some replies."""
+        return rows_of_replies(title, replies, CONTRASTS, seed=self.run.seed, facts=facts)
+
+
+def clip_rows(run: Run) -> Iterator[Row]:
+    """Yield the rows of every set of clips.
+
+    Args:
+        run: What is judged: `run.clips` readable simulated clips of each task (0 leaves simulation
+            out), recordings of `run.real`, data sets of `run.data`.
+
+    Raises:
+        UnreadableClip: If recordings or a data set cannot be read, or nothing was judged.
+        UsageError: If two data sets have one name.
+    """
+    recordings = {} if run.real is None else real_cases(run.real)
+    data_sets = open_data_sets(run.data)
+    judge, found = Judge(run), 0
+    clips = run.size(CLIPS, 6) if run.clips is None else run.clips
+    sources = [_simulated(judge, clips)] if clips else []
+    sources += [_recordings(judge, name, cases) for name, cases in recordings.items()]
+    sources += [data_set_rows(judge, data_set) for data_set in data_sets.values()]
+    for source in sources:
+        for row in source:
+            found += 1
+            yield row
+    if not found:
+        left_out = [reason for one in data_sets.values() for reason in one.left_out.values()]
+        raise UnreadableClip(
+            f"no clip could be judged ({'; '.join(left_out[:1]) or 'none was asked for'}); give "
+            f"other data."
+        )
+
+
+def _simulated(judge: Judge, clips: int) -> Iterator[Row]:
+    """Yield every simulated task, by a steady and by an unsteady hand."""
+    for task in TASKS:
+        for is_unsteady in (False, True):
+            cases = SimulatedCases(
+                task, clips, judge.run.seed, is_unsteady=is_unsteady, with_unreadable=True
+            )
+            replies = judge.replies(cases.title, cases, cases.among, clips)
+            left_out = replies.where(**UNREADABLE)
+            named = int(left_out.right(GENERATED).sum()) if len(left_out) else 0
+            facts = {"unreadable_left_out": cases.unreadable, "unreadable_right": named}
+            yield from judge.rows(cases.title, replies.without(**UNREADABLE), facts)
+
+
+def _recordings(judge: Judge, name: str, real: RealCases) -> Iterator[Row]:
+    """Yield one folder's windows task by task, and what else it can be asked."""
+    if judge.run.is_quick:
+        real = real.first(2)
+    for part, cases in by_task(real).items():
+        yield from _windows(judge, name + part, cases)
+        for aside, shown in (
+            ("no idle frame", StartingInContact(cases.recordings)),
+            ("turned by a quarter", QuarterTurned(cases.recordings)),
+        ):
+            title = f"real {name}{part}, {aside}"
+            yield from judge.rows(title, judge.replies(title, shown, cases.among, len(shown)))
+    if not judge.run.is_quick:
+        yield from _beyond_windows(judge, name, real)
+
+
+def _windows(judge: Judge, name: str, cases: RealCases) -> Iterator[Row]:
+    """Yield four frames and pairs; each way of playing and each frame rate apart.
+
+    Cameras set to another rate often have another gain and zoom.
+    """
+    replies = judge.replies(f"real {name}", cases, cases.among, len(cases))
+    facts = {"labels_left_out": dict(cases.recordings.skipped)}
+    rates = sorted({case.tags["fps"] for case in replies.cases})
+    for frames, title in (("four", "four frames"), ("pair", "pairs")):
+        part, title = replies.where(frames=frames), f"real {name}, {title}"
+        yield from judge.rows(title, part, facts)
+        for played in ("forwards", "backwards"):
+            yield from judge.rows(f"{title}, {played}", part.where(played=played))
+        for rate in rates if len(rates) > 1 else ():
+            yield from judge.rows(f"{title}, {rate} fps", part.where(fps=rate))
+
+
+def _beyond_windows(judge: Judge, name: str, real: RealCases) -> Iterator[Row]:
+    """Yield whole recordings, untouched and semi-real clips, and clips without a direction."""
+    table, seed = real.recordings.folder / TABLE_NAME, judge.run.seed
+    directed, touched = read_directed(table), read_touch_table(table)
+    if directed:
+        title, whole = f"real {name}, whole recordings", WholeRecordings(directed)
+        yield from judge.rows(title, judge.replies(title, whole, whole.among, len(whole)))
+    if touched:
+        title, idle = f"real {name}, untouched", UntouchedCases(touched)
+        yield from judge.rows(title, judge.replies(title, idle, tuple(Motion), len(idle)))
+        title, slides = f"semi-real {name}, sliding", SemiRealSlides(touched, seed)
+        replies = judge.replies(title, slides, SLIDES, len(slides))
+        yield from judge.rows(title, replies, {"cut_off_left_out": slides.cut_off})
+    windows = NoContactWindows(read_untouched(table))
+    for title, cases, total in (
+        (f"real {name}, no visible contact", windows, len(windows.rows)),
+        (f"real {name}, pressed in", PressedIn(touched), len(PressedIn(touched))),
+        (f"semi-real {name}, held or pressed", SemiRealHeld(touched, seed), 3 * len(touched)),
+    ):
+        yield from _without_direction(judge, title, cases, total, windows)
+
+
+def _without_direction(
+    judge: Judge, title: str, cases: Iterable[Case], total: int, windows: NoContactWindows
+) -> list[Row]:
+    """Return the rows of clips without a direction; each is also played backwards."""
+    replies = judge.replies(title, cases, tuple(Motion), total)
+    if not len(replies):
+        return []
+    turned = judge.replies(f"{title}, backwards", backwards(cases), tuple(Motion), total)
+    claims = claims_turned_round(replies, turned)
+    too_short = windows.too_short if cases is windows else 0
+    rows = judge.rows(title, replies, {"too_short_left_out": too_short} if too_short else {})
+    return [
+        replace(row, detail=dict(row.detail) | {"claims_of": claims[row.variant]}) for row in rows
+    ]
+
+
+def data_set_rows(judge: Judge, data_set: DataSet) -> Iterator[Row]:
+    """Yield a public data set's two tasks, and each sensor of a manifest apart."""
+    name = data_set_name(data_set)
+    for task, among in DATA_TASKS.items():
+        title = f"{name}, {task}"
+        if isinstance(data_set, Manifest):
+            cases, facts = ListedClips(data_set, among), {}
+        else:
+            cases, pairs = tracked_pairs(data_set, task)
+            facts = {"pairs": pairs}
+        replies = judge.replies(title, cases, among, len(cases))
+        reasons = list(data_set.left_out.values())  # files are found unusable as they are read
+        facts |= {"files_left_out": len(reasons), "first_left_out": reasons[:1]}
+        yield from judge.rows(title, replies, facts)
+        sensors = sorted({case.tags.get("sensor", "") for case in replies.cases})
+        for sensor in sensors if len(sensors) > 1 else ():
+            yield from judge.rows(f"{title}, sensor {sensor}", replies.where(sensor=sensor))
+
+
+LEFT_OUT = {
+    "unreadable_left_out": "whose images do not show the motion",
+    "cut_off_left_out": "whose imprint is faint or cut off by the border",
+    "too_short_left_out": "shorter than a window",
+    "files_left_out": "whose files cannot be used",
+}
+"""Number in a row's detail -> clips that it counts."""
+
+
+def left_out(row: Row) -> str:
+    """Return how many clips were left out of a set and why; "" where none were."""
+    parts = [f"{row.detail[key]} {what}" for key, what in LEFT_OUT.items() if row.detail.get(key)]
+    labels = row.detail.get("labels_left_out", {})
+    return "; ".join(parts + [f"{count} labelled {label}" for label, count in labels.items()])

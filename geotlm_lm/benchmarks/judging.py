@@ -1,0 +1,216 @@
+"""Variants side by side on the same clips: what each named, how long it took, how they differ.
+
+Knows no model: a variant is anything that names a motion for a clip.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.benchmarks.rows import Row
+from geotlm_lm.benchmarks.statistics import milliseconds, paired_difference, share_row
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.grouping import mean_by_group
+from geotlm_lm.core.labels import DIRECTED, Motion, reverse
+
+
+@dataclass(frozen=True)
+class Case:
+    """One clip to be judged.
+
+    Args:
+        clip: The frames; None once it has been asked about.
+        motion: The truth.
+        object_id: What is touched: the unit of the macro average.
+        family: Objects that are not independent of each other: the unit of resampling.
+        tags: What the clip can be selected by afterwards, e.g. played="backwards".
+    """
+
+    clip: Clip | None
+    motion: Motion
+    object_id: str
+    family: str
+    tags: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Reply:
+    """What a variant made of a clip.
+
+    Args:
+        motion: The motion it names; None when it names none.
+        milliseconds: Everything the variant needed from the clip in memory to the motion.
+    """
+
+    motion: Motion | None
+    milliseconds: float
+
+
+Variant = Callable[[Clip, tuple[Motion, ...]], Reply]
+"""Takes a clip and the motions in question; a free-spoken variant may name another."""
+
+
+@dataclass(frozen=True, eq=False)
+class Replies:
+    """Everything all variants said about the same cases.
+
+    Args:
+        cases: The cases, their clips no longer kept.
+        replies: What each variant said, case by case.
+    """
+
+    cases: list[Case]
+    replies: dict[str, list[Reply]]
+
+    def __len__(self) -> int:
+        return len(self.cases)
+
+    def where(self, **tags: str) -> Replies:
+        """Return the replies to the cases that carry all of `tags`."""
+        return self._pick(lambda case: tags.items() <= dict(case.tags).items())
+
+    def without(self, **tags: str) -> Replies:
+        """Return the replies to the cases that lack one of `tags` or more."""
+        return self._pick(lambda case: not tags.items() <= dict(case.tags).items())
+
+    def _pick(self, wanted: Callable[[Case], bool]) -> Replies:
+        kept = [i for i, case in enumerate(self.cases) if wanted(case)]
+        return Replies(
+            [self.cases[i] for i in kept],
+            {name: [said[i] for i in kept] for name, said in self.replies.items()},
+        )
+
+    def motions(self, variant: str) -> list[Motion | None]:
+        """Return, case by case, the motion that a variant named."""
+        return [reply.motion for reply in self.replies[variant]]
+
+    def right(self, variant: str) -> NDArray[np.bool_]:
+        """Return, case by case, whether a variant named the truth."""
+        pairs = zip(self.cases, self.replies[variant], strict=True)
+        return np.array([case.motion == reply.motion for case, reply in pairs], dtype=bool)
+
+
+def timed(name_motion: Callable[[Clip, tuple[Motion, ...]], Motion | None]) -> Variant:
+    """Turn a plain function into a variant that says how long it took."""
+
+    def variant(clip: Clip, among: tuple[Motion, ...]) -> Reply:
+        started = time.perf_counter()
+        motion = name_motion(clip, among)
+        return Reply(motion, 1e3 * (time.perf_counter() - started))
+
+    return variant
+
+
+def ask_all(
+    variants: Mapping[str, Variant],
+    cases: Iterable[Case],
+    among: Sequence[Motion],
+    progress: Callable[[int], None] = lambda done: None,
+) -> Replies:
+    """Put every case to every variant; clips are read one at a time and not kept.
+
+    Args:
+        variants: The variants, by the name their row gets.
+        cases: The clips and their truths.
+        among: The motions in question.
+        progress: Called with the number of cases done.
+    """
+    found = Replies([], {name: [] for name in variants})
+    for done, case in enumerate(cases, start=1):
+        for name, variant in variants.items():
+            found.replies[name].append(variant(case.clip, tuple(among)))
+        found.cases.append(replace(case, clip=None))
+        progress(done)
+    return found
+
+
+def rows_of_replies(
+    title: str,
+    replies: Replies,
+    contrasts: Sequence[tuple[str, str]] = (),
+    *,
+    seed: int = 0,
+    facts: Mapping[str, Any] | None = None,
+) -> list[Row]:
+    """Return one row per variant: its error, its times, and how it differs from others.
+
+    Args:
+        title: What the rows call these cases.
+        replies: What was said; without a case there is no row.
+        contrasts: Pairs (first, second): the first's row tells its accuracy less the second's.
+        seed: Root of the resampling.
+        facts: What is to be known of the cases beside; in the first row's detail.
+    """
+    rows = []
+    for name in replies.replies if len(replies) else ():
+        rows.append(
+            share_row(
+                title,
+                name,
+                replies.right(name),
+                _families(replies),
+                seed,
+                detail=_detail(replies, name, contrasts, seed) | dict(facts or {}),
+                **milliseconds([one.milliseconds for one in replies.replies[name]]),
+            )
+        )
+        facts = None
+    return rows
+
+
+def _detail(
+    replies: Replies, name: str, contrasts: Sequence[tuple[str, str]], seed: int
+) -> dict[str, Any]:
+    right = replies.right(name)
+    truths = [case.motion for case in replies.cases]
+    detail: dict[str, Any] = {
+        "macro_by_object": float(
+            np.mean(list(mean_by_group(right, [case.object_id for case in replies.cases]).values()))
+        ),
+        "recall": {str(motion): share for motion, share in mean_by_group(right, truths).items()},
+        "unanswered": sum(motion is None for motion in replies.motions(name)),
+    }
+    undirected = [
+        motion
+        for truth, motion in zip(truths, replies.motions(name), strict=True)
+        if truth not in DIRECTED
+    ]
+    if undirected:
+        detail["false_directions"] = sum(one in DIRECTED for one in undirected) / len(undirected)
+    less = {
+        second: asdict(
+            paired_difference(right, replies.right(second), _families(replies), seed=seed)
+        )
+        for first, second in contrasts
+        if first == name and second in replies.replies
+    }
+    return detail | ({"less": less} if less else {})
+
+
+def _families(replies: Replies) -> list[str]:
+    return [case.family for case in replies.cases]
+
+
+def claims_turned_round(forwards: Replies, backwards: Replies) -> dict[str, tuple[int, int]]:
+    """Return how many directions each variant claimed, and of how many the opposite too.
+
+    That a direction turns round with the clip speaks for a motion in it; one that a variant is
+    merely inclined to claim stays as it is.
+
+    Args:
+        forwards: What was said of clips.
+        backwards: What was said of the same clips in the same order, played backwards, perhaps
+            asked in other words.
+    """
+    counts = {}
+    for name in forwards.replies:
+        pairs = list(zip(forwards.motions(name), backwards.motions(name), strict=True))
+        claimed = [(one, other) for one, other in pairs if one in DIRECTED]
+        counts[name] = (len(claimed), sum(other == reverse(one) for one, other in claimed))
+    return counts

@@ -1,0 +1,141 @@
+"""The omissions bench: what each thing that is left out saves, and what leaving it out costs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from itertools import repeat
+from statistics import median
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from geotlm_lm.answering import Encoded
+from geotlm_lm.benchmarks.pareto_answers import runtime_clips
+from geotlm_lm.benchmarks.pareto_processes import QUESTION, Way, in_turn
+from geotlm_lm.benchmarks.pareto_simulator import differences, moving, solved
+from geotlm_lm.benchmarks.rendering import number, table
+from geotlm_lm.benchmarks.rows import Bench, Listing, Row, Run, Section, every
+from geotlm_lm.benchmarks.statistics import milliseconds
+from geotlm_lm.simulation.presets import PRESETS, Preset
+from geotlm_lm.simulation.profile import build_profile
+from geotlm_lm.simulation.scene import Scene
+
+QUESTIONS = (QUESTION, "Is it turning clockwise?", "Is anything touching the gel?")
+
+FOREIGN = "In welche Richtung dreht es sich?"
+"""Refused by a rule, before the model is asked."""
+
+
+class Omission(NamedTuple):
+    """One thing that is left out: where, doing it, leaving it out, and what that costs.
+
+    The cost is of both results: errors of the lean one by their units.
+    """
+
+    name: str
+    when: str
+    full: Way
+    lean: Way
+    cost: Callable[[Any, Any], Mapping[str, float]] | None = None
+
+
+def omission_rows(omissions: Iterable[Omission], repeats: int) -> Iterator[Row]:
+    """Yield what leaving out each thing saves and costs; both ways run in turn, `repeats` times."""
+    for name, when, full, lean, cost in omissions:
+        done, left = in_turn({"full": full, "lean": lean}, repeats).values()
+        saved = [much - little for (_, much), (_, little) in zip(done, left, strict=True)]
+        detail = {
+            "when": when,
+            "full_ms": median(ms for _, ms in done),
+            "saved_ms": [min(saved), median(saved), max(saved)],
+            "costs": cost(done[0][0], left[0][0]) if cost else {},
+        }
+        yield Row(name, "lean", repeats, detail=detail, **milliseconds([ms for _, ms in left]))
+
+
+def model_omissions(run: Run) -> list[Omission]:
+    """Return what is left out on the way to an answer about a simulated turn of four frames."""
+    (clip,), bundle = runtime_clips(run, 1), run.answerer.bundle
+    encode, ask = partial(run.answerer.encode, clip), run.answerer.ask
+    encoded, options = encode(), bundle.grammar.options_for("direction")
+    score = partial(bundle.speaker.score, encoded.perception.fused_token[0], QUESTION)
+    words, refused = partial(ask, encoded, QUESTION), partial(ask, encoded, FOREIGN)
+
+    def asked(views: Iterable[Encoded]) -> list[str]:
+        return [ask(seen, one).text for seen, one in zip(views, QUESTIONS, strict=False)]
+
+    def changed(full: list[str], lean: list[str]) -> dict[str, float]:
+        return {"of answers changed": float(np.mean(np.not_equal(full, lean)))}
+
+    def farthest(full: list[float], lean: list[float]) -> dict[str, float]:
+        return {"nats": float(np.abs(np.subtract(full, lean)).max())}
+
+    encodings = (lambda: asked(encode() for _ in QUESTIONS), lambda: asked(repeat(encode())))
+    prompts = (lambda: [score([one])[0] for one in options], lambda: score(options))
+    return [
+        Omission("encoding again", "three questions about one clip", *encodings, changed),
+        Omission("the language model", "a rule answers", words, refused),
+        Omission("evened images", "not asked how far", lambda: encode().equalised_motions, encode),
+        Omission("reading the prompt again", "ten answers scored", *prompts, farthest),
+    ]
+
+
+def scene_omissions(preset: Preset) -> Iterator[Omission]:
+    """Yield what the simulator leaves out of a key's scenes that do not need it."""
+
+    def solve(preset: Preset, scene: Scene, with_drift: bool = True) -> Way:
+        return lambda: solved(preset, scene, build_profile(scene.body), with_drift=with_drift)
+
+    twist, press = moving("key", turn_deg=9.0), moving("key", from_mm=0.2)
+    slide, finer = moving("key", slide_mm=0.84), replace(preset, step_share=0.25)
+    slippery = replace(press, gel=replace(press.gel, friction=0.0))
+    for name, scene, full, lean in (
+        ("friction, no shear asked", twist, solve(preset, twist), solve(preset, twist, False)),
+        ("friction, in a press", press, solve(preset, press), solve(preset, slippery)),
+        ("substeps of steps of 0.28 mm", slide, solve(finer, slide), solve(preset, slide)),
+    ):
+        yield Omission(name, "a key", full, lean, partial(differences, scene))
+
+
+def rows_of_all(run: Run) -> Iterator[Row]:
+    """Yield the rows of an answer and of a simulated scene."""
+    yield from omission_rows(model_omissions(run), run.size(30, 1))
+    yield from omission_rows(scene_omissions(PRESETS[run.size("fast", "draft")]), run.size(7, 1))
+
+
+VIEW = Listing(
+    {
+        "left out": lambda row: row.case,
+        "when": lambda row: row.detail["when"],
+        "ms with it": lambda row: number(row.detail["full_ms"], ".1f"),
+        "ms without": lambda row: number(row.ms_p50, ".1f"),
+        "ms saved (range)": lambda row: "{1:.1f} ({0:.1f} to {2:.1f})".format(
+            *row.detail["saved_ms"]
+        ),
+        "costs": lambda row: "; ".join(
+            f"{much:.2g} {x}" for x, much in row.detail["costs"].items()
+        ),
+    }
+)
+
+OMISSIONS = Bench(
+    name="omissions",
+    title="What is left out",
+    about="What a question, a command or a scene does not need does not run.",
+    sections=(
+        Section(
+            name="saved",
+            title="Saved and lost",
+            about="""\
+Both ways run in turn, medians, one thread, on one simulated clip or scene. *Costs* is the error of
+leaving it out against doing it; none where the two do not tell the same.""",
+            run=rows_of_all,
+            views={"": (VIEW, every)},
+        ),
+    ),
+)
+
+HEADLINES = {"omissions.saved": partial(table, VIEW)}
+"""What the README and the documentation may show, by bench and section."""

@@ -1,0 +1,243 @@
+"""Records -> pages, pictures and the README's numbers, so that no number is typed by hand.
+
+A block of the README stands between `<!-- begin: BENCH.SECTION -->` and `<!-- end: ... -->`; what
+is between is replaced by that section's headline.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from geotlm_lm.benchmarks.markdown import markdown
+from geotlm_lm.benchmarks.rows import QUICK, Bench, Listing, Pivot, Row, Section
+from geotlm_lm.benchmarks.running import rows_of
+from geotlm_lm.core.atomic import replacing, write_text_atomically
+from geotlm_lm.core.errors import GeoTLMError
+from geotlm_lm.core.record import RunRecord
+
+RECORDS = "records"
+"""Folder of records inside the folder of results."""
+
+Headline = Callable[[Sequence[Row]], str]
+"""Rows of a section -> what the README shows of them."""
+
+Draw = Callable[[Sequence[Row], Path], None]
+"""Draws rows into a file."""
+
+_BEGIN = re.compile(r"^<!-- begin: (\S+) -->$", re.MULTILINE)
+
+
+class StaleResults(GeoTLMError):
+    """A page, a picture or the README says something else than its record, or has none."""
+
+
+def page(bench: Bench, record: RunRecord) -> str:
+    """Return a bench as a page: every section with its tables and where they come from."""
+    parts = [f"# {bench.title}", bench.about]
+    if record.config["size"] == QUICK:
+        parts.append("A quick run: it shows that everything runs; its numbers prove nothing.")
+    for section in bench.sections:
+        rows = rows_of(record, section.name)
+        if rows:
+            parts += [f"## {section.title}", section.about, *tables(section, rows)]
+            parts += [_figure_link(bench, section)] if section.figure else []
+            parts.append(provenance(record, section.name))
+    return "\n\n".join(parts) + "\n"
+
+
+def tables(section: Section, rows: Sequence[Row]) -> list[str]:
+    """Return the tables of a section, each under its title where it has one."""
+    parts = []
+    for title, (view, shows) in section.views.items():
+        shown = [row for row in rows if shows(row)]
+        if shown:
+            parts += [f"### {title}"] * bool(title) + [table(view, shown)]
+    return parts
+
+
+def table(view: Listing | Pivot, rows: Sequence[Row]) -> str:
+    """Return rows as one Markdown table."""
+    if isinstance(view, Listing):
+        return markdown(
+            list(view.columns), [[cell(row) for cell in view.columns.values()] for row in rows]
+        )
+    variants = list(dict.fromkeys(row.variant for row in rows))
+    found: dict[str, dict[str, Row]] = {}
+    for row in rows:
+        found.setdefault(row.case, {})[row.variant] = row
+    lines = [
+        [case]
+        + [str(max(row.count for row in own.values()))] * view.with_count
+        + [view.cell(own[name]) if name in own else "-" for name in variants]
+        for case, own in found.items()
+    ]
+    return markdown([view.corner] + ["n"] * view.with_count + variants, lines)
+
+
+def provenance(record: RunRecord, section: str) -> str:
+    """Return the line that says how to get a section's numbers again."""
+    done = record.numbers["sections"][section]
+    return (
+        f"`{record.command}`: {done['seconds'] / 60:.1f} min at commit "
+        f"{done['commit'] or 'unknown'}, seed {record.seed}, one thread of {done['processor']}, "
+        f"{record.made_utc[:10]}."
+    )
+
+
+def number(value: float | None, form: str = ".3f") -> str:
+    """Return a number as a cell; "-" where there is none."""
+    return "-" if value is None else format(value, form)
+
+
+def right_with_interval(row: Row) -> str:
+    """Return the share of right answers and its 95 % interval."""
+    if row.right is None or row.interval is None:
+        return "-"
+    low, high = 1 - row.interval[1], 1 - row.interval[0]
+    return f"{row.right:.3f} ({low:.3f}-{high:.3f})"
+
+
+def save_results(bench: Bench, record: RunRecord, folder: Path) -> None:
+    """Write a record, its page and its pictures below `folder`."""
+    record.save(folder / RECORDS / f"{bench.name}.json")
+    write_text_atomically(folder / f"{bench.name}.md", page(bench, record))
+    redraw_figures([bench], folder)
+
+
+def figure_path(folder: Path, bench: Bench, section: Section) -> Path:
+    """Return where the picture of a section lies."""
+    return folder / f"{bench.name}_{section.name}.png"
+
+
+def save_figure(figure: Any, rows: Sequence[Row], path: Path) -> None:
+    """Write a matplotlib figure as PNG that tells which rows it shows, for `check_results`."""
+    with replacing(path) as stream:
+        figure.savefig(stream, dpi=120, format="png", metadata={"Description": digest(rows)})
+
+
+def digest(rows: Sequence[Row]) -> str:
+    """Return a digest of what rows say."""
+    told = json.dumps([row.to_dict() for row in rows], sort_keys=True)
+    return hashlib.sha256(told.encode()).hexdigest()[:16]
+
+
+def render_results(
+    benches: Sequence[Bench], headlines: Mapping[str, Headline], folder: Path, readme: Path
+) -> list[Path]:
+    """Write the pages and the README's blocks from the records; return the files that changed.
+
+    Raises:
+        StaleResults: If a block is unknown or not closed, or its record is missing.
+    """
+    wanted = _wanted(benches, headlines, folder, readme)
+    changed = [path for path, text in wanted.items() if _read(path) != text]
+    for path in changed:
+        write_text_atomically(path, wanted[path])
+    return changed
+
+
+def check_results(
+    benches: Sequence[Bench], headlines: Mapping[str, Headline], folder: Path, readme: Path
+) -> None:
+    """Compare pages, pictures and the README's blocks with the records.
+
+    Raises:
+        StaleResults: If one says something else than its record.
+    """
+    for path, text in _wanted(benches, headlines, folder, readme).items():
+        if _read(path) != text:
+            raise StaleResults(
+                f"{path}: its numbers differ from the records in {folder / RECORDS}; run "
+                f"`geotlm-lm bench render`."
+            )
+    for _, rows, path in _figures(benches, folder):
+        if _described(path) != digest(rows):
+            raise StaleResults(
+                f"{path}: is missing or shows other numbers than its record; run "
+                f"`geotlm-lm bench render --figures`."
+            )
+
+
+def redraw_figures(benches: Sequence[Bench], folder: Path) -> None:
+    """Draw every picture anew from the records; needs matplotlib."""
+    for draw, rows, path in _figures(benches, folder):
+        draw(rows, path)
+
+
+def _figures(benches: Sequence[Bench], folder: Path) -> Iterator[tuple[Draw, list[Row], Path]]:
+    """Yield what draws each picture, the recorded rows it shows, and where it lies."""
+    for bench in benches:
+        record = _record(folder, bench.name)
+        for section in bench.sections if record else ():
+            rows = rows_of(record, section.name)
+            if section.figure is not None and rows:
+                yield section.figure, rows, figure_path(folder, bench, section)
+
+
+def _wanted(
+    benches: Sequence[Bench], headlines: Mapping[str, Headline], folder: Path, readme: Path
+) -> dict[Path, str]:
+    records = {bench.name: _record(folder, bench.name) for bench in benches}
+    wanted = {
+        folder / f"{bench.name}.md": page(bench, record)
+        for bench in benches
+        if (record := records[bench.name]) is not None
+    }
+    text = _read(readme)
+    if text is None:
+        raise StaleResults(f"{readme}: cannot be read; run from the checkout or give --readme.")
+    return wanted | {readme: _fill_blocks(text, records, headlines)}
+
+
+def _fill_blocks(
+    text: str, records: Mapping[str, RunRecord | None], headlines: Mapping[str, Headline]
+) -> str:
+    parts, position = [], 0
+    for begin in _BEGIN.finditer(text):
+        name, closing = begin[1], f"<!-- end: {begin[1]} -->"
+        end = text.find(closing, begin.end())
+        if end < 0:
+            raise StaleResults(f"block '{name}' is not closed; add the line {closing} below it.")
+        if name not in headlines:
+            raise StaleResults(
+                f"block '{name}' is not known; expected one of {', '.join(headlines)}."
+            )
+        bench, section = name.split(".")
+        record = records.get(bench)
+        rows = [] if record is None else rows_of(record, section)
+        if not rows:
+            raise StaleResults(
+                f"block '{name}' has no record; write it with `geotlm-lm bench {bench} --out "
+                f"docs/results`."
+            )
+        told = f"{headlines[name](rows)}\n\n{provenance(record, section)}"
+        parts += [text[position : begin.end()], "\n\n", told, "\n\n"]
+        position = end
+    return "".join([*parts, text[position:]])
+
+
+def _figure_link(bench: Bench, section: Section) -> str:
+    return f"![{section.title}]({bench.name}_{section.name}.png)"
+
+
+def _record(folder: Path, name: str) -> RunRecord | None:
+    path = folder / RECORDS / f"{name}.json"
+    return RunRecord.load(path) if path.exists() else None
+
+
+def _read(path: Path) -> str | None:
+    return path.read_text(encoding="utf-8") if path.exists() else None
+
+
+def _described(path: Path) -> str | None:
+    if not path.exists():
+        return None
+    from PIL import Image
+
+    with Image.open(path) as picture:
+        return picture.info.get("Description")

@@ -1,0 +1,27 @@
+"""Find the motion whose likelihood is asked: "is it likely that it turns clockwise?"."""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.conversation.motion_claims import claimed_motions
+from geotlm_lm.conversation.text_normalisation import normalised_text
+from geotlm_lm.core.labels import Motion
+
+_DENIED = re.compile(r"n't\b|\b(?:not|never|no longer)\b")
+
+
+_OF_THE_ANSWER = re.compile(
+    r"\b(?:it|that|this|you|(?:the|your|this|that) answer) (?:is|are|was|were|be) "
+    r"(?:right|correct|true|so)\b"
+)
+
+
+def likelihood_subject(question: str) -> frozenset[Motion] | None:
+    """Return the motions whose likelihood is asked; None if none is named.
+
+    None too where it denies them: how likely the rest is, is then asked of the answer before.
+    """
+    text = normalised_text(question)
+    is_of_it = _DENIED.search(text) or _OF_THE_ANSWER.search(text)
+    return None if is_of_it else claimed_motions(f"Is it so: {question}")

@@ -1,0 +1,223 @@
+"""Find the motions that a yes-or-no question claims, by its words alone."""
+
+from __future__ import annotations
+
+import re
+
+from geotlm_lm.conversation.axis_claims import claimed_axis
+from geotlm_lm.conversation.motion_names import LOST_CONTACT, claimed_motion, motions_named
+from geotlm_lm.conversation.motion_verbs import (
+    GOES,
+    PRESSES,
+    SLIDE,
+    SLIDES,
+    TURN,
+    TURNS,
+    forms,
+)
+from geotlm_lm.conversation.non_motion_phrases import STILL_UNCHANGED
+from geotlm_lm.conversation.option_labels import labelled
+from geotlm_lm.conversation.text_normalisation import normalised_text
+from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class
+
+_BESIDES = re.compile(r"\b(?:without|anything but|other than|apart from)(?: any)? \w+")
+"""What a claim leaves out: "does it move without slipping?"."""
+
+CLASS_NAMES: tuple[tuple[MotionClass, str], ...] = (
+    (MotionClass.ROTATION, rf"\b{TURN}\w*"),
+    (MotionClass.SLIDE, rf"\b{SLIDE}\w*"),
+)
+"""Words of a kind of motion that leave its direction open."""
+
+_NO_NOUN = r"(?<!\bthe )(?<!\ba )(?<!\ban )(?<!\bmy )(?<!\byour )"
+
+_NO_OBJECT = r"(?! (?:out|my|your|the|it|this|that|rule)\b)"
+
+_VERBS: tuple[tuple[MotionClass, str], ...] = (
+    (
+        MotionClass.ROTATION,
+        rf"{_NO_NOUN}\b(?:{forms(TURNS)}|rotation)\b{_NO_OBJECT}",
+    ),
+    (
+        MotionClass.SLIDE,
+        rf"{_NO_NOUN}\b{forms(SLIDES)}\b{_NO_OBJECT}",
+    ),
+)
+"""What the touched object does by itself: no "turntable", "my turn", "turns out", "I turned it"."""
+
+_ENDED = re.compile(
+    r"(?<!the )(?<!non-)(?<!non )\b(?:stop(?:s|ped)?|ceas(?:e|es|ed)|halt(?:s|ed)?|no longer"
+    r"|c[oa]m(?:e|es|ing) to (?:rest|a (?:rest|stop|halt|standstill)))\b"
+)
+"""Says that what follows is over: what has stopped turning turns no more."""
+
+_NO_END = re.compile(r"\b(?:without|until|never|not|non-?stop|or)\b(?! not\b)|n't\b")
+"""Words with which an end is denied, lies in another time, or is one of two things."""
+
+_TOUCHING = re.compile(r"\b(?:touch\w*|contact)\b")
+
+_AT_REST = frozenset({Motion.STILL, Motion.NONE})
+
+_ANOTHER_TIME = re.compile(r"\b(?:will|would|should|who|why|before|again|later|next)\b")
+
+_DENIED = re.compile(r"n't\b|\b(?:not|never|no longer|stop\w*|instead|if|would|unless)\b")
+
+_YES_OR_NO = re.compile(
+    r"(?:^|[,;:.!] |\b(?:and|so|but|hey|ok|please|now) )"
+    r"(?:is|are|was|were|does|do|did|has|have|had|would|will|can|could)(?:n't|nt| not)? (?!you\b)"
+)
+
+_NO_ARTICLE = r"(?<!\bthe )(?<!\ba )(?<!\bthis )(?<!\bmy )"
+
+_DONE = TURNS + SLIDES + GOES + PRESSES
+_PREDICATES = re.compile(
+    rf"\b(?:is|are|was|were|isn't|wasn't) (?:\w+ ){{1,4}}?{_NO_ARTICLE}"
+    rf"(?:{forms(_DONE, 'gerund')}|resting|leaving)\b"
+    rf"|\b(?:does|do|did|doesn't|didn't) (?:\w+ ){{1,4}}?{_NO_ARTICLE}"
+    rf"(?:{forms(_DONE, 'base')}|rest|leave)\b"
+    rf"|\b(?:is|was) (?:\w+ ){{1,4}}?being {forms(TURNS + SLIDES, 'past')}\b"
+    r"|\b(?:is|was|isn't|wasn't) (?:it|this|that|there|(?:the|this) (?:motion|movement)) "
+    r"(?:an? |any |some )?(?:(?:pure|simple|real|clean) )?"
+    r"(?:turn|twist|rotation|spin|slide|slip|slippage|translation|press|release)\b"
+    r"|\b(?:is|was) (?:\w+ ){1,3}?(?:stationary|motionless|at rest|at a standstill)\b"
+)
+"""What is done, where a yes-or-no question asks whether it is: "is the cable slipping", and neither
+"is the slippery cable" nor "does the slide rule"."""
+
+_OF_SOMETHING_ELSE = re.compile(
+    r"\b(?:will|would|later|tomorrow|next|again|before|should|not|who|person|price|cost|temperature)\b"
+    r"|\bgoing to (?!the\b)"
+)
+"""Words by which a question is about another time, another actor or what no touch tells."""
+
+_OR_NOT = re.compile(r",? or not\b(?! \w)")
+
+_STILL_GOING = re.compile(rf"{STILL_UNCHANGED}|\bstill (?=in contact\b)", re.IGNORECASE)
+_STILL_AT_END = re.compile(
+    r"^((?:does|did) (?:it|this|that|(?:the|my) \w+) "
+    rf"{forms(TURNS + SLIDES + GOES, 'base')}) still(?=[ ?.!]*$)",
+    re.IGNORECASE,
+)
+"""What it "does still" it goes on doing."""
+
+
+def asks_yes_or_no(text: str) -> bool:
+    """Tell whether `text`, in lower case, holds a question to be answered by yes or no."""
+    return bool(_YES_OR_NO.search(text))
+
+
+def claimed_motion_class(text: str) -> MotionClass | None:
+    """Return the one kind of motion a yes-or-no question claims without a direction, else None."""
+    text = _BESIDES.sub(" ", normalised_text(text))
+    if motions_named(text) or not asks_yes_or_no(text):
+        return None
+    named = [kind for kind, words in CLASS_NAMES if re.search(words, text)]
+    return named[0] if len(named) == 1 else None
+
+
+def claims_end(text: str) -> bool:
+    """Tell whether a yes-or-no question claims that a motion, or the contact, is over."""
+    text = _OR_NOT.sub(" ", normalised_text(text))
+    if not asks_yes_or_no(text) or _ANOTHER_TIME.search(text) or _NO_END.search(text):
+        return False
+    return bool(_ENDED.search(text) or re.search(LOST_CONTACT, text))
+
+
+def claimed_motions(question: str) -> frozenset[Motion] | None:
+    """Return the motions of which a yes to `question` would be true; None if it claims none.
+
+    A claim of a motion, of a kind of motion, or of the end of either: what has stopped turning may
+    do anything but turn, and what has stopped neither turns nor slides nor presses.
+    """
+    if claims_end(question):
+        return _left_at_the_end(normalised_text(question))
+    axis = claimed_axis(question.lower())
+    if axis and motions_named(question) <= axis:  # no choice: "up, down, sideways?"
+        return axis
+    motion, kind = claimed_motion(question), claimed_motion_class(question)
+    named = {motion} - {None} or {one for one in Motion if motion_class(one) == kind}
+    return frozenset(named) or None
+
+
+def _left_at_the_end(text: str) -> frozenset[Motion]:
+    """Return what may be true once what `text` calls over is over."""
+    ended = _ENDED.search(text)
+    over = text[ended.end() :] if ended else text
+    if _TOUCHING.search(over):
+        return frozenset({Motion.NONE, Motion.RELEASE})
+    before = motions_named(text[: ended.start()])
+    if before:
+        return frozenset(before)  # "is it at rest, no longer moving?"
+    named = motions_named(over)
+    kinds = {kind for kind, words in CLASS_NAMES if re.search(words, over)} if not named else set()
+    named |= {one for one in Motion if motion_class(one) in kinds}
+    return frozenset(set(Motion) - named) if named - _AT_REST else _AT_REST
+
+
+def presumed_class(text: str) -> MotionClass | None:
+    """Return the kind of motion that an open question presumes: "Which way does it turn?".
+
+    None where its words tell of no turn and no slide, or of both, or where they deny one. A choice
+    of two ways of one kind, "cw or ccw?", takes that kind for granted too.
+    """
+    text = normalised_text(text)
+    if _DENIED.search(text):
+        return None
+    kinds = {kind for kind, words in _VERBS if re.search(words, text)}
+    named = motions_named(text)
+    # One way alone may be a place: "the right cap".
+    kinds |= {motion_class(one) for one in named if len(named) > 1 or one not in DIRECTED}
+    presumed = kinds.pop() if len(kinds) == 1 else None
+    return presumed if presumed in (MotionClass.ROTATION, MotionClass.SLIDE) else None
+
+
+def claims_motion(text: str) -> bool:
+    """Tell whether `text` surely is a yes-or-no question that claims a motion, or a kind of one.
+
+    Touch can tell that, in whatever words the rest is asked. Of 9,000 questions from the templates
+    about contact, about any motion at all or beyond touch, none passes for one.
+    """
+    text = _BESIDES.sub(" ", _OR_NOT.sub(" ", normalised_text(text)))
+    if claims_end(text):
+        return True
+    if _OF_SOMETHING_ELSE.search(text):
+        return False
+    is_terse = re.match(r"\W*(?:moving|sliding|going) ", text) and not motions_named(text)
+    if claimed_axis(text) and (is_terse or _PREDICATES.search(text)):
+        return True
+    if not _PREDICATES.search(text):
+        return False
+    kinds = {motion_class(one) for one in motions_named(text)}
+    kinds |= {kind for kind, words in CLASS_NAMES if re.search(words, text)}
+    if len(kinds) > 1:
+        return False  # asks which of them it is
+    return claimed_motion(text) is not None or claimed_motion_class(text) is not None
+
+
+_BOTH = re.compile(
+    r"\b(?:as well as|and also|and at the same time|plus|combin\w+|together with|and simultaneously"
+    r"|while also|both|more than (?:it|a|an|the)|rather than (?:it|a|an|the))\b"
+)
+
+
+def asks_both_kinds(text: str) -> bool:
+    """Tell whether `text` asks if it turns and slides at once."""
+    text = normalised_text(text)
+    kinds = {kind for kind, words in CLASS_NAMES if re.search(words, text)}
+    return len(kinds) == 2 and bool(_BOTH.search(text)) and not motions_named(text)
+
+
+def offered_options(question: str) -> dict[str, Motion]:
+    """Return the motions a multiple choice offers, by letter or number.
+
+    Each stands before its option, "A) left", or in brackets behind it, "left (A)". Options that are
+    not understood are left out.
+    """
+    found = labelled(question.strip().upper(), lambda option: bool(motions_named(option)))
+    named = {letter: claimed_motion(option) for letter, option in found}
+    return {letter: motion for letter, motion in named.items() if motion is not None}
+
+
+def without_adverbs(question: str) -> str:
+    """Return a question without the "still" of "is it still turning?", which claims no rest."""
+    return _STILL_AT_END.sub(r"\1", _STILL_GOING.sub("", question))

@@ -1,0 +1,110 @@
+"""What is answered before, beside or after the model: places, amounts claimed, two questions."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from geotlm_lm.answering import OPEN_QUESTION
+from geotlm_lm.answering.answer import Encoded
+from geotlm_lm.answering.model_query import AMOUNT_QUESTION
+from geotlm_lm.backbone.view import View
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.geometry import filled_size
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.dgr.encoder import DGR
+from geotlm_lm.language.parse_answer import Slots
+from geotlm_lm.model import Perception
+from tests.answering.scripted import answerer_saying, measuring, recording
+
+
+def test_millimetres_are_judged_only_where_the_size_of_a_pixel_is_known(bundle):
+    answerer = measuring(bundle, Motion.LEFT, "px", px=14.0)
+    encoded = answerer.encode(recording())
+    unknown = answerer.ask(encoded, "Did it slide 3 mm?")
+    assert unknown.abstained
+    assert unknown.text.startswith("I cannot judge millimetres: about ")
+    known = answerer.ask(encoded, "Did it slide 3 mm?", frame=FrameSpec(mm_per_px=0.01))
+    assert (known.decided, known.amount.unit) == ("no", "mm")
+
+
+def test_where_the_contact_is_is_read_off_the_mask(bundle):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."}, contact_threshold=0.0)
+    answer = answerer.ask(answerer.encode(recording()), "Where is the contact?")
+    assert answer.text.startswith("In the middle of the camera image: its middle is around ")
+    assert (answer.kind, answer.abstained, answer.direction) == ("contact", False, None)
+    blind = answerer_saying(bundle, {"*": "Left, in the camera image."}, contact_threshold=1.1)
+    assert blind.ask(blind.encode(recording()), "Where is the contact?").abstained
+
+
+def test_facts_that_were_read_before_a_turn_that_lacks_something_hold(bundle):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."})
+    session = answerer.session(answerer.encode(recording()))
+    asked = session.ask("The image is mirrored. The camera is mounted sideways. Which way?")
+    assert (asked.abstained, session.frame) == (True, FrameSpec(image_mirrored=True))
+
+
+@pytest.mark.parametrize("said", ["A slide.", "A rotation."])
+def test_the_kind_of_motion_is_that_of_the_open_answer(bundle, said):
+    opened = bundle.grammar.sentence(Slots("direction", Motion.CLOCKWISE))
+    answerer = answerer_saying(bundle, {"*": said, OPEN_QUESTION: opened})
+    answer = answerer.ask(answerer.encode(recording()), "What kind of motion is it?")
+    assert (answer.text, answer.decided) == ("A rotation.", "rotation")
+
+
+def test_an_amount_says_between_which_frames_of_a_longer_recording_it_is(bundle):
+    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    long = answerer.encode(recording(frames=30))
+    first, *_, last = long.clip.frame_numbers
+    assert (first, last) != (0, 29)
+    told = answerer.ask(long, AMOUNT_QUESTION).text
+    assert told.startswith(f"About 13 degrees of turning between frames {first} and {last}, likely")
+    for whole in (recording(), recording(frames=2)):
+        told = answerer.ask(answerer.encode(whole), AMOUNT_QUESTION).text
+        assert told.startswith("About 13 degrees of turning, likely ")
+    asked = answerer.encode(recording(frames=30), span=(3, 9))
+    assert "between frames" not in answerer.ask(asked, AMOUNT_QUESTION).text
+
+
+def test_a_claim_in_pixels_is_judged_in_pixels_whatever_their_size(bundle):
+    answerer = measuring(bundle, Motion.LEFT, "px", px=14.0)
+    answer = answerer.ask(
+        answerer.encode(recording()), "Did it slide more than 1 px?", frame=FrameSpec(mm_per_px=0.1)
+    )
+    assert (answer.decided, answer.amount.unit) == ("yes", "px")
+
+
+def touched_at(row, column, rows=240, columns=320):
+    """A clip whose mask is 1 in one patch of a view over the whole image."""
+    clip = recording()
+    frames = np.zeros((len(clip), rows, columns, 3), np.uint8)
+    mask = torch.zeros(1, 14, 14)
+    mask[0, row, column] = 1
+    with torch.no_grad():
+        geometry = DGR(4).pool(torch.zeros(1, 2, 14, 14, 2), torch.zeros(1, 14, 14, 2), mask)
+    token, (filled_rows, filled_columns) = torch.zeros(1, 4), filled_size(rows, columns)
+    view = View(picture_height_px=filled_rows, picture_width_px=filled_columns)
+    perception = Perception(token, geometry, token, (view,), None)
+    return Encoded(replace(clip, frames=frames, background=frames[0]), perception, {})
+
+
+@pytest.mark.parametrize(
+    ("patch", "size", "part", "centre"),
+    [
+        ((1, 2), (240, 320), "upper left", (57, 26)),
+        ((7, 12), (240, 320), "right middle", (286, 129)),
+        ((7, 6), (480, 640), "middle", (297, 257)),
+        # Idle gel fills up a square that a portrait picture leaves: it begins at 49 of 224.
+        ((12, 9), (320, 240), "lower right", (196, 286)),
+    ],
+)
+def test_the_contact_is_in_its_place_in_the_picture_whatever_was_looked_at(
+    bundle, patch, size, part, centre
+):
+    answerer = answerer_saying(bundle, {"*": "Left, in the camera image."}, contact_threshold=0.0)
+    answer = answerer.ask(touched_at(*patch, *size), "Where is the contact?")
+    told = f"In the {part} of the camera image: its middle is around {centre[0]} px from the left"
+    assert answer.text.startswith(told)
+    assert answer.evidence["contact_centre_px"] == pytest.approx(centre, abs=1)
+    assert "covers about 1% of the image" in answer.text

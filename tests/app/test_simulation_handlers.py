@@ -1,0 +1,95 @@
+"""The Simulate tab's function: truth beside reading, and the error between them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.simulation_handlers import OBJECTS, simulate, touch_of
+from geotlm_lm import GeoTLMError, Touch, picture, simulate_touch
+from geotlm_lm.backbone.view import View
+from geotlm_lm.core.geometry import IMAGE_SIDE
+from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
+from geotlm_lm.views.pictures import TRUE_DISPLACEMENT, draw_arrows, draw_legend
+from tests.app.fakes import FakeAnswerer
+
+
+@pytest.fixture(scope="module")
+def made():
+    return simulate(FakeAnswerer(), Touch("key", slide_x_mm=1.0, seed=1))
+
+
+def test_the_truth_is_what_was_asked_for(made):
+    true = made.facts["true"]
+    assert true["rotation_deg"] == 0
+    assert true["slide_x_px"] == pytest.approx(IMAGE_SIDE / 20.3, abs=0.01)
+    assert made.facts["true_motion"] == "right"
+
+
+def test_a_slide_down_is_told_in_the_pixels_of_the_squashed_picture():
+    true = simulate(FakeAnswerer(), Touch("key", slide_y_mm=-1.0, seed=1)).facts["true"]
+    # The view is as high as three quarters of its width, and squashed to a square.
+    assert true["slide_y_px"] == pytest.approx(-IMAGE_SIDE / 15.2, abs=0.01)
+    assert true["slide_x_px"] == 0
+
+
+def test_both_which_way_and_how_far_are_answered():
+    answerer = FakeAnswerer()
+    ask = answerer.ask
+    answerer.ask = lambda encoded, question: replace(ask(encoded, question), text=question)
+    facts = simulate(answerer, Touch("key", slide_x_mm=1.0, seed=1)).facts
+    assert facts["answer"] == "Which way is it moving?"
+    assert facts["how_far"] == "How far did it go?"
+
+
+def test_the_error_is_the_reading_less_the_truth(made):
+    read, true, error = (made.facts[name] for name in ("read", "true", "error"))
+    assert error["slide_x_px"] == pytest.approx(read["slide_x_px"] - true["slide_x_px"], abs=0.02)
+    # The fake perceives a shear change of one unit, 4 px; four frames go 1.5 times as far.
+    assert read["slide_x_px"] == pytest.approx(6.0, abs=0.01)
+
+
+def test_the_true_field_is_drawn_on_the_contact(made):
+    assert made.truth_picture.shape == made.read_picture.shape == (448, 448, 3)
+    assert not np.array_equal(made.truth_picture, made.read_picture)
+
+
+def test_the_true_field_goes_to_the_right_wherever_it_touches_in_the_end(made):
+    truth = simulate_touch(Touch("key", slide_x_mm=1.0, seed=1))
+    right = (truth.contact[-1] > 0)[..., None] * np.float32([IMAGE_SIDE / 20.3, 0])
+    frame = picture(made.shown.seen, "raw")
+    contact = truth.contact.mean(axis=0)
+    expected = draw_arrows(frame, right, contact, View(), TRUE_DISPLACEMENT)
+    assert not np.array_equal(expected, frame)
+    expected = draw_legend(expected, View(), TRUE_DISPLACEMENT)
+    assert np.array_equal(made.truth_picture, expected)
+
+
+def test_the_depth_is_shown(made):
+    assert made.shown.views[-1] == "depth"
+
+
+def test_the_shapes_on_offer_are_the_everyday_ones():
+    assert set(OBJECTS) == set(EVERYDAY_OBJECTS)
+
+
+def test_a_touch_is_made_of_numbers():
+    assert touch_of("key", {"depth_mm": 1}, 2.0) == Touch("key", depth_mm=1.0, seed=2)
+
+
+@pytest.mark.parametrize(
+    ("name", "depth", "seed", "sentence"),
+    [
+        ("key", 0.6, None, "seed was left empty; give a number."),
+        ("key", 0.6, "", "seed was left empty; give a number."),
+        ("key", 0.6, 1.5, "seed is 1.5, expected a whole number from 0."),
+        ("key", 0.6, float("nan"), "seed is nan, expected a whole number from 0."),
+        ("key", None, 0, "depth_mm was left empty; give a number."),
+        ("key", "deep", 0, "depth_mm is 'deep', expected a number."),
+        (None, 0.6, 0, "There is no shape ''"),
+    ],
+)
+def test_a_touch_that_is_not_whole_is_told_in_a_sentence(name, depth, seed, sentence):
+    with pytest.raises(GeoTLMError) as caught:
+        touch_of(name, {"depth_mm": depth}, seed)
+    assert str(caught.value).startswith(sentence)

@@ -1,0 +1,116 @@
+"""How far: truths from tables, tolerances, and flow on imprints moved by a known way."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from geotlm_lm.answering.amounts import Amount
+from geotlm_lm.benchmarks.amounts import (
+    AMOUNTS,
+    FLOW,
+    ODOMETER,
+    Moved,
+    amount_rows,
+    flow_tells,
+    known_amount,
+    scored,
+)
+from geotlm_lm.benchmarks.rendering import tables
+from geotlm_lm.benchmarks.rows import Row, Run
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.geometry import CAMERA_PX, IMAGE_SIDE
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.data.labelled_recordings import WindowRow
+from tests.answering.scripted import answerer_saying
+from tests.probe.imprints import moved_clip, textured_imprint
+from tests.tiny_bundle import tiny_bundle
+
+
+def row(motion=Motion.CLOCKWISE, **values):
+    return WindowRow(Path("x.mov"), 0, 9, motion, "cap", "caps", values)
+
+
+@pytest.mark.parametrize(
+    ("values", "amount"),
+    [
+        ({"rotation_deg_cw": "-20.0"}, 20.0),
+        ({"rotation_deg_cw": "20.0", "rotation_deg_cw_search": "23.9"}, 20.0),
+        ({"rotation_deg_cw": "20.0", "rotation_deg_cw_search": "24.1"}, None),
+        ({"rotation_deg_cw": "3.0", "rotation_deg_cw_cumulative": "4.9"}, 3.0),
+        ({"rotation_deg_cw": "20.0", "rotation_deg_cw_search": ""}, 20.0),
+        ({"rotation_deg_cw": "many"}, None),
+    ],
+)
+def test_a_turn_is_known_where_its_measurements_agree(values, amount):
+    assert known_amount(row(**values), "deg") == amount
+
+
+def moved(unit="px", amount=20.0, size=(224, 224), motion=Motion.LEFT):
+    frames = np.zeros((4, *size, 3), np.uint8)
+    return Moved(Clip(frames, background=frames[0]), unit, amount, motion, "caps")
+
+
+@pytest.mark.parametrize(
+    ("one", "value", "is_right"),
+    [
+        (moved(), 24.0, True),
+        (moved(), 24.1, False),
+        (moved(amount=5.0), 6.9, True),
+        (moved(amount=5.0), 7.1, False),
+        (moved(amount=5.0, size=(240, 320)), 7.8, True),
+        (moved(amount=5.0, size=(240, 320), motion=Motion.UP), 7.2, False),
+        (moved("deg", 5.0, (240, 320)), 7.1, False),
+    ],
+)
+def test_a_pixel_of_the_tolerance_is_one_of_a_224_pixel_image(one, value, is_right):
+    assert one.is_right(value) is is_right
+
+
+def test_a_row_tells_nearness_span_and_probability():
+    clips = [moved(amount=20.0), moved(amount=10.0)]
+    told = [Amount(22.0, "px", 19.0, 25.0, 0.9), Amount(20.0, "px", 15.0, 25.0, 0.5)]
+    found = scored("slides", ODOMETER, list(zip(clips, told, strict=True)), seed=0)
+    assert (found.count, found.error, found.detail["in_span"]) == (2, 0.5, 0.5)
+    assert found.detail["off_by"] == pytest.approx((0.1 + 1.0) / 2)
+    assert found.detail["mean_probability"] == pytest.approx(0.7)
+
+
+@pytest.mark.parametrize("way", [(12.0, 0.0), (0.0, -9.0)])
+def test_flow_tells_a_slide_in_the_pixels_of_the_picture_it_was_given(way):
+    rows, columns = CAMERA_PX
+    taken = moved_clip(textured_imprint(3, rows, columns), [0, 0], [(0.0, 0.0), way], noise=0)
+    square = (IMAGE_SIDE, IMAGE_SIDE)
+    frames = [cv2.resize(frame, square, interpolation=cv2.INTER_AREA) for frame in taken.frames]
+    squashed = Clip(np.stack(frames), background=cv2.resize(taken.background, square))
+    for clip, height, width in ((taken, rows, columns), (squashed, *square)):
+        found = flow_tells(Moved(clip, "px", 1.0, Motion.LEFT, "caps"))
+        expected = np.hypot(way[0] * width / columns, way[1] * height / rows)
+        assert found == pytest.approx(expected, rel=0.05)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A recording of noise and a table that tells one turn and one slide, and not another."""
+    rng = np.random.default_rng(0)
+    (tmp_path / "clips").mkdir()
+    np.save(tmp_path / "clips" / "a.npy", rng.integers(90, 110, (12, 48, 64, 3)).astype(np.uint8))
+    (tmp_path / "windows.csv").write_text(
+        "clip,first_frame,last_frame,direction,rotation_deg_cw,dx_px,dy_px\n"
+        "clips/a.npy,2,8,clockwise,12.0,,\nclips/a.npy,2,8,left,,-6.0,1.0\n"
+        "clips/a.npy,2,8,left,,,\n"
+    )
+    return tmp_path
+
+
+def test_both_methods_are_told_of_every_source(folder):
+    run = Run(is_quick=True, real=folder, answerer_given=answerer_saying(tiny_bundle(), {}))
+    rows = [Row.from_dict(one.to_dict()) for one in amount_rows(run)]
+    cases = list(dict.fromkeys(one.case for one in rows))
+    assert cases[:2] == ["simulated rotation", "simulated sliding"]
+    assert len(cases) == 6
+    assert [one.variant for one in rows] == [ODOMETER, FLOW] * 6
+    assert {one.count for one in rows[8:]} == {2}  # one turn, one slide, both played backwards too
+    (text,) = tables(AMOUNTS, rows)
+    assert text.count("\n") == 1 + len(rows)

@@ -1,0 +1,169 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from geotlm_lm.benchmarks.cases.recordings import (
+    QuarterTurned,
+    StartingInContact,
+    by_task,
+    real_cases,
+)
+from geotlm_lm.benchmarks.cases.simulated import UNREADABLE, SimulatedCases
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
+
+
+@pytest.fixture
+def fake_simulator(monkeypatch):
+    """Every third clip is unreadable; the numbers of the simulated clips are recorded."""
+    from geotlm_lm.simulation import series
+
+    numbers = []
+
+    def simulate_series(seed, count, *, objects, motions, unsteady_share, first_index=0):
+        for number in range(first_index, first_index + count):
+            numbers.append(number)
+            yield SimpleNamespace(
+                clip=Clip(np.zeros((4, 8, 8, 3), np.uint8)),
+                label=MotionLabel(motions[number % len(motions)], is_readable=number % 3 != 2),
+                object_name=f"object {number % 4}",
+            )
+
+    monkeypatch.setattr(series, "simulate_series", simulate_series)
+    return numbers
+
+
+def test_unreadable_clips_are_replaced_and_counted(fake_simulator):
+    cases = SimulatedCases("rotation", 20, seed=0)
+    assert len(list(cases)) == 20
+    # Of the numbers 0..28 every third is unreadable: 2, 5, ..., 26.
+    assert cases.unreadable == 9
+
+
+def test_unreadable_clips_can_be_had_too_and_do_not_count(fake_simulator):
+    cases = list(SimulatedCases("rotation", 20, seed=0, with_unreadable=True))
+    assert len(cases) == 29
+    assert [case.tags == UNREADABLE for case in cases] == [n % 3 == 2 for n in range(29)]
+
+
+def test_simulation_stops_once_enough_clips_are_there(fake_simulator):
+    list(SimulatedCases("rotation", 20, seed=0))
+    assert fake_simulator == list(range(29))
+
+
+def test_iterating_again_starts_the_count_again(fake_simulator):
+    cases = SimulatedCases("sliding", 5, seed=0)
+    first, second = (len(list(cases)) for _ in range(2))
+    assert (first, second, cases.unreadable) == (5, 5, 2)
+
+
+def test_a_simulated_object_is_its_own_family(fake_simulator):
+    case = next(iter(SimulatedCases("all", 3, seed=0)))
+    assert case.object_id == case.family == "object 0"
+
+
+def labelled_folder(folder, *directions):
+    (folder / "clips").mkdir(parents=True)
+    frames = (
+        np.zeros((12, 16, 16, 3), np.uint8) + np.arange(12, dtype=np.uint8)[:, None, None, None]
+    )
+    np.save(folder / "clips" / "a.npy", frames)
+    rows = [f"a.npy,0,9,{direction}" for direction in directions]
+    (folder / "windows.csv").write_text(
+        "\n".join(["clip,first_frame,last_frame,direction", *rows]) + "\n"
+    )
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("directions", "among"),
+    [
+        (("clockwise",), ROTATIONS),
+        (("clockwise", "left"), DIRECTED),
+        (("clockwise", "press"), tuple(Motion)),
+    ],
+)
+def test_the_task_is_the_smallest_that_holds_every_label(tmp_path, directions, among):
+    (cases,) = real_cases(labelled_folder(tmp_path / "mine", *directions)).values()
+    assert cases.among == among
+
+
+def test_each_window_is_given_as_four_and_pair_both_ways(tmp_path):
+    (cases,) = real_cases(labelled_folder(tmp_path / "mine", "left")).values()
+    found = [(case.tags["frames"], case.tags["played"], case.motion) for case in cases]
+    assert found == [
+        ("four", "forwards", Motion.LEFT),
+        ("four", "backwards", Motion.RIGHT),
+        ("pair", "forwards", Motion.LEFT),
+        ("pair", "backwards", Motion.RIGHT),
+    ]
+    assert len(cases) == 4
+
+
+def test_a_folder_without_usable_labels_says_what_it_found(tmp_path):
+    folder = labelled_folder(tmp_path / "mine", "up-left", "up-left")
+    with pytest.raises(UnreadableClip, match=r"no row has a usable direction .*'up-left': 2"):
+        real_cases(folder)
+
+
+def test_a_table_without_rows_is_told_as_such(tmp_path):
+    folder = labelled_folder(tmp_path / "mine")
+    with pytest.raises(UnreadableClip) as error:
+        real_cases(folder)
+    assert str(error.value) == (
+        f"{folder}: the tables of windows hold no row; write one row per motion."
+    )
+
+
+def test_a_clip_that_starts_in_contact_shows_no_idle_gel(tmp_path):
+    (cases,) = real_cases(labelled_folder(tmp_path / "mine", "left")).values()
+    found = StartingInContact(cases.recordings)
+    shown = list(found)
+    assert len(found) == len(shown) == 2
+    assert [case.motion for case in shown] == [Motion.LEFT, Motion.RIGHT]
+    assert [case.clip.background for case in shown] == [None, None]
+    assert shown[0].clip.frame_numbers == (0, 3, 6, 9)
+
+
+def test_a_window_turned_by_a_quarter_is_turned_with_its_label_and_its_idle_gel(tmp_path):
+    (cases,) = real_cases(labelled_folder(tmp_path / "mine", "left")).values()
+    found = QuarterTurned(cases.recordings)
+    shown = list(found)
+    assert len(found) == len(shown) == 2
+    assert [case.motion for case in shown] == [Motion.DOWN, Motion.UP]
+    upright = next(iter(cases)).clip
+    # What was the right border is the top one.
+    np.testing.assert_array_equal(shown[0].clip.frames[:, 0], upright.frames[:, :, -1])
+    np.testing.assert_array_equal(shown[0].clip.background[0], upright.background[:, -1])
+    assert shown[0].clip.frame_numbers == upright.frame_numbers
+
+
+def test_labels_of_several_tasks_are_asked_task_by_task(tmp_path):
+    folder = labelled_folder(tmp_path / "mine", "clockwise", "left", "up", "press", "up-left")
+    (cases,) = real_cases(folder).values()
+    parts = by_task(cases)
+    found = {name: [row.motion for row in part.recordings.rows] for name, part in parts.items()}
+    assert found == {
+        " rotation": [Motion.CLOCKWISE],
+        " sliding": [Motion.LEFT, Motion.UP],
+        " without direction": [Motion.PRESS],
+    }
+    assert (parts[" rotation"].among, parts[" sliding"].among) == (ROTATIONS, SLIDES)
+    assert parts[" sliding"].recordings.skipped == {"up-left": 1}
+
+
+def test_labels_of_one_task_stay_together(tmp_path):
+    (cases,) = real_cases(labelled_folder(tmp_path / "mine", "left", "up")).values()
+    assert by_task(cases) == {"": cases}
+
+
+def test_an_unsteady_hand_is_asked_of_the_simulator(monkeypatch):
+    from geotlm_lm.simulation import series
+
+    asked = []
+    monkeypatch.setattr(series, "simulate_series", lambda *a, **given: asked.append(given) or [])
+    for is_unsteady in (False, True):
+        list(SimulatedCases("rotation", 3, seed=0, is_unsteady=is_unsteady))
+    assert [given["unsteady_share"] for given in asked] == [0.0, 1.0]

@@ -1,0 +1,168 @@
+import numpy as np
+import pytest
+
+from geotlm_lm.benchmarks import variants
+from geotlm_lm.benchmarks.accuracy import clips_headline, lowest_accuracy
+from geotlm_lm.benchmarks.cases import simulated
+from geotlm_lm.benchmarks.clips import clip_rows, left_out
+from geotlm_lm.benchmarks.judging import Case
+from geotlm_lm.benchmarks.rows import Run
+from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.labels import Motion
+from tests.benchmarks.fakes import ALL, FakeAnswerer
+from tests.benchmarks.test_variants import clip_of
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Two recordings whose last pixel names the motion that is shown, at every frame."""
+    rng = np.random.default_rng(0)
+    (tmp_path / "clips").mkdir()
+    rows = ["clip,first_frame,last_frame,direction"]
+    for direction in ("clockwise", "counterclockwise"):
+        frames = rng.integers(100, 120, (12, 32, 32, 3)).astype(np.uint8)
+        frames[:, -1, -1] = ALL.index(Motion(direction))
+        np.save(tmp_path / "clips" / f"{direction}.npy", frames)
+        rows.append(f"{direction}.npy,2,9,{direction}")
+    rows.append("clockwise.npy,2,9,up-left")
+    (tmp_path / "windows.csv").write_text("\n".join(rows) + "\n")
+    return tmp_path
+
+
+def judged(folder=None, clips=0, **options):
+    """Rows by set of clips and variant."""
+    run = Run(seed=1, clips=clips, real=folder, answerer_given=FakeAnswerer(), **options)
+    found = {}
+    for row in clip_rows(run):
+        found.setdefault(row.case, {})[row.variant] = row
+    return found
+
+
+def test_real_recordings_are_judged_both_ways_and_both_cuts(folder):
+    found, name = judged(folder), folder.name
+    # The fake reads the forward label off every frame, so it is right forwards and wrong backwards;
+    # it does not see that a clip was turned.
+    assert {case: own[variants.GENERATED].right for case, own in found.items()} == {
+        f"real {name}, four frames": 0.5,
+        f"real {name}, four frames, forwards": 1.0,
+        f"real {name}, four frames, backwards": 0.0,
+        f"real {name}, pairs": 0.5,
+        f"real {name}, pairs, forwards": 1.0,
+        f"real {name}, pairs, backwards": 0.0,
+        f"real {name}, no idle frame": 0.5,
+        f"real {name}, turned by a quarter": 0.0,
+    }
+    first = found[f"real {name}, four frames"]
+    assert left_out(next(iter(first.values()))) == "1 labelled up-left"
+    assert {(a, b) for a, row in first.items() for b in row.detail.get("less", {})} == set(
+        variants.CONTRASTS
+    )
+    assert lowest_accuracy([row for own in found.values() for row in own.values()]) == 0.0
+
+
+def test_progress_names_the_folder_and_reaches_its_end(folder):
+    seen = []
+    judged(folder, progress=lambda *told: seen.append(told))
+    assert (f"real {folder.name}", 8, 8) in seen
+    assert seen[-1] == (f"real {folder.name}, turned by a quarter", 4, 4)
+
+
+def test_clips_that_do_not_tell_their_motion_stay_out_of_the_scores(monkeypatch):
+    def right_and_wrong(self):
+        motion, other = self.among[:2]
+        yield Case(clip_of(motion), motion, "a", "a", {})
+        for said in (motion, other, motion):
+            self.unreadable += 1
+            yield Case(clip_of(said), motion, "a", "a", simulated.UNREADABLE)
+
+    monkeypatch.setattr(simulated.SimulatedCases, "__iter__", right_and_wrong)
+    found = judged(clips=1)
+    assert list(found) == [
+        f"simulated {task}{hand}"
+        for task in ("rotation", "sliding", "all")
+        for hand in ("", ", unsteady hand")
+    ]
+    row = found["simulated all"][variants.GENERATED]
+    assert (row.count, row.right) == (1, 1.0)
+    assert (row.detail["unreadable_left_out"], row.detail["unreadable_right"]) == (3, 2)
+
+
+def test_turns_and_slides_of_one_folder_are_asked_as_tasks(folder):
+    frames = np.load(folder / "clips" / "clockwise.npy")
+    frames[:, -1, -1] = ALL.index(Motion.LEFT)
+    np.save(folder / "clips" / "left.npy", frames)
+    with (folder / "windows.csv").open("a") as table:
+        table.write("left.npy,2,9,left\n")
+    found = judged(folder)
+    turns = found[f"real {folder.name} rotation, four frames"][variants.PROBE]
+    slides = found[f"real {folder.name} sliding, four frames"][variants.PROBE]
+    assert set(turns.detail["recall"]) == {"clockwise", "counterclockwise"}
+    assert (set(slides.detail["recall"]), slides.count) == ({"left", "right"}, 2)
+
+
+def touch_table(folder):
+    """A press of three frames before its turn, and a recording of three seconds without contact."""
+    frames = np.full((30, 32, 32, 3), 100, np.uint8)
+    frames[8:, 8:20, 8:20] += 40
+    np.save(folder / "clips" / "cap.npy", frames)
+    np.save(folder / "clips" / "sponge.npy", np.full((39, 32, 32, 3), 100, np.uint8))
+    np.save(folder / "clips" / "short.npy", np.full((9, 32, 32, 3), 100, np.uint8))
+    (folder / "clips.csv").write_text(
+        "clip,object,fps,contact_start,contact_end,rotation_start\n"
+        "clips/cap.npy,cap,10,8,28,14\n"
+        "clips/sponge.npy,sponge,10,,,\n"
+        "clips/short.npy,sponge,10,,,\n"
+    )
+
+
+def test_clips_without_a_direction_are_asked_backwards_too(folder):
+    touch_table(folder)
+    found, name = judged(folder), folder.name
+    untouched = found[f"real {name}, no visible contact"][variants.GENERATED]
+    assert (untouched.count, untouched.detail["too_short_left_out"]) == (3, 1)
+    assert set(found[f"real {name}, pressed in"][variants.FLOW].detail["recall"]) == {"press"}
+    held = found[f"semi-real {name}, held or pressed"]
+    assert set(held[variants.FLOW].detail["recall"]) == {"press", "release", "still"}
+    for row in held.values():
+        claimed, turned = row.detail["claims_of"]
+        assert claimed == round(row.detail["false_directions"] * row.count)
+        assert turned <= claimed
+
+
+def test_data_sets_are_judged_and_said_about(folder, tmp_path):
+    listed = tmp_path / "listed.csv"
+    listed.write_text(
+        "clip_id,object_id,action,frames\n"
+        "1,cap,rotate_cw,clips/clockwise.npy\n"
+        "2,cap,rotate_ccw,clips/gone.npy\n"
+    )
+    found = judged(data=[listed])
+    assert list(found) == ["manifest listed, rotation"]
+    first = next(iter(found["manifest listed, rotation"].values()))
+    assert left_out(first) == "1 whose files cannot be used"
+
+
+def test_a_run_without_a_single_clip_is_refused_with_the_first_reason(tmp_path):
+    listed = tmp_path / "listed.csv"
+    listed.write_text("clip_id,object_id,action,frames\n1,cap,rotate_cw,gone.npy\n")
+    with pytest.raises(UnreadableClip) as caught:
+        judged(data=[listed])
+    assert str(caught.value) == (
+        f"no clip could be judged ({tmp_path / 'gone.npy'}: no such file or folder; check the "
+        f"path.); give other data."
+    )
+
+
+def test_the_first_page_shows_six_sets_by_words_probe_and_flow(monkeypatch):
+    def three(self):
+        for motion in self.among[:3]:
+            yield Case(clip_of(motion), motion, motion.value, motion.value, {})
+
+    monkeypatch.setattr(simulated.SimulatedCases, "__iter__", three)
+    rows = [row for own in judged(clips=3).values() for row in own.values()]
+    lines = clips_headline(rows).splitlines()
+    assert lines[0].count("|") == 6
+    assert [line.split("|")[1].strip() for line in lines[2:]] == [
+        "simulated turns",
+        "simulated slides",
+    ]

@@ -1,0 +1,175 @@
+"""Methods in turn, fronts, picks, and what fresh processes say; numbers by hand."""
+
+import itertools
+import subprocess
+
+import numpy as np
+import pytest
+
+from geotlm_lm.benchmarks.judging import Case, Reply
+from geotlm_lm.benchmarks.pareto import PARETO, picks, picks_headline
+from geotlm_lm.benchmarks.pareto_answers import (
+    CURL,
+    PRECISIONS,
+    case_sets,
+    model_variants,
+    rows_in_turn,
+    with_front,
+)
+from geotlm_lm.benchmarks.pareto_processes import in_turn, long_recording, run_fresh, timed_rows
+from geotlm_lm.benchmarks.pareto_simulator import VARIANTS, error_rows, scenes
+from geotlm_lm.benchmarks.rendering import tables
+from geotlm_lm.benchmarks.rows import Row, Run
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+
+
+def known(motion):
+    return Case(Clip(np.zeros((4, 16, 16, 3), np.uint8)), motion, "ball", "ball", {})
+
+
+def method(log, name):
+    """Return a method that says "clockwise" and whose milliseconds count its calls."""
+    calls = itertools.count(1)
+
+    def ask(clip, among):
+        log.append(name)
+        return Reply(Motion.CLOCKWISE, float(next(calls)))
+
+    return ask
+
+
+def test_ways_take_turns_and_the_first_round_is_not_counted():
+    log = []
+    runs = in_turn({"a": lambda: log.append("a"), "b": lambda: log.append("b") or 5}, 2)
+    assert "".join(log) == "ab" + "ba" + "ab"
+    assert [result for result, ms in runs["b"] if ms >= 0] == [5, 5]
+    (row,) = timed_rows("case", {"a": lambda: sum(range(100_000))}, 3, clips=1)
+    (shared,) = timed_rows("case", {"a": lambda: sum(range(100_000))}, 3, clips=1_000)
+    assert shared.ms_p50 < row.ms_p50 / 10
+
+
+def test_methods_are_asked_clip_by_clip_and_timed_in_the_rounds_that_count():
+    log = []
+    asked = {"a": method(log, "a"), "b": method(log, "b")}
+    cases = [known(Motion.CLOCKWISE), known(Motion.LEFT)]
+    first, second = rows_in_turn(asked, ("here", tuple(Motion), cases), 2, 0)
+    assert "".join(log) == "abab" * 3
+    assert (first.variant, second.variant, first.count, first.error) == ("a", "b", 2, 0.5)
+    assert first.ms_p50 == np.median([3, 4, 5, 6])  # 1 and 2 warmed up
+
+
+@pytest.mark.parametrize(("among", "expected"), [(ROTATIONS, ["a", CURL]), (SLIDES, ["a"])])
+def test_the_regression_on_the_curl_is_asked_about_turns_alone(among, expected):
+    asked = {name: method([], name) for name in ("a", CURL)}
+    rows = rows_in_turn(asked, ("x", among, [known(among[0])]), 1, 0)
+    assert [row.variant for row in rows] == expected
+
+
+def test_clips_come_in_four_frames_and_two():
+    found = list(case_sets(Run(is_quick=True)))
+    assert [(title, len(cases), len(cases[0].clip)) for title, _, cases in found] == [
+        ("simulated rotation, four frames", 2, 4),
+        ("simulated rotation, pairs", 2, 2),
+        ("simulated sliding, four frames", 2, 4),
+        ("simulated sliding, pairs", 2, 2),
+    ]
+    assert all(case.motion in among for _, among, cases in found for case in cases)
+
+
+def test_an_unreadable_clip_is_named_by_no_read_out_of_the_model(tiny_answerer):
+    black = Clip(np.zeros((4, 32, 32, 3), np.uint8), background=np.zeros((32, 32, 3), np.uint8))
+    asked = model_variants(tiny_answerer, f", {PRECISIONS[2]}")
+    assert all(name.endswith(", int8") for name in asked)
+    assert {ask(black, ROTATIONS).motion for ask in asked.values()} == {None}
+
+
+def row(name, error, ms, source="rotation", p95=None):
+    case = f"simulated {source}, four frames"
+    return Row(case, name, 9, error, interval=(0, 1), ms_p50=ms, ms_p95=p95 or ms)
+
+
+ROWS = with_front(
+    [
+        row("optical flow, fast", 0.10, 5.0),
+        row("linear probe", 0.025, 30.0, p95=38.0),
+        row("ten answers scored", 0.02, 36.0, p95=45.0),
+        row("words", 0.005, 42.0, p95=60.0),
+        row("words, int8", 0.01, 39.0, p95=50.0),
+        row("words, bfloat16", 0.005, 60.0, p95=80.0),
+        row(CURL, 0.0, 4.0),
+    ]
+)
+# A slide has no curl: the method that tells turns alone has no row there.
+BOTH = ROWS + [Row(**vars(one) | {"case": "simulated sliding, four frames"}) for one in ROWS[:-1]]
+
+
+def test_the_front_holds_what_nothing_beats_in_both():
+    def front(rows):
+        return [one.variant for one in with_front(rows) if one.detail["is_on_front"]]
+
+    assert front(ROWS) == [CURL]
+    assert front(ROWS[:6]) == [one.variant for one in ROWS[:5]]
+    assert front([row("a", 0.1, 5.0), row("b", 0.1, 5.0)]) == ["a", "b"]
+
+
+def test_each_use_gets_what_its_rule_says():
+    # The curl is faster and better, and knows no slides; the scored answers are too late.
+    assert {use: found.variant for use, _, found in picks(BOTH)} == {
+        "a robot's loop": "linear probe",
+        "a batch job": "words",
+        "a chat": "words, int8",
+    }
+    cells = [cell.strip() for cell in picks_headline(BOTH).splitlines()[2].strip("|").split("|")]
+    assert cells[2:] == ["linear probe", "0.025", "30.0 / 38.0"]
+
+
+def test_a_loop_keeps_its_time_on_every_source_or_there_is_none():
+    late = [row("steady", 0.1, 20.0), row("quick", 0.0, 5.0)]
+    late += [row("steady", 0.1, 20.0, "sliding"), row("quick", 0.0, 5.0, "sliding", p95=41.0)]
+    (_, _, loop), _, (_, _, chat) = picks(late)
+    assert loop.variant == "steady"
+    assert chat is None
+    assert " none " in picks_headline(late).splitlines()[-1]
+
+
+def test_the_methods_are_shown_in_a_table_and_drawn(tmp_path):
+    methods = PARETO.section("methods")
+    simulated, _, real = "\n".join(
+        tables(methods, [*BOTH, Row(**vars(ROWS[1]) | {"case": "real set, four frames"})])
+    ).rpartition("### Real recordings")
+    assert f"{CURL} * |        4.0 |  4.0 | 0.000" in simulated
+    assert "real set" in real
+    methods.figure(BOTH, tmp_path / "methods.png")
+    assert (tmp_path / "methods.png").stat().st_size > 5_000
+
+
+def test_a_process_that_fails_raises_and_others_give_their_lines():
+    assert run_fresh("import sys; print(sys.argv[1], input())", "asked") == [
+        "asked Which way is it moving?"
+    ]
+    with pytest.raises(subprocess.CalledProcessError, match="exit status 3"):
+        run_fresh("exit(3)")
+
+
+def test_a_long_recording_is_the_idle_gel_and_then_the_clip():
+    frames = np.arange(1, 5, dtype=np.uint8)[:, None, None, None] * np.ones((8, 8, 3), np.uint8)
+    shown = long_recording(Clip(frames, background=np.zeros((8, 8, 3), np.uint8)))
+    assert list(np.unique(shown.frames[:, 0, 0, 0], return_counts=True)[1]) == [25] * 5
+
+
+def test_finer_presets_err_less_and_what_leaves_out_physics_more(tmp_path):
+    asked = {
+        name: VARIANTS[name]
+        for name in ("fast", "draft", "half-space, 64 cells", "geometric overlap")
+    }
+    rows = list(error_rows({"slide": scenes()["ball, slide"]}, asked, "good", 1))
+    for measure in dict.fromkeys(one.case for one in rows):
+        errors = {one.variant: one.error for one in rows if one.case == measure}
+        assert errors["good"] == 0
+        assert errors["fast"] < errors["draft"]
+        assert errors["fast"] < 0.2 * errors["half-space, 64 cells"]
+        # No elasticity: it is cheap, wrong, and tells no drift.
+        assert errors.get("geometric overlap", np.inf) > errors["draft"]
+    PARETO.section("simulator").figure(rows, tmp_path / "simulator.png")
+    assert (tmp_path / "simulator.png").stat().st_size > 5_000

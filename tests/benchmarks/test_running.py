@@ -1,0 +1,190 @@
+"""The harness: sections run once, records keep the rest, pages say what records say."""
+
+import json
+
+import cv2
+import pytest
+import torch
+
+from geotlm_lm.benchmarks import running
+from geotlm_lm.benchmarks.rendering import (
+    StaleResults,
+    check_results,
+    page,
+    render_results,
+    save_figure,
+    save_results,
+    table,
+)
+from geotlm_lm.benchmarks.rows import Bench, Listing, Pivot, Row, Run, Section, every
+from geotlm_lm.benchmarks.running import rows_of, run_bench, threads
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.record import RunRecord
+
+README = "# Mine\n\n<!-- begin: toy.first -->\nold\n<!-- end: toy.first -->\n\nAfter.\n"
+HEADLINES = {"toy.first": lambda rows: f"{len(rows)} rows, worst {max(r.error for r in rows)}"}
+
+
+def draw(rows, path):
+    from matplotlib.figure import Figure
+
+    save_figure(Figure(figsize=(1, 1)), rows, path)
+
+
+@pytest.fixture
+def toy():
+    """Two sections; the list tells which were run."""
+    ran = []
+
+    def section(name, figure=None, needs_real=False):
+        def rows(run):
+            ran.append(name)
+            yield Row(f"{name} clips", "words", 4, 0.25, interval=(0.1, 0.5), ms_p50=1.5)
+            yield Row(f"{name} clips", "flow", 4, run.size(0.5, 1.0), detail={"seed": run.seed})
+
+        view = (Pivot(lambda row: f"{row.error:.2f}"), every)
+        return Section(name, name.title(), f"About {name}.", rows, {"": view}, figure, needs_real)
+
+    sections = (section("first"), section("second"), section("third", needs_real=True))
+    return Bench("toy", "Toy", "About all.", sections), ran
+
+
+def test_a_row_survives_json():
+    row = Row("clips", "words", 3, 0.25, interval=(0.1, 0.5), ms_p50=2.0, detail={"a": [1]})
+    assert Row.from_dict(json.loads(json.dumps(row.to_dict()))) == row
+    assert Row.from_dict(Row("a", "b", error=0.0).to_dict()).error == 0.0
+
+
+def test_a_bench_runs_its_sections_in_order_and_leaves_out_what_needs_recordings(toy):
+    bench, ran = toy
+    record = run_bench(bench, Run(seed=3))
+    assert ran == ["first", "second"]
+    assert [row.variant for row in rows_of(record, "second")] == ["words", "flow"]
+    assert rows_of(record, "second")[1].detail == {"seed": 3}
+    assert rows_of(record, "third") == []
+    assert record.config["size"] == "whole"
+
+
+def test_with_recordings_no_section_is_left_out(toy, tmp_path):
+    bench, ran = toy
+    run_bench(bench, Run(real=tmp_path, folder=tmp_path / "kept"))
+    assert ran == ["first", "second", "third"]
+
+
+def test_only_one_section_is_run_and_the_others_kept(toy):
+    bench, ran = toy
+    before = run_bench(bench, Run(is_quick=True))
+    after = run_bench(bench, Run(), only=["second"], before=before)
+    assert ran == ["first", "second", "second"]
+    assert rows_of(after, "first") == rows_of(before, "first")
+    assert rows_of(after, "second")[1].error == 0.5
+
+
+def test_an_unknown_section_is_refused(toy):
+    with pytest.raises(UsageError) as caught:
+        run_bench(toy[0], Run(), only=["fourth"])
+    assert str(caught.value) == (
+        "--only 'fourth' is unknown, expected one of first, second, third."
+    )
+
+
+def test_a_stopped_run_goes_on_where_it_was_at_the_same_commit_only(toy, tmp_path, monkeypatch):
+    bench, ran = toy
+    for commit in ("abc", "abc", "def", "def+", "def+"):
+        monkeypatch.setattr(running, "commit", lambda commit=commit: commit)
+        run_bench(bench, Run(folder=tmp_path))
+    # Once for abc, once for def; a changed checkout is never taken for its commit.
+    assert ran == ["first", "second"] * 4
+
+
+def test_thread_counts_come_back():
+    before = (torch.get_num_threads(), cv2.getNumThreads())
+    with threads(1):
+        assert torch.get_num_threads() == 1
+    assert (torch.get_num_threads(), cv2.getNumThreads()) == before
+
+
+def test_a_pivot_has_a_line_per_case_and_a_column_per_variant():
+    rows = [Row("a", "words", 2, 0.5), Row("a", "flow", 3, 0.0), Row("b", "flow", 1, 1.0)]
+    lines = table(Pivot(lambda row: f"{row.error:g}"), rows).splitlines()
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    assert cells[0] == ["clips", "n", "words", "flow"]
+    assert cells[2:] == [["a", "3", "0.5", "0"], ["b", "1", "-", "1"]]
+
+
+def test_a_listing_has_a_line_per_row():
+    view = Listing({"what": lambda row: row.case, "outcome": lambda row: row.outcome})
+    lines = table(view, [Row("a", "x", outcome="refused")]).splitlines()
+    assert [cell.strip() for cell in lines[2].strip("|").split("|")] == ["a", "refused"]
+
+
+def test_a_quick_run_says_that_it_proves_nothing(toy):
+    assert "prove nothing" in page(toy[0], run_bench(toy[0], Run(is_quick=True)))
+    assert "prove nothing" not in page(toy[0], run_bench(toy[0], Run()))
+
+
+@pytest.fixture
+def results(toy, tmp_path):
+    readme = tmp_path / "README.md"
+    readme.write_text(README)
+    save_results(toy[0], run_bench(toy[0], Run()), tmp_path / "results")
+    return toy[0], tmp_path / "results", readme
+
+
+def test_the_readme_is_filled_from_the_record_and_then_agrees(results):
+    bench, folder, readme = results
+    with pytest.raises(StaleResults, match="its numbers differ from the records"):
+        check_results([bench], HEADLINES, folder, readme)
+    assert render_results([bench], HEADLINES, folder, readme) == [readme]
+    assert "2 rows, worst 0.5" in readme.read_text()
+    assert readme.read_text().endswith("After.\n")
+    assert render_results([bench], HEADLINES, folder, readme) == []
+    check_results([bench], HEADLINES, folder, readme)
+
+
+def test_a_page_that_was_edited_by_hand_is_found(results):
+    bench, folder, readme = results
+    render_results([bench], HEADLINES, folder, readme)
+    path = folder / "toy.md"
+    path.write_text(path.read_text().replace("0.25", "0.05"))
+    with pytest.raises(StaleResults, match="toy.md: its numbers differ"):
+        check_results([bench], HEADLINES, folder, readme)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("<!-- begin: toy.first -->\n", "block 'toy.first' is not closed; add the line"),
+        ("<!-- begin: toy.x -->\n<!-- end: toy.x -->\n", "block 'toy.x' is not known; expected"),
+        (
+            "<!-- begin: other.first -->\n<!-- end: other.first -->\n",
+            "block 'other.first' has no record; write it with `geotlm-lm bench other",
+        ),
+    ],
+)
+def test_a_block_that_cannot_be_filled_is_told(results, text, says):
+    bench, folder, readme = results
+    readme.write_text(text)
+    headlines = HEADLINES | {"other.first": lambda rows: ""}
+    with pytest.raises(StaleResults, match=says):
+        render_results([bench], headlines, folder, readme)
+
+
+def test_a_picture_of_other_numbers_is_found(toy, tmp_path):
+    pytest.importorskip("matplotlib", reason="pictures need matplotlib (extra: eval)")
+    bench, _ = toy
+    drawn = Section(**vars(bench.sections[0]) | {"figure": draw})
+    bench = Bench("toy", "Toy", "About all.", (drawn, *bench.sections[1:]))
+    readme, folder = tmp_path / "README.md", tmp_path / "results"
+    readme.write_text("")
+    save_results(bench, run_bench(bench, Run()), folder)
+    check_results([bench], HEADLINES, folder, readme)
+    draw([Row("other", "x")], folder / "toy_first.png")
+    with pytest.raises(StaleResults, match="toy_first.png: is missing or shows other numbers"):
+        check_results([bench], HEADLINES, folder, readme)
+
+
+def test_a_record_that_is_saved_can_be_read(results):
+    bench, folder, _ = results
+    record = RunRecord.load(folder / "records" / "toy.json")
+    assert len(rows_of(record, "first")) == 2

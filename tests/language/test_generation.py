@@ -1,0 +1,205 @@
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import torch
+
+from geotlm_lm.core.errors import IncompatibleBundle
+from geotlm_lm.language import generation, weights
+from geotlm_lm.language.generation import Speaker
+from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS
+
+QUESTIONS = [
+    "which way?",
+    "Is the cap turning clockwise, or is it the 12th thing?",
+    "A) cw B) ccw C) left, which of the three is it?",
+]
+OPTIONS = ["Left, in the camera image.", "It is pressing in.", "A) clockwise"]
+
+
+def test_a_left_padded_batch_answers_like_single_questions(speaker, fused_tokens):
+    together = speaker.generate(fused_tokens[:3], QUESTIONS)
+    alone = [speaker.generate(fused_tokens[i : i + 1], [QUESTIONS[i]])[0] for i in range(3)]
+    assert together == alone
+    assert len(set(together)) == 3
+
+
+def test_generation_takes_the_likeliest_token_each_time(speaker, fused_tokens):
+    model, prompts = speaker.model, speaker.prompts
+    prompt = prompts.prompt(QUESTIONS[0])
+    ids = list(prompt)
+    prefix = model.projector(fused_tokens[:1])
+    for _ in range(MAX_ANSWER_TOKENS):
+        embedded = model.embed(torch.tensor([ids]), prefix)
+        hidden, _ = model.decoder(embedded, torch.arange(len(ids))[None])
+        ids.append(int(model.logits(hidden[0, -1]).argmax()))
+        if ids[-1] == prompts.eos_id:
+            break
+    expected = prompts.decode(ids[len(prompt) :])
+    assert speaker.generate(fused_tokens[:1], QUESTIONS[:1]) == [expected]
+
+
+def test_a_score_is_the_log_likelihood_of_the_whole_answer(speaker, fused_tokens):
+    model, prompts = speaker.model, speaker.prompts
+    prompt = prompts.prompt(QUESTIONS[1])
+    expected = []
+    for option in OPTIONS:
+        answer = prompts.answer(option)
+        ids = torch.tensor([prompt + answer])
+        embedded = model.embed(ids, model.projector(fused_tokens[:1]))
+        hidden, _ = model.decoder(embedded, torch.arange(ids.shape[1])[None])
+        steps = model.logits(hidden)[0].log_softmax(-1)[len(prompt) - 1 : -1]
+        expected.append(float(steps[range(len(answer)), answer].sum().detach()))
+    scores = speaker.score(fused_tokens[0], QUESTIONS[1], OPTIONS)
+    np.testing.assert_allclose(scores, expected, rtol=1e-4)
+
+
+def test_an_answer_without_a_word_is_weighed_too(speaker, fused_tokens):
+    both = speaker.score(fused_tokens[0], QUESTIONS[0], ["", OPTIONS[0]])
+    alone = speaker.score(fused_tokens[0], QUESTIONS[0], [""])
+    np.testing.assert_allclose(alone, both[:1], rtol=1e-5)
+
+
+def test_no_option_counts_as_written_where_other_words_would_be(speaker, fused_tokens):
+    weighed = speaker.weigh(fused_tokens[0], QUESTIONS[1], OPTIONS)
+    assert speaker.generate(fused_tokens[:1], QUESTIONS[1:2])[0] not in OPTIONS
+    assert weighed.written is None
+    scores = speaker.score(fused_tokens[0], QUESTIONS[1], OPTIONS)
+    np.testing.assert_array_equal(weighed.log_probabilities, scores)
+
+
+def test_remembered_sets_of_options_are_kept_apart(speaker, fused_tokens):
+    one = speaker.score(fused_tokens[0], QUESTIONS[0], OPTIONS)
+    other = speaker.score(fused_tokens[0], QUESTIONS[0], OPTIONS[::-1])
+    again = speaker.score(fused_tokens[0], QUESTIONS[0], OPTIONS)
+    np.testing.assert_array_equal(one, again)
+    np.testing.assert_allclose(other, one[::-1], rtol=1e-5)
+
+
+def test_of_many_sets_of_options_only_some_are_remembered(speaker, fused_tokens, monkeypatch):
+    monkeypatch.setattr(generation, "MOST_TREES", 2)
+    one = speaker.score(fused_tokens[0], QUESTIONS[0], OPTIONS)
+    for option in OPTIONS:
+        speaker.score(fused_tokens[0], QUESTIONS[0], [option])
+    assert len(speaker._trees) <= 2
+    np.testing.assert_array_equal(one, speaker.score(fused_tokens[0], QUESTIONS[0], OPTIONS))
+
+
+def test_saved_and_loaded_it_says_and_scores_the_same(speaker, fused_tokens, tmp_path):
+    speaker.save(tmp_path)
+    loaded = Speaker.load(tmp_path)
+    assert loaded.generate(fused_tokens[:3], QUESTIONS) == speaker.generate(
+        fused_tokens[:3], QUESTIONS
+    )
+    one, two = (s.score(fused_tokens[0], QUESTIONS[0], OPTIONS) for s in (speaker, loaded))
+    np.testing.assert_array_equal(one, two)
+
+
+def test_a_processor_of_another_model_is_refused_in_one_sentence(speaker, tmp_path):
+    speaker.save(tmp_path)
+    path = tmp_path / "processor_config.json"
+    stored = json.loads(path.read_text())
+    path.write_text(json.dumps(stored | {"num_tactile_tokens": -1}))
+    with pytest.raises(IncompatibleBundle, match="-1 tactile placeholders, the model reads"):
+        Speaker.load(tmp_path)
+
+
+def test_answering_needs_no_transformers(speaker, tmp_path):
+    speaker.save(tmp_path)
+    script = (
+        "import sys, torch; from geotlm_lm.language.generation import Speaker; "
+        f"s = Speaker.load({str(tmp_path)!r}); s.generate(torch.zeros(1, 24), ['which way?']); "
+        "sys.exit('transformers' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", script]).returncode == 0
+
+
+def test_a_token_that_is_not_finite_is_refused(speaker):
+    with pytest.raises(ValueError, match="not finite"):
+        speaker.generate(torch.full((1, 24), float("nan")), ["which way?"])
+
+
+def test_a_token_of_another_width_is_refused(speaker):
+    with pytest.raises(ValueError, match=r"shape \(1, 23\), expected \(1, 24\)"):
+        speaker.generate(torch.zeros(1, 23), ["which way?"])
+
+
+def test_another_format_names_both_numbers(speaker, tmp_path):
+    speaker.save(tmp_path)
+    config = json.loads((tmp_path / "config.json").read_text()) | {"format": 99}
+    (tmp_path / "config.json").write_text(json.dumps(config))
+    with pytest.raises(IncompatibleBundle) as caught:
+        Speaker.load(tmp_path)
+    assert str(caught.value) == (
+        f"{tmp_path}: was written in language-model format 99, this version reads 1; install the "
+        f"matching version or download the model again."
+    )
+
+
+def in_config(**changes):
+    """Return what changes the sizes of the language model in a config.json."""
+
+    def change(stored):
+        config = json.loads(stored)
+        config["text_config"] |= changes
+        return json.dumps(config)
+
+    return change
+
+
+DAMAGE = {
+    "a list for a config": ("config.json", lambda _: "[]", "written in language-model format None"),
+    "no heads": ("config.json", in_config(num_attention_heads=0), "makes no 0 heads"),
+    "heads that do not fit": ("config.json", in_config(num_attention_heads=3), "makes no 3 heads"),
+    "a text for a width": ("config.json", in_config(hidden_size="32"), "do not belong together"),
+    "no sizes": ("config.json", lambda _: '{"format": 1, "text_config": []}', "do not belong"),
+    "no JSON": ("tokenizer.json", lambda _: "not json", "is missing or broken"),
+    "no tokenizer": ("tokenizer.json", lambda _: "{}", "is missing or broken"),
+    "a list of settings": ("processor_config.json", lambda _: "[]", "is missing or broken"),
+    "a broken template": ("chat_template.jinja", lambda _: "{% if %}", "is missing or broken"),
+    "a failing template": ("chat_template.jinja", lambda _: "{{ 1 / 0 }}", "division by zero"),
+    "no clip": ("chat_template.jinja", lambda _: "which way?", "does not lay out one <tactile>"),
+}
+
+
+@pytest.mark.parametrize("case", DAMAGE)
+def test_a_damaged_folder_is_refused_in_one_sentence(speaker, tmp_path, case):
+    name, damage, said = DAMAGE[case]
+    speaker.save(tmp_path)
+    (tmp_path / name).write_text(damage((tmp_path / name).read_text()))
+    with pytest.raises(IncompatibleBundle) as caught:
+        Speaker.load(tmp_path)
+    assert str(caught.value).startswith(f"{tmp_path}: ")
+    assert said in str(caught.value)
+    assert "download the model again" in str(caught.value)
+
+
+def test_an_error_without_words_is_told_by_its_name(speaker, tmp_path, monkeypatch):
+    def fail(path):
+        raise RuntimeError
+
+    speaker.save(tmp_path)
+    monkeypatch.setattr(weights, "load_file", fail)
+    with pytest.raises(IncompatibleBundle, match=r"\(RuntimeError\); save or download"):
+        Speaker.load(tmp_path)
+
+
+def test_a_missing_folder_says_what_to_do(tmp_path):
+    with pytest.raises(IncompatibleBundle, match="save or download the model again"):
+        Speaker.load(tmp_path / "absent")
+
+
+def test_a_listener_hears_the_words_grow_into_the_answer(speaker):
+    token, heard = torch.zeros(1, speaker.model.fused_width), []
+    (said,) = speaker.generate(token, ["which way?"], heard.append)
+    assert heard[-1] == said
+    assert 1 < len(heard) <= MAX_ANSWER_TOKENS
+    assert [len(text) for text in heard] == sorted(len(text) for text in heard)
+
+
+def test_several_questions_cannot_be_listened_to(speaker):
+    tokens = torch.zeros(2, speaker.model.fused_width)
+    with pytest.raises(ValueError, match="one question can be listened to, not 2"):
+        speaker.generate(tokens, ["which way?", "how?"], print)

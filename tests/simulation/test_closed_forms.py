@@ -1,0 +1,272 @@
+"""The contact solver against every closed form it has: errors at each size, and their order.
+
+Orders come from theory: 2 for forces of a pressure that ends smoothly, 1 for fields and for what is
+singular at an edge, the next term of S_zz for thin layers. The largest errors are a quarter above
+those measured; a rim is a staircase of cells, and counts as right within half of one.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache, partial
+
+import numpy as np
+import pytest
+import torch
+from scipy.integrate import quad
+
+from tests.simulation import contact_theory as theory
+from tests.simulation.contact_problems import (
+    BOX,
+    CONTACT,
+    MU,
+    Solved,
+    ball,
+    disc,
+    lopsided,
+    marched,
+    pad,
+    slide,
+    thin_layer,
+    turn,
+)
+
+NU = 0.3  # Poisson's ratio, where the answer holds for any
+STICK = 0.6  # radius that still sticks, in parts of the contact's: slip has come half way in
+SHARE = 1 - STICK**3  # drag in parts of the friction at which a slid ball sticks inside that
+THERE, BACK = 0.6, 0.5  # drag in parts of the friction that a ball is slid with and loses again
+FRICTION = MU * theory.hertz_force(0.0)
+CELLS = (16, 32, 64)  # per side, where nothing else is said
+# Contact radii per thickness of a thin layer: the formulas are for a >> h, and keep the first term
+# of S_zz, whose next is (k h)^2 smaller.
+RADII = (16, 32, 64)
+HALF_A_CELL = tuple(BOX / cells / 2 for cells in CELLS)
+EDGE = (0.04, 0.019, 9.4e-3)  # largest errors of forces on a disc, whose edge is singular
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Solution -> signed relative error; the largest allowed at each size; the order expected.
+
+    `at_least` where the staircase of the rim rules coarse grids: its part falls with order 2.5.
+    """
+
+    error_of: Callable[[Solved], float]
+    largest: tuple[float, ...]
+    order: float | None = None
+    at_least: bool = False
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Size -> numerical solution, and what is held against a closed form."""
+
+    solve: Callable[[int], Solved]
+    quantities: dict[str, Quantity]
+    sizes: tuple[int, ...] = CELLS
+
+
+def of(name, exact, *largest, order=2, at_least=False):
+    """Hold one number of a solution against a closed form, or one that depends on the solution."""
+
+    def error(solved):
+        expected = exact(solved) if callable(exact) else exact
+        return getattr(solved, name) / expected - 1
+
+    return {name: Quantity(error, largest, order, at_least)}
+
+
+def radius(name, exact):
+    return of(name, exact, *(half / exact for half in HALF_A_CELL), order=None)
+
+
+def off(found, exact):
+    return float((found - exact).norm() / exact.norm())
+
+
+def traction_error(share, solved):
+    along = theory.mindlin_traction(solved.distance_mm, share, 0.0)
+    return off(solved.end.traction[0], torch.stack([along, torch.zeros_like(along)]))
+
+
+def slid_ball(share, drag, traction):
+    return Problem(
+        lambda cells: ball(cells, slide(theory.mindlin_travel(share, 0.0)), nu=0.0),
+        of("drag", FRICTION * share, *drag, at_least=True)
+        | {"traction": Quantity(partial(traction_error, share), traction, 1)}
+        | radius("stick_radius", theory.mindlin_stick_radius(share)),
+    )
+
+
+def twisted_ball(nu):
+    exact = theory.lubkin_moment(STICK, nu)
+    return Problem(
+        lambda cells: ball(cells, turn(theory.lubkin_angle(STICK, nu)), nu=nu),
+        of("moment", exact, 0.032, 3.5e-3, 8.5e-4, at_least=True) | radius("stick_radius", STICK),
+    )
+
+
+def returning_ball(cells):
+    """Slide there and back; turned back, a new ring slips at twice the friction, inwards."""
+    there, back = theory.mindlin_travel(THERE, 0.0), 2 * theory.mindlin_travel(BACK / 2, 0.0)
+    return ball(cells, slide(there), slide(-back), nu=0.0)
+
+
+def pressure_error(solved):
+    return off(solved.end.pressure[0], theory.hertz_pressure(solved.distance_mm, NU))
+
+
+def path_error(solved):
+    """Hold a path against twice as many increments: no closed form knows this history."""
+    return off(solved.end.drift_mm, twisted_body(2 * (len(solved.steps) - 1)).end.drift_mm)
+
+
+PROBLEMS = {
+    "pressed ball, Hertz": Problem(
+        lambda cells: ball(cells, nu=NU),
+        of("force", theory.hertz_force(NU), 8.2e-3, 2e-3, 4.3e-4)
+        | {"pressure": Quantity(pressure_error, (0.052, 0.025, 0.011), 1)}
+        | radius("contact_radius", CONTACT),
+    ),
+    "flat punch, Boussinesq": Problem(
+        lambda cells: disc(cells, nu=NU),
+        of("force", lambda s: theory.punch_force(s.contact_radius, NU), *EDGE, order=1),
+    ),
+    "slid ball, c = 0.6 a": slid_ball(SHARE, (0.014, 1.5e-3, 3.5e-4), (0.072, 0.037, 0.019)),
+    "slid ball, Q = 0.3 mu P": slid_ball(0.3, (0.024, 2.2e-3, 6.2e-4), (0.22, 0.12, 0.048)),
+    "ball slid and back, Mindlin and Deresiewicz": Problem(
+        returning_ball,
+        of("drag", FRICTION * (THERE - BACK), 0.093, 0.02, 3e-3, at_least=True),
+    ),
+    "twisted ball, nu 0, Lubkin": twisted_ball(0.0),
+    "twisted ball, nu 0.49, Lubkin": twisted_ball(0.49),
+    "ball that slips all over": Problem(
+        lambda cells: ball(cells, turn(50 * theory.lubkin_angle(STICK, NU)), nu=NU),
+        of("moment", theory.sliding_moment(NU), 0.013, 2.8e-3, 4.2e-4, at_least=True),
+    ),
+    "stuck disc, turned, Reissner and Sagoci": Problem(
+        lambda cells: disc(cells, turn(0.01), nu=NU),
+        of(
+            "moment",
+            lambda s: theory.stuck_moment(s.contact_radius, 0.01),
+            0.11,
+            0.052,
+            0.024,
+            order=1,
+        ),
+    ),
+    "stuck disc, slid, Mindlin": Problem(
+        lambda cells: disc(cells, slide(0.01), nu=NU),
+        of("drag", lambda s: theory.stuck_drag(s.contact_radius, 0.01, NU), *EDGE, order=1),
+    ),
+    "thin layer, nu 0.3": Problem(
+        lambda radii: thin_layer(CONTACT / radii, theory.COMPRESSIBLE_DEPTH, nu=NU),
+        of(
+            "force",
+            lambda s: theory.compressible_layer_force(s.thickness_mm, NU),
+            1.2e-3,
+            3.3e-4,
+            8.2e-5,
+        ),
+        sizes=RADII,
+    ),
+    "thin layer, nu 0.5": Problem(
+        lambda radii: thin_layer(CONTACT / radii, theory.INCOMPRESSIBLE_DEPTH, nu=0.5),
+        of(
+            "force",
+            lambda s: theory.incompressible_layer_force(s.thickness_mm),
+            0.094,
+            0.025,
+            6.4e-3,
+        ),
+        sizes=RADII,
+    ),
+    "lopsided body twisted on a pad": Problem(
+        lambda increments: twisted_body(increments),
+        {"drift": Quantity(path_error, (1.3e-3, 7.7e-4, 4e-4), 1)},
+        sizes=(4, 8, 16),
+    ),
+}
+
+
+@cache
+def twisted_body(increments):
+    layer = pad()
+    return marched(layer, lopsided(layer), *[turn(0.16 / increments)] * increments)
+
+
+@cache
+def solutions(name):
+    return [PROBLEMS[name].solve(size) for size in PROBLEMS[name].sizes]
+
+
+def measured_order(sizes, errors):
+    return -float(np.polyfit(np.log(sizes), np.log(np.abs(errors)), 1)[0])
+
+
+QUANTITIES = [(name, one) for name, problem in PROBLEMS.items() for one in problem.quantities]
+
+
+@pytest.mark.parametrize(("name", "quantity"), QUANTITIES)
+def test_every_closed_form_is_met_at_each_size_and_at_its_order(name, quantity):
+    own = PROBLEMS[name].quantities[quantity]
+    errors = [own.error_of(solved) for solved in solutions(name)]
+    assert all(abs(one) <= most for one, most in zip(errors, own.largest, strict=True)), errors
+    if own.order is not None:
+        order = measured_order(PROBLEMS[name].sizes, errors)
+        assert order > own.order - (0.1 if own.at_least else 0.3)
+        assert order < own.order + (math.inf if own.at_least else 0.3)
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_no_residual_is_near_the_error_it_measures(name):
+    for solved in solutions(name):
+        residuals = solved.residuals()
+        assert residuals["tension"] == 0
+        assert residuals["penetration_um"] <= 1e-4
+        assert residuals["complementarity"] < 1e-7
+        assert residuals["gradient_share"] <= 1e-7
+        assert residuals["cone_excess"] < 1e-12
+        assert residuals["gained_work"] < 1e-7
+
+
+def test_a_solution_has_no_residuals_and_what_pulls_or_presses_on_air_has():
+    solved = ball(16)
+    assert max(solved.residuals().values()) < 1e-9
+
+    def residuals(more):
+        step = replace(solved.end, pressure=solved.end.pressure + more)
+        return replace(solved, steps=[step]).residuals()
+
+    assert residuals(-0.1)["tension"] > 0.01
+    assert residuals(0.1)["complementarity"] > 0.01
+
+
+def test_lubkins_moment_ends_at_the_sliding_moment():
+    # The integral of s^2 (K - E) from 0 to 1 is pi^2 / 64.
+    assert theory.lubkin_moment(0.01, 0.3) == pytest.approx(theory.sliding_moment(0.3), rel=1e-4)
+
+
+def over_the_disc(field):
+    """Integrate a field of the distance from the axis over the contact."""
+    of = lambda r: float(field(torch.tensor(r, dtype=torch.float64)))  # noqa: E731
+    return quad(lambda r: 2 * math.pi * r * of(r), 0, CONTACT, limit=200)[0]
+
+
+def test_hertz_pressure_adds_up_to_the_force():
+    total = over_the_disc(lambda r: theory.hertz_pressure(r, 0.3))
+    assert total == pytest.approx(theory.hertz_force(0.3), rel=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.784])
+def test_mindlins_traction_adds_up_to_its_share_of_the_friction(share):
+    total = over_the_disc(lambda r: theory.mindlin_traction(r, share, 0.0))
+    assert total == pytest.approx(share * FRICTION, rel=1e-6)
+
+
+def test_the_thin_film_pressure_adds_up_to_the_incompressible_layers_force():
+    # p = a^4 / (32 R) 3 G / h^3 (1 - r^2 / a^2)^2 solves the thin-film equation.
+    thickness, radius = 0.1, 4.0
+    peak = CONTACT**4 / (32 * radius) * 3 / thickness**3
+    total = over_the_disc(lambda r: peak * (1 - r**2 / CONTACT**2) ** 2)
+    assert total == pytest.approx(theory.incompressible_layer_force(thickness), rel=1e-9)

@@ -1,0 +1,192 @@
+"""Laws: what the losses must not look at, and that truth in a mirror is truth."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from geotlm_lm.backbone.mirror import Mirror, mirrored_field, mirrored_inputs
+from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, PATCH_INPUT_DIM
+from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionClass, MotionLabel
+from geotlm_lm.training import dense_targets
+from geotlm_lm.training.dense_targets import DenseHeads, DenseTruth, dense_loss
+
+
+def random_case():
+    generator = torch.Generator().manual_seed(0)
+
+    def random(*shape):
+        return torch.rand(*shape, generator=generator)
+
+    tokens = Tokens(random(3, 8), random(3, 2, 14, 14, 8))
+    truth = DenseTruth(
+        displacement=random(3, 2, 14, 14, 2) * 5,
+        contact=(random(3, 2, 14, 14) > 0.5).float(),
+        depth=random(3, 2, 14, 14),
+        counts_motion=torch.tensor([1.0, 1.0, 0.0]),
+        kind=torch.tensor([0, 1, dense_targets.UNSEEN]),
+        amount=torch.tensor([[8.0, math.nan], [math.nan, 0.5], [math.nan, math.nan]]),
+        magnification=torch.tensor([0.0, 0.3, 0.8]),
+    )
+    torch.manual_seed(0)
+    return tokens, DenseHeads(8), truth
+
+
+def test_displacement_outside_contact_does_not_count():
+    tokens, heads, truth = random_case()
+    elsewhere = truth.displacement + 100 * (1 - truth.contact[..., None])
+    changed = replace(truth, displacement=elsewhere)
+    torch.testing.assert_close(dense_loss(tokens, heads, truth), dense_loss(tokens, heads, changed))
+
+
+def test_motion_that_leaves_no_trace_does_not_count():
+    tokens, heads, truth = random_case()
+    displacement = truth.displacement.clone()
+    typical = displacement[2].square().sum(-1)
+    displacement[2] = displacement[2].flip(-1)  # the same size, another way
+    assert torch.allclose(displacement[2].square().sum(-1), typical)
+    changed = replace(truth, displacement=displacement)
+    torch.testing.assert_close(dense_loss(tokens, heads, truth), dense_loss(tokens, heads, changed))
+
+
+def test_the_global_target_carries_no_direction():
+    tokens, heads, truth = random_case()
+    summary = dense_targets._summary(truth)
+    turned = replace(truth, displacement=-truth.displacement)
+    assert torch.equal(summary, dense_targets._summary(turned))
+
+
+def test_the_kind_asked_of_the_global_token_is_the_same_for_every_direction():
+    for label in (MotionLabel(motion) for motion in Motion):
+        assert dense_targets._kind(label) == dense_targets._kind(label.mirrored())
+    asked = {motion: dense_targets._kind(MotionLabel(motion)) for motion in Motion}
+    assert len({asked[motion] for motion in ROTATIONS}) == 1
+    assert len({asked[motion] for motion in SLIDES}) == 1
+    assert len(set(asked.values())) == len(MotionClass)
+
+
+def test_the_kind_of_a_motion_that_leaves_no_trace_is_not_asked():
+    assert dense_targets._kind(MotionLabel(Motion.PRESS, is_readable=False)) == dense_targets.UNSEEN
+    tokens, heads, truth = random_case()
+    unseen = replace(truth, kind=torch.full_like(truth.kind, dense_targets.UNSEEN))
+    dense_loss(tokens, heads, unseen).backward()
+    assert heads.kind.weight.grad.abs().max() == 0
+    assert heads.summary.weight.grad.abs().max() > 0
+    dense_loss(tokens, heads, truth).backward()
+    assert heads.kind.weight.grad.abs().max() > 0
+
+
+def test_the_amount_asked_of_the_global_token_is_that_of_turns_and_slides_whatever_their_way():
+    turn = MotionLabel(Motion.COUNTERCLOCKWISE, rotation_deg=-8.0)
+    slide = MotionLabel(Motion.UP, slide_x_mm=0.3, slide_y_mm=-0.4)
+    turned, slid = (dense_targets._amounts(label) for label in (turn, slide))
+    assert (turned[0], math.isnan(turned[1])) == (8.0, True)
+    assert (math.isnan(slid[0]), slid[1]) == (True, pytest.approx(0.5))
+    for label in (turn, slide):
+        same = dense_targets._amounts(label.mirrored())
+        assert str(same) == str(dense_targets._amounts(label))
+    unasked = (
+        replace(turn, is_readable=False),
+        MotionLabel(Motion.PRESS),
+        MotionLabel(Motion.NONE),
+    )
+    assert all(math.isnan(one) for label in unasked for one in dense_targets._amounts(label))
+
+
+def test_amounts_told_right_cost_nothing_and_those_that_are_not_asked_never_do():
+    true = torch.tensor([[8.0, math.nan], [math.nan, 0.4]])
+    told = torch.tensor([[math.log(3.0), 5.0], [-5.0, math.log(2.0)]])
+    assert dense_targets.amount_loss(told, true).item() == pytest.approx(0, abs=1e-6)
+    assert dense_targets.amount_loss(told + 0.5, true).item() == pytest.approx(0.45)
+    nothing = torch.full_like(true, math.nan)
+    told.requires_grad_()
+    dense_targets.amount_loss(told, nothing).backward()
+    assert torch.equal(told.grad, torch.zeros_like(told))
+
+
+@pytest.mark.parametrize("is_chosen", [False, True])
+def test_inputs_and_truth_are_seen_in_the_same_mirrors(is_chosen):
+    class Draw:
+        def random(self, count):
+            return np.full(count, 0.0 if is_chosen else 1.0)
+
+    _, _, truth = random_case()
+    inputs = torch.randn(3, 2, 14, 14, PATCH_INPUT_DIM)
+    seen, told = dense_targets.mirrored_at_random(inputs, truth, Draw())
+    turned, moved = inputs, truth.displacement
+    for mirror in Mirror if is_chosen else ():
+        turned, moved = mirrored_inputs(turned, mirror), mirrored_field(moved, mirror)
+    sides = (2, 3) if is_chosen else ()
+    assert torch.equal(seen, turned)
+    assert torch.equal(told.displacement, moved)
+    assert torch.equal(told.contact, truth.contact.flip(sides))
+    assert torch.equal(told.depth, truth.depth.flip(sides))
+    for name in ("kind", "amount", "magnification", "counts_motion"):
+        assert getattr(told, name) is getattr(truth, name)
+
+
+def test_each_clip_is_mirrored_on_its_own():
+    _, _, truth = random_case()
+    inputs = torch.randn(64, 2, 14, 14, PATCH_INPUT_DIM)
+    truth = replace(
+        truth,
+        displacement=torch.zeros(64, 2, 14, 14, 2),
+        contact=torch.zeros(64, 2, 14, 14),
+        depth=torch.zeros(64, 2, 14, 14),
+    )
+    seen, _ = dense_targets.mirrored_at_random(inputs, truth, np.random.default_rng(0))
+    kept = (seen == inputs).flatten(1).all(dim=1)
+    assert 0.05 < kept.float().mean() < 0.5
+
+
+def test_amounts_that_cost_nothing_stand_for_the_true_ones():
+    true = torch.tensor([[0.0, 2.5], [25.0, math.nan], [3.0, 0.1]])
+    read_out = torch.log1p(true.nan_to_num() / torch.tensor(dense_targets.AMOUNT_SCALES))
+    assert dense_targets.amount_loss(read_out, true) == 0
+    torch.testing.assert_close(dense_targets.decoded_amounts(read_out), true.nan_to_num())
+
+
+def test_displacement_is_read_out_in_the_unit_in_which_the_stem_tells_flow():
+    tokens, heads, truth = random_case()
+    one_way = torch.tensor([1.0, -2.0])
+    truth = replace(truth, displacement=(one_way * FLOW_SCALE_PX).expand(3, 2, 14, 14, 2))
+    torch.nn.init.zeros_(heads.patch.weight)
+
+    def loss(factor):
+        with torch.no_grad():
+            heads.patch.bias[:2] = factor * one_way
+            return float(dense_loss(tokens, heads, truth))
+
+    assert loss(1.0) < min(loss(0.9), loss(1.1), loss(FLOW_SCALE_PX), loss(1 / FLOW_SCALE_PX))
+
+
+def test_inputs_motion_contact_and_depth_are_mirrored_together():
+    _, _, truth = random_case()
+    pattern = truth.depth
+    inputs = torch.zeros(3, 2, 14, 14, PATCH_INPUT_DIM)
+    inputs[..., MAGNIFICATION_AT] = pattern  # has no direction: it only goes to another place
+    field = torch.stack([pattern, 2 * pattern], dim=-1)
+    truth = replace(truth, displacement=field, contact=pattern)
+    rng, looks = np.random.default_rng(0), set()
+    for _ in range(8):
+        seen, mirrored = dense_targets.mirrored_at_random(inputs, truth, rng)
+        torch.testing.assert_close(mirrored.contact, mirrored.depth)
+        torch.testing.assert_close(seen[..., MAGNIFICATION_AT], mirrored.depth)
+        signs = mirrored.displacement / torch.stack([mirrored.depth, 2 * mirrored.depth], dim=-1)
+        for sign, one, own in zip(signs, mirrored.depth, pattern, strict=True):
+            x, y = (float(axis.mean()) for axis in sign.unbind(dim=-1))
+            torch.testing.assert_close(sign, torch.tensor([x, y]).expand_as(sign))
+            flipped = [axis for axis, way in ((2, x), (1, y)) if way < 0]
+            assert torch.equal(one, own.flip(flipped))
+            looks.add((round(x), round(y)))
+    assert looks == {(1, 1), (-1, 1), (1, -1), (-1, -1)}
+
+
+def test_the_global_token_is_asked_how_many_pixels_move_where_it_touches():
+    _, _, truth = random_case()
+    moved = torch.tensor([3.0, -4.0]).expand(3, 2, 14, 14, 2)
+    summary = dense_targets._summary(replace(truth, displacement=moved))
+    assert summary[:, -2] == pytest.approx(np.full(3, np.log1p(5.0)), rel=1e-3)
