@@ -16,13 +16,12 @@ from geotlm_lm.benchmarks.variants import FLOW, GENERATED, PROBE_FREE
 
 CLIPS_ABOUT = """\
 Every clip is asked which way it goes. *Words* are free: any sentence may come, out of ten motions,
-and one that does not parse, or is withheld, counts as wrong; *words or lean* also counts the motion
-that a withheld or other answer leans to. *Ten answers scored* is the likeliest of the ten answers,
-the *linear probe* reads the fused token. Rows *of the task* choose among the two turns or the four
-slides only, as optical flow does. Shares of right answers, with 95 % intervals that resample whole
-objects. Simulated objects were kept from training; real clips are public GelSight Mini recordings
-that nothing was trained on, each also played backwards; semi-real ones move real imprints along
-known paths. No two kinds are pooled."""
+and one that does not parse, or is withheld, counts as wrong. *Ten answers scored* is the likeliest
+of the ten answers, the *linear probe* reads the fused token. Rows *of the task* choose among the
+two turns or the four slides only, as optical flow does. Shares of right answers, with 95 %
+intervals that resample whole objects. Simulated objects were kept from training; real clips are
+public GelSight Mini recordings that nothing was trained on, each also played backwards; semi-real
+ones move real imprints along known paths. No two kinds are pooled."""
 
 
 def _difference(row: Row) -> str:
@@ -36,6 +35,29 @@ def _claimed(row: Row) -> str:
     claims = row.detail.get("claims_of")
     turned = "" if not claims or not claims[0] else f", {claims[1]} of {claims[0]} turn round"
     return f"{row.detail['false_directions']:.3f}{turned}"
+
+
+SHOWN_FIRST = {
+    "simulated rotation": "simulated turns",
+    "simulated sliding": "simulated slides",
+    "real physiclear, four frames": "real turns, four frames (physiclear)",
+    "real physiclear, pairs": "real turns, two frames (physiclear)",
+    "real incipient_slip rotation, four frames": "real turns, gel with markers (incipient_slip)",
+    "real incipient_slip sliding, four frames": "real slides, gel with markers (incipient_slip)",
+}
+"""Sets of clips on the first page -> what it calls them."""
+
+
+def clips_headline(rows: Sequence[Row]) -> str:
+    """Return six sets of clips by words, probe and flow, each with its interval."""
+    found = {(row.case, row.variant): row for row in rows}
+    lines = []
+    for case, title in SHOWN_FIRST.items():
+        own = [found.get((case, name)) for name in (GENERATED, PROBE_FREE, FLOW)]
+        if None not in own:
+            lines.append([title, str(own[0].count), *map(right_with_interval, own)])
+    header = ["clips", "n", "the model's words", "linear probe", "optical flow (fewer choices)"]
+    return markdown(header, lines)
 
 
 CLIPS_SECTION = Section(
@@ -68,6 +90,7 @@ CLIPS_SECTION = Section(
             every,
         ),
     },
+    headline=clips_headline,
 )
 
 ACCURACY = Bench(
@@ -89,26 +112,3 @@ EVALUATION = Bench(
 def lowest_accuracy(rows: Sequence[Row]) -> float:
     """Return the lowest share of right answers of the model's words over all sets of clips."""
     return min(row.right for row in rows if row.variant == GENERATED)
-
-
-SHOWN_FIRST = {
-    "simulated rotation": "simulated turns",
-    "simulated sliding": "simulated slides",
-    "real physiclear, four frames": "real turns, four frames (physiclear)",
-    "real physiclear, pairs": "real turns, two frames (physiclear)",
-    "real incipient_slip rotation, four frames": "real turns, gel with markers (incipient_slip)",
-    "real incipient_slip sliding, four frames": "real slides, gel with markers (incipient_slip)",
-}
-"""Sets of clips on the first page -> what it calls them."""
-
-
-def clips_headline(rows: Sequence[Row]) -> str:
-    """Return six sets of clips by words, probe and flow, each with its interval."""
-    found = {(row.case, row.variant): row for row in rows}
-    lines = []
-    for case, title in SHOWN_FIRST.items():
-        own = [found.get((case, name)) for name in (GENERATED, PROBE_FREE, FLOW)]
-        if None not in own:
-            lines.append([title, str(own[0].count), *map(right_with_interval, own)])
-    header = ["clips", "n", "the model's words", "linear probe", "optical flow (fewer choices)"]
-    return markdown(header, lines)

@@ -24,11 +24,12 @@ from geotlm_lm.benchmarks.cases.data_sets import (
     tracked_pairs,
 )
 from geotlm_lm.benchmarks.cases.recordings import (
-    QuarterTurned,
+    FourFrames,
     RealCases,
-    StartingInContact,
     by_task,
+    held_across,
     real_cases,
+    without_idle_frame,
 )
 from geotlm_lm.benchmarks.cases.semi_real import SemiRealHeld, SemiRealSlides, UntouchedCases
 from geotlm_lm.benchmarks.cases.simulated import TASKS, UNREADABLE, SimulatedCases
@@ -41,7 +42,7 @@ from geotlm_lm.benchmarks.judging import (
     rows_of_replies,
 )
 from geotlm_lm.benchmarks.rows import Row, Run
-from geotlm_lm.benchmarks.variants import CONTRASTS, GENERATED, all_variants, in_question
+from geotlm_lm.benchmarks.variants import CONTRASTS, GENERATED, all_variants
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.data.manifest import Manifest
@@ -76,7 +77,7 @@ class Judge:
         def tell(done: int) -> None:
             self.run.progress(title, done, max(done, total))
 
-        return ask_all(in_question(self.variants, among), cases, among, tell)
+        return ask_all(self.variants, cases, among, tell)
 
     def rows(
         self, title: str, replies: Replies, facts: Mapping[str, Any] | None = None
@@ -136,8 +137,8 @@ def _recordings(judge: Judge, name: str, real: RealCases) -> Iterator[Row]:
     for part, cases in by_task(real).items():
         yield from _windows(judge, name + part, cases)
         for aside, shown in (
-            ("no idle frame", StartingInContact(cases.recordings)),
-            ("turned by a quarter", QuarterTurned(cases.recordings)),
+            ("no idle frame", FourFrames(cases.recordings, without_idle_frame)),
+            ("turned by a quarter", FourFrames(cases.recordings, held_across)),
         ):
             title = f"real {name}{part}, {aside}"
             yield from judge.rows(title, judge.replies(title, shown, cases.among, len(shown)))

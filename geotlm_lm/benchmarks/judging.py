@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -169,10 +169,9 @@ def _detail(
 ) -> dict[str, Any]:
     right = replies.right(name)
     truths = [case.motion for case in replies.cases]
+    by_object = mean_by_group(right, [case.object_id for case in replies.cases])
     detail: dict[str, Any] = {
-        "macro_by_object": float(
-            np.mean(list(mean_by_group(right, [case.object_id for case in replies.cases]).values()))
-        ),
+        "macro_by_object": float(np.mean(list(by_object.values()))),
         "recall": {str(motion): share for motion, share in mean_by_group(right, truths).items()},
         "unanswered": sum(motion is None for motion in replies.motions(name)),
     }
@@ -184,9 +183,7 @@ def _detail(
     if undirected:
         detail["false_directions"] = sum(one in DIRECTED for one in undirected) / len(undirected)
     less = {
-        second: asdict(
-            paired_difference(right, replies.right(second), _families(replies), seed=seed)
-        )
+        second: paired_difference(right, replies.right(second), _families(replies), seed=seed)
         for first, second in contrasts
         if first == name and second in replies.replies
     }

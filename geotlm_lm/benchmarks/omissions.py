@@ -15,7 +15,7 @@ from geotlm_lm.answering import Encoded
 from geotlm_lm.benchmarks.pareto_answers import runtime_clips
 from geotlm_lm.benchmarks.pareto_processes import QUESTION, Way, in_turn
 from geotlm_lm.benchmarks.pareto_simulator import differences, moving, solved
-from geotlm_lm.benchmarks.rendering import number, table
+from geotlm_lm.benchmarks.rendering import number
 from geotlm_lm.benchmarks.rows import Bench, Listing, Row, Run, Section, every
 from geotlm_lm.benchmarks.statistics import milliseconds
 from geotlm_lm.simulation.presets import PRESETS, Preset
@@ -136,6 +136,3 @@ leaving it out against doing it; none where the two do not tell the same.""",
         ),
     ),
 )
-
-HEADLINES = {"omissions.saved": partial(table, VIEW)}
-"""What the README and the documentation may show, by bench and section."""

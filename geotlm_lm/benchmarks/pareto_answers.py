@@ -32,13 +32,12 @@ from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.grouping import mean_by_group
-from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
+from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.data.questions import questions_for
 from geotlm_lm.language.decoder import LanguageSize
 from geotlm_lm.language.generation import Speaker
 from geotlm_lm.precision import if_runnable
-from geotlm_lm.probe.curl import CurlRegression
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.simulation.series import simulate_series
@@ -52,7 +51,6 @@ FLOWS = {
     "optical flow, fast": RigidFlow(),
     "optical flow, medium": RigidFlow(preset=cv2.DISOPTICAL_FLOW_PRESET_MEDIUM),
 }
-CURL = "Curl + LR"
 WORDS = "words"
 
 FOUR, PAIRS = "four frames", "pairs"
@@ -69,10 +67,7 @@ CaseSet = tuple[str, tuple[Motion, ...], list[Case]]
 
 def method_rows(run: Run) -> Iterator[Row]:
     """Yield one row per set of clips and method."""
-    fitted = simulated("rotation", run.size(400, 6), seed_for(run.seed, "curl"), TRAINING_OBJECTS)
-    curl = CurlRegression.fit([one.clip for one in fitted], [one.motion for one in fitted])
     asked = {name: timed(flow.predict) for name, flow in FLOWS.items()}
-    asked[CURL] = timed(lambda clip, among: curl.predict(clip))
     for precision in run.size(PRECISIONS, (PRECISIONS[0], PRECISIONS[2])):
         bundle = if_runnable(run.answerer.bundle, precision)
         if bundle is not None:  # this machine can run it
@@ -86,10 +81,9 @@ def method_rows(run: Run) -> Iterator[Row]:
 def rows_in_turn(
     asked: Mapping[str, Variant], shown: CaseSet, repeats: int, seed: int
 ) -> list[Row]:
-    """Put every case to every method in turn, `repeats` rounds; Curl + LR is asked about turns."""
+    """Put every case to every method in turn, `repeats` rounds."""
     title, among, cases = shown
-    able = {x: asked[x] for x in asked if x != CURL or set(among) <= set(ROTATIONS)}
-    runs = in_turn({title: partial(ask_all, able, cases, among)}, repeats)[title]
+    runs = in_turn({title: partial(ask_all, asked, cases, among)}, repeats)[title]
     rows = []
     for row in rows_of_replies(title, runs[0][0], seed=seed):
         ms = [one.milliseconds for said, _ in runs for one in said.replies[row.variant]]
@@ -118,11 +112,10 @@ def model_variants(answerer: Answerer, suffix: str) -> dict[str, Variant]:
     return {name + suffix: after_perceiving(perceive, read) for name, read in reads.items()}
 
 
-def simulated(
-    task: str, count: int, seed: int, objects: Sequence[str] = EVERYDAY_OBJECTS
-) -> list[Case]:
-    """Return `count` readable clips of a task, of objects kept from training by default."""
-    series = simulate_series(seed, MOST_TRIES * count, objects=objects, motions=TASKS[task])
+def simulated(task: str, count: int, seed: int) -> list[Case]:
+    """Return `count` readable clips of a task, of objects kept from training."""
+    tries, motions = MOST_TRIES * count, TASKS[task]
+    series = simulate_series(seed, tries, objects=EVERYDAY_OBJECTS, motions=motions)
     readable = islice((one for one in series if one.label.is_readable), count)
     names = ((one, one.object_name) for one in readable)
     return [Case(one.clip, one.label.motion, name, name, {}) for one, name in names]

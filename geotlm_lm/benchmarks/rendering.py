@@ -23,9 +23,6 @@ from geotlm_lm.core.record import RunRecord
 RECORDS = "records"
 """Folder of records inside the folder of results."""
 
-Headline = Callable[[Sequence[Row]], str]
-"""Rows of a section -> what the README shows of them."""
-
 Draw = Callable[[Sequence[Row], Path], None]
 """Draws rows into a file."""
 
@@ -44,7 +41,9 @@ def page(bench: Bench, record: RunRecord) -> str:
     for section in bench.sections:
         rows = rows_of(record, section.name)
         if rows:
-            parts += [f"## {section.title}", section.about, *tables(section, rows)]
+            parts += [f"## {section.title}", section.about]
+            parts += [section.headline(rows)] if section.headline else []
+            parts += tables(section, rows)
             parts += [_figure_link(bench, section)] if section.figure else []
             parts.append(provenance(record, section.name))
     return "\n\n".join(parts) + "\n"
@@ -126,30 +125,26 @@ def digest(rows: Sequence[Row]) -> str:
     return hashlib.sha256(told.encode()).hexdigest()[:16]
 
 
-def render_results(
-    benches: Sequence[Bench], headlines: Mapping[str, Headline], folder: Path, readme: Path
-) -> list[Path]:
+def render_results(benches: Sequence[Bench], folder: Path, readme: Path) -> list[Path]:
     """Write the pages and the README's blocks from the records; return the files that changed.
 
     Raises:
         StaleResults: If a block is unknown or not closed, or its record is missing.
     """
-    wanted = _wanted(benches, headlines, folder, readme)
+    wanted = _wanted(benches, folder, readme)
     changed = [path for path, text in wanted.items() if _read(path) != text]
     for path in changed:
         write_text_atomically(path, wanted[path])
     return changed
 
 
-def check_results(
-    benches: Sequence[Bench], headlines: Mapping[str, Headline], folder: Path, readme: Path
-) -> None:
+def check_results(benches: Sequence[Bench], folder: Path, readme: Path) -> None:
     """Compare pages, pictures and the README's blocks with the records.
 
     Raises:
         StaleResults: If one says something else than its record.
     """
-    for path, text in _wanted(benches, headlines, folder, readme).items():
+    for path, text in _wanted(benches, folder, readme).items():
         if _read(path) != text:
             raise StaleResults(
                 f"{path}: its numbers differ from the records in {folder / RECORDS}; run "
@@ -179,9 +174,7 @@ def _figures(benches: Sequence[Bench], folder: Path) -> Iterator[tuple[Draw, lis
                 yield section.figure, rows, figure_path(folder, bench, section)
 
 
-def _wanted(
-    benches: Sequence[Bench], headlines: Mapping[str, Headline], folder: Path, readme: Path
-) -> dict[Path, str]:
+def _wanted(benches: Sequence[Bench], folder: Path, readme: Path) -> dict[Path, str]:
     records = {bench.name: _record(folder, bench.name) for bench in benches}
     wanted = {
         folder / f"{bench.name}.md": page(bench, record)
@@ -191,13 +184,19 @@ def _wanted(
     text = _read(readme)
     if text is None:
         raise StaleResults(f"{readme}: cannot be read; run from the checkout or give --readme.")
-    return wanted | {readme: _fill_blocks(text, records, headlines)}
+    return wanted | {readme: _fill_blocks(text, records, benches)}
 
 
 def _fill_blocks(
-    text: str, records: Mapping[str, RunRecord | None], headlines: Mapping[str, Headline]
+    text: str, records: Mapping[str, RunRecord | None], benches: Sequence[Bench]
 ) -> str:
     parts, position = [], 0
+    headlines = {
+        f"{bench.name}.{section.name}": section.headline
+        for bench in benches
+        for section in bench.sections
+        if section.headline is not None
+    }
     for begin in _BEGIN.finditer(text):
         name, closing = begin[1], f"<!-- end: {begin[1]} -->"
         end = text.find(closing, begin.end())

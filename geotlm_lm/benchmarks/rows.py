@@ -164,6 +164,7 @@ class Section:
         run: Gives the rows.
         views: How they are shown, one table each; title -> (view, which rows it shows).
         figure: Draws the rows into a file, where a picture shows more than a table.
+        headline: Tells the rows in a few lines of Markdown, for the page and the README.
         needs_real: Whether it is left out without recordings.
     """
 
@@ -173,6 +174,7 @@ class Section:
     run: Callable[[Run], Iterable[Row]]
     views: Mapping[str, tuple[Listing | Pivot, Callable[[Row], bool]]]
     figure: Callable[[Sequence[Row], Path], None] | None = None
+    headline: Callable[[Sequence[Row]], str] | None = None
     needs_real: bool = False
 
 

@@ -94,11 +94,10 @@ def _finished_or_run(bench: Bench, section: Section, run: Run) -> dict[str, Any]
 def _place(bench: Bench, section: Section, run: Run) -> Path | None:
     """Return where a finished section is kept; None where the code is not that of a commit."""
     at = commit()
-    if not at or at.endswith("+") or run.is_quick or run.answerer_given is not None:
+    plain = Run(seed=run.seed, real=run.real, folder=run.folder, progress=run.progress)
+    if not at or at.endswith("+") or run != plain:
         return None
     asked = f"{at}-{run.seed}-{'real' if run.real else 'simulated'}"
-    if run.model is not None or run.data or run.encoder is not None or run.clips is not None:
-        return None
     return run.folder / f"{bench.name}-{asked}" / f"{section.name}.json"
 
 

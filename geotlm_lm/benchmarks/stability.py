@@ -7,7 +7,7 @@ from pathlib import Path
 
 from geotlm_lm.benchmarks.cases.stiff import RESIDUALS
 from geotlm_lm.benchmarks.numerics import numerics_rows
-from geotlm_lm.benchmarks.rendering import Headline, number, save_figure
+from geotlm_lm.benchmarks.rendering import number, save_figure
 from geotlm_lm.benchmarks.rows import Bench, Listing, Pivot, Row, Section, every
 from geotlm_lm.benchmarks.stability_files import ENDS, READ, file_rows
 from geotlm_lm.benchmarks.stability_rows import (
@@ -46,12 +46,6 @@ def _named(rows: Sequence[Row], count: str) -> str:
     names = [f"{row.case}, {row.variant} {row.detail[count]}/{row.count}" for row in found]
     return ", ".join(names[:12]) or "none"
 
-
-HEADLINES: dict[str, Headline] = {
-    **{f"stability.{name}": failures_headline for name in ("damage", "extreme", "scenes")},
-    "stability.files": files_headline,
-}
-"""Blocks of the README -> what they show."""
 
 OUTCOMES_ABOUT = """\
 Every clip is asked which way it moves, and a row counts what became of that. *False directions*
@@ -156,10 +150,34 @@ STABILITY = Bench(
     "Stability",
     "What becomes of damaged, extreme and stiff inputs, and how firm the numbers are.",
     (
-        Section("damage", "Damaged clips", DAMAGE_ABOUT, damage_rows, _ASKED, draw_damage),
-        Section("extreme", "Extreme recordings", EXTREME_ABOUT, extreme_rows, _ASKED),
-        Section("scenes", "Stiff and extreme scenes", SCENES_ABOUT, scene_rows, _SCENE_VIEWS),
+        Section(
+            "damage",
+            "Damaged clips",
+            DAMAGE_ABOUT,
+            damage_rows,
+            _ASKED,
+            draw_damage,
+            failures_headline,
+        ),
+        Section(
+            "extreme",
+            "Extreme recordings",
+            EXTREME_ABOUT,
+            extreme_rows,
+            _ASKED,
+            None,
+            failures_headline,
+        ),
+        Section(
+            "scenes",
+            "Stiff and extreme scenes",
+            SCENES_ABOUT,
+            scene_rows,
+            _SCENE_VIEWS,
+            None,
+            failures_headline,
+        ),
         Section("numerics", "Numerics", NUMERICS_ABOUT, numerics_rows, _NUMERICS_VIEWS),
-        Section("files", "Damaged files", FILES_ABOUT, file_rows, _FILE_VIEW),
+        Section("files", "Damaged files", FILES_ABOUT, file_rows, _FILE_VIEW, None, files_headline),
     ),
 )

@@ -6,7 +6,6 @@ Objects are resampled as wholes; a prediction of None (no usable answer) is wron
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,15 +19,6 @@ DRAWS = 4000
 
 NORMAL_95 = 1.959963984540054
 """97.5 % quantile of the normal distribution."""
-
-
-@dataclass(frozen=True)
-class Difference:
-    """Accuracy of one method less that of another on the same clips, with its 95 % interval."""
-
-    difference: float
-    low: float
-    high: float
 
 
 def clustered_interval(
@@ -85,8 +75,8 @@ def wilson_interval(share: float, count: int) -> tuple[float, float]:
 
 def paired_difference(
     first: NDArray[Any], second: NDArray[Any], objects: Labels, *, seed: int = 0
-) -> Difference:
-    """Compare two methods clip by clip, objects kept whole.
+) -> dict[str, float]:
+    """Return the difference of two accuracies with its 95 % interval, objects kept whole.
 
     Args:
         first: Whether the first method was right, one per clip.
@@ -101,17 +91,14 @@ def paired_difference(
         raise ValueError(f"lengths differ: {len(first)}, {len(second)}, {len(objects)}")
     gain = np.asarray(first, dtype=float) - np.asarray(second, dtype=float)
     if len(set(objects)) == 1:  # one object tells nothing of others
-        return Difference(float(gain.mean()), -1.0, 1.0)
+        return {"difference": float(gain.mean()), "low": -1.0, "high": 1.0}
     low, high = np.quantile(_resampled_means(gain, objects, seed), [0.025, 0.975])
-    return Difference(float(gain.mean()), float(low), float(high))
+    return {"difference": float(gain.mean()), "low": float(low), "high": float(high)}
 
 
 def milliseconds(values: Sequence[float]) -> dict[str, float]:
     """Return the median and the 95th percentile, by the names of a row's fields."""
-    return {
-        "ms_p50": float(np.median(values)),
-        "ms_p95": float(np.quantile(values, 0.95)),
-    }
+    return {"ms_p50": float(np.median(values)), "ms_p95": float(np.quantile(values, 0.95))}
 
 
 def _resampled_means(values: NDArray[Any], objects: Labels, seed: int) -> NDArray[np.float64]:

@@ -6,13 +6,13 @@ Binds the loaded model's parts to the form `judging` asks for; holds no numbers 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from geotlm_lm.benchmarks.judging import Reply, Variant, timed
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
+from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.data.questions import WORDINGS, questions_for
 from geotlm_lm.probe.rigid_flow import RigidFlow
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from geotlm_lm.answering import Answer, Answerer, Encoded
 
 GENERATED = "words"
-GENERATED_LEAN = "words or lean"
 GENERATED_UNSEEN = "words, unseen wordings"
 SCORED = "ten answers scored, of the task"
 SCORED_FREE = "ten answers scored"
@@ -42,12 +41,6 @@ CONTRASTS = (
 """Pairs whose difference every table reports."""
 
 ALL_MOTIONS = tuple(Motion)
-
-PRESUMING = {
-    frozenset(ROTATIONS): "Which way is it turning?",
-    frozenset(SLIDES): "Which way is it sliding?",
-}
-"""Motions in question -> how someone asks who takes it for granted that one of them happens."""
 
 Read = Callable[["Encoded", tuple[Motion, ...]], Motion | None]
 """Takes a perceived clip and the motions in question."""
@@ -88,10 +81,6 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
         questions = direction_questions(seed, wordings)
         return lambda encoded, among: motion_told(answerer.ask(encoded, questions()))
 
-    def words_or_lean(encoded: Encoded, among: tuple[Motion, ...]) -> Motion | None:
-        answer = answerer.ask(encoded, PRESUMING[frozenset(among)])
-        return answer.direction if answer.lean is None else answer.lean.direction
-
     def scored() -> Read:
         questions = direction_questions(seed, "seen")
         return lambda encoded, among: most_probable(answerer.score(encoded, questions()), among)
@@ -108,7 +97,6 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
     return {
         GENERATED: after_perceiving(perceive, words("seen")),
         GENERATED_UNSEEN: after_perceiving(perceive, words("held_out")),
-        GENERATED_LEAN: after_perceiving(perceive, words_or_lean),
         SCORED: after_perceiving(perceive, scored()),
         SCORED_FREE: after_perceiving(perceive, among_all(scored())),
         PROBE: after_perceiving(perceive, probe),
@@ -116,12 +104,6 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
         GLOBAL_PROBE: after_perceiving(perceive, global_probe),
         FLOW: timed(flow_on_the_guessed_gel),
     }
-
-
-def in_question(variants: Mapping[str, Variant], among: Sequence[Motion]) -> dict[str, Variant]:
-    """Return the rows that say something of a task: none leans where nothing is presumed."""
-    leaves = () if frozenset(among) in PRESUMING else (GENERATED_LEAN,)
-    return {name: one for name, one in variants.items() if name not in leaves}
 
 
 def flow_on_the_guessed_gel(clip: Clip, among: tuple[Motion, ...]) -> Motion:

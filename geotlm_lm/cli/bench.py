@@ -127,16 +127,16 @@ def render(
 ) -> None:
     """Write pages and the README's numbers from the recorded runs."""
     from geotlm_lm.benchmarks import rendering
-    from geotlm_lm.benchmarks.benches import BENCHES, HEADLINES
+    from geotlm_lm.benchmarks.benches import BENCHES
 
     benches = list(BENCHES.values())
     if check:
-        rendering.check_results(benches, HEADLINES, results, readme)
+        rendering.check_results(benches, results, readme)
         typer.echo("Pages, pictures and README agree with the records.")
         return
     if figures:
         rendering.redraw_figures(benches, results)
-    changed = rendering.render_results(benches, HEADLINES, results, readme)
+    changed = rendering.render_results(benches, results, readme)
     typer.echo(f"{len(changed)} files changed.")
 
 

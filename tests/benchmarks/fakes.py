@@ -19,13 +19,9 @@ def level_motion(clip):
 
 @dataclass
 class FakeAnswerer:
-    """Perceives the number in the last pixel; says it, but has no words for `mute`.
-
-    Whatever it says, it leans to `lean` if there is one.
-    """
+    """Perceives the number in the last pixel; says it, but has no words for `mute`."""
 
     mute: Motion | None = None
-    lean: Motion | None = None
     encoded_count: int = 0
     questions: list[str] = field(default_factory=list)
     scored: list[str] = field(default_factory=list)
@@ -53,8 +49,7 @@ class FakeAnswerer:
     def ask(self, encoded, question):
         self.questions.append(question)
         direction = None if encoded.seen == self.mute else encoded.seen
-        lean = None if self.lean is None else SimpleNamespace(direction=self.lean)
-        return SimpleNamespace(direction=direction, frame=FrameSpec(), lean=lean)
+        return SimpleNamespace(direction=direction, frame=FrameSpec())
 
     def score(self, encoded, question, kind="direction"):
         self.scored.append(question)

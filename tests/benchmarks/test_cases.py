@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from geotlm_lm.benchmarks.cases.recordings import (
-    QuarterTurned,
-    StartingInContact,
+    FourFrames,
     by_task,
+    held_across,
     real_cases,
+    without_idle_frame,
 )
 from geotlm_lm.benchmarks.cases.simulated import UNREADABLE, SimulatedCases
 from geotlm_lm.core.clip import Clip
@@ -119,7 +120,7 @@ def test_a_table_without_rows_is_told_as_such(tmp_path):
 
 def test_a_clip_that_starts_in_contact_shows_no_idle_gel(tmp_path):
     (cases,) = real_cases(labelled_folder(tmp_path / "mine", "left")).values()
-    found = StartingInContact(cases.recordings)
+    found = FourFrames(cases.recordings, without_idle_frame)
     shown = list(found)
     assert len(found) == len(shown) == 2
     assert [case.motion for case in shown] == [Motion.LEFT, Motion.RIGHT]
@@ -129,7 +130,7 @@ def test_a_clip_that_starts_in_contact_shows_no_idle_gel(tmp_path):
 
 def test_a_window_turned_by_a_quarter_is_turned_with_its_label_and_its_idle_gel(tmp_path):
     (cases,) = real_cases(labelled_folder(tmp_path / "mine", "left")).values()
-    found = QuarterTurned(cases.recordings)
+    found = FourFrames(cases.recordings, held_across)
     shown = list(found)
     assert len(found) == len(shown) == 2
     assert [case.motion for case in shown] == [Motion.DOWN, Motion.UP]

@@ -9,7 +9,6 @@ import pytest
 from geotlm_lm.benchmarks.judging import Case, Reply
 from geotlm_lm.benchmarks.pareto import PARETO, picks, picks_headline
 from geotlm_lm.benchmarks.pareto_answers import (
-    CURL,
     PRECISIONS,
     case_sets,
     model_variants,
@@ -21,7 +20,7 @@ from geotlm_lm.benchmarks.pareto_simulator import VARIANTS, error_rows, scenes
 from geotlm_lm.benchmarks.rendering import tables
 from geotlm_lm.benchmarks.rows import Row, Run
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.labels import ROTATIONS, Motion
 
 
 def known(motion):
@@ -59,13 +58,6 @@ def test_methods_are_asked_clip_by_clip_and_timed_in_the_rounds_that_count():
     assert first.ms_p50 == np.median([3, 4, 5, 6])  # 1 and 2 warmed up
 
 
-@pytest.mark.parametrize(("among", "expected"), [(ROTATIONS, ["a", CURL]), (SLIDES, ["a"])])
-def test_the_regression_on_the_curl_is_asked_about_turns_alone(among, expected):
-    asked = {name: method([], name) for name in ("a", CURL)}
-    rows = rows_in_turn(asked, ("x", among, [known(among[0])]), 1, 0)
-    assert [row.variant for row in rows] == expected
-
-
 def test_clips_come_in_four_frames_and_two():
     found = list(case_sets(Run(is_quick=True)))
     assert [(title, len(cases), len(cases[0].clip)) for title, _, cases in found] == [
@@ -97,24 +89,21 @@ ROWS = with_front(
         row("words", 0.005, 42.0, p95=60.0),
         row("words, int8", 0.01, 39.0, p95=50.0),
         row("words, bfloat16", 0.005, 60.0, p95=80.0),
-        row(CURL, 0.0, 4.0),
     ]
 )
-# A slide has no curl: the method that tells turns alone has no row there.
-BOTH = ROWS + [Row(**vars(one) | {"case": "simulated sliding, four frames"}) for one in ROWS[:-1]]
+BOTH = ROWS + [Row(**vars(one) | {"case": "simulated sliding, four frames"}) for one in ROWS]
 
 
 def test_the_front_holds_what_nothing_beats_in_both():
     def front(rows):
         return [one.variant for one in with_front(rows) if one.detail["is_on_front"]]
 
-    assert front(ROWS) == [CURL]
-    assert front(ROWS[:6]) == [one.variant for one in ROWS[:5]]
+    assert front(ROWS) == [one.variant for one in ROWS[:5]]
     assert front([row("a", 0.1, 5.0), row("b", 0.1, 5.0)]) == ["a", "b"]
 
 
 def test_each_use_gets_what_its_rule_says():
-    # The curl is faster and better, and knows no slides; the scored answers are too late.
+    # The scored answers are too late for a loop.
     assert {use: found.variant for use, _, found in picks(BOTH)} == {
         "a robot's loop": "linear probe",
         "a batch job": "words",
@@ -138,7 +127,7 @@ def test_the_methods_are_shown_in_a_table_and_drawn(tmp_path):
     simulated, _, real = "\n".join(
         tables(methods, [*BOTH, Row(**vars(ROWS[1]) | {"case": "real set, four frames"})])
     ).rpartition("### Real recordings")
-    assert f"{CURL} * |        4.0 |  4.0 | 0.000" in simulated
+    assert "optical flow, fast * |        5.0 |  5.0 | 0.100" in simulated
     assert "real set" in real
     methods.figure(BOTH, tmp_path / "methods.png")
     assert (tmp_path / "methods.png").stat().st_size > 5_000

@@ -22,7 +22,10 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.record import RunRecord
 
 README = "# Mine\n\n<!-- begin: toy.first -->\nold\n<!-- end: toy.first -->\n\nAfter.\n"
-HEADLINES = {"toy.first": lambda rows: f"{len(rows)} rows, worst {max(r.error for r in rows)}"}
+
+
+def in_short(rows):
+    return f"{len(rows)} rows, worst {max(r.error for r in rows)}"
 
 
 def draw(rows, path):
@@ -43,7 +46,9 @@ def toy():
             yield Row(f"{name} clips", "flow", 4, run.size(0.5, 1.0), detail={"seed": run.seed})
 
         view = (Pivot(lambda row: f"{row.error:.2f}"), every)
-        return Section(name, name.title(), f"About {name}.", rows, {"": view}, figure, needs_real)
+        return Section(
+            name, name.title(), f"About {name}.", rows, {"": view}, figure, in_short, needs_real
+        )
 
     sections = (section("first"), section("second"), section("third", needs_real=True))
     return Bench("toy", "Toy", "About all.", sections), ran
@@ -134,21 +139,21 @@ def results(toy, tmp_path):
 def test_the_readme_is_filled_from_the_record_and_then_agrees(results):
     bench, folder, readme = results
     with pytest.raises(StaleResults, match="its numbers differ from the records"):
-        check_results([bench], HEADLINES, folder, readme)
-    assert render_results([bench], HEADLINES, folder, readme) == [readme]
+        check_results([bench], folder, readme)
+    assert render_results([bench], folder, readme) == [readme]
     assert "2 rows, worst 0.5" in readme.read_text()
     assert readme.read_text().endswith("After.\n")
-    assert render_results([bench], HEADLINES, folder, readme) == []
-    check_results([bench], HEADLINES, folder, readme)
+    assert render_results([bench], folder, readme) == []
+    check_results([bench], folder, readme)
 
 
 def test_a_page_that_was_edited_by_hand_is_found(results):
     bench, folder, readme = results
-    render_results([bench], HEADLINES, folder, readme)
+    render_results([bench], folder, readme)
     path = folder / "toy.md"
     path.write_text(path.read_text().replace("0.25", "0.05"))
     with pytest.raises(StaleResults, match="toy.md: its numbers differ"):
-        check_results([bench], HEADLINES, folder, readme)
+        check_results([bench], folder, readme)
 
 
 @pytest.mark.parametrize(
@@ -165,9 +170,9 @@ def test_a_page_that_was_edited_by_hand_is_found(results):
 def test_a_block_that_cannot_be_filled_is_told(results, text, says):
     bench, folder, readme = results
     readme.write_text(text)
-    headlines = HEADLINES | {"other.first": lambda rows: ""}
+    other = Bench("other", "Other", "About it.", bench.sections)
     with pytest.raises(StaleResults, match=says):
-        render_results([bench], headlines, folder, readme)
+        render_results([bench, other], folder, readme)
 
 
 def test_a_picture_of_other_numbers_is_found(toy, tmp_path):
@@ -178,10 +183,10 @@ def test_a_picture_of_other_numbers_is_found(toy, tmp_path):
     readme, folder = tmp_path / "README.md", tmp_path / "results"
     readme.write_text("")
     save_results(bench, run_bench(bench, Run()), folder)
-    check_results([bench], HEADLINES, folder, readme)
+    check_results([bench], folder, readme)
     draw([Row("other", "x")], folder / "toy_first.png")
     with pytest.raises(StaleResults, match="toy_first.png: is missing or shows other numbers"):
-        check_results([bench], HEADLINES, folder, readme)
+        check_results([bench], folder, readme)
 
 
 def test_a_record_that_is_saved_can_be_read(results):

@@ -66,7 +66,7 @@ def test_one_object_gets_the_interval_of_independent_clips(right, count):
 
 def test_one_object_can_never_be_significant():
     found = paired_difference(np.ones(500), np.zeros(500), ["cap"] * 500)
-    assert (found.low, found.high) == (-1.0, 1.0)
+    assert (found["low"], found["high"]) == (-1.0, 1.0)
 
 
 def test_the_paired_difference_is_antisymmetric():
@@ -74,14 +74,14 @@ def test_the_paired_difference_is_antisymmetric():
     first, second, objects = rng.random(90) < 0.9, rng.random(90) < 0.7, np.arange(90) % 15
     forth = paired_difference(first, second, objects)
     back = paired_difference(second, first, objects)
-    assert forth.difference == pytest.approx(first.mean() - second.mean())
-    assert (forth.low, forth.high) == pytest.approx((-back.high, -back.low))
+    assert forth["difference"] == pytest.approx(first.mean() - second.mean())
+    assert (forth["low"], forth["high"]) == pytest.approx((-back["high"], -back["low"]))
 
 
 def test_the_same_answers_differ_by_nothing():
     same = np.array([True, False] * 20)
     found = paired_difference(same, same, np.arange(40) % 4)
-    assert (found.difference, found.low, found.high) == (0, 0, 0)
+    assert (found["difference"], found["low"], found["high"]) == (0, 0, 0)
 
 
 def test_unequal_lengths_are_refused():

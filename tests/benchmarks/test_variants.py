@@ -49,31 +49,6 @@ def test_free_rows_may_name_any_motion():
     assert {found[name] for name in free} == {Motion.UP}
 
 
-@pytest.mark.parametrize(
-    ("among", "question"),
-    [
-        (ROTATIONS, "Which way is it turning?"),
-        (SLIDES, "Which way is it sliding?"),
-    ],
-)
-def test_what_words_lean_to_counts_where_the_task_is_taken_for_granted(among, question):
-    answerer = FakeAnswerer(lean=Motion.CLOCKWISE)
-    rows = all_variants(answerer, seed=0)
-    assert rows[variants.GENERATED_LEAN](clip_of(Motion.PRESS), among).motion == Motion.CLOCKWISE
-    assert answerer.questions == [question]
-
-
-def test_nothing_leans_where_no_motion_is_presumed():
-    rows = all_variants(FakeAnswerer(), seed=0)
-    assert set(rows) - set(variants.in_question(rows, ALL)) == {variants.GENERATED_LEAN}
-    assert variants.in_question(rows, ROTATIONS) == rows
-
-
-def test_words_that_do_not_lean_are_taken_as_they_are():
-    found = said(FakeAnswerer(), Motion.UP, ROTATIONS)
-    assert found[variants.GENERATED_LEAN] == Motion.UP
-
-
 def test_words_without_a_direction_are_no_answer():
     found = said(FakeAnswerer(mute=Motion.LEFT), Motion.LEFT, SLIDES)
     assert found[variants.GENERATED] is None

@@ -23,7 +23,9 @@ def given(monkeypatch):
         yield Row("clips", "words", 2, 0.5)
 
     view = (Pivot(lambda row: f"{row.error:g}"), every)
-    section = Section("only", "Only", "About it.", rows, {"": view})
+    section = Section(
+        "only", "Only", "About it.", rows, {"": view}, headline=lambda rows: f"{len(rows)} rows"
+    )
     small = {
         name: Bench(name, name.title(), "About all.", (section,))
         for name in ("accuracy", "pareto", "stability", "omissions")
@@ -77,8 +79,7 @@ def test_a_released_encoder_reaches_the_run_whole(given, tmp_path):
     assert isinstance(invoke("accuracy", "--encoder", "t3").exception, UsageError)
 
 
-def test_render_fills_the_readme_and_check_agrees_afterwards(given, tmp_path, monkeypatch):
-    monkeypatch.setattr(benches, "HEADLINES", {"pareto.only": lambda rows: f"{len(rows)} rows"})
+def test_render_fills_the_readme_and_check_agrees_afterwards(given, tmp_path):
     readme, results = tmp_path / "README.md", tmp_path / "results"
     readme.write_text("<!-- begin: pareto.only -->\n<!-- end: pareto.only -->\n")
     invoke("pareto", "--out", str(results))

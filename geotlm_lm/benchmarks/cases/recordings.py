@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -64,47 +63,34 @@ class RealCases:
 
 
 @dataclass(frozen=True)
-class _FourFrames(ABC):
+class FourFrames:
     """The four-frame windows of labelled recordings, both ways, as something else shows them.
 
     Args:
         recordings: One folder of labelled recordings.
+        shown: Takes a clip and its motion, returns how it is shown and its motion there.
     """
 
     recordings: LabelledRecordings
+    shown: Callable[[Clip, Motion], tuple[Clip, Motion]]
 
     def __len__(self) -> int:
         return 2 * len(self.recordings.rows)
 
     def __iter__(self) -> Iterator[Case]:
         for window in self.recordings.windows(frames=("four",), backwards=True):
-            (clip, motion), row = self._shown(window.clip, window.motion), window.row
+            (clip, motion), row = self.shown(window.clip, window.motion), window.row
             yield Case(clip, motion, row.object_id, row.object_family, {})
 
-    @abstractmethod
-    def _shown(self, clip: Clip, motion: Motion) -> tuple[Clip, Motion]:
-        """Return a window the way the recording is shown, and its motion there."""
+
+def without_idle_frame(clip: Clip, motion: Motion) -> tuple[Clip, Motion]:
+    """Show a clip as one that starts in contact: each method has to guess the idle gel."""
+    return replace(clip, background=None), motion
 
 
-class StartingInContact(_FourFrames):
-    """The windows as clips that show no idle gel anywhere.
-
-    The recordings' own idle frames are withheld: each method guesses the background from the four
-    frames, as it must where a user's clip starts in contact.
-    """
-
-    def _shown(self, clip: Clip, motion: Motion) -> tuple[Clip, Motion]:
-        return replace(clip, background=None), motion
-
-
-class QuarterTurned(_FourFrames):
-    """The windows as a sensor held across records them.
-
-    Turned by 90 degrees counterclockwise, lights and all: 320 x 240 pictures become 240 x 320.
-    """
-
-    def _shown(self, clip: Clip, motion: Motion) -> tuple[Clip, Motion]:
-        return turned_by_quarter(clip), turn_by_quarter(motion)
+def held_across(clip: Clip, motion: Motion) -> tuple[Clip, Motion]:
+    """Show a clip as a sensor held across records it, turned by 90 degrees counterclockwise."""
+    return turned_by_quarter(clip), turn_by_quarter(motion)
 
 
 def turned_by_quarter(clip: Clip) -> Clip:

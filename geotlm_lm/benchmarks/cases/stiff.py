@@ -6,8 +6,10 @@ Catches nothing but a refusal. Knows no model and no pass mark.
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
@@ -50,30 +52,9 @@ def stiff_scene(
     return Scene(Body(body, size=size), path, motion, Gel(**gel))
 
 
-STIFF_CASES: dict[str, Mapping[str, Any]] = {
-    "key, 9 degree turn": {},
-    "nu 0": {"poisson_ratio": 0.0},
-    "nu 0.499": {"poisson_ratio": 0.499},
-    "nu 0.5, incompressible": {"poisson_ratio": 0.5},
-    "layer 0.3 mm": {"thickness_mm": 0.3},
-    "layer 0.3 mm, incompressible": {"thickness_mm": 0.3, "poisson_ratio": 0.5},
-    "layer 40 mm": {"thickness_mm": 40.0},
-    "friction 0": {"friction": 0.0},
-    "friction 1e6": {"friction": 1e6},
-    "depth 1e-6 mm": {"depth_mm": 1e-6},
-    "depth -0.5 mm": {"depth_mm": -0.5},
-    "depth 3.5 mm": {"depth_mm": 3.5},
-    "turn 179 degrees": {"turn_deg": 179.0},
-    "slide 8 mm": {"turn_deg": 0.0, "x_mm": 8.0},
-    "tip narrower than a cell": {"body": "cone_blunt", "size": 0.05},
-    "flat-edged block": {"body": "block"},
-    "contact at the border": {"start_mm": 11.0},
-    "contact everywhere": {"body": "plaster", "depth_mm": 3.0},
-    "beyond the pad": {"start_mm": 40.0},
-    "depth NaN": {"depth_mm": math.nan},
-    "nu 0.6": {"poisson_ratio": 0.6},
-    "friction NaN": {"friction": math.nan},
-}
+STIFF_CASES: dict[str, Mapping[str, Any]] = tomllib.loads(
+    FilePath(__file__).with_name("stiff_scenes.toml").read_text()
+)
 """Scenes by what is unlike the base one, options of `stiff_scene`; the base scene first."""
 
 RESIDUALS = ("penetration_um", "gradient_share", "cone_excess")
