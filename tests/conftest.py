@@ -11,6 +11,7 @@ from tests.conversation.questions import encoded_examples, remembering
 from tests.tiny_bundle import tiny_bundle
 
 BUNDLE = Path(geotlm_lm.__file__).parent / "bundle"
+REAL = Path(__file__).resolve().parents[2] / "shared" / "real"
 
 
 @pytest.fixture(scope="session")
@@ -20,12 +21,26 @@ def bundle():
 
 
 @pytest.fixture(scope="session")
-def shipped():
-    """The shipped model, which works out nothing twice."""
+def real():
+    """The folder of real recordings."""
+    if not REAL.is_dir():
+        pytest.skip(f"needs the real recordings in {REAL}")
+    return REAL
+
+
+@pytest.fixture(scope="session")
+def answerer():
+    """The shipped model."""
     if not BUNDLE.is_dir():
         pytest.skip("needs the trained bundle")
     torch.set_num_threads(1)
-    return remembering(Answerer.load())
+    return Answerer.load()
+
+
+@pytest.fixture(scope="session")
+def shipped(answerer):
+    """The shipped model, which works out nothing twice."""
+    return remembering(answerer)
 
 
 @pytest.fixture(scope="session")

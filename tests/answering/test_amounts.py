@@ -107,14 +107,6 @@ def test_an_amount_in_words(amount, text):
     assert amount.sentence() == text
 
 
-@pytest.mark.parametrize(
-    ("word", "amount"),
-    [("15 deg", (15.0, "deg")), ("0.4 mm", (0.4, "mm")), ("12.5 deg", (12.5, "deg"))],
-)
-def test_amounts_are_read_from_their_deciding_word(word, amount):
-    assert amount_in(word) == amount
-
-
 @pytest.mark.parametrize("word", [None, "", "yes", "12", "12 in", "deg", "12 deg/s"])
 def test_what_is_no_amount_is_none(word):
     assert amount_in(word) is None

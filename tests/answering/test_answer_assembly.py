@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from geotlm_lm.answering import NOT_UNDERSTOOD, OPEN_QUESTION, deciding_word
-from geotlm_lm.conversation.english import ENGLISH_ONLY
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, MotionClass
 from geotlm_lm.language.parse_answer import KINDS, Slots
@@ -13,36 +12,20 @@ from tests.answering.scripted import answerer_saying, feeling, recording
 SURE = np.exp(2.4) / (np.exp(2.4) + 9)
 """Probability of the sentence that is said, among ten."""
 
-TURNING, SLIDING = "An amount of turning, as measured.", "An amount of sliding, as measured."
+TURNING = "An amount of turning, as measured."
 
 
 @pytest.mark.parametrize(
-    ("question", "text", "kind"),
+    ("question", "text"),
     [
-        ("And mirrored?", "Counterclockwise, in the camera image, if the clip is mirrored.", None),
-        ("Played backwards?", "Counterclockwise, in the camera image, played backwards.", None),
-        ("Seen from behind?", "Counterclockwise, seen from the object's side.", None),
-        (
-            "Which way did the sensor move?",
-            "The sensor goes counterclockwise, in the camera image.",
-            None,
-        ),
-        ("How do I undo it?", "Moving counterclockwise undoes it, in the camera image.", None),
-        ("Isn't it turning clockwise?", "It is: it goes clockwise in the camera image.", None),
-        ("How fast is it sliding up?", "But no, it goes clockwise in the camera image.", None),
-        (
-            "How sure are you?",
-            "My confidence is low: 55% that it goes clockwise in the camera image.",
-            None,
-        ),
-        (
-            "Right-hand thread, touched at the head: is it tightening?",
-            "It tightens: clockwise in the camera image, right-hand thread touched at its head.",
-            None,
-        ),
+        ("And mirrored?", "Counterclockwise, in the camera image, if the clip is mirrored."),
+        ("Played backwards?", "Counterclockwise, in the camera image, played backwards."),
+        ("Seen from behind?", "Counterclockwise, seen from the object's side."),
+        ("Isn't it turning clockwise?", "It is: it goes clockwise in the camera image."),
+        ("How fast is it sliding up?", "But no, it goes clockwise in the camera image."),
     ],
 )
-def test_a_model_of_the_first_kinds_gets_the_later_ones_by_rule(bundle, question, text, kind):
+def test_a_model_of_the_first_kinds_gets_the_later_ones_by_rule(bundle, question, text):
     answerer = feeling(bundle, "clockwise")
     answer = answerer.ask(answerer.encode(recording()), question)
     assert answer.text == text
@@ -62,10 +45,7 @@ def test_a_rule_keeps_the_probability_of_the_direction_it_started_from(bundle):
 @pytest.mark.parametrize(
     ("question", "text"),
     [
-        (
-            "By how much?",
-            "I cannot tell how far it moved: this model was not trained for amounts.",
-        ),
+        ("By how much?", "I cannot tell how far it moved: this model was not trained for amounts."),
         (
             "How fast is it going?",
             "I cannot tell how fast it moved: this model was not trained for amounts.",
@@ -96,54 +76,6 @@ def test_evidence_of_an_untrained_model_is_its_geometry_in_words(bundle):
     assert answer.text.endswith(", in the camera image.")
     assert answer.notes[-1].startswith("Told by rule from the geometry")
     assert answerer.bundle.speaker.heard == []
-
-
-@pytest.mark.parametrize(
-    ("question", "said", "text", "direction"),
-    [
-        (
-            "And mirrored?",
-            "Mirror image of: left in the camera image.",
-            "Right, in the camera image, if the clip is mirrored.",
-            Motion.RIGHT,
-        ),
-        (
-            "And from behind?",
-            "The object's side of: clockwise in the camera image.",
-            "Counterclockwise, seen from the object's side.",
-            Motion.COUNTERCLOCKWISE,
-        ),
-        (
-            "What undoes it?",
-            "To undo this: lifting off.",
-            "Pressing in undoes it.",
-            Motion.PRESS,
-        ),
-        (
-            "Is it not going right?",
-            "It is not: it goes left in the camera image.",
-            "It is not: it goes left in the camera image.",
-            Motion.LEFT,
-        ),
-    ],
-)
-def test_a_trained_model_says_what_it_felt_and_the_rules_tell_it(
-    bundle, question, said, text, direction
-):
-    answerer = answerer_saying(bundle, {"*": said})
-    answer = answerer.ask(answerer.encode(recording()), question)
-    assert (answer.text, answer.direction) == (text, direction)
-    assert not [note for note in answer.notes if "not trained" in note]
-    # The probability is that of the model's own sentence among those of its kind.
-    options = len(bundle.grammar.options_for(answer.kind))
-    assert answer.confidence >= np.e**2 / (np.e**2 + options - 1) - 1e-9
-
-
-def test_a_trained_model_tells_its_confidence_from_the_open_question(bundle):
-    said = {"*": "As sure as my probabilities are.", OPEN_QUESTION: "Left, in the camera image."}
-    answerer = answerer_saying(bundle, said)
-    answer = answerer.ask(answerer.encode(recording()), "How confident are you?")
-    assert answer.text.endswith("55% that it goes left in the camera image.")
 
 
 @pytest.mark.parametrize(
@@ -183,13 +115,6 @@ def test_an_amount_is_withheld_where_next_to_nothing_touches(bundle):
     answerer = answerer_saying(bundle, {"*": TURNING}, contact_threshold=2.0)
     answer = answerer.ask(answerer.encode(recording()), "How far?")
     assert (answer.abstained, answer.amount) == (True, None)
-
-
-def test_a_question_in_another_language_is_refused_before_the_model_runs(bundle):
-    answerer = feeling(bundle, "clockwise")
-    answer = answerer.ask(answerer.encode(recording()), "Wohin dreht sich der Deckel?")
-    assert (answer.text, answer.kind, answer.abstained) == (ENGLISH_ONLY, None, True)
-    assert answerer.bundle.speaker.heard == []
 
 
 def test_a_kind_of_motion_heard_for_a_turned_camera_is_told_of_the_open_answer(bundle):
@@ -235,9 +160,3 @@ def test_answers_of_a_kind_differ_in_their_deciding_words(bundle, kind):
     }
     verdicts = kind in ("verify", "contact", "moving", "negation", "premise")
     assert len(words) == (2 if verdicts else len(claims))
-
-
-def test_an_answer_that_is_withheld_decides_nothing(bundle):
-    answerer = feeling(bundle, "left", contact_threshold=1.1)
-    answer = answerer.ask(answerer.encode(recording()), "Which way is it going?")
-    assert (answer.decided, answer.told_by) == (None, "rule")

@@ -20,15 +20,9 @@ from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.model import Perception
 from geotlm_lm.odometry.odometer import AMOUNTS, amounts
 from tests.answering.scripted import answerer_saying, measuring, recording
-from tests.tiny_bundle import tiny_bundle
 
 SLIDING = "An amount of sliding, as measured."
 CAMERA = FrameSpec()
-
-
-@pytest.fixture(scope="module")
-def bundle():
-    return tiny_bundle()
 
 
 def encoded(rows, columns, right=1.0, down=0.0):
@@ -105,21 +99,12 @@ def test_what_goes_no_way_has_no_amount(bundle, slots):
     assert measured_amount(model, encoded(64, 64), ModelReply(slots, "", {}), CAMERA) is None
 
 
-def test_an_imprint_that_does_not_move_counts_as_going_right(bundle):
-    still, right = (slide(bundle, encoded(240, 320, x, 0.0)) for x in (0.0, 1.0))
-    assert still == right
-
-
 @pytest.mark.parametrize(("size", "px"), [((24, 32), 1.0), ((8, 8), 2.0), ((48, 64), 0.9)])
 def test_small_frames_get_fractions_of_a_pixel(bundle, size, px):
     amount = slide(bundle, encoded(*size), px=px)
     assert amount.value == pytest.approx(px * size[1] / 224, abs=2 * size[1] / 224)
     assert amount.low <= amount.value <= amount.high
     assert amount.probability == pytest.approx(0.9, abs=0.01)
-
-
-def test_large_frames_get_round_numbers(bundle):
-    assert slide(bundle, encoded(2160, 3840)).value % 10 == 0
 
 
 def test_a_doubtful_clip_spreads_the_span_and_lowers_the_probability(bundle):

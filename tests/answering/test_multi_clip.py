@@ -7,11 +7,7 @@ import pytest
 
 from geotlm_lm.answering.amounts import Amount
 from geotlm_lm.answering.answer import Answer
-from geotlm_lm.answering.multi_clip import (
-    compare_amounts,
-    compare_directions,
-    order_of_motions,
-)
+from geotlm_lm.answering.multi_clip import compare_amounts, compare_directions, order_of_motions
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, reverse
 from tests.answering.scripted import answerer_saying, feeling, recording
@@ -201,21 +197,10 @@ def test_a_motion_that_neither_shows_is_not_compared(question, ways, text):
     assert (compared.text, compared.relation, compared.abstained) == (text, "unknown", True)
 
 
-def test_turns_are_compared_whatever_the_size_of_the_frames():
-    pair, answers = [measured(12), measured(27)], (answer("clockwise"), answer("clockwise"))
-    compared = compare_amounts(
-        "Which went further?", pair, (None, None), answers, is_same_size=False
-    )
-    assert compared.relation == "second"
-
-
 @pytest.mark.parametrize(
     ("motions", "text"),
     [
-        (
-            ("clockwise", "left"),
-            "First going clockwise, then going left, in the camera image.",
-        ),
+        (("clockwise", "left"), "First going clockwise, then going left, in the camera image."),
         (("press", "still"), "First pressing in, then holding still."),
     ],
 )
@@ -268,3 +253,11 @@ def test_the_seam_compares_amounts_of_a_model_that_was_trained_for_them(bundle):
     clips = [answerer.encode(recording(seed=seed)) for seed in (1, 2)]
     compared = answerer.compare(*clips, "Which turned further?")
     assert compared.text == "Neither: they are similar, about 13 and 13 deg."
+
+
+def test_turns_are_compared_whatever_the_size_of_the_frames():
+    pair, answers = [measured(12), measured(27)], (answer("clockwise"), answer("clockwise"))
+    compared = compare_amounts(
+        "Which went further?", pair, (None, None), answers, is_same_size=False
+    )
+    assert compared.relation == "second"

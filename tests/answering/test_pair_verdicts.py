@@ -159,7 +159,3 @@ def test_opposite_turns_are_of_one_kind(one, other, is_one_kind, decided):
     assert (told.decided, told.abstained) == (decided, False)
     assert told.text.startswith(f"{decided.capitalize()}, by kind: the first is")
     assert 0.7 < told.confidence <= 1.0
-
-
-def test_the_kind_of_what_is_withheld_is_withheld():
-    assert judge_kind(True, (WITHHELD, answer("left"))).abstained

@@ -19,16 +19,6 @@ from geotlm_lm.model import Perception
 from tests.answering.scripted import answerer_saying, measuring, recording
 
 
-def test_millimetres_are_judged_only_where_the_size_of_a_pixel_is_known(bundle):
-    answerer = measuring(bundle, Motion.LEFT, "px", px=14.0)
-    encoded = answerer.encode(recording())
-    unknown = answerer.ask(encoded, "Did it slide 3 mm?")
-    assert unknown.abstained
-    assert unknown.text.startswith("I cannot judge millimetres: about ")
-    known = answerer.ask(encoded, "Did it slide 3 mm?", frame=FrameSpec(mm_per_px=0.01))
-    assert (known.decided, known.amount.unit) == ("no", "mm")
-
-
 def test_where_the_contact_is_is_read_off_the_mask(bundle):
     answerer = answerer_saying(bundle, {"*": "Left, in the camera image."}, contact_threshold=0.0)
     answer = answerer.ask(answerer.encode(recording()), "Where is the contact?")

@@ -3,16 +3,17 @@
 import json
 
 import pytest
+from jsonschema import Draft202012Validator
 
 from geotlm_lm import answer_schema
 from geotlm_lm.answering import Answerer
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import KINDS, Slots
-from tests.answering.json_schema import problems
 from tests.answering.scripted import answerer_saying, feeling, recording
 
 SCHEMA = answer_schema()
+is_valid = Draft202012Validator(SCHEMA).is_valid
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +29,7 @@ def as_json(answer):
 def test_answers_of_every_kind_follow_the_schema(bundle, encoded, kind):
     for sentence in bundle.grammar.options_for(kind):
         answer = answerer_saying(bundle, {"*": sentence}).ask(encoded, "A) left B) right C) up?")
-        assert problems(as_json(answer), SCHEMA, SCHEMA) == []
+        assert is_valid(as_json(answer))
 
 
 @pytest.mark.parametrize(
@@ -45,12 +46,12 @@ def test_answers_of_every_kind_follow_the_schema(bundle, encoded, kind):
 )
 def test_answers_by_rule_follow_the_schema(bundle, encoded, question):
     answer = feeling(bundle, "clockwise").ask(encoded, question)
-    assert problems(as_json(answer), SCHEMA, SCHEMA) == []
+    assert is_valid(as_json(answer))
 
 
 def test_an_answer_withheld_for_want_of_contact_follows_the_schema(bundle, encoded):
     answer = feeling(bundle, "left", contact_threshold=1.1).ask(encoded, "Which way?")
-    assert problems(as_json(answer), SCHEMA, SCHEMA) == []
+    assert is_valid(as_json(answer))
 
 
 @pytest.mark.parametrize(
@@ -70,14 +71,7 @@ def test_an_answer_withheld_for_want_of_contact_follows_the_schema(bundle, encod
 )
 def test_a_broken_answer_is_refused(bundle, encoded, broken):
     answer = as_json(feeling(bundle, "left").ask(encoded, "Which way?"))
-    assert problems(answer | broken, SCHEMA, SCHEMA)
-
-
-@pytest.mark.parametrize("name", SCHEMA["required"])
-def test_no_field_may_be_missing(bundle, encoded, name):
-    answer = as_json(feeling(bundle, "left").ask(encoded, "Which way?"))
-    del answer[name]
-    assert problems(answer, SCHEMA, SCHEMA) == [f"$: lacks {name}"]
+    assert not is_valid(answer | broken)
 
 
 def test_the_schema_names_every_motion_kind_and_fact():
@@ -90,4 +84,4 @@ def test_an_amount_is_a_deciding_word_with_its_unit(bundle, encoded):
     said = bundle.grammar.sentence(Slots("magnitude", unit="deg"))
     answer = answerer_saying(bundle, {"*": said}, temperature=0.1).ask(encoded, "How far?")
     assert answer.decided == "13 deg"
-    assert not problems(answer.to_dict(), SCHEMA, SCHEMA)
+    assert is_valid(as_json(answer))

@@ -14,12 +14,6 @@ def session(bundle):
     return answerer.session(answerer.encode(recording()))
 
 
-def test_doubt_upon_doubt_says_the_same(session):
-    session.ask("Which way?")
-    texts = {session.ask(doubt).text for doubt in ("Really?", "Are you sure?", "no way")}
-    assert len(texts) == 1
-
-
 def test_doubt_runs_no_model(session):
     session.ask("Which way?")
     heard = list(session.answerer.bundle.speaker.heard)
@@ -32,23 +26,10 @@ def test_a_refusal_is_repeated_as_it_is(session):
     assert session.ask("Really?") == refusal
 
 
-def test_the_first_question_can_be_a_doubt(session):
-    assert session.ask("How sure are you?").text.startswith("My confidence is low: 55% that")
-
-
-def test_an_answer_is_said_again(session):
-    first = session.ask("Which way?")
-    assert session.ask("Say that again?") == first
-
-
 def test_now_asks_the_question_before_of_a_new_clip(session):
     first = session.ask("Does it turn clockwise?")
     session.add_clip(session.answerer.encode(recording(seed=2)))
     assert session.ask("And now?").decided == first.decided == "yes"
-
-
-def test_now_alone_asks_nothing(session):
-    assert session.ask("and now?").abstained
 
 
 def test_a_turn_is_taken_back_with_what_it_said_of_the_frame(session):

@@ -4,7 +4,7 @@ import pytest
 
 from geotlm_lm.answering import OPEN_QUESTION
 from geotlm_lm.answering.model_query import AMOUNT_QUESTION, ModelReply
-from geotlm_lm.answering.single_direction import open_answer_motion, with_amount_of
+from geotlm_lm.answering.single_direction import open_answer_motion
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
 from tests.answering.scripted import answerer_saying, recording
@@ -61,11 +61,3 @@ def test_of_two_clips_the_amounts_are_of_the_motions_that_are_told(bundle):
 )
 def test_a_turn_or_a_slide_is_told_where_the_open_answer_is_no_guess(opened, motion):
     assert open_answer_motion(opened) is motion
-
-
-def test_the_probability_of_a_turn_is_that_of_both_turns():
-    shares = {"clockwise": 0.6, "counterclockwise": 0.3, "left": 0.1}
-    heard = ModelReply(Slots("magnitude", unit="px"), "", {"slide": 0.7})
-    told = with_amount_of(heard, "magnitude", Motion.CLOCKWISE, shares)
-    assert told.slots == Slots("magnitude", unit="deg")
-    assert told.options == {"rotation": pytest.approx(0.9), "slide": 0.1}

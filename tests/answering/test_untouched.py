@@ -39,6 +39,9 @@ def test_an_open_question_is_answered_without_the_language_model(bundle):
     assert answer.told_by == "rule"
     assert answerer.bundle.speaker.heard == []
     assert list(answer.timing_ms) == ["choose", "touch", "encode", "total"]
+    mirrored = answerer.ask(answerer.encode(untouched()), "And mirrored?")
+    assert mirrored.text == "Nothing is touching the gel, if the clip is mirrored."
+    assert answerer.bundle.speaker.heard == []
 
 
 def test_how_faint_a_touch_may_go_unseen_is_said(bundle):
@@ -50,13 +53,6 @@ def test_how_faint_a_touch_may_go_unseen_is_said(bundle):
         note,
     )
     assert not any("idle gel by" in note for note in answerer.encode(recording()).clip.notes)
-
-
-def test_what_follows_from_the_direction_needs_no_language_model_either(bundle):
-    answerer = feeling(bundle, "press")
-    answer = answerer.ask(answerer.encode(untouched()), "And mirrored?")
-    assert answer.text == "Nothing is touching the gel, if the clip is mirrored."
-    assert answerer.bundle.speaker.heard == []
 
 
 def test_any_other_question_is_still_understood_by_the_model(bundle):

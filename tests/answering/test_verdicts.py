@@ -76,11 +76,7 @@ def test_a_verdict_on_a_claim_that_no_rule_reads_stands(bundle):
 
 @pytest.mark.parametrize(
     "passed_over",
-    [
-        "I cannot tell that from touch.",
-        "Yes, something is touching the gel.",
-        "Yes, it is moving.",
-    ],
+    ["I cannot tell that from touch.", "Yes, something is touching the gel.", "Yes, it is moving."],
 )
 def test_a_claim_of_motion_in_new_words_is_not_passed_over(bundle, passed_over):
     said = {"*": passed_over, OPEN_QUESTION: "Up, in the camera image."}

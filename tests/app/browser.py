@@ -37,10 +37,7 @@ class Browser:
     """
 
     def __init__(
-        self,
-        profile: Path,
-        size: tuple[int, int] = (1400, 1100),
-        flags: Sequence[str] = (),
+        self, profile: Path, size: tuple[int, int] = (1400, 1100), flags: Sequence[str] = ()
     ) -> None:
         to_read, self._to_write = os.pipe()
         self._from_read, to_write = os.pipe()

@@ -1,5 +1,7 @@
 """The page served with a stand-in for the model, a browser at it, and recordings to give it."""
 
+from contextlib import ExitStack
+
 import numpy as np
 import pytest
 
@@ -15,14 +17,45 @@ def address():
     page.close()
 
 
-@pytest.fixture(params=[(1400, 1100), (390, 844)], ids=["wide", "phone"])
-def browser(request, tmp_path, address):
-    from tests.app.browser import Browser
+@pytest.fixture
+def new_browser(tmp_path_factory):
+    """Open a browser, of a size or with more flags; each is closed after the test."""
+    from tests.app.browser import EXECUTABLE, Browser
 
-    browser = Browser(tmp_path / "profile", request.param)
+    if EXECUTABLE is None:
+        pytest.skip("needs a Chromium (Debian: apt-get install chromium)")
+    with ExitStack() as opened:
+
+        def start(*size, flags=()):
+            browser = Browser(tmp_path_factory.mktemp("profile"), *size, flags=flags)
+            opened.callback(browser.close)
+            return browser
+
+        yield start
+
+
+@pytest.fixture
+def browser(request, new_browser, address):
+    """A browser at the page, as wide as a desk's unless a test gives another size."""
+    browser = new_browser(getattr(request, "param", (1400, 1100)))
     browser.open(address)
-    yield browser
-    browser.close()
+    return browser
+
+
+@pytest.fixture
+def camera_browser(new_browser, tmp_path):
+    """A browser whose camera shows white on the left, and no frame that is another."""
+    grey = np.full((480, 640), 16, np.uint8)
+    grey[:, :320] = 235
+    colour = np.full((2, 240, 320), 128, np.uint8)
+    with (tmp_path / "camera.y4m").open("wb") as video:
+        video.write(b"YUV4MPEG2 W640 H480 F25:1 Ip A1:1 C420jpeg\n")
+        for number in range(50):
+            grey[:32, :320] = 180 + number
+            video.write(b"FRAME\n" + grey.tobytes() + colour.tobytes())
+    flags = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
+    flags.append(f"--use-file-for-fake-video-capture={tmp_path / 'camera.y4m'}")
+    return new_browser(flags=flags)
 
 
 @pytest.fixture

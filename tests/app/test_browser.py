@@ -11,17 +11,13 @@ pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)
 
 from app import ui  # noqa: E402
 from geotlm_lm.conversation.motion_answers import CAMERA  # noqa: E402
-from tests.app.browser import EXECUTABLE, Browser  # noqa: E402
 from tests.app.fakes import NOTE, FakeAnswerer  # noqa: E402
 from tests.live.test_idle_tracker import gel, touched  # noqa: E402
-
-pytestmark = pytest.mark.skipif(
-    EXECUTABLE is None, reason="needs a Chromium (Debian: apt-get install chromium)"
-)
 
 TEXT = "document.body.innerText"
 
 
+@pytest.mark.parametrize("browser", [(1400, 1100), (390, 844)], indirect=True)
 def test_an_example_is_one_click_and_a_question_one_more(browser):
     browser.run("document.querySelector('.thumbnail-item').click()")
     browser.wait_for("[...document.images].some(i => i.offsetParent && i.naturalWidth == 448)")
@@ -130,15 +126,14 @@ class Measuring(FakeAnswerer):
 
 
 @pytest.fixture
-def asking(tmp_path):
+def asking(new_browser):
     """Open a page that answers with a given stand-in, an example shown and a question asked."""
     with ExitStack() as opened:
 
         def ask(answerer):
             page = ui.build(answerer)
             opened.callback(page.close)
-            browser = Browser(tmp_path)
-            opened.callback(browser.close)
+            browser = new_browser()
             browser.open(ui.launch(page))
             browser.run("document.querySelector('.thumbnail-item').click()")
             browser.wait_for(PICTURE + " != null")
@@ -195,33 +190,6 @@ def test_an_answer_is_stopped_half_way(asking):
     said = browser.run(TEXT)
     time.sleep(4)
     assert browser.run(TEXT) == said
-
-
-def test_what_is_no_recording_is_told_in_a_sentence_and_the_page_goes_on(
-    browser, recordings, tmp_path
-):
-    broken = tmp_path / "broken.npy"
-    broken.write_bytes(b"no recording")
-    browser.upload("Recording", broken)
-    browser.wait_for(f"{TEXT}.includes('broken.npy: is cut off or is no numpy file')")
-    # Said once beside the sentence: where the picture would stand.
-    browser.wait_for(f"{TEXT}.match(/^Error$/gm).length == 2", seconds=20)
-    assert "Traceback" not in browser.run(TEXT)
-    browser.open(browser.run("location.href"))
-    browser.upload("Recording", recordings["bright"])
-    browser.wait_for("[...document.images].some(i => i.offsetParent && i.naturalWidth == 448)")
-
-
-def test_two_recordings_are_compared(browser, recordings):
-    browser.click("Compare", "button[role=tab]")
-    browser.click("Compare", "button.primary")
-    browser.wait_for(f"{TEXT}.includes('upload')")
-    for label, name in (("First recording", "bright"), ("Second recording", "dark")):
-        browser.upload(label, recordings[name])
-        browser.wait_for(f"{TEXT}.includes('{name}')")
-    browser.click("Compare", "button.primary")
-    browser.wait_for(f"{TEXT}.includes('To the right, at ') && {TEXT}.includes('To the left, at ')")
-    browser.wait_for(f"{TEXT}.includes('opposite')")
 
 
 def test_a_touch_is_simulated_and_asked_about(browser):

@@ -6,10 +6,7 @@ import pytest
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
 from app import live_tab, ui  # noqa: E402
-from tests.app.browser import EXECUTABLE, Browser  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
-
-ROWS, COLUMNS = 480, 640
 
 
 def test_the_camera_is_not_mirrored():
@@ -19,31 +16,8 @@ def test_the_camera_is_not_mirrored():
     assert camera.get_config()["webcam_options"]["mirror"] is False
 
 
-def white_on_the_left(path):
-    """Write an uncompressed video, which the browser plays as its camera: no frame is another."""
-    grey = np.full((ROWS, COLUMNS), 16, np.uint8)
-    grey[:, : COLUMNS // 2] = 235
-    colour = np.full((2, ROWS // 2, COLUMNS // 2), 128, np.uint8)
-    with path.open("wb") as video:
-        video.write(f"YUV4MPEG2 W{COLUMNS} H{ROWS} F25:1 Ip A1:1 C420jpeg\n".encode())
-        for number in range(50):
-            grey[:32, : COLUMNS // 2] = 180 + number
-            video.write(b"FRAME\n" + grey.tobytes() + colour.tobytes())
-    return path
-
-
-@pytest.fixture
-def browser(tmp_path):
-    video = white_on_the_left(tmp_path / "camera.y4m")
-    flags = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
-    flags.append(f"--use-file-for-fake-video-capture={video}")
-    browser = Browser(tmp_path / "profile", flags=flags)
-    yield browser
-    browser.close()
-
-
-@pytest.mark.skipif(EXECUTABLE is None, reason="needs a Chromium (Debian: apt install chromium)")
-def test_what_is_left_in_the_camera_is_left_for_the_model(browser, monkeypatch):
+def test_what_is_left_in_the_camera_is_left_for_the_model(camera_browser, monkeypatch):
+    browser = camera_browser
     received, follow = [], live_tab.process_frame
 
     def followed(answerer, frame, *kept):

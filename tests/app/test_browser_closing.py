@@ -6,12 +6,7 @@ import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from tests.app.browser import EXECUTABLE  # noqa: E402
 from tests.app.test_browser import CHECKED, PICTURE, TEXT  # noqa: E402
-
-pytestmark = pytest.mark.skipif(
-    EXECUTABLE is None, reason="needs a Chromium (Debian: apt-get install chromium)"
-)
 
 NO_PICTURE = f"!{PICTURE}"
 NONE_OPEN = f"{TEXT}.includes('No recording is open; upload a clip first.')"

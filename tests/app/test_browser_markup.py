@@ -10,12 +10,7 @@ pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)
 
 from app import ui  # noqa: E402
 from geotlm_lm.conversation.motion_answers import CAMERA  # noqa: E402
-from tests.app.browser import EXECUTABLE, Browser  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
-
-pytestmark = pytest.mark.skipif(
-    EXECUTABLE is None, reason="needs a Chromium (Debian: apt-get install chromium)"
-)
 
 TEXT = "document.body.innerText"
 SHOWN = "[...document.images].some(i => i.offsetParent && i.naturalWidth == 448)"
@@ -53,13 +48,11 @@ def elsewhere():
 
 
 @pytest.fixture
-def page(tmp_path):
-    answerer = Echoing()
+def page(new_browser):
+    answerer, browser = Echoing(), new_browser()
     served = ui.build(answerer)
-    browser = Browser(tmp_path / "profile")
     browser.open(ui.launch(served))
     yield browser, answerer
-    browser.close()
     served.close()
 
 

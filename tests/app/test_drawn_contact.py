@@ -7,15 +7,9 @@ import pytest
 
 from app import handlers
 from app.clip_loading import load_clip
-from geotlm_lm import Answerer
 from geotlm_lm.views.pictures import ARROW_COLOUR
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "app" / "examples"
-
-
-@pytest.fixture(scope="module")
-def answerer():
-    return Answerer.load()
 
 
 @pytest.mark.parametrize(

@@ -100,18 +100,6 @@ def test_turns_that_are_checked_together_add_up():
     assert FrameSpec(**there_and_back) == FrameSpec()
 
 
-def test_what_a_turned_image_shows_is_found_again_from_what_is_told(path):
-    answerer = FakeAnswerer()
-    shown = load_clip(answerer, path)
-    facts = page_facts.fields_of([page_facts.CLOCKWISE])
-    *_, checked = handlers.converse(answerer, shown, "Which way?", facts)
-    assert checked.sentence.startswith("To the up, ")
-    assert checked.motion is Motion.RIGHT
-    assert handlers.direction_in_frame(shown.session.frame, checked.motion).endswith(
-        "that is **up**."
-    )
-
-
 def test_doubt_is_answered_from_the_conversation(path):
     answerer = FakeAnswerer()
     shown = load_clip(answerer, path)
@@ -206,8 +194,7 @@ def test_several_images_are_one_recording(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("tops", "relation"),
-    [((230, 230), "same"), ((230, 150), "opposite"), ((230, 10), "unknown")],
+    ("tops", "relation"), [((230, 230), "same"), ((230, 150), "opposite"), ((230, 10), "unknown")]
 )
 def test_two_clips_are_compared_by_their_directions(tmp_path, tops, relation):
     answerer = FakeAnswerer()
@@ -233,17 +220,6 @@ def test_a_direction_is_told_again_for_another_frame():
 def test_nothing_uploaded_is_told():
     with pytest.raises(GeoTLMError, match="^No recording was given; upload a clip first.$"):
         load_clip(FakeAnswerer(), None, None, None)
-
-
-def test_an_unreadable_upload_is_told_by_its_own_name(tmp_path):
-    (tmp_path / "text.npy").write_text("no array")
-    with pytest.raises(GeoTLMError, match="^text.npy: is cut off or is no numpy file"):
-        load_clip(FakeAnswerer(), str(tmp_path / "text.npy"), None, None)
-
-
-def test_half_a_span_is_told(path):
-    with pytest.raises(GeoTLMError, match="^Only one end of the span was given"):
-        load_clip(FakeAnswerer(), path, 3, None)
 
 
 def test_a_question_without_a_clip_is_told():

@@ -1,8 +1,6 @@
 """The served page and its typed interface, used as a program would: by a real client."""
 
-import re
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,16 +9,6 @@ gradio = pytest.importorskip("gradio", reason="serving the page needs gradio (ex
 
 from gradio_client import Client, handle_file  # noqa: E402
 from gradio_client.exceptions import AppError  # noqa: E402
-
-from app import api, ui  # noqa: E402
-from tests.app.fakes import FakeAnswerer  # noqa: E402
-
-
-@pytest.fixture(scope="module")
-def address():
-    page = ui.build(FakeAnswerer())
-    yield ui.launch(page)
-    page.close()
 
 
 @pytest.fixture(scope="module")
@@ -83,13 +71,6 @@ def test_a_mistake_is_one_sentence_and_no_trace(client, tmp_path):
         client.predict("key", 0.6, 0.0, 1.0, 0.0, 4.0, None, api_name="/simulate")
 
 
-def test_every_function_is_typed_and_documented(client):
-    described = client.view_api(return_format="dict")["named_endpoints"]
-    assert {"/ask", "/evidence", "/compare", "/simulate"} <= set(described)
-    parameters = [one["parameter_name"] for one in described["/simulate"]["parameters"]]
-    assert parameters[:3] == ["object_name", "depth_mm", "twist_deg"]
-
-
 def test_clients_at_once_never_get_each_others_answers(address, tmp_path):
     levels = (40, 70, 130, 190)
     clips = {level: saved(tmp_path, f"{level}.npy", level) for level in levels}
@@ -109,18 +90,3 @@ def test_clients_at_once_never_get_each_others_answers(address, tmp_path):
         assert {one["direction"] for one in given} == {"right" if level > 100 else "left"}
         told = float(given[0]["text"].split(" at ")[1].rstrip("."))
         assert abs(told - level) < 2
-
-
-ROOT = Path(__file__).resolve().parents[2]
-
-
-def test_the_documented_client_runs_and_is_the_pages(address, capsys, monkeypatch):
-    monkeypatch.chdir(ROOT)
-    page = (ROOT / "docs/programs.md").read_text()
-    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
-    code = next(block for block in blocks if "gradio_client" in block)
-    assert code in api.SNIPPET
-    exec(code.replace("http://127.0.0.1:7860/", address).replace("http://127.0.0.1:7860", address))
-    printed = capsys.readouterr().out.splitlines()
-    assert "same" in printed
-    assert "0.5" in printed

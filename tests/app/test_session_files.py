@@ -12,13 +12,8 @@ pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)
 from app import session_files, ui  # noqa: E402
 from app.cache_folder import own_cache_folder  # noqa: E402
 from app.session_files import SessionFiles, remove_seen  # noqa: E402
-from tests.app.browser import EXECUTABLE, Browser  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
-from tests.app.test_browser_camera import TEXT, start_camera, white_on_the_left  # noqa: E402
-
-needs_browser = pytest.mark.skipif(
-    EXECUTABLE is None, reason="needs a Chromium (Debian: apt-get install chromium)"
-)
+from tests.app.test_browser_camera import TEXT, start_camera  # noqa: E402
 
 
 def stored(folder, name):
@@ -53,17 +48,12 @@ def test_a_live_picture_is_removed_once_it_was_seen(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def page(tmp_path):
+def page(camera_browser, tmp_path):
     """The page in a browser with a camera, and the folder it keeps its files in."""
-    video = white_on_the_left(tmp_path / "camera.y4m")
-    flags = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
-    flags.append(f"--use-file-for-fake-video-capture={video}")
     with own_cache_folder(tmp_path) as folder:
         served = ui.build(FakeAnswerer())
-        browser = Browser(tmp_path / "profile", flags=flags)
-        browser.open(ui.launch(served))
-        yield browser, folder
-        browser.close()
+        camera_browser.open(ui.launch(served))
+        yield camera_browser, folder
         served.close()
 
 
@@ -71,7 +61,6 @@ def files_in(folder):
     return [Path(home) / name for home, _, names in os.walk(folder) for name in names]
 
 
-@needs_browser
 def test_an_upload_is_gone_when_its_page_was_closed(page, recordings):
     browser, folder = page
     browser.upload("Recording", recordings["dark"])
@@ -84,7 +73,6 @@ def test_an_upload_is_gone_when_its_page_was_closed(page, recordings):
         time.sleep(0.5)
 
 
-@needs_browser
 def test_live_pictures_do_not_pile_up(page, monkeypatch):
     browser, folder = page
     monkeypatch.setattr(session_files, "SHOWN_S", 0.5)

@@ -102,10 +102,7 @@ def test_the_same_recording_is_kept_once_whatever_it_is_called(folder):
             "data:application/zip,PK",
             "The clip's data URI is not in base64; send 'data:;base64,' and the file in base64.",
         ),
-        (
-            "data:;base64,PK*",
-            "The clip's data URI is cut off or no base64; send the whole file.",
-        ),
+        ("data:;base64,PK*", "The clip's data URI is cut off or no base64; send the whole file."),
         (
             "data:;base64,\u00e4",
             "The clip's data URI is cut off or no base64; send the whole file.",

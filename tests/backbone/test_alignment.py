@@ -4,15 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.backbone.alignment import (
-    CHANNELS,
-    LEAST_WEIGHT,
-    align,
-    align_sequence,
-    alignment,
-    changed_weight,
-    small,
-)
+from geotlm_lm.backbone.alignment import CHANNELS, align, align_sequence, alignment, small
 from geotlm_lm.backbone.rigid import SIDE, Rigid
 
 AXIS = np.arange(SIDE) - (SIDE - 1) / 2
@@ -145,14 +137,6 @@ def test_an_outline_that_stands_still_does_not_hold_back_a_turn():
     before = outline * (1 + face) + sensor_noise(4)
     after = outline * (1 + turn.moved(face)) + sensor_noise(5)
     assert align(before, after).turn_rad == pytest.approx(0.1, rel=0.2)
-
-
-def test_pixels_count_by_how_much_they_changed():
-    after = IMPRINT.copy()
-    after[:, : SIDE // 2] += 1.0
-    weight = changed_weight(IMPRINT, after)
-    assert weight[:, :20].min() > 0.95
-    assert weight[:, -20:].max() == pytest.approx(LEAST_WEIGHT)
 
 
 @pytest.mark.parametrize("aspect", [1.0, 4 / 3, 0.75])

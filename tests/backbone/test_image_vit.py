@@ -5,12 +5,7 @@ from dataclasses import replace
 import pytest
 import torch
 
-from geotlm_lm.backbone.image_vit import (
-    ImageViT,
-    ImageViTConfig,
-    resized_positions,
-    sinusoids,
-)
+from geotlm_lm.backbone.image_vit import ImageViT, ImageViTConfig, resized_positions, sinusoids
 
 CONFIG = ImageViTConfig(
     width=24,

@@ -200,19 +200,3 @@ def test_a_clip_of_another_length_is_refused(name):
 def test_a_clip_without_an_idle_frame_is_refused_where_one_is_needed(name):
     with pytest.raises(ValueError, match="reads the difference from an idle frame, found none"):
         pixels(name, Clip(flat_clip(COLOURS).frames))
-
-
-def test_normalising_takes_the_mean_away_and_divides_by_the_deviation():
-    mean, deviation = IMAGENET
-    images = torch.tensor([m + 2 * d for m, d in zip(mean, deviation, strict=True)])
-    found = normalised(images[None, :, None, None].expand(2, 3, 4, 5), IMAGENET)
-    torch.testing.assert_close(found, torch.full((2, 3, 4, 5), 2.0))
-
-
-@pytest.mark.parametrize("how", ["bilinear", "bicubic"])
-def test_resizing_keeps_a_constant_and_turns_nothing_over(how):
-    assert torch.allclose(resized(torch.full((1, 3, 9, 7), 0.3), (4, 5), how), torch.tensor(0.3))
-    ramp = torch.linspace(0, 1, 64).expand(1, 3, 64, 64)
-    small = resized(ramp, (16, 16), how)
-    assert (small.diff(dim=-1) > 0).all()
-    assert small.std(dim=-2).max() < 1e-6

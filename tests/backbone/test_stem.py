@@ -87,14 +87,6 @@ def test_a_repeated_frame_is_looked_at_once_and_tells_the_same(numbers, monkeypa
     assert deviation.max() < 0.1
 
 
-def test_the_idle_gel_tells_the_same_however_often_it_is_looked_at(monkeypatch):
-    idle = np.random.default_rng(0).integers(90, 130, (224, 224, 3)).astype(np.uint8)
-    clip = Clip(np.stack([idle] * 4), background=idle)
-    inputs, _, _ = measure_clip(clip)
-    monkeypatch.setattr(imprint, "_distinct", lambda frames: (list(frames), [0, 1, 2, 3]))
-    np.testing.assert_array_equal(inputs, measure_clip(clip).inputs)
-
-
 def test_contrast_is_higher_where_the_imprint_is():
     contrast = measure_clip(moving_clip()).inputs[..., CONTRAST]
     assert contrast[:, 6:8, 6:8].min() > contrast[:, 0, 0].max() + 0.5

@@ -7,8 +7,8 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
-from geotlm_lm.cli.main import main
 from tests.cli import fakes
+from tests.cli.running import run
 from tests.recordings import broken_files
 
 
@@ -27,13 +27,6 @@ def clip_path(tmp_path):
     frames = np.random.default_rng(0).integers(0, 255, (30, 24, 32, 3)).astype(np.uint8)
     np.save(path, frames)
     return path
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as exit_info:
-        main([str(argument) for argument in arguments])
-    printed = capsys.readouterr()
-    return exit_info.value.code, printed.out, printed.err
 
 
 def test_the_sentence_goes_to_stdout_and_notes_to_stderr(capsys, answerer, clip_path):
@@ -101,7 +94,7 @@ def test_an_abstention_fails_only_when_asked_to(capsys, answerer, clip_path):
     )
 
 
-@pytest.mark.parametrize("name", broken_files.CASES)
+@pytest.mark.parametrize("name", ["nan.npy", "bomb.npz", "rubbish.avi"])
 @pytest.mark.parametrize("command", ["answer", "info"])
 def test_a_bad_clip_ends_with_its_sentence_and_code_3(capsys, answerer, tmp_path, command, name):
     content, sentence = broken_files.CASES[name]

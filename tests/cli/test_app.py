@@ -5,7 +5,6 @@ import sys
 
 import pytest
 
-from geotlm_lm.cli import app as command
 from geotlm_lm.cli.main import main
 
 
@@ -49,7 +48,3 @@ def test_the_page_started_as_a_module_takes_the_same_options():
     )
     assert started.returncode == 2
     assert started.stderr.startswith("Invalid value for '--port': ")
-
-
-def test_a_checkout_finds_the_page_beside_the_package():
-    assert command.page_package() == "app"

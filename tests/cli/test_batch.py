@@ -65,15 +65,6 @@ def test_what_is_no_recording_is_named(invoke, tmp_path):
     assert ": a.txt, b.txt, c.txt, d.txt, e.txt and 2 more\n" in invoke("--out", own).stderr
 
 
-def test_a_senseless_frame_rate_is_refused(invoke):
-    error = invoke("--fps", "-3").exception
-    assert isinstance(error, UsageError)
-    assert str(error) == (
-        "A frame rate of -3 was given, expected more than 0 and less than 100000 per second; give "
-        "the camera's, or leave it out."
-    )
-
-
 def test_questions_are_lines_without_blanks_comments_and_repetitions(tmp_path):
     path = tmp_path / "q.txt"
     path.write_text("# about caps\nWhich way?\n\n  Is it still? \nWhich way?\n", encoding="utf-8")
@@ -90,10 +81,7 @@ def test_questions_are_lines_without_blanks_comments_and_repetitions(tmp_path):
             "{}, line 3: the question has 501 characters, expected at most 500; ask one short "
             "question at a time.",
         ),
-        (
-            None,
-            "{}: cannot be read (No such file or directory); give a text file of questions.",
-        ),
+        (None, "{}: cannot be read (No such file or directory); give a text file of questions."),
     ],
 )
 def test_a_file_without_questions_is_refused(tmp_path, content, sentence):
@@ -162,12 +150,13 @@ def test_rows_replace_an_empty_file_and_those_of_an_earlier_run(invoke, tmp_path
         assert len(out.read_text().splitlines()) == 2
 
 
-def test_grey_arrays_are_read_with_their_layout(invoke, tmp_path):
+def test_grey_arrays_are_read_with_their_layout_and_a_senseless_rate_is_refused(invoke, tmp_path):
     grey = recording().frames.mean(axis=-1).astype(np.uint8)
     np.save(tmp_path / "clips" / "cap.npy", grey)
     assert invoke().stdout.endswith("2 rows, 2 of them errors\n")
     assert invoke("--layout", "THW").stdout.endswith("2 rows, 0 of them errors\n")
     assert isinstance(invoke("--layout", "HW").exception, UsageError)
+    assert isinstance(invoke("--fps", "-3").exception, UsageError)
 
 
 def test_square_pixels_are_told_to_the_reader_of_every_clip(invoke, tmp_path):

@@ -9,14 +9,8 @@ import pytest
 from geotlm_lm.answering import Answerer
 from geotlm_lm.cli.main import main
 from tests.answering.scripted import feeling
-from tests.tiny_bundle import tiny_bundle
 
 DIRECTION = "Clockwise, in the camera image."
-
-
-@pytest.fixture(scope="module")
-def bundle():
-    return tiny_bundle()
 
 
 @pytest.fixture
@@ -74,20 +68,6 @@ def test_an_unknown_fact_is_refused_with_examples(talk):
     assert err[-1].startswith("'it is shiny' is no fact I know; say for example 'left-hand thread'")
 
 
-def test_a_turned_image_is_a_fact_and_one_without_its_sense_is_asked_for_it(talk):
-    out, err = talk(
-        "/frame the image is rotated by 90 degrees clockwise", "/frame the camera is sideways"
-    )
-    assert out == [
-        "Frame: camera image turned back by 90 degrees counterclockwise, looking out of the "
-        "sensor, object relative to sensor."
-    ]
-    assert err[-1] == (
-        "I cannot tell a direction without the way it is turned: say clockwise or "
-        "counterclockwise, such as 'the camera is mounted turned by 90 degrees clockwise'."
-    )
-
-
 def test_json_holds_the_whole_answer_until_it_is_switched_off(talk):
     out, _ = talk("/json", "which way?", "/json", "which way?")
     assert json.loads(out[0])["direction"] == "clockwise"
@@ -115,15 +95,6 @@ def test_history_repeats_the_turns(talk):
     assert out[1:] == ["> which way?", DIRECTION]
 
 
-def test_a_second_clip_can_be_compared_with_the_first(talk, clip_path):
-    talk.calibration["temperature"] = 0.1
-    out, _ = talk(f"/clip {clip_path}", "do they turn the same way?")
-    assert out == [
-        f"Looking at {clip_path}; 2 clips are open.",
-        "The same: of both clips, it goes clockwise in the camera image.",
-    ]
-
-
 @pytest.mark.parametrize(
     ("line", "message"),
     [
@@ -144,24 +115,16 @@ def test_quit_ends_it_before_the_input_does(talk, word):
     assert talk(word, "which way?")[0] == []
 
 
-def test_help_needs_no_stroke(talk):
-    assert talk("Help")[0] == talk("/help")[0] != []
-
-
-def test_help_lists_every_command(talk):
+def test_help_lists_every_command_with_and_without_a_stroke(talk):
     out, _ = talk("/help")
+    assert talk("Help")[0] == out
     for command in ("/clip", "/evidence", "/frame", "/history", "/json", "/quit", "/why"):
         assert any(line.startswith(command) for line in out)
 
 
-def test_the_model_folder_reaches_the_loader_once(talk, tmp_path):
-    talk("which way?", "again", options=("--model", str(tmp_path)))
-    assert talk.folders == [(tmp_path, "float32")]
-
-
-def test_the_number_format_reaches_the_loader(talk):
-    talk("which way?", options=("--precision", "int8"))
-    assert talk.folders == [(None, "int8")]
+def test_model_folder_and_number_format_reach_the_loader_once(talk, tmp_path):
+    talk("which way?", "again", options=("--model", str(tmp_path), "--precision", "int8"))
+    assert talk.folders == [(tmp_path, "int8")]
 
 
 def test_the_size_of_a_pixel_given_at_the_start_is_part_of_the_frame(talk):

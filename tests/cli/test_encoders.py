@@ -6,13 +6,13 @@ from functools import partial
 import pytest
 
 from geotlm_lm.benchmarks.running import rows_of
-from geotlm_lm.cli.main import main
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.language.decoder import LanguageSize
 from geotlm_lm.training import config, train
 from geotlm_lm.training.config import HeadsPreset
 from geotlm_lm.training.language import LanguageTraining
 from tests.backbone.small_files import write_small
+from tests.cli.running import run
 
 TINY = HeadsPreset(
     name="tiny",
@@ -22,13 +22,6 @@ TINY = HeadsPreset(
     language_steps=2,
     language_batch=4,
 )
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as exit_info:
-        main([str(argument) for argument in arguments])
-    printed = capsys.readouterr()
-    return exit_info.value.code, printed.out, printed.err
 
 
 @pytest.fixture

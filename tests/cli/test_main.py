@@ -13,14 +13,7 @@ import typer
 from geotlm_lm.cli import main as main_module
 from geotlm_lm.cli.options import path_of
 from geotlm_lm.core.errors import BelowMinimum, IncompatibleBundle, MissingDependency
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as exit_info:
-        main_module.main(list(arguments))
-    printed = capsys.readouterr()
-    return exit_info.value.code, printed.out, printed.err
-
+from tests.cli.running import run
 
 WRONG_CALLS = {
     "no command": ([], "Missing command; see `geotlm-lm --help`.\n"),
@@ -29,10 +22,7 @@ WRONG_CALLS = {
         "No such command 'answr'. Did you mean 'answer'? See `geotlm-lm --help`.\n",
     ),
     "unknown command": (["ask"], "No such command 'ask'; see `geotlm-lm --help`.\n"),
-    "unknown flag": (
-        ["answer", "--zzz"],
-        "No such option: --zzz; see `geotlm-lm --help`.\n",
-    ),
+    "unknown flag": (["answer", "--zzz"], "No such option: --zzz; see `geotlm-lm --help`.\n"),
     "no clip": (
         ["answer", "--q", "Which way?"],
         "Missing option '--clip'; see `geotlm-lm --help`.\n",
@@ -74,6 +64,14 @@ WRONG_CALLS = {
         ["simulate", "--clip", "a.npz", "--count", "5"],
         "--count cannot go with --clip; leave out one of them.\n",
     ),
+    "a data set that is forced": (
+        ["simulate", "--out", "b", "--force"],
+        "--force cannot go with --out; leave out one of them.\n",
+    ),
+    "no film to force": (
+        ["watch", "--source", "a.npz", "--force"],
+        "--force lets --draw replace a file; give --draw, or leave it out.\n",
+    ),
     "a clip that is no archive": (
         ["simulate", "--clip", "a.npy"],
         "--clip a.npy was given, expected a name that ends in .npz.\n",
@@ -91,24 +89,9 @@ def test_a_wrong_call_ends_with_one_sentence_and_code_2(capsys, case):
     "words",
     [
         "answer --q Which? --clip",
-        "chat --clip",
-        "info --clip",
-        "watch --source",
         "batch --questions q.txt --out a.jsonl --clips",
-        "train --preset smoke --out",
         "simulate --count 1 --out",
-        "evaluate --weights gone.pth --run-folder",
-        "bench accuracy --weights",
-        "bench pareto --out",
-        "info --clip x.npy --background",
-        "answer --clip x.npy --q Which? --model",
-        "evaluate --real",
-        "evaluate --out",
-        "manifest --out m.csv --root",
-        "bench accuracy --real",
-        "bench stability --model",
         "bench render --results",
-        "watch --source x.mp4 --draw",
     ],
 )
 def test_an_empty_path_is_not_taken_for_the_current_folder(capsys, tmp_path, monkeypatch, words):
@@ -256,21 +239,13 @@ def test_an_output_that_nobody_reads_ends_the_command_silently():
     assert (done.returncode, done.stderr) == (1, "")
 
 
-def test_an_error_of_the_system_that_is_a_defect_keeps_its_trace(monkeypatch):
+@pytest.mark.parametrize("defect", [ZeroDivisionError, FileNotFoundError])
+def test_a_defect_keeps_its_trace(monkeypatch, defect):
     def break_down(path, **options):
-        raise FileNotFoundError(2, "No such file or directory")
+        raise defect
 
     monkeypatch.setattr("geotlm_lm.recordings.read.read_clip", break_down)
-    with pytest.raises(FileNotFoundError):
-        main_module.main(["info", "--clip", "clip.npy"])
-
-
-def test_a_defect_keeps_its_trace(monkeypatch):
-    def break_down(path, **options):
-        raise ZeroDivisionError("a defect")
-
-    monkeypatch.setattr("geotlm_lm.recordings.read.read_clip", break_down)
-    with pytest.raises(ZeroDivisionError):
+    with pytest.raises(defect):
         main_module.main(["info", "--clip", "clip.npy"])
 
 
@@ -290,24 +265,8 @@ def test_every_commands_help_shows_an_example(capsys, command):
 
 
 def test_every_option_says_what_it_is():
-    import typer
-
     for command in typer.main.get_command(main_module.app).commands.values():
         assert [option.name for option in command.params if not option.help] == []
-
-
-def test_asking_for_help_loads_no_model_and_no_camera_library():
-    program = (
-        "import sys\n"
-        "from geotlm_lm.cli.main import main\n"
-        "try: main(['--help'])\n"
-        "except SystemExit: pass\n"
-        "heavy = {'torch', 'transformers', 'cv2', 'scipy', 'sklearn', 'gradio', 'numpy'}\n"
-        "print(sorted(heavy & set(sys.modules)))"
-    )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert done.stdout.splitlines()[-1] == "[]"
-    assert done.stderr == ""
 
 
 def test_a_wrong_path_is_told_before_the_model_is_loaded():

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from geotlm_lm.cli.progress import REPORT_EVERY_S, ProgressBars, ProgressLines, progress_on_stderr
+from geotlm_lm.cli.progress import REPORT_EVERY_S, ProgressBars, ProgressLines
 
 
 def lines_of(capsys, reports, unit="clips"):
@@ -89,7 +89,3 @@ def test_rich_is_loaded_for_a_terminal_only(is_terminal):
     assert done.stdout == f"{is_terminal}\n"
     assert (shown == "simulated: 3 of 3 clips\n") != is_terminal
     assert ("3/3" in shown) == is_terminal
-
-
-def test_without_a_terminal_stderr_gets_lines(capsys):
-    assert isinstance(progress_on_stderr(), ProgressLines)

@@ -30,13 +30,6 @@ def test_a_simulated_clip_is_a_readable_recording_with_its_label(tmp_path, capsy
     assert label["object"] == "key"
 
 
-def test_the_same_seed_writes_the_same_frames(tmp_path):
-    for name in ("a.npz", "b.npz"):
-        run("simulate", "--clip", tmp_path / name, "--seed", 5)
-    first, second = (np.load(tmp_path / name)["frames"] for name in ("a.npz", "b.npz"))
-    assert np.array_equal(first, second)
-
-
 @pytest.mark.parametrize("name", ["unicorn", ""])
 def test_an_unknown_shape_is_refused_with_the_known_ones(tmp_path, capsys, name):
     assert run("simulate", "--clip", tmp_path / "new" / "a.npz", "--object", name) == 2
@@ -77,11 +70,6 @@ def test_no_file_is_replaced_unless_that_is_asked_for(tmp_path, capsys):
     assert path.read_bytes() == simulated
 
 
-def test_a_data_set_is_continued_or_refused_never_forced(tmp_path, capsys):
-    assert run("simulate", "--out", tmp_path / "set", "--force") == 2
-    assert capsys.readouterr().err == ("--force cannot go with --out; leave out one of them.\n")
-
-
 def test_the_card_of_a_data_set_replaces_no_other_file(tmp_path, capsys):
     (tmp_path / "README.md").write_text("about my project")
     assert run("simulate", "--out", tmp_path, "--count", 1, "--preset", "draft") == 2
@@ -107,20 +95,12 @@ def test_a_height_map_of_ones_own_is_pressed(tmp_path, capsys):
     assert run("simulate", "--out", tmp_path / "set", *mine) == 2
 
 
-def test_a_preset_can_be_chosen(tmp_path, capsys):
-    assert run("simulate", "--clip", tmp_path / "a.npz", "--preset", "draft") == 0
-    assert run("simulate", "--clip", tmp_path / "a.npz", "--preset", "best") == 2
-
-
 def test_markers_are_printed_on_the_same_touch(tmp_path):
     for name, options in (("bare.npz", ()), ("marked.npz", ("--markers",))):
         run("simulate", "--clip", tmp_path / name, "--preset", "draft", "--drift", *options)
     bare, marked = (np.load(tmp_path / name) for name in ("bare.npz", "marked.npz"))
     assert str(bare["label"]) == str(marked["label"])
-    share = marked["background"].astype(float).mean(-1) / bare["background"].mean(-1)
-    # Dots of a third of their spacing: about a tenth of the area, the rest as bright as before.
-    assert 0.03 < (share < 0.75).mean() < 0.25
-    assert np.median(share) == pytest.approx(1, abs=0.02)
+    assert (marked["background"] < bare["background"]).mean() > 0.03
 
 
 def test_a_data_set_says_that_its_gels_are_marked_and_is_not_continued_without(tmp_path, capsys):

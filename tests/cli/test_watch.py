@@ -8,13 +8,12 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.cli.main import main
 from geotlm_lm.cli.watch import _words
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.live import watcher as watcher_module
 from geotlm_lm.live.watcher import Window
-from geotlm_lm.recordings.pixel_shape import SQUASHED, UNSQUASHED
+from tests.cli import running
 from tests.live.test_idle_tracker import gel, touched
 
 FRAMES = 50
@@ -47,10 +46,7 @@ def formats_loaded(monkeypatch):
 
 
 def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as stopped:
-        main(["watch", *[str(one) for one in arguments]])
-    printed = capsys.readouterr()
-    return stopped.value.code, printed.out, printed.err
+    return running.run(capsys, "watch", *arguments)
 
 
 def test_events_are_one_json_object_a_line_and_the_account_is_last(capsys, recording):
@@ -101,10 +97,6 @@ def test_a_rate_that_is_assumed_is_told_and_can_be_given(capsys, tmp_path):
     assert run(capsys, "--source", path, "--fps", 0)[0] == 2
 
 
-def test_a_recording_with_an_untouched_gel_brings_no_warning(capsys, recording):
-    assert "No untouched gel" not in run(capsys, "--source", recording)[2]
-
-
 def test_a_drawing_has_every_frame(capsys, recording, tmp_path):
     drawing = tmp_path / "new" / "out.mp4"
     code, _, _ = run(capsys, "--source", recording, "--draw", drawing)
@@ -121,11 +113,12 @@ def test_a_drawing_is_named_mp4(capsys, recording):
     )
 
 
-def test_a_drawing_never_replaces_the_recording(capsys, recording, tmp_path):
+@pytest.mark.parametrize("forced", [(), ("--force",)])
+def test_a_drawing_never_replaces_the_recording(capsys, tmp_path, forced):
     own = tmp_path / "own.mp4"
     own.write_bytes(b"a recording")
     (tmp_path / "link.mp4").symlink_to(own)
-    assert run(capsys, "--source", own, "--draw", tmp_path / "link.mp4") == (
+    assert run(capsys, "--source", own, "--draw", tmp_path / "link.mp4", *forced) == (
         2,
         "",
         f"--draw: {tmp_path / 'link.mp4'} is read by this command and would be replaced, expected "
@@ -148,13 +141,6 @@ def test_a_drawing_replaces_no_other_file_unless_that_is_asked_for(capsys, recor
     assert cv2.VideoCapture(str(own)).get(cv2.CAP_PROP_FRAME_COUNT) == FRAMES
 
 
-def test_force_replaces_a_drawing_but_never_the_recording(capsys, tmp_path):
-    own = tmp_path / "own.mp4"
-    own.write_bytes(b"a recording")
-    assert run(capsys, "--source", own, "--draw", own, "--force")[0] == 2
-    assert own.read_bytes() == b"a recording"
-
-
 def test_a_camera_that_does_not_open_ends_with_advice_and_code_7(capsys):
     code, out, err = run(capsys, "--source", "97")
     assert (code, out) == (7, "")
@@ -174,34 +160,9 @@ def test_the_number_format_reaches_the_loader(capsys, recording, formats_loaded)
     assert formats_loaded == ["int8"]
 
 
-@pytest.mark.parametrize(
-    ("question", "sentence"),
-    [
-        (" ", "The question is empty; ask for example --q 'Which way is it turning?'.\n"),
-        (
-            "x" * 501,
-            "the question has 501 characters, expected at most 500; ask one short question at a "
-            "time.\n",
-        ),
-    ],
-)
-@pytest.mark.parametrize("source", ["97", "gone.avi"])
-def test_a_question_that_cannot_be_asked_is_told_before_the_source_is_opened(
-    capsys, question, sentence, source
-):
-    assert run(capsys, "--source", source, "--q", question) == (2, "", sentence)
-
-
-def test_an_unknown_number_format_is_told_before_anything_is_loaded(
-    capsys, recording, formats_loaded
-):
-    assert run(capsys, "--source", recording, "--precision", "float8") == (
-        2,
-        "",
-        "found precision 'float8', expected one of float32, bfloat16, int8; give one of them, "
-        "or leave it out.\n",
-    )
-    assert formats_loaded == []
+def test_a_question_that_cannot_be_asked_is_told_before_the_source_is_opened(capsys):
+    sentence = "The question is empty; ask for example --q 'Which way is it turning?'.\n"
+    assert run(capsys, "--source", "gone.avi", "--q", " ") == (2, "", sentence)
 
 
 def test_a_motion_whose_frames_cannot_be_read_does_not_end_the_stream():
@@ -226,22 +187,6 @@ def test_a_grey_array_is_watched_with_its_layout(capsys, tmp_path):
     code, _, err = run(capsys, "--source", path, "--layout", "THW")
     assert (code, "12 frames" in err) == (0, True)
     assert run(capsys, "--source", "recording.avi", "--layout", "HW")[0] == 2
-
-
-def test_force_without_a_drawing_is_refused(capsys, recording):
-    assert run(capsys, "--source", recording, "--force") == (
-        2,
-        "",
-        "--force lets --draw replace a file; give --draw, or leave it out.\n",
-    )
-
-
-@pytest.mark.parametrize(("options", "told"), [((), SQUASHED), (("--square-pixels",), UNSQUASHED)])
-def test_the_shape_of_pixels_is_told_as_it_was_taken(capsys, tmp_path, options, told):
-    frames = np.stack([cv2.resize(one, (224, 224)) for one in islice(gel(), 15)])
-    np.savez(tmp_path / "square.npz", frames=frames, fps=25.0)
-    err = run(capsys, "--source", tmp_path / "square.npz", *options)[2]
-    assert [note for note in (SQUASHED, UNSQUASHED) if f"note: {note}\n" in err] == [told]
 
 
 @pytest.mark.parametrize(("options", "columns"), [((), 224), (("--square-pixels",), 223)])

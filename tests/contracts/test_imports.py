@@ -15,15 +15,7 @@ PACKAGE = Path(geotlm_lm.__file__).parent
 
 LEVELS = (
     {"core"},
-    {
-        "simulation",
-        "recordings",
-        "backbone",
-        "dgr",
-        "probe",
-        "language",
-        "conversation",
-    },
+    {"simulation", "recordings", "backbone", "dgr", "probe", "language", "conversation"},
     {"model", "data", "views", "odometry"},
     {"checkpoint"},
     {"precision"},
@@ -131,12 +123,6 @@ def test_the_page_uses_public_names_and_errors_only():
     assert wrong == []
 
 
-def test_the_command_line_imports_nothing_heavy_before_a_command_runs():
-    paths = sorted((PACKAGE / "cli").glob("*.py"))
-    wrong = {path.name: outside(path, everywhere=False) & HEAVY for path in paths}
-    assert {name: packages for name, packages in wrong.items() if packages} == {}
-
-
 def test_public_names_resolve_and_others_are_attribute_errors():
     assert all(getattr(geotlm_lm, name) is not None for name in geotlm_lm.__all__)
     with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
@@ -152,10 +138,3 @@ def test_importing_the_package_loads_nothing_heavy_not_even_numpy():
     loaded = set(ast.literal_eval(done.stdout))
     assert not loaded & (HEAVY | {"numpy"})
     assert len(loaded) < 30
-
-
-@pytest.mark.parametrize("room", ["recordings.read", "recordings.choose"])
-def test_rooms_without_torch_import_without_torch(room):
-    program = f"import sys, geotlm_lm.{room}; print('torch' in sys.modules)"
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert done.stdout.strip() == "False", done.stderr

@@ -24,7 +24,6 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.generation import ScoredAnswers
 from geotlm_lm.language.parse_answer import Slots
 from tests.answering.scripted import first_kinds_of, recording
-from tests.tiny_bundle import tiny_bundle
 
 FOREIGN = "In welche Richtung dreht es sich?"
 
@@ -47,11 +46,6 @@ class Counting:
         self.scored += 1
         weights = np.where(np.array(options) == self.sentence, -0.1, -5.0)
         return ScoredAnswers(weights, self.sentence if self.sentence in options else None)
-
-
-@pytest.fixture(scope="module")
-def bundle():
-    return tiny_bundle()
 
 
 @pytest.fixture
@@ -91,16 +85,6 @@ def test_a_question_runs_the_stages_it_needs(answerer, question, stages, weighin
     assert set(answer.timing_ms) == stages
     speaker = answerer.bundle.speaker
     assert (speaker.generated, speaker.scored) == ("generate" in stages, weighings)
-
-
-def test_an_open_question_about_an_idle_gel_runs_no_language_model(answerer):
-    idle = recording().background
-    answer = answerer.ask(
-        answerer.encode(Clip(np.stack([idle] * 4), background=idle)), "Which way?"
-    )
-    assert answer.direction is Motion.NONE
-    assert set(answer.timing_ms) == PERCEIVED
-    assert (answerer.bundle.speaker.generated, answerer.bundle.speaker.scored) == (0, 0)
 
 
 def test_several_questions_share_one_encoding(answerer, encodings):
@@ -194,6 +178,7 @@ NEEDS = {
     "--help": set(),
     "answer --help": set(),
     "bench --help": set(),
+    "evaluate --help": set(),
     "bench render --help": set(),
     "info --clip CLIP": READING,
     "simulate --clip MADE": SIMULATING,

@@ -120,15 +120,6 @@ def test_an_image_is_either_upside_down_or_turned_by_a_quarter(turn, other):
     )
 
 
-@pytest.mark.parametrize("side", ["head", "shank"])
-@pytest.mark.parametrize("thread", ["right", "left"])
-@pytest.mark.parametrize("motion", [CW, CCW])
-def test_side_hand_and_turn_each_invert_tightening(side, thread, motion):
-    inversions = (side == "shank") + (thread == "left") + (motion == CCW)
-    spec = FrameSpec(contact_side=side, thread=thread)
-    assert spec.tightens(motion) is (inversions % 2 == 0)
-
-
 @pytest.mark.parametrize(
     ("side", "thread", "motion"),
     [("side", "right", CW), (None, "right", CW), ("head", None, CW), ("head", "right", LEFT)],
@@ -161,12 +152,13 @@ def test_the_sentence_says_which_way_a_turned_image_is_turned_back():
     )
 
 
-def test_a_pixel_of_a_size_no_camera_has_is_refused_with_how_to_find_its_own():
+@pytest.mark.parametrize("value", [9.0, float("nan"), float("inf"), -0.06, 0])
+def test_a_pixel_of_a_size_no_camera_has_is_refused_with_how_to_find_its_own(value):
     with pytest.raises(UsageError) as caught:
-        FrameSpec(mm_per_px=9.0)
+        FrameSpec(mm_per_px=value)
     assert str(caught.value) == (
-        "A pixel of 9 mm was given, expected 0.001 to 2 mm, such as 0.06 of a GelSight Mini's "
-        "320x240; divide the mm of gel that are seen by the image's columns."
+        f"A pixel of {value:g} mm was given, expected 0.001 to 2 mm, such as 0.06 of a GelSight "
+        "Mini's 320x240; divide the mm of gel that are seen by the image's columns."
     )
 
 
@@ -207,12 +199,6 @@ def test_a_size_that_is_no_number_is_refused(value):
         f"mm_per_px was {value!r}, expected a number from 0.001 to 2 or None; give the millimetres "
         f"of gel that a pixel is wide, or leave mm_per_px out."
     )
-
-
-@pytest.mark.parametrize("value", [float("nan"), float("inf"), -0.06, 0])
-def test_a_size_that_is_none_of_a_pixel_is_refused(value):
-    with pytest.raises(UsageError, match=r"^A pixel of \S+ mm was given, expected 0.001 to 2 mm,"):
-        FrameSpec(mm_per_px=value)
 
 
 def test_any_number_is_a_size():

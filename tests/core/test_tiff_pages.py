@@ -33,8 +33,7 @@ def tiff(sizes, order="<", *, is_big=False, kind=4, last=0):
 
 
 @pytest.mark.parametrize(
-    ("order", "is_big", "kind"),
-    [("<", False, 4), (">", False, 4), ("<", True, 4), ("<", True, 16)],
+    ("order", "is_big", "kind"), [("<", False, 4), (">", False, 4), ("<", True, 4), ("<", True, 16)]
 )
 def test_every_page_has_its_size_whatever_the_order_of_bytes(order, is_big, kind):
     assert page_sizes(io.BytesIO(tiff(SIZES, order, is_big=is_big, kind=kind)), 9) == SIZES

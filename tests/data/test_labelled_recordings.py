@@ -1,5 +1,4 @@
 from collections import Counter
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -9,8 +8,6 @@ from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.data import labelled_recordings
 from geotlm_lm.data.labelled_recordings import find_labelled_recordings
-
-REAL = Path(__file__).parents[3] / "shared" / "real" / "physiclear"
 
 
 def write_recording(path, frame_count=20):
@@ -197,14 +194,13 @@ def test_an_unknown_choice_of_frames_is_refused(folder):
 
 
 @pytest.mark.real
-@pytest.mark.skipif(not REAL.is_dir(), reason="the real recordings are not here")
-def test_flow_names_the_turn_of_real_recordings_played_both_ways():
+def test_flow_names_the_turn_of_real_recordings_played_both_ways(real):
     from geotlm_lm.core.labels import ROTATIONS
     from geotlm_lm.probe.rigid_flow import RigidFlow
 
-    recordings = only(REAL)
+    recordings = only(real / "physiclear")
     assert len(recordings.rows) == 271
-    some = labelled_recordings.LabelledRecordings(REAL, recordings.rows[::10])
+    some = labelled_recordings.LabelledRecordings(recordings.folder, recordings.rows[::10])
     flow = RigidFlow()
     right = [flow.predict(w.clip, ROTATIONS) == w.motion for w in some.windows()]
     # 542 of 542 measured on all windows; one of these 56 may go wrong with another decoder.

@@ -8,7 +8,7 @@ from sklearn.feature_extraction.text import TfidfVectorizer
 from sklearn.linear_model import LogisticRegression
 
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, MotionLabel
-from geotlm_lm.data.distractors import PAIRS, SECOND_PAIR, draw_option_set
+from geotlm_lm.data.distractors import draw_option_set
 from geotlm_lm.data.question_contents import amount_of
 from geotlm_lm.data.questions import questions_for, with_typo
 from geotlm_lm.data.templates import load_templates
@@ -84,26 +84,11 @@ def test_question_text_alone_predicts_no_motion(type_id):
     assert_at_chance(*zip(*pairs, strict=True))
 
 
-def test_a_leak_would_be_found():
-    """The classifier of the tests above, where three questions in ten betray it."""
-    rng = np.random.default_rng(3)
-    motions = [list(Motion)[i] for i in rng.integers(len(Motion), size=1200)]
-    texts = [f"which way{f' {motion.value}ish' * (rng.random() < 0.3)}?" for motion in motions]
-    with pytest.raises(AssertionError):
-        assert_at_chance(texts, motions)
-
-
 @pytest.mark.parametrize("type_id", ["T1", "T10", "T11", "T12", "T13", "T14", "T15", "T21"])
 def test_every_answer_that_names_the_motion_is_right_equally_often(asked, type_id):
     counts = Counter(question.answer for question in asked if question.type_id == type_id)
     assert len(counts) == len(Motion)
     assert len(set(counts.values())) == 1
-
-
-@pytest.mark.parametrize("type_id", ["T2", "T4", "T18"])
-def test_yes_is_right_half_of_the_time(asked, type_id):
-    verdicts = [question.slots.verdict for question in asked if question.type_id == type_id]
-    assert abs(np.mean(verdicts) - 0.5) < 4 * 0.5 / np.sqrt(len(verdicts))
 
 
 @pytest.mark.parametrize(
@@ -119,29 +104,12 @@ def test_a_claim_is_true_half_of_the_time_whatever_it_claims(asked, type_id, of_
         assert abs(np.mean(verdicts) - 0.5) < 4 * 0.5 / np.sqrt(len(verdicts))
 
 
-def test_most_false_claims_are_the_opposite_motion(asked):
-    opposite = {a: b for pair in PAIRS for a, b in (pair, pair[::-1])}
-    false = [q for q in asked if q.type_id == "T2" and not q.slots.verdict]
-    claims = [next(o for o in q.options if o.startswith("Yes")) for q in false]
-    truths = {q.answer: q.slots.direction for q in asked if q.type_id == "T2"}
-    share = np.mean(
-        [truths[c] == opposite[q.slots.direction] for c, q in zip(claims, false, strict=True)]
-    )
-    assert abs(share - 0.7) < 4 * np.sqrt(0.21 / len(false))
-
-
 @pytest.mark.parametrize("count", [2, 3, 4])
 def test_the_true_letter_is_uniform(asked, count):
     letters = [q.slots.letter for q in asked if q.type_id == "T3" and len(q.options) == count]
     shares = np.array(list(Counter(letters).values())) / len(letters)
     assert len(shares) == count
     assert np.abs(shares - 1 / count).max() < 4 * np.sqrt(1 / count / len(letters))
-
-
-def test_second_pairs_are_symmetric_and_complete():
-    np.testing.assert_allclose(SECOND_PAIR, SECOND_PAIR.T)
-    np.testing.assert_allclose(SECOND_PAIR.sum(0), 1)
-    assert not np.diag(SECOND_PAIR).any()
 
 
 @pytest.mark.parametrize("count", [2, 3, 4])
@@ -159,11 +127,6 @@ def test_a_set_is_as_likely_whichever_member_is_true(count):
         counts = np.array([seen[chosen, truth] for truth in chosen])
         # A chi-square of equal rates with count - 1 degrees of freedom; 30 has p < 1e-6.
         assert ((counts - counts.mean()) ** 2).sum() / counts.mean() < 30
-
-
-def test_five_options_are_refused():
-    with pytest.raises(ValueError, match="2 to 4 options, not 5"):
-        draw_option_set(Motion.LEFT, 5, np.random.default_rng(0))
 
 
 def test_an_unreadable_motion_gets_no_question_about_it():
@@ -282,12 +245,6 @@ def test_questions_are_typed_in_more_than_one_way(asked):
     unmarked = np.mean([text[-1] not in "?." for text in texts])
     assert 0.25 < lower < 0.6
     assert 0.15 < unmarked < 0.6
-
-
-def test_the_same_generator_asks_the_same_questions():
-    label = MotionLabel(Motion.LEFT)
-    once, twice = (questions_for(label, np.random.default_rng(5)) for _ in range(2))
-    assert once == twice
 
 
 def test_a_typo_changes_one_longer_word_between_its_first_and_last_letter():

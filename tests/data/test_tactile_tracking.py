@@ -5,11 +5,7 @@ import pytest
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import ROTATIONS, SLIDES
 from geotlm_lm.data.pose_pairs import PairRule, labelled_pairs
-from geotlm_lm.data.tactile_tracking import (
-    is_tactile_tracking,
-    pair_clip,
-    read_tactile_tracking,
-)
+from geotlm_lm.data.tactile_tracking import is_tactile_tracking, pair_clip, read_tactile_tracking
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from tests.data.tracked_trials import COLUMNS, ROWS, path_of, write_trial, write_video
 
@@ -54,11 +50,9 @@ def reason(folder):
 
 def test_trials_are_found_inside_the_folder_the_archive_unpacks_to(read):
     assert [trial.folder.name for trial in read.trials] == sorted(MOTIONS)
-    assert read.left_out == {}
-
-
-def test_an_object_is_its_folder_without_the_number(read):
     assert {trial.object_id for trial in read.trials} == {"key", "bead", "seed"}
+    assert read.trials[0].mm_per_px == pytest.approx(0.0634)
+    assert read.left_out == {}
 
 
 def test_the_layout_is_told_from_others(written, tmp_path):
@@ -66,10 +60,6 @@ def test_the_layout_is_told_from_others(written, tmp_path):
     assert is_tactile_tracking(written[0] / "normalflow_dataset")
     assert not is_tactile_tracking(tmp_path)
     assert not is_tactile_tracking(tmp_path / "gone")
-
-
-def test_pixels_are_as_large_as_the_sensors_configuration_says(read):
-    assert read.trials[0].mm_per_px == pytest.approx(0.0634)
 
 
 @pytest.mark.parametrize("task", ["rotation", "sliding"])

@@ -10,7 +10,6 @@ import pytest
 gradio = pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
 from app import api, ui  # noqa: E402
-from geotlm_lm import Answerer  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/programs.md").read_text()
@@ -22,11 +21,6 @@ def example(mark, address):
     (code,) = (text for _, text in BLOCKS if mark in text)
     assert "http://127.0.0.1:7860" in code
     return code.replace("http://127.0.0.1:7860", address.rstrip("/"))
-
-
-@pytest.fixture(scope="module")
-def answerer():
-    return Answerer.load()
 
 
 @pytest.fixture(scope="module")

@@ -6,10 +6,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-import torch
 
-import geotlm_lm
-from geotlm_lm.answering import Answerer
 from geotlm_lm.backbone import imprint
 from geotlm_lm.backbone.lights import Lights
 from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, measure_clip
@@ -28,21 +25,8 @@ from geotlm_lm.training.recording_forms import truth_in_view
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "app" / "examples"
-REAL = ROOT.parent / "shared" / "real" / "physiclear"
 SIZE_LIMIT_MB = 20
 QUESTION = "Which way is it moving?"
-
-pytestmark = pytest.mark.skipif(
-    not (Path(geotlm_lm.__file__).parent / "bundle").is_dir(), reason="needs the trained bundle"
-)
-
-
-@pytest.fixture(scope="module")
-def answerer():
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield Answerer.load()
-    torch.set_num_threads(before)
 
 
 @pytest.fixture(scope="module")
@@ -179,9 +163,8 @@ def test_an_untouched_gel_is_never_given_a_direction(answerer):
 
 
 @pytest.mark.real
-@pytest.mark.skipif(not REAL.is_dir(), reason="needs the labelled recordings of ../shared/real")
-def test_real_turns_are_told_forwards_and_backwards(answerer):
-    recordings = find_labelled_recordings(REAL)[0]
+def test_real_turns_are_told_forwards_and_backwards(answerer, real):
+    recordings = find_labelled_recordings(real / "physiclear")[0]
     rows = replace(recordings, rows=recordings.rows[::9])
     right = [
         direction(answerer, window.clip) == window.motion

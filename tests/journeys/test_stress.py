@@ -1,30 +1,13 @@
 """The shipped model under stress: it refuses what is no picture, and crashes at nothing."""
 
-from pathlib import Path
-
 import pytest
-import torch
 
-import geotlm_lm
-from geotlm_lm.answering import Answerer
 from geotlm_lm.benchmarks.cases.damaged import extreme_clips
 from geotlm_lm.benchmarks.cases.stiff import STIFF_CASES
 from geotlm_lm.benchmarks.rows import Run
 from geotlm_lm.benchmarks.stability_rows import CONFIDENT, judge, judge_scene
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.simulation.touch import Touch, simulate_touch
-
-pytestmark = pytest.mark.skipif(
-    not (Path(geotlm_lm.__file__).parent / "bundle").is_dir(), reason="needs the trained bundle"
-)
-
-
-@pytest.fixture(scope="module")
-def answerer():
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield Answerer.load()
-    torch.set_num_threads(before)
 
 
 @pytest.fixture(scope="module")

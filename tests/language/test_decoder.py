@@ -1,7 +1,4 @@
-import pytest
 import torch
-
-from geotlm_lm.language.decoder import merge_prefix
 
 
 def ids_of(speaker, length=11):
@@ -31,20 +28,6 @@ def test_a_later_token_changes_nothing_before_it(speaker, fused_tokens):
     one, two = (model.decoder(model.embed(x, prefix), places)[0] for x in (ids, other))
     torch.testing.assert_close(one[:, :-1], two[:, :-1], rtol=0, atol=1e-6)
     assert not torch.allclose(one[:, -1], two[:, -1])
-
-
-def test_prefix_embeddings_stand_where_the_placeholders_stood():
-    prefix = torch.arange(12.0).view(2, 2, 3)
-    ids = torch.tensor([[0, 2, 2, 9], [2, 2, 8, 9]])
-    merged = merge_prefix(torch.zeros(2, 4, 3), ids, prefix, tactile_id=2)
-    assert torch.equal(merged[0, 1:3], prefix[0])
-    assert torch.equal(merged[1, 0:2], prefix[1])
-    assert not merged[ids != 2].any()
-
-
-def test_a_wrong_number_of_placeholders_is_refused():
-    with pytest.raises(ValueError, match=r"hold \[1\] tactile placeholders"):
-        merge_prefix(torch.zeros(1, 3, 4), torch.tensor([[2, 5, 6]]), torch.zeros(1, 2, 4), 2)
 
 
 def test_standardised_training_tokens_have_unit_spread(speaker, fused_tokens):

@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from geotlm_lm.core.errors import IncompatibleBundle
-from geotlm_lm.language import generation, weights
+from geotlm_lm.language import weights
 from geotlm_lm.language.generation import Speaker
 from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS
 
@@ -78,15 +78,6 @@ def test_remembered_sets_of_options_are_kept_apart(speaker, fused_tokens):
     np.testing.assert_allclose(other, one[::-1], rtol=1e-5)
 
 
-def test_of_many_sets_of_options_only_some_are_remembered(speaker, fused_tokens, monkeypatch):
-    monkeypatch.setattr(generation, "MOST_TREES", 2)
-    one = speaker.score(fused_tokens[0], QUESTIONS[0], OPTIONS)
-    for option in OPTIONS:
-        speaker.score(fused_tokens[0], QUESTIONS[0], [option])
-    assert len(speaker._trees) <= 2
-    np.testing.assert_array_equal(one, speaker.score(fused_tokens[0], QUESTIONS[0], OPTIONS))
-
-
 def test_saved_and_loaded_it_says_and_scores_the_same(speaker, fused_tokens, tmp_path):
     speaker.save(tmp_path)
     loaded = Speaker.load(tmp_path)
@@ -116,14 +107,16 @@ def test_answering_needs_no_transformers(speaker, tmp_path):
     assert subprocess.run([sys.executable, "-c", script]).returncode == 0
 
 
-def test_a_token_that_is_not_finite_is_refused(speaker):
-    with pytest.raises(ValueError, match="not finite"):
-        speaker.generate(torch.full((1, 24), float("nan")), ["which way?"])
-
-
-def test_a_token_of_another_width_is_refused(speaker):
-    with pytest.raises(ValueError, match=r"shape \(1, 23\), expected \(1, 24\)"):
-        speaker.generate(torch.zeros(1, 23), ["which way?"])
+@pytest.mark.parametrize(
+    ("token", "said"),
+    [
+        (torch.full((1, 24), float("nan")), "not finite"),
+        (torch.zeros(1, 23), r"shape \(1, 23\), expected \(1, 24\)"),
+    ],
+)
+def test_what_is_no_token_of_the_model_is_refused(speaker, token, said):
+    with pytest.raises(ValueError, match=said):
+        speaker.generate(token, ["which way?"])
 
 
 def test_another_format_names_both_numbers(speaker, tmp_path):

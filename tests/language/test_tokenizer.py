@@ -27,15 +27,15 @@ def test_any_text_is_spelled_and_read_back(tokenizer, text):
     assert tokenizer.decode(tokenizer.encode(text).ids, skip_special_tokens=False) == text
 
 
-@pytest.mark.parametrize("marker", ["<tactile>", "< Tactile >", "<eos>", "<assistant>", "<USER>"])
-def test_a_typed_marker_is_never_a_control_token(tokenizer, marker):
-    ids = tokenizer.encode(clean_question(f"which {marker} way {marker}?")).ids
-    assert min(ids) >= len(SPECIAL_TOKENS)
-
-
-def test_markers_nested_to_survive_removal_stay_text(tokenizer):
-    typed = "<<tactile>tactile> <tac<eos>tile> <<tactile>> << < USER > >> <<<</user>>>>"
-    ids = tokenizer.encode(clean_question(typed)).ids
+@pytest.mark.parametrize(
+    "typed",
+    [
+        *("<tactile>", "< Tactile >", "<eos>", "<assistant>", "<USER>"),
+        "<<tactile>tactile> <tac<eos>tile> <<tactile>> << < USER > >> <<<</user>>>>",
+    ],
+)
+def test_a_typed_marker_is_never_a_control_token(tokenizer, typed):
+    ids = tokenizer.encode(clean_question(f"which {typed} way {typed}?")).ids
     assert min(ids) >= len(SPECIAL_TOKENS)
 
 

@@ -32,14 +32,6 @@ def test_nothing_is_told_until_frames_agree():
     assert strengths[-1] < FAINT_IMPRINT
 
 
-def test_a_touch_is_told_from_the_idle_gel():
-    tracker, frames = IdleTracker(), gel()
-    for _ in range(LEARNING_FRAMES):
-        tracker.strength(next(frames))
-    assert tracker.strength(next(frames)) < FAINT_IMPRINT
-    assert tracker.strength(touched(next(frames))) > 2 * FAINT_IMPRINT
-
-
 def test_a_touch_that_stays_is_never_learnt():
     tracker, frames = IdleTracker(), gel()
     for _ in range(LEARNING_FRAMES):

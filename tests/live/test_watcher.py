@@ -1,11 +1,8 @@
 """The sliding window: what is perceived when, and the events of streams whose motions are known."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-import geotlm_lm
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import DIRECTED, Motion
@@ -13,10 +10,6 @@ from geotlm_lm.live.events import MotionEvent
 from geotlm_lm.live.watcher import SAMPLE_S, WITHOUT_DIRECTION, Watcher, Window, model_reader
 from tests.live.stream import FPS, LIFT_S, TOUCH_S, TURN_END_S, TURN_START_S, stream
 from tests.live.test_idle_tracker import gel, touched
-
-needs_bundle = pytest.mark.skipif(
-    not (Path(geotlm_lm.__file__).parent / "bundle").is_dir(), reason="needs the trained bundle"
-)
 
 
 class Scripted:
@@ -46,7 +39,7 @@ def test_the_model_is_left_out_while_nothing_touches():
     assert watcher.account.frames == 40
 
 
-def test_no_direction_is_asked_of_a_window_that_is_untouched_in_part():
+def test_a_window_carries_the_idle_gel_and_asks_no_direction_where_untouched_in_part():
     read, frames = Scripted(), gel()
     watch(
         Watcher(read),
@@ -55,6 +48,9 @@ def test_no_direction_is_asked_of_a_window_that_is_untouched_in_part():
     assert read.among[0] == WITHOUT_DIRECTION
     assert read.among[-1] == tuple(Motion)
     assert not set(WITHOUT_DIRECTION) & set(DIRECTED)
+    clip = read.clips[-1]
+    assert len(clip) == 4
+    assert np.abs(clip.background.astype(float) - next(frames)).mean() < 3
 
 
 @pytest.mark.parametrize("fps", [10.0, 25.0, 60.0])
@@ -103,43 +99,20 @@ def test_a_press_that_is_named_late_began_where_the_imprint_began_to_grow():
     assert events[0].start_s == pytest.approx(began / FPS, abs=2 * SAMPLE_S)
 
 
-def test_a_window_carries_the_idle_gel():
-    read, frames = Scripted(), gel()
-    watch(
-        Watcher(read),
-        [next(frames) for _ in range(12)] + [touched(next(frames)) for _ in range(18)],
-    )
-    clip = read.clips[-1]
-    assert len(clip) == 4
-    assert np.abs(clip.background.astype(float) - next(frames)).mean() < 3
-
-
-@pytest.fixture(scope="module")
-def answerer():
-    import torch
-
-    from geotlm_lm.answering import Answerer
-
-    before = torch.get_num_threads()
-    torch.set_num_threads(1)
-    yield Answerer.load()
-    torch.set_num_threads(before)
-
-
 STREAMS = {
     "a turn of the key to the left": ("key", {"turn_deg": -25.0}, Motion.COUNTERCLOCKWISE),
     "a turn of the nut to the right": ("hex_nut", {"turn_deg": 30.0}, Motion.CLOCKWISE),
     "a slide of the cap": ("bottle_cap", {"turn_deg": 0.0, "slide_mm": 2.0}, Motion.RIGHT),
 }
+TRUE_PX = 2.0 / (20.3 / 224)
+"""How far the cap slides, in pixels of our square."""
 
 
-@needs_bundle
 @pytest.mark.parametrize("name", STREAMS)
-def test_the_events_of_a_simulated_stream_are_told_in_order_and_time(answerer, name):
+def test_the_events_of_a_simulated_stream_are_told_in_order_time_and_size(answerer, name):
     body, path, motion = STREAMS[name]
-    clip = stream(body, **path)
     watcher = Watcher(model_reader(answerer))
-    events = watch(watcher, clip.frames)
+    events = watch(watcher, stream(body, **path).frames)
     over = [event for event in events if event.phase == "end"]
     assert [event.motion for event in over] == [Motion.PRESS, motion, Motion.RELEASE]
     assert len(events) == 6
@@ -149,32 +122,16 @@ def test_the_events_of_a_simulated_stream_are_told_in_order_and_time(answerer, n
     assert moved.start_s == pytest.approx(TURN_START_S, abs=1.5 * SAMPLE_S)
     assert moved.end_s == pytest.approx(TURN_END_S, abs=1.5 * SAMPLE_S)
     assert released.end_s == pytest.approx(LIFT_S, abs=1.5 * SAMPLE_S)
-
-
-@needs_bundle
-def test_how_far_a_simulated_slide_goes_is_told_in_pixels(answerer):
-    clip = stream("bottle_cap", turn_deg=0.0, slide_mm=2.0)
-    watcher = Watcher(model_reader(answerer))
-    event = next(
-        e for e in watch(watcher, clip.frames) if (e.phase, e.motion) == ("end", Motion.RIGHT)
-    )
-    true_px = 2.0 / (20.3 / 224)
-    assert event.slide_x_px == pytest.approx(true_px, rel=0.15)
-    assert abs(event.slide_y_px) < 0.1 * true_px
-    asked = watcher.clip_of(event)
-    encoded = answerer.encode(asked)
-    assert answerer.ask(encoded, "Which way is it sliding?").direction is Motion.RIGHT
-    speed = answerer.ask(encoded, "How fast?").amount
-    assert speed.unit == "px/s"
-    assert speed.value == pytest.approx(true_px / (TURN_END_S - TURN_START_S), rel=0.25)
-
-
-@needs_bundle
-def test_how_far_a_simulated_turn_goes_is_told_in_degrees(answerer):
-    clip = stream("hex_nut", turn_deg=30.0)
-    events = watch(Watcher(model_reader(answerer)), clip.frames)
-    event = next(e for e in events if (e.phase, e.motion) == ("end", Motion.CLOCKWISE))
-    assert event.rotation_deg == pytest.approx(30.0, rel=0.2)
+    if motion is Motion.CLOCKWISE:
+        assert moved.rotation_deg == pytest.approx(30.0, rel=0.2)
+    if motion is Motion.RIGHT:
+        assert moved.slide_x_px == pytest.approx(TRUE_PX, rel=0.15)
+        assert abs(moved.slide_y_px) < 0.1 * TRUE_PX
+        encoded = answerer.encode(watcher.clip_of(moved))
+        assert answerer.ask(encoded, "Which way is it sliding?").direction is Motion.RIGHT
+        speed = answerer.ask(encoded, "How fast?").amount
+        assert speed.unit == "px/s"
+        assert speed.value == pytest.approx(TRUE_PX / (TURN_END_S - TURN_START_S), rel=0.25)
 
 
 def test_a_flash_ends_no_stream():

@@ -215,8 +215,3 @@ CASES = {
         ".webm, .tif, .tiff or a folder of images; export the recording as one of these.",
     ),
 }
-
-
-def write_cases(folder):
-    for name, (content, _) in CASES.items():
-        (folder / name).write_bytes(content)

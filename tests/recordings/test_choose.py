@@ -2,7 +2,6 @@
 
 import csv
 import importlib
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -14,9 +13,6 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.recordings.choose import choose_frames
 from geotlm_lm.recordings.read import read_clip
-
-REAL = Path(__file__).resolve().parents[3] / "shared" / "real"
-needs_real = pytest.mark.skipif(not REAL.exists(), reason="needs the real recordings")
 
 ROWS, COLUMNS = 120, 160
 PATTERN = cv2.GaussianBlur(np.random.default_rng(1).normal(0, 1, (240, 240)), (0, 0), 5)
@@ -175,14 +171,13 @@ def test_a_long_recording_is_compared_at_a_stride(press_hold_twist_release, monk
     assert 28 <= numbers[0] < numbers[-1] <= 50
 
 
-@needs_real
 @pytest.mark.real
-def test_frames_chosen_from_real_recordings_lie_in_contact():
-    with (REAL / "physiclear" / "clips.csv").open() as stream:
+def test_frames_chosen_from_real_recordings_lie_in_contact(real):
+    with (real / "physiclear" / "clips.csv").open() as stream:
         rows = [row for row in csv.DictReader(stream) if row["tier"] == "A"][4::12]
     inside = []
     for row in rows:
-        numbers = choose_frames(read_clip(REAL / "physiclear" / row["clip"])).frame_numbers
+        numbers = choose_frames(read_clip(real / "physiclear" / row["clip"])).frame_numbers
         inside.append(
             int(row["contact_start"]) - 2 <= numbers[0]
             and numbers[-1] <= int(row["contact_end"]) + 2

@@ -47,11 +47,50 @@ def test_an_image_whose_chunk_claims_4_gb_is_refused_before_it_is_decoded(tmp_pa
         read_clip(tmp_path)
 
 
-def test_a_missing_file_is_refused(tmp_path):
-    path = tmp_path / "gone.npy"
+def as_it_is(path):
+    """A name that nothing has."""
+
+
+def with_images_of_two_sizes(folder):
+    folder.mkdir()
+    cv2.imwrite(str(folder / "1.png"), FRAMES[0])
+    cv2.imwrite(str(folder / "2.png"), FRAMES[0][:, :10])
+
+
+def with_a_damaged_image(folder):
+    folder.mkdir()
+    (folder / "1.png").write_bytes(b"not an image")
+
+
+LONG = "a" * 300 + ".npy"
+MADE = {
+    "gone.npy": (as_it_is, "", "no such file or folder; check the path."),
+    LONG: (
+        as_it_is,
+        "",
+        "cannot be opened (File name too long); check the path and its permissions.",
+    ),
+    "pipe.npy": (os.mkfifo, "", "is not a regular file; give a recording."),
+    "sizes": (
+        with_images_of_two_sizes,
+        "/2.png",
+        "is 10x16 pixels, 1.png is 20x16; keep frames of one recording in the folder.",
+    ),
+    "damaged": (
+        with_a_damaged_image,
+        "/1.png",
+        f"is cut off or is no image, expected {IMAGES}; copy or record it again.",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MADE, ids=lambda name: name[:9])
+def test_what_is_no_recording_is_told_by_its_name(tmp_path, name):
+    make, inside, sentence = MADE[name]
+    make(tmp_path / name)
     with pytest.raises(UnreadableClip) as caught:
-        read_clip(path)
-    assert str(caught.value) == f"{path}: no such file or folder; check the path."
+        read_clip(tmp_path / name)
+    assert str(caught.value) == f"{tmp_path / name}{inside}: {sentence}"
 
 
 @pytest.mark.parametrize(
@@ -62,23 +101,6 @@ def test_an_empty_path_is_not_taken_for_the_current_folder(tmp_path, given, want
     with pytest.raises(UnreadableClip) as caught:
         read_clip(**{"path": tmp_path / "clip.npy"} | given)
     assert str(caught.value) == f"An empty path was given, expected {wanted}; give it."
-
-
-def test_a_name_no_file_system_holds_is_refused(tmp_path):
-    path = tmp_path / ("a" * 300 + ".npy")
-    with pytest.raises(UnreadableClip) as caught:
-        read_clip(path)
-    assert str(caught.value) == (
-        f"{path}: cannot be opened (File name too long); check the path and its permissions."
-    )
-
-
-def test_a_pipe_is_refused_before_it_is_opened(tmp_path):
-    path = tmp_path / "pipe.npy"
-    os.mkfifo(path)
-    with pytest.raises(UnreadableClip) as caught:
-        read_clip(path)
-    assert str(caught.value) == f"{path}: is not a regular file; give a recording."
 
 
 @pytest.mark.parametrize(
@@ -101,38 +123,6 @@ def test_a_folder_without_images_is_refused(tmp_path, names, held):
     )
 
 
-def test_a_folder_with_images_of_two_sizes_is_refused(tmp_path):
-    cv2.imwrite(str(tmp_path / "1.png"), FRAMES[0])
-    cv2.imwrite(str(tmp_path / "2.png"), FRAMES[0][:, :10])
-    with pytest.raises(UnreadableClip) as caught:
-        read_clip(tmp_path)
-    assert str(caught.value) == (
-        f"{tmp_path / '2.png'}: is 10x16 pixels, 1.png is 20x16; "
-        f"keep frames of one recording in the folder."
-    )
-
-
-def test_a_folder_with_a_damaged_image_is_refused(tmp_path):
-    (tmp_path / "1.png").write_bytes(b"not an image")
-    with pytest.raises(UnreadableClip) as caught:
-        read_clip(tmp_path)
-    assert str(caught.value) == (
-        f"{tmp_path / '1.png'}: is cut off or is no image, expected {IMAGES}; "
-        f"copy or record it again."
-    )
-
-
-def test_a_layout_that_does_not_fit_the_shape_is_refused(tmp_path):
-    path = tmp_path / "clip.npy"
-    np.save(path, FRAMES)
-    with pytest.raises(UnreadableClip) as caught:
-        read_clip(path, layout="TCHW")
-    assert str(caught.value) == (
-        f"{path}: shape (4, 16, 20, 3) is not of the layout TCHW with 1 or 3 colours; "
-        f"give the layout the file has, or leave it out."
-    )
-
-
 @pytest.mark.parametrize("layout", ["THWC", "TCHW", "THW"])
 @pytest.mark.parametrize("shape", [(), (4,), (2, 3, 4, 5, 3)])
 def test_a_layout_of_another_number_of_axes_is_refused(tmp_path, layout, shape):
@@ -143,32 +133,6 @@ def test_a_layout_of_another_number_of_axes_is_refused(tmp_path, layout, shape):
     assert str(caught.value) == (
         f"{path}: shape {shape} is not of the layout {layout} with 1 or 3 colours; give the layout "
         f"the file has, or leave it out."
-    )
-
-
-def test_an_array_in_place_of_a_path_is_told_what_to_do():
-    with pytest.raises(TypeError) as caught:
-        read_clip(FRAMES)
-    assert str(caught.value) == (
-        "read_clip takes a path, found ndarray; make a clip of an array by Clip(frames)"
-    )
-
-
-def test_an_unknown_layout_is_a_wrong_call(tmp_path):
-    with pytest.raises(UsageError) as caught:
-        read_clip(tmp_path / "clip.npy", layout="HWC")
-    assert str(caught.value) == (
-        "The layout 'HWC' is unknown, expected one of THWC, TCHW, THW, or BGR, or both as in "
-        "THWC-BGR; leave it out to have it guessed."
-    )
-
-
-def test_a_frame_rate_of_zero_is_a_wrong_call(tmp_path):
-    with pytest.raises(UsageError) as caught:
-        read_clip(tmp_path / "clip.npy", fps=0)
-    assert str(caught.value) == (
-        "A frame rate of 0 was given, expected more than 0 and less than 100000 per second; give "
-        "the camera's, or leave it out."
     )
 
 
@@ -201,6 +165,42 @@ def test_a_video_that_changes_its_size_is_refused_in_one_sentence():
         _decode(SizeChanges(), "clip.mkv")
 
 
-def test_a_frame_rate_that_is_no_number_is_refused(tmp_path):
-    with pytest.raises(TypeError, match="^fps is a number, found str; give frames per second such"):
-        read_clip(tmp_path / "clip.npy", fps="25")
+@pytest.mark.parametrize(
+    ("given", "error", "sentence"),
+    [
+        (
+            {"path": FRAMES},
+            TypeError,
+            "read_clip takes a path, found ndarray; make a clip of an array by Clip(frames)",
+        ),
+        (
+            {"background": FRAMES[0]},
+            TypeError,
+            "the background is a path, found ndarray; give an image in memory by "
+            "dataclasses.replace(clip, background=image)",
+        ),
+        ({"layout": 3}, TypeError, "a layout is a str such as 'THWC', found int"),
+        (
+            {"layout": "HWC"},
+            UsageError,
+            "The layout 'HWC' is unknown, expected one of THWC, TCHW, THW, or BGR, or both as in "
+            "THWC-BGR; leave it out to have it guessed.",
+        ),
+        (
+            {"fps": "25"},
+            TypeError,
+            "fps is a number, found str; give frames per second such as 25.0, or leave it out",
+        ),
+        (
+            {"fps": 0},
+            UsageError,
+            "A frame rate of 0 was given, expected more than 0 and less than 100000 per second; "
+            "give the camera's, or leave it out.",
+        ),
+    ],
+)
+def test_a_wrong_argument_is_told_with_what_to_give(tmp_path, given, error, sentence):
+    np.save(tmp_path / "clip.npy", FRAMES)
+    with pytest.raises(error) as caught:
+        read_clip(**{"path": tmp_path / "clip.npy"} | given)
+    assert str(caught.value) == sentence

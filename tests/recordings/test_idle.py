@@ -1,18 +1,14 @@
 """The idle gel: exact where it is a polynomial, found where the recording shows it, else None."""
 
 import csv
-from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.recordings.idle import estimate_background, find_idle, split_in_two
+from geotlm_lm.recordings.idle import estimate_background, find_idle
 from geotlm_lm.recordings.read import read_clip
-
-REAL = Path(__file__).resolve().parents[3] / "shared" / "real"
-needs_real = pytest.mark.skipif(not REAL.exists(), reason="needs the real recordings")
 
 ROWS, COLUMNS = 120, 160
 
@@ -42,7 +38,6 @@ def recording(strengths, centres=None):
 
 
 PRESS = [0] * 6 + [15, 30, 40, 40, 40, 40, 40, 40]
-SWEEP = [(60 + 3 * i, 60) for i in range(14)]
 
 
 def test_a_smooth_gel_is_estimated_to_within_rounding():
@@ -76,20 +71,13 @@ def test_a_gel_nobody_touches_is_not_called_idle():
     assert find_idle(recording([0] * 12)) is None
 
 
-def test_two_groups_are_parted_between_their_means():
-    values = np.float32([7, 1, 2, 8, 9, 0])
-    assert split_in_two(values) == (4.5, 7.0)  # 0, 1, 2 beside 7, 8, 9
-    assert split_in_two(values[::-1] + 10) == (14.5, 7.0)
-
-
-@needs_real
 @pytest.mark.real
-def test_real_recordings_show_their_idle_gel():
-    with (REAL / "physiclear" / "clips.csv").open() as stream:
+def test_real_recordings_show_their_idle_gel(real):
+    with (real / "physiclear" / "clips.csv").open() as stream:
         rows = [row for row in csv.DictReader(stream) if row["tier"] == "A"][::9]
     errors = []
     for row in rows:
-        clip = read_clip(REAL / "physiclear" / row["clip"])
+        clip = read_clip(real / "physiclear" / row["clip"])
         start = int(row["contact_start"])
         seen = np.median(clip.frames[start // 2 : start - 2], axis=0)
         idle = find_idle(clip)
@@ -99,10 +87,9 @@ def test_real_recordings_show_their_idle_gel():
     assert np.median(errors) < 1.5
 
 
-@needs_real
 @pytest.mark.real
-def test_the_estimate_from_real_ball_presses_is_nearer_the_idle_gel_than_the_presses_are():
-    folder = REAL / "calibration" / "ball_press"
+def test_the_estimate_from_real_ball_presses_is_nearer_the_idle_gel_than_the_presses_are(real):
+    folder = real / "calibration" / "ball_press"
     idle = cv2.imread(str(folder / "background.png")).astype(float)
     presses = [cv2.imread(str(path)) for path in sorted(folder.glob("6.310mm_*.png"))[:4]]
     error = estimate_background(np.stack(presses)) - idle

@@ -52,16 +52,15 @@ def test_a_folder_of_images_is_told_to_be_one_recording(tmp_path):
     assert [one.name for one in clips_in(tmp_path)] == ["frames"]
 
 
-def test_a_missing_folder_is_refused(tmp_path):
-    with pytest.raises(UnreadableClip, match="no such folder; give the one your recordings lie in"):
-        clips_in(tmp_path / "nowhere")
-
-
-def test_a_file_in_the_place_of_a_folder_is_said_to_be_one(tmp_path):
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("nowhere", "no such folder; give the one your recordings lie in"),
+        ("clip.npz", "is a file, expected a folder; give the one your recordings lie in."),
+    ],
+)
+def test_what_is_no_folder_is_refused(tmp_path, name, said):
     (tmp_path / "clip.npz").write_bytes(b"a recording")
     with pytest.raises(UnreadableClip) as refused:
-        clips_in(tmp_path / "clip.npz")
-    assert str(refused.value) == (
-        f"{tmp_path / 'clip.npz'}: is a file, expected a folder; give the one your recordings lie "
-        f"in."
-    )
+        clips_in(tmp_path / name)
+    assert str(refused.value).startswith(f"{tmp_path / name}: {said}")

@@ -21,6 +21,29 @@ def colourful(count=5, rows=24, columns=32):
 
 
 FRAMES = colourful()
+
+
+def write_images(folder, frames=FRAMES, names="{}.png", flags=()):
+    """Write one image per frame; their names are listed, or a pattern for their numbers."""
+    names = [names.format(k) for k in range(len(frames))] if isinstance(names, str) else names
+    for name, frame in zip(names, frames, strict=True):
+        cv2.imwrite(str(folder / name), frame[..., ::-1], list(flags))
+
+
+def write_video(path, frames=FRAMES, fps=10, code="FFV1"):
+    size = frames[0].shape[1::-1]
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*code), fps, size)
+    for frame in frames:
+        writer.write(np.ascontiguousarray(frame[..., ::-1]))
+    writer.release()
+    return path
+
+
+def levels(count):
+    """Frames of one grey level each, told by its number: 0, 10, 20, ..."""
+    return [np.full((24, 32, 3), 10 * number, np.uint8) for number in range(count)]
+
+
 STORED = {
     "uint8": FRAMES,
     "channels first": np.moveaxis(FRAMES, -1, 1),
@@ -45,6 +68,7 @@ def test_an_archive_brings_its_frame_rate_and_background(tmp_path):
     clip = read_clip(tmp_path / "clip.npz")
     assert np.array_equal(clip.frames, FRAMES)
     assert clip.fps == 25
+    assert read_clip(tmp_path / "clip.npz", fps=10).fps == 10
     assert np.array_equal(clip.background, FRAMES[0])
 
 
@@ -78,12 +102,6 @@ def test_of_several_arrays_the_only_one_shaped_as_pictures_is_taken(tmp_path, na
 def test_of_two_arrays_shaped_as_pictures_neither_is_taken(tmp_path, beside):
     np.savez(tmp_path / "clip.npz", left=FRAMES, right=beside, names=np.array("ab"))
     with pytest.raises(UnreadableClip, match="found the keys left, names, right, expected"):
-        read_clip(tmp_path / "clip.npz")
-
-
-def test_of_two_arrays_neither_is_taken_for_the_frames(tmp_path):
-    np.savez(tmp_path / "clip.npz", FRAMES, FRAMES)
-    with pytest.raises(UnreadableClip, match="found the keys arr_0, arr_1, expected 'frames'"):
         read_clip(tmp_path / "clip.npz")
 
 
@@ -129,12 +147,7 @@ def test_a_shape_that_fits_two_layouts_says_which_was_assumed():
 
 
 def test_a_lossless_video_comes_back_in_rgb(tmp_path):
-    path = tmp_path / "clip.avi"
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 10, (32, 24))
-    for frame in FRAMES:
-        writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
-    writer.release()
-    clip = read_clip(path)
+    clip = read_clip(write_video(tmp_path / "clip.avi"))
     assert len(clip) == len(FRAMES)
     assert clip.fps == 10
     # FFV1 keeps colours at half resolution here; single pixels move, means do not.
@@ -144,13 +157,8 @@ def test_a_lossless_video_comes_back_in_rgb(tmp_path):
 
 @pytest.mark.parametrize(("suffix", "code"), [(".webm", "VP80"), (".m4v", "mp4v")])
 def test_a_lossy_video_comes_back_in_rgb_and_is_said_to_be_one(tmp_path, suffix, code):
-    path = tmp_path / f"clip{suffix}"
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*code), 10, (64, 48))
     smooth = [cv2.resize(cv2.blur(frame, (9, 9)), (64, 48)) for frame in FRAMES]
-    for frame in smooth:
-        writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
-    writer.release()
-    clip = read_clip(path)
+    clip = read_clip(write_video(tmp_path / f"clip{suffix}", smooth, code=code))
     assert (len(clip), clip.fps) == (len(FRAMES), 10)
     means = clip.frames.mean(axis=(1, 2)) - np.mean(smooth, axis=(1, 2))
     assert np.abs(means).max() < 6
@@ -163,14 +171,7 @@ def test_a_lossy_video_comes_back_in_rgb_and_is_said_to_be_one(tmp_path, suffix,
 @pytest.mark.parametrize("suffix", [".bmp", ".tif", ".tiff", ".webp", ".WEBP"])
 def test_images_of_every_lossless_kind_come_back_as_they_were(tmp_path, suffix):
     lossless = [cv2.IMWRITE_WEBP_QUALITY, 101] if suffix.lower() == ".webp" else []
-    for index, frame in enumerate(FRAMES):
-        cv2.imwrite(str(tmp_path / f"{index}{suffix}"), frame[..., ::-1], lossless)
-    assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
-
-
-def test_a_folder_is_read_in_natural_order(tmp_path):
-    for index, frame in zip((1, 2, 9, 10, 11), FRAMES, strict=True):
-        cv2.imwrite(str(tmp_path / f"frame{index}.png"), frame[..., ::-1])
+    write_images(tmp_path, names=f"{{}}{suffix}", flags=lossless)
     assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
 
 
@@ -185,8 +186,7 @@ def test_a_folder_is_read_in_natural_order(tmp_path):
     ],
 )
 def test_a_minus_is_a_sign_where_names_without_one_lie_beside_it(tmp_path, names):
-    for name, frame in zip(names, FRAMES, strict=True):
-        cv2.imwrite(str(tmp_path / name), frame[..., ::-1])
+    write_images(tmp_path, names=names)
     assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
 
 
@@ -195,22 +195,16 @@ def test_a_layout_is_said_not_to_be_used_where_there_is_none(tmp_path, kind):
     path = tmp_path / ("clip" if kind == "folder" else "clip.avi")
     if kind == "folder":
         path.mkdir()
-        for index, frame in enumerate(FRAMES):
-            cv2.imwrite(str(path / f"{index}.png"), frame[..., ::-1])
+        write_images(path)
     else:
-        rows, columns = FRAMES.shape[1:3]
-        writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 25, (columns, rows))
-        for frame in FRAMES:
-            writer.write(frame[..., ::-1])
-        writer.release()
+        write_video(path)
     note = "The layout THW is not used: only arrays have one to tell."
     assert read_clip(path, layout="thw").notes[-1] == note
     assert note not in read_clip(path).notes
 
 
 def test_an_image_named_background_is_the_idle_gel_of_its_folder(tmp_path):
-    for index, frame in enumerate(FRAMES):
-        cv2.imwrite(str(tmp_path / f"{index}.png"), frame[..., ::-1])
+    write_images(tmp_path)
     cv2.imwrite(str(tmp_path / "Background.png"), FRAMES[2][..., ::-1])
     clip = read_clip(tmp_path)
     assert np.array_equal(clip.frames, FRAMES)
@@ -222,9 +216,8 @@ def test_an_image_named_background_is_the_idle_gel_of_its_folder(tmp_path):
 
 
 def test_masks_beside_the_frames_are_left_out_and_said_to_be(tmp_path):
-    for index, frame in enumerate(FRAMES):
-        cv2.imwrite(str(tmp_path / f"frame_{index}.png"), frame[..., ::-1])
-        cv2.imwrite(str(tmp_path / f"mask_{index}.png"), 255 - frame)
+    write_images(tmp_path, names="frame_{}.png")
+    write_images(tmp_path, 255 - FRAMES, "mask_{}.png")
     clip = read_clip(tmp_path)
     assert np.array_equal(clip.frames, FRAMES)
     assert clip.notes[-1] == "5 images named as masks (mask_0.png) were left out."
@@ -232,14 +225,12 @@ def test_masks_beside_the_frames_are_left_out_and_said_to_be(tmp_path):
 
 @pytest.mark.parametrize("name", ["mask_{}.png", "masking{}.png"])
 def test_images_without_others_beside_them_are_frames_whatever_their_name(tmp_path, name):
-    for index, frame in enumerate(FRAMES):
-        cv2.imwrite(str(tmp_path / name.format(index)), frame[..., ::-1])
+    write_images(tmp_path, names=name)
     assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
 
 
 def test_hidden_copies_and_folders_among_the_images_are_passed_over(tmp_path):
-    for index, frame in enumerate(FRAMES):
-        cv2.imwrite(str(tmp_path / f"{index}.png"), frame[..., ::-1])
+    write_images(tmp_path)
     (tmp_path / "._0.png").write_bytes(b"what a Mac leaves behind")
     (tmp_path / "more.png").mkdir()
     assert len(read_clip(tmp_path)) == len(FRAMES)
@@ -250,11 +241,6 @@ def test_a_background_image_is_read_in_rgb(tmp_path):
     cv2.imwrite(str(tmp_path / "idle.png"), FRAMES[0][..., ::-1])
     clip = read_clip(tmp_path / "clip.npy", background=tmp_path / "idle.png")
     assert np.array_equal(clip.background, FRAMES[0])
-
-
-def test_a_given_frame_rate_wins_over_the_file(tmp_path):
-    np.savez(tmp_path / "clip.npz", frames=FRAMES, fps=25.0)
-    assert read_clip(tmp_path / "clip.npz", fps=10).fps == 10
 
 
 @pytest.fixture
@@ -307,12 +293,7 @@ def test_an_archive_whose_frames_cannot_be_taken_one_by_one_is_refused(tmp_path,
 @pytest.mark.parametrize("room", [5, 6, 7])
 def test_a_long_video_is_read_at_a_stride_and_says_so(tmp_path, monkeypatch, room):
     monkeypatch.setattr(limits, "KEPT_BYTES", room * 24 * 32 * 3)
-    path = tmp_path / "clip.avi"
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 10, (32, 24))
-    for value in range(20):
-        writer.write(np.full((24, 32, 3), 10 * value, np.uint8))
-    writer.release()
-    clip = read_clip(path)
+    clip = read_clip(write_video(tmp_path / "clip.avi", levels(20)))
     assert clip.frame_numbers == (0, 4, 8, 12, 16)
     assert clip.fps == 10
     assert np.abs(clip.frames.mean(axis=(1, 2, 3)) - [0, 40, 80, 120, 160]).max() < 2
@@ -324,11 +305,7 @@ def test_a_long_video_is_read_at_a_stride_and_says_so(tmp_path, monkeypatch, roo
 def test_a_video_that_takes_too_long_is_read_in_part_and_says_so(
     tmp_path, monkeypatch, name, limit, read
 ):
-    path = tmp_path / "clip.avi"
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 10, (32, 24))
-    for value in range(10):
-        writer.write(np.full((24, 32, 3), 10 * value, np.uint8))
-    writer.release()
+    path = write_video(tmp_path / "clip.avi", levels(10))
     assert len(read_clip(path)) == 10
     assert not any("Only the first" in note for note in read_clip(path).notes)
     monkeypatch.setattr(video, name, limit)
@@ -339,26 +316,7 @@ def test_a_video_that_takes_too_long_is_read_in_part_and_says_so(
 
 def test_a_long_folder_is_read_at_a_stride(tmp_path, room_for_six):
     frames = colourful(count=8)
-    for index, frame in enumerate(frames):
-        cv2.imwrite(str(tmp_path / f"{index}.png"), frame[..., ::-1])
+    write_images(tmp_path, frames)
     clip = read_clip(tmp_path)
     assert clip.frame_numbers == (0, 2, 4, 6)
     assert np.array_equal(clip.frames, frames[::2])
-
-
-@pytest.mark.parametrize(
-    ("given", "sentence"),
-    [
-        (
-            {"background": FRAMES[0]},
-            "the background is a path, found ndarray; give an image in memory by "
-            "dataclasses.replace(clip, background=image)",
-        ),
-        ({"layout": 3}, "a layout is a str such as 'THWC', found int"),
-    ],
-)
-def test_what_is_of_another_type_is_told_in_a_sentence(tmp_path, given, sentence):
-    np.save(tmp_path / "clip.npy", FRAMES)
-    with pytest.raises(TypeError) as error:
-        read_clip(tmp_path / "clip.npy", **given)
-    assert str(error.value) == sentence

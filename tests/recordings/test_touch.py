@@ -5,14 +5,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.recordings.touch import (
-    BEYOND_NOISE,
-    CUT_OFF,
-    FAINT_GREY,
-    UNTOUCHED_GREY,
-    Change,
-    change_from_idle,
-)
+from geotlm_lm.recordings.touch import FAINT_GREY, UNTOUCHED_GREY, change_from_idle
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.series import simulate_series
 
@@ -116,20 +109,3 @@ def test_an_imprint_is_cut_off_where_its_middle_is_at_the_border(shift):
     x, y = 250 + shift[0], 60 + shift[1]
     is_cut = min(abs(x), abs(320 - x), abs(y), abs(240 - y)) < 14
     assert change_from_idle(clip).is_cut_off == is_cut
-
-
-@pytest.mark.parametrize("turns", range(4))
-@pytest.mark.parametrize(("times", "is_cut"), [(0.95, False), (1.05, True)])
-def test_what_is_cut_off_is_so_much_stronger_along_a_border_than_on_the_whole(turns, times, is_cut):
-    share, ratio = 0.05, CUT_OFF * times  # of the deviations, not of their squares
-    change = np.ones((100, 100), np.float32)
-    change[:, :5] = ratio * ((1 - share) / (1 - share * ratio**2)) ** 0.5
-    assert Change((), (np.rot90(change, turns),)).is_cut_off == is_cut
-
-
-@pytest.mark.parametrize(("times", "is_beyond"), [(0.85, False), (1.15, True)])
-def test_a_change_is_held_against_the_noise_of_one_frame(times, is_beyond):
-    noise_grey = 0.5
-    frames = np.random.default_rng(3).normal(100, noise_grey, (2, 120, 160)).astype(np.float32)
-    level = np.full((120, 160), times * BEYOND_NOISE * noise_grey, np.float32)
-    assert Change(tuple(frames), (level, level)).is_beyond_noise == is_beyond

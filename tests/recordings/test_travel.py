@@ -61,21 +61,10 @@ def test_played_backwards_the_path_runs_back():
     np.testing.assert_allclose(main_way(backwards), -main_way(forwards), atol=1e-4)
 
 
-def test_without_full_contact_nothing_moves():
-    images = imprints([(s, 0, 0) for s in range(5)])
-    path = travelled_path(images, np.zeros(5, bool))
-    assert not path.any()
-    assert not main_way(path).any()
-
-
 def test_an_imprint_that_only_grows_stays_in_place():
     still = imprints([(0, 0, 0)])[0]
     path = travelled_path(np.stack([still * s for s in (1, 1.2, 1.4)]), np.ones(3, bool))
     assert np.abs(path).max() < 0.01
-
-
-def test_blank_frames_do_not_move():
-    assert not travelled_path(np.zeros((4, 6, 8), np.float32), np.ones(4, bool)).any()
 
 
 def test_the_main_way_is_the_longest_and_not_the_last():

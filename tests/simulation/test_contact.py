@@ -3,15 +3,13 @@
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 import torch
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.simulation import contact
-from geotlm_lm.simulation.contact import BOX_MM, solve_contact
+from geotlm_lm.simulation.contact import solve_contact
 from geotlm_lm.simulation.march import Effort
-from geotlm_lm.simulation.normal_contact import misfit_um
 from geotlm_lm.simulation.presets import FAST, PRESETS, Preset
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Body, Gel, Path, Scene
@@ -24,18 +22,6 @@ def scene(body="letter_l", *, depth=(0.5, 0.5), x=(0, 0), y=(0, 0), turn=(0.3, 0
 
 def solved(one, preset=FAST, **options):
     return solve_contact(one, build_profile(one.body), preset, **options)
-
-
-def test_without_being_asked_nothing_tangential_is_solved():
-    answer = solved(scene(x=(0, 0.4)))
-    assert answer.drift_mm is None
-    assert answer.status.friction_iterations == 0
-
-
-def test_without_friction_nothing_tangential_is_solved():
-    answer = solved(scene(depth=(0.2, 0.6), gel=Gel(friction=0.0)), with_drift=True)
-    assert answer.status.friction_iterations == 0
-    assert answer.drift_mm.shape == (2, 2, FAST.cells, FAST.cells)
 
 
 def test_friction_holds_the_gel_that_a_press_would_spread():
@@ -92,22 +78,6 @@ def test_friction_carries_the_surface_along_inside_its_cone(preset):
     assert abs(float(moved[:, :2].mean())) < 0.02
 
 
-def test_on_a_slippery_gel_nothing_is_carried_along():
-    answer = solved(scene(x=(0, 0.2), gel=Gel(friction=0.0)), with_drift=True)
-    spread = solved(scene(x=(0.2, 0.2), gel=Gel(friction=0.0)), with_drift=True)
-    assert float((answer.drift_mm[1] - spread.drift_mm[1]).abs().max()) < 1e-6
-
-
-def test_a_twist_clockwise_turns_the_gel_clockwise():
-    answer = solved(scene("prism_6", turn=(0.0, 0.08)), with_drift=True)
-    x, y = (answer.drift_mm[1] - answer.drift_mm[0]).numpy()
-    axis = (np.arange(FAST.cells) - (FAST.cells - 1) / 2) * BOX_MM / FAST.cells
-    across, along = np.meshgrid(axis, axis)
-    near = np.hypot(across, along) < 4
-    assert (x * -along)[near].mean() > 0
-    assert (y * across)[near].mean() > 0
-
-
 def test_finer_presets_come_closer_to_the_reference():
     one = scene("prism_6", turn=(0.0, 0.1))
     volumes = [
@@ -154,51 +124,6 @@ def test_where_the_gel_bulges_high_the_whole_body_is_looked_at(thickness, is_eno
     whole = solved(one)
     assert float((part.indentation_mm - whole.indentation_mm).abs().max()) < 0.001
     assert (part.reach_mm < math.inf) == is_enough
-
-
-def test_large_steps_are_marched_in_small_ones(monkeypatch):
-    counts = []
-    real = contact.march
-
-    def counting(increments, *args, **options):
-        counts.append(len(increments))
-        return real(increments, *args, **options)
-
-    monkeypatch.setattr(contact, "march", counting)
-    solved(scene(x=(0, 0.2)), with_drift=True)
-    solved(scene(x=(0, 0.8)), with_drift=True)
-    solved(scene(turn=(0.0, np.radians(9.5))), with_drift=True)
-    assert counts == [2, 1 + 3, 1 + 4]
-
-
-def test_a_gel_out_of_touch_is_at_rest():
-    answer = solved(scene(depth=(-0.1, -0.2), x=(0, 1)), with_drift=True)
-    assert not answer.indentation_mm.any()
-    assert not answer.drift_mm.any()
-    assert not answer.touches.any()
-    assert answer.status.is_converged
-
-
-def test_what_slip_rubs_away_is_a_share_of_the_work():
-    lifted = scene(depth=(0.5, 0.5, -0.1), x=(0, 0.2, 0.2), y=(0, 0, 0), turn=(0.3,) * 3)
-    slippery = replace(lifted, gel=Gel(friction=1e-9))
-    assert abs(solved(slippery, with_drift=True).status.dissipated_share) < 0.05
-    assert 0 <= solved(lifted, with_drift=True).status.dissipated_share <= 1
-
-
-def test_a_harder_preset_keeps_the_body_and_the_precision():
-    flat = replace(PRESETS["good"], is_half_space=True, dtype=torch.float64)
-    assert flat.harder.is_half_space
-    assert flat.harder.name == "accurate"
-    assert replace(PRESETS["draft"], dtype=torch.float64).harder.dtype == torch.float64
-    assert PRESETS["reference"].harder is None
-
-
-def test_pressing_where_there_is_a_gap_is_not_converged():
-    overlap = torch.tensor([[[0.1, -0.2]]])
-    pressure = torch.tensor([[[1.0, 1.0]]])
-    assert float(misfit_um(overlap, torch.tensor([[[0.1, 0.0]]]), pressure)) == pytest.approx(200)
-    assert float(misfit_um(overlap, torch.tensor([[[0.1, 0.0]]]), pressure * 0)) == 0
 
 
 @pytest.mark.parametrize(

@@ -68,13 +68,14 @@ def test_a_grown_data_set_keeps_its_clips_and_equals_one_written_at_once(tmp_pat
     assert contents(grown) == contents(whole)
 
 
-def test_a_folder_of_another_seed_is_refused_and_kept(tmp_path):
-    write_dataset(tmp_path, 1, seed=1, objects=OBJECTS)
+@pytest.mark.parametrize("other", [{"seed": 2}, {"preset": "good"}, {"marker_share": 1.0}])
+def test_a_folder_of_another_seed_or_setting_is_refused_and_kept(tmp_path, other):
+    given = {"seed": 1, "objects": OBJECTS, "preset": "draft"}
+    write_dataset(tmp_path, 1, **given)
     before = contents(tmp_path)
     with pytest.raises(UsageError, match="holds another data set"):
-        write_dataset(tmp_path, 1, seed=2, objects=OBJECTS)
+        write_dataset(tmp_path, 1, **given | other)
     assert contents(tmp_path) == before
-    assert json.loads(before["dataset.json"])["seed"] == 1
 
 
 def test_a_smaller_data_set_is_refused_and_no_clip_is_lost(tmp_path):
@@ -99,8 +100,8 @@ def test_a_folder_that_does_not_say_what_it_holds_is_refused(tmp_path, content):
 @pytest.mark.slow
 def test_the_number_of_workers_does_not_change_a_byte(tmp_path):
     one, two = tmp_path / "one", tmp_path / "two"
-    write_dataset(one, 6, seed=1, objects=OBJECTS, workers=1)
-    write_dataset(two, 6, seed=1, objects=OBJECTS, workers=2)
+    for folder, workers in ((one, 1), (two, 2)):
+        write_dataset(folder, 6, seed=1, objects=OBJECTS, preset="draft", workers=workers)
     assert contents(one) == contents(two)
 
 
@@ -141,14 +142,6 @@ def test_drift_is_kept_where_it_was_asked_for(tmp_path):
     assert (about["preset"], about["with_drift"]) == ("draft", True)
 
 
-def test_a_folder_of_another_preset_is_not_mixed_up(tmp_path):
-    write_dataset(tmp_path, 2, seed=1, objects=OBJECTS)
-    before = contents(tmp_path)
-    with pytest.raises(UsageError, match="or other objects or settings"):
-        write_dataset(tmp_path, 2, seed=1, objects=OBJECTS, preset="good")
-    assert contents(tmp_path) == before
-
-
 def test_labels_only_are_those_of_the_whole_data_set_without_its_pictures(tmp_path):
     whole, bare = tmp_path / "whole", tmp_path / "bare"
     for folder, wanted in ((whole, True), (bare, False)):
@@ -172,31 +165,30 @@ if __name__ == "__main__":
     dataset.SHARD_CLIPS = 3
     out, workers = Path(sys.argv[1]), int(sys.argv[2])
     objects = ("block", "cloth_coarse")
-    dataset.write_dataset(out, 30, seed=1, objects=objects, workers=workers, preset="draft")
+    dataset.write_dataset(out, 18, seed=1, objects=objects, workers=workers, preset="draft")
 """
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("workers", [1, 2])
-def test_after_kill_9_a_resumed_run_has_lost_and_repeated_nothing(tmp_path, workers):
+def test_after_kill_9_a_resumed_run_has_lost_and_repeated_nothing(tmp_path):
     program, whole, killed = tmp_path / "writer.py", tmp_path / "whole", tmp_path / "killed"
     program.write_text(WRITER)
-    command = [sys.executable, str(program), str(killed), str(workers)]
-    write_dataset(whole, 30, seed=1, objects=OBJECTS, preset="draft")
+    command = [sys.executable, str(program), str(killed), "2"]
+    write_dataset(whole, 18, seed=1, objects=OBJECTS, preset="draft")
     run = subprocess.Popen(command)
     while not list(killed.glob("shard-*.npz")) and run.poll() is None:
         time.sleep(0.002)
     run.send_signal(signal.SIGKILL)
     run.wait()
     kept = {path: path.stat().st_mtime_ns for path in killed.glob("shard-*.npz")}
-    assert 0 < len(kept) < 10
+    assert 0 < len(kept) < 6
     assert subprocess.run(command).returncode == 0
     # A worker whose parent was killed ends within a moment; what it had begun has another name.
     finished = {path: path.stat().st_mtime_ns for path in kept}
     assert finished == kept
     shards = sorted(killed.glob("shard-*.npz"))
     indices = np.concatenate([read_shard(path)[0]["index"] for path in shards])
-    assert indices.tolist() == list(range(30))
+    assert indices.tolist() == list(range(18))
     for path in [*shards, killed / "README.md", killed / "dataset.json"]:
         assert path.read_bytes() == (whole / path.name).read_bytes()
 

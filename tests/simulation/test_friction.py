@@ -4,7 +4,7 @@ import pytest
 import torch
 
 from geotlm_lm.simulation.elastic import LayerOperator
-from geotlm_lm.simulation.friction import onto_discs, solve_friction
+from geotlm_lm.simulation.friction import solve_friction
 from geotlm_lm.simulation.march import cell_centres
 
 SIDE = 32
@@ -52,22 +52,6 @@ def test_inside_the_disc_a_cell_sticks_and_on_its_rim_it_slips_along_its_tractio
     assert (bool(sticks.any()), bool(rubs.any())) == regime
 
 
-def test_without_friction_nothing_is_dragged():
-    assert not solved(turn(0.3), 0 * PRESSURE).traction.any()
-
-
-def test_under_huge_friction_everything_sticks():
-    answer = solved(slide(0.1), 1e6 * PRESSURE, most=4000)
-    slip = (slide(0.1) - LAYER.shear(answer.traction)) * (PRESSURE > 0)
-    assert float(slip.abs().max()) < 1e-5
-
-
-def test_full_sliding_drags_with_all_friction_there_is():
-    answer = solved(slide(20.0), 0.5 * PRESSURE)
-    assert torch.allclose(answer.traction[:, 0], 0.5 * PRESSURE, atol=1e-9)
-    assert float(answer.traction[:, 1].abs().max()) < 1e-2
-
-
 def test_running_out_of_steps_is_told():
     answer = solved(turn(0.1), 0.5 * PRESSURE, most=2)
     assert answer.iterations == 2
@@ -80,10 +64,3 @@ def test_samples_do_not_influence_each_other():
     alone = solved(turn(0.1), limit)
     assert torch.allclose(both.traction[0], alone.traction[0], atol=1e-6)
     assert not both.traction[1].any()
-
-
-def test_the_nearest_traction_in_a_disc_is_shortened_not_turned():
-    traction = torch.tensor([3.0, 4.0]).view(1, 2, 1, 1)
-    kept = onto_discs(traction, torch.full((1, 1, 1), 2.5))
-    assert torch.allclose(kept.flatten(), torch.tensor([1.5, 2.0]))
-    assert not onto_discs(traction, torch.zeros(1, 1, 1)).any()

@@ -106,22 +106,15 @@ def test_files_that_are_no_maps_are_refused(tmp_path):
             read_height_map(tmp_path / name, 0.1)
 
 
-def test_a_file_that_declares_more_than_it_holds_is_one_sentence_and_no_memory(tmp_path):
-    np.save(tmp_path / "a.npy", BALL)
-    stored = (tmp_path / "a.npy").read_bytes()
-    (tmp_path / "a.npy").write_bytes(stored.replace(b"(120, 120)", b"(120, 99999999999)"))
-    with pytest.raises(UsageError, match=r"a\.npy: cannot be read as \.npy \(.*\); save it with"):
-        read_height_map(tmp_path / "a.npy", 0.1)
-
-
 @pytest.mark.parametrize(
     "damage",
     [
         lambda b: b.replace(b"}", b"("),
         lambda b: b.replace(b"(120", b"(" + b"9" * 40),
+        lambda b: b.replace(b"(120, 120)", b"(120, 99999999999)"),  # more than memory holds
         lambda b: b[:9],
     ],
-    ids=["open bracket", "huge number", "cut off"],
+    ids=["open bracket", "huge number", "more than it holds", "cut off"],
 )
 def test_a_damaged_header_is_one_sentence(tmp_path, damage):
     np.save(tmp_path / "a.npy", BALL)

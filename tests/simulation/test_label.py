@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.simulation.label import is_readable, label_for, patch_displacement, patch_means
+from geotlm_lm.simulation.label import is_readable, label_for, patch_displacement
 from geotlm_lm.simulation.scene import Body, Optics, Path, Scene
 from geotlm_lm.simulation.trace import Trace
 
@@ -20,17 +20,9 @@ def test_a_slide_moves_every_touched_patch_by_its_pixels():
     assert moved[1].reshape(-1, 2) == pytest.approx(np.tile([10.0, -10.0], (196, 1)), abs=1e-4)
 
 
-def test_a_clockwise_turn_moves_the_top_right_and_the_right_down():
-    moved = patch_displacement(scene(rotation_rad=(1.0, 1.1)), TOUCHED)
-    assert moved[1, 0, :, 0].min() > 0
-    assert moved[1, -1, :, 0].max() < 0
-    assert moved[1, :, -1, 1].min() > 0
-    assert moved[1, :, 0, 1].max() < 0
-
-
 def test_a_patch_moves_as_the_rotation_matrix_says():
-    angle, centre = 0.3, (1.0, -2.0)
-    path = {"x_mm": (1.0, 1.0), "y_mm": (-2.0, -2.0), "rotation_rad": (0.0, angle)}
+    angle, centre = 0.3, (1.0, -0.7)
+    path = {"x_mm": (1.0, 1.0), "y_mm": (-0.7, -0.7), "rotation_rad": (0.0, angle)}
     moved = patch_displacement(scene(**path), TOUCHED)[1, 4, 11]
     here = np.array([(11.5 * 16 - 112) * 0.1, (4.5 * 16 - 112) * 0.05])
     back = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
@@ -44,13 +36,6 @@ def test_patches_without_contact_do_not_move():
     moved = patch_displacement(scene(x_mm=(0.0, 1.0)), contact)
     assert not moved[1, 3].any()
     assert moved[1, 4].any()
-
-
-def test_patch_means_average_sixteen_by_sixteen():
-    image = np.zeros((1, 224, 224), np.float32)
-    image[0, 16:32, 32:40] = 1
-    assert patch_means(image)[0, 1, 2] == 0.5
-    assert patch_means(image).sum() == 0.5
 
 
 @pytest.mark.parametrize(

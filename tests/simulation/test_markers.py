@@ -59,17 +59,6 @@ def test_a_dot_is_as_wide_and_as_dark_as_asked_for():
     assert (row > 0.5 * DOTS.darkness).sum() * 0.02 == pytest.approx(2.0, abs=0.05)
 
 
-def test_dots_move_by_the_gels_own_displacement_to_a_tenth_of_a_pixel():
-    scene = Scene(Body("ball_medium"), SLIDE, Motion.RIGHT, optics=MARKED)
-    profile = build_profile(scene.body)
-    drift = pressed_surface(scene, profile, preset_named("fast"), with_drift=True).drift_mm
-    rest = well_inside(resting_px(DOTS, MARKED))
-    carried = rest + between_pixels(drift[1], rest) / PIXEL_MM
-    assert np.abs(carried - rest).max() > 2
-    seen = centroids(1 - shade(DOTS, MARKED, drift[1]), carried)
-    assert np.abs(seen - carried).max() < 0.05
-
-
 def test_in_a_clip_the_dots_go_where_its_truth_says_the_gel_goes():
     scene = Scene(Body("ball_medium"), SLIDE, Motion.RIGHT, optics=UNLIT)
     (made,) = simulate([scene], seed=3, with_drift=True)

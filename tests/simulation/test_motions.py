@@ -28,12 +28,7 @@ def test_a_rotation_turns_the_way_it_says_between_three_and_forty_degrees(motion
 
 @pytest.mark.parametrize(
     ("motion", "axis", "sign"),
-    [
-        (Motion.RIGHT, 0, 1),
-        (Motion.LEFT, 0, -1),
-        (Motion.DOWN, 1, 1),
-        (Motion.UP, 1, -1),
-    ],
+    [(Motion.RIGHT, 0, 1), (Motion.LEFT, 0, -1), (Motion.DOWN, 1, 1), (Motion.UP, 1, -1)],
 )
 def test_a_slide_goes_within_25_degrees_of_its_axis_and_hardly_turns(motion, axis, sign):
     for path in paths(motion):

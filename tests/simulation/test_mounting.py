@@ -8,7 +8,7 @@ import pytest
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.simulation.contact import dome_drop_mm, dome_mm
 from geotlm_lm.simulation.idle import idle_frame
-from geotlm_lm.simulation.optics import lit, turned_lights
+from geotlm_lm.simulation.optics import lit
 from geotlm_lm.simulation.presets import preset_named
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.randomise_optics import random_optics
@@ -65,12 +65,6 @@ def test_shading_turns_with_the_camera():
     change = np.abs(clockwise(bright) - again)
     assert np.abs(bright - 100).max() > 30
     assert change.max() < 0.01
-
-
-def test_lights_turn_clockwise_with_the_pad():
-    rows = turned_lights(replace(SQUARE, mounting=Mounting(turn_rad=QUARTER)))
-    plain = turned_lights(SQUARE)
-    assert rows == pytest.approx(np.stack([-plain[:, 1], plain[:, 0]], axis=1))
 
 
 def test_the_crown_turns_and_shifts_with_the_pad():

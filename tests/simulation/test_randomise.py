@@ -59,14 +59,6 @@ def test_every_nuisance_is_drawn_over_its_range(many):
         assert high - 0.1 * (high - low) < max(values) <= high
 
 
-def test_half_the_clips_come_out_of_a_video_and_some_out_of_jpegs(many):
-    videos = [s.optics.video is not None for s in many]
-    images = [s.optics.jpeg_quality is not None for s in many]
-    assert np.mean(videos) == pytest.approx(0.5, abs=0.09)
-    assert np.mean(images) == pytest.approx(0.12, abs=0.06)
-    assert not np.any(np.logical_and(videos, images))
-
-
 def test_markers_are_off_unless_asked_for_and_change_nothing_else(many):
     assert all(scene.optics.markers is None for scene in many)
     marked = random_scenes(3, 40, objects=("block", "ball_medium"), marker_share=1.0)
@@ -88,3 +80,11 @@ def test_hands_are_steady_unless_asked_for_and_what_is_touched_is_drawn_before()
         return min(abs(path[-1] - path[0]) for path in paths)
 
     assert least_turn(unsteady) < np.radians(3) < least_turn(steady)
+
+
+def test_half_the_clips_come_out_of_a_video_and_some_out_of_jpegs(many):
+    videos = [s.optics.video is not None for s in many]
+    images = [s.optics.jpeg_quality is not None for s in many]
+    assert np.mean(videos) == pytest.approx(0.5, abs=0.09)
+    assert np.mean(images) == pytest.approx(0.12, abs=0.06)
+    assert not np.any(np.logical_and(videos, images))

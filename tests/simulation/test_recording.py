@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.seeding import generator_for
-from geotlm_lm.simulation.noise import coded_noise
 from geotlm_lm.simulation.recording import Recorder
 from geotlm_lm.simulation.scene import Optics, VideoCodec
 
@@ -59,11 +58,6 @@ def test_between_whole_frames_neighbours_and_channels_change_together():
     assert beside == pytest.approx(0.56, abs=0.08)
     assert together == pytest.approx(0.47, abs=0.1)
     assert 0.15 < change.std() / np.sqrt(2) < 0.45
-
-
-def test_the_codecs_noise_has_unit_strength_and_no_colour_of_its_own():
-    noise = np.mean([np.square(coded_noise(generator_for(n, "n"))) for n in range(8)], axis=0)
-    assert noise.mean(axis=(1, 2)) == pytest.approx((1, 1, 1), rel=0.05)
 
 
 def test_an_averaged_idle_frame_is_quieter_but_a_videos_is_not():

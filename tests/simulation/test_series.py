@@ -4,7 +4,6 @@ import numpy as np
 
 from geotlm_lm.core.labels import DIRECTED
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
-from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.series import simulate_series
 from geotlm_lm.simulation.simulate import simulate
@@ -17,9 +16,3 @@ def test_a_series_is_its_scenes_simulated():
     for one, other in zip(made, expected, strict=True):
         assert one.label == other.label
         assert np.array_equal(one.clip.frames, other.clip.frames)
-
-
-def test_a_profile_is_built_once_however_long_the_series():
-    build_profile.cache_clear()
-    list(simulate_series(3, 40, objects=("ball_medium",), motions=DIRECTED))
-    assert build_profile.cache_info().misses == 40

@@ -41,12 +41,6 @@ def test_the_same_touch_is_the_same_clip_and_another_seed_another():
     assert not np.array_equal(first, other)
 
 
-def test_no_contact_needs_no_mechanics():
-    made = simulate_touch(Touch(depth_mm=-0.5))
-    assert made.stages == ("optics", "truth")
-    assert made.label.motion is Motion.NONE
-
-
 @pytest.mark.parametrize(
     ("numbers", "sentence"),
     [

@@ -17,30 +17,6 @@ def scene(**path):
     return Scene(Body("block"), Path(**still | path), Motion.STILL, optics=Optics(0.1, 0.05))
 
 
-def test_image_change_is_the_rms_over_the_contact_only():
-    first = np.zeros((3, 224, 224), np.float32)
-    last = first.copy()
-    touches = np.zeros((224, 224), bool)
-    touches[:10] = True
-    last[:, :10], last[:, 10:] = 3, 99
-    assert image_change(first, last, touches) == pytest.approx(3)
-    assert image_change(first, last, touches & False) == 0
-
-
-def test_a_turn_about_the_contact_turns_it_and_one_about_a_far_axis_carries_it_along():
-    contact = np.zeros((224, 224), bool)
-    contact[92:132, 102:122] = True  # 2 mm x 2 mm around the middle
-    gyration = 2 / np.sqrt(6)
-    x, y, turn = motion_at_contact_mm(scene(rotation_rad=(0.0, 0.2)), contact, 1)
-    assert (turn, np.hypot(x, y)) == pytest.approx((0.2 * gyration, 0.0), abs=0.002)
-    far = scene(x_mm=(5.0, 5.0), rotation_rad=(0.0, -0.2))
-    x, y, turn = motion_at_contact_mm(far, contact, 1)
-    assert (-turn, np.hypot(x, y)) == pytest.approx(
-        (0.2 * gyration, 2 * 5 * np.sin(0.1)), abs=0.002
-    )
-    assert y > 0.99  # the axis lies to the right: what is left of it goes down as it turns back
-
-
 @pytest.mark.parametrize("turn", [0.3, -0.5])
 def test_a_contact_beside_the_middle_is_carried_as_the_rotation_matrix_says(turn):
     contact = np.zeros((224, 224), bool)
@@ -80,8 +56,3 @@ def test_of_a_plane_on_an_even_gel_the_estimated_change_is_the_pictures(slope):
     drawn = image_change(*(lit(depth, even, optics) for depth in depths), where)
     estimated = shading_change(optics, depths, np.stack([where, where]), 1)
     assert estimated == pytest.approx(drawn, rel=1e-4)
-
-
-def test_nothing_touched_is_no_estimated_change():
-    nothing = np.zeros((2, 224, 224), np.float32)
-    assert shading_change(Optics(), nothing, nothing > 0, 1) == 0

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.backbone.mirror import Mirror, mirrored_field, mirrored_inputs
 from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionClass, MotionLabel
@@ -107,48 +106,6 @@ def test_amounts_told_right_cost_nothing_and_those_that_are_not_asked_never_do()
     assert torch.equal(told.grad, torch.zeros_like(told))
 
 
-@pytest.mark.parametrize("is_chosen", [False, True])
-def test_inputs_and_truth_are_seen_in_the_same_mirrors(is_chosen):
-    class Draw:
-        def random(self, count):
-            return np.full(count, 0.0 if is_chosen else 1.0)
-
-    _, _, truth = random_case()
-    inputs = torch.randn(3, 2, 14, 14, PATCH_INPUT_DIM)
-    seen, told = dense_targets.mirrored_at_random(inputs, truth, Draw())
-    turned, moved = inputs, truth.displacement
-    for mirror in Mirror if is_chosen else ():
-        turned, moved = mirrored_inputs(turned, mirror), mirrored_field(moved, mirror)
-    sides = (2, 3) if is_chosen else ()
-    assert torch.equal(seen, turned)
-    assert torch.equal(told.displacement, moved)
-    assert torch.equal(told.contact, truth.contact.flip(sides))
-    assert torch.equal(told.depth, truth.depth.flip(sides))
-    for name in ("kind", "amount", "magnification", "counts_motion"):
-        assert getattr(told, name) is getattr(truth, name)
-
-
-def test_each_clip_is_mirrored_on_its_own():
-    _, _, truth = random_case()
-    inputs = torch.randn(64, 2, 14, 14, PATCH_INPUT_DIM)
-    truth = replace(
-        truth,
-        displacement=torch.zeros(64, 2, 14, 14, 2),
-        contact=torch.zeros(64, 2, 14, 14),
-        depth=torch.zeros(64, 2, 14, 14),
-    )
-    seen, _ = dense_targets.mirrored_at_random(inputs, truth, np.random.default_rng(0))
-    kept = (seen == inputs).flatten(1).all(dim=1)
-    assert 0.05 < kept.float().mean() < 0.5
-
-
-def test_amounts_that_cost_nothing_stand_for_the_true_ones():
-    true = torch.tensor([[0.0, 2.5], [25.0, math.nan], [3.0, 0.1]])
-    read_out = torch.log1p(true.nan_to_num() / torch.tensor(dense_targets.AMOUNT_SCALES))
-    assert dense_targets.amount_loss(read_out, true) == 0
-    torch.testing.assert_close(dense_targets.decoded_amounts(read_out), true.nan_to_num())
-
-
 def test_displacement_is_read_out_in_the_unit_in_which_the_stem_tells_flow():
     tokens, heads, truth = random_case()
     one_way = torch.tensor([1.0, -2.0])
@@ -183,10 +140,3 @@ def test_inputs_motion_contact_and_depth_are_mirrored_together():
             assert torch.equal(one, own.flip(flipped))
             looks.add((round(x), round(y)))
     assert looks == {(1, 1), (-1, 1), (1, -1), (-1, -1)}
-
-
-def test_the_global_token_is_asked_how_many_pixels_move_where_it_touches():
-    _, _, truth = random_case()
-    moved = torch.tensor([3.0, -4.0]).expand(3, 2, 14, 14, 2)
-    summary = dense_targets._summary(replace(truth, displacement=moved))
-    assert summary[:, -2] == pytest.approx(np.full(3, np.log1p(5.0)), rel=1e-3)

@@ -9,11 +9,7 @@ from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.simulate import simulate
 from geotlm_lm.training import examples, recording_forms
-from geotlm_lm.training.examples import (
-    ExampleSet,
-    read_examples,
-    simulate_examples,
-)
+from geotlm_lm.training.examples import ExampleSet, read_examples, simulate_examples
 from geotlm_lm.training.recording_forms import _frame_order, mirrored
 from tests.training.in_process import InProcess
 
@@ -68,11 +64,6 @@ def test_as_many_examples_turn_as_slide(tmp_path, monkeypatch):
     assert set(motions) == set(Motion)
 
 
-def test_four_frames_run_forwards_or_form_a_pair_one_or_two_frames_apart():
-    orders = {tuple(_frame_order(generator_for(0, index))) for index in range(200)}
-    assert orders == {(0, 1, 2, 3), (0, 0, 1, 1), (0, 0, 2, 2)}
-
-
 def test_a_mirrored_clip_has_mirrored_truth_and_the_same_image_flipped():
     scenes = random_scenes(8, 1, objects=("key",), motions=(Motion.LEFT,))
     (made,) = simulate(scenes, seed=8)
@@ -97,3 +88,8 @@ def test_some_clips_are_mirrored_with_their_labels(tmp_path, monkeypatch):
     plain = made_in(tmp_path / "plain")
     assert [label.mirrored() for label in flipped.labels] == list(plain.labels)
     assert not np.array_equal(flipped.inputs, plain.inputs)
+
+
+def test_four_frames_run_forwards_or_form_a_pair_one_or_two_frames_apart():
+    orders = {tuple(_frame_order(generator_for(0, index))) for index in range(200)}
+    assert orders == {(0, 1, 2, 3), (0, 0, 1, 1), (0, 0, 2, 2)}

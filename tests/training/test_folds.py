@@ -91,20 +91,6 @@ def test_the_best_validation_epoch_is_kept_and_not_the_last(monkeypatch):
     assert three.best_epoch == 1
 
 
-def test_the_kept_weights_are_those_of_the_best_epoch(monkeypatch):
-    monkeypatch.setattr(folds._Reader, "score", lambda self, part: (1.0, 0.0))
-    assert trained(Recipe(), epochs=9) == trained(Recipe(), epochs=1)
-
-
-def test_rates_are_the_papers():
-    part = standardise_fold(DATA, FOLD).train.tokens
-    reader = folds._Reader(part, DIRECTED, Recipe(DGRParts()), 0)
-    assert [group["lr"] for group in reader.rates()] == [1e-3, 3e-4]
-    assert (folds.WEIGHT_DECAY, folds.BATCH) == (0.01, 32)
-    grouped = sum(len(group["params"]) for group in reader.rates())
-    assert grouped == len(list(reader.parameters()))
-
-
 def test_parameters_count_the_probe_and_the_parts_there_are():
     # Width 6: W_s 14, W_m 7, W_o 15 x 6, probe 7 x 6.
     assert trained(Recipe(), epochs=1).parameters == 42
@@ -156,3 +142,17 @@ def test_dgr_adds_to_what_the_global_token_carries_and_takes_nothing_away():
     dumb = Tokens(told, torch.randn(DATA.tokens.patches.shape, generator=noise))
     data = replace(DATA, tokens=dumb)
     assert right(trained(Recipe(DGRParts()), data=data, epochs=25)) > 0.9
+
+
+def test_the_kept_weights_are_those_of_the_best_epoch(monkeypatch):
+    monkeypatch.setattr(folds._Reader, "score", lambda self, part: (1.0, 0.0))
+    assert trained(Recipe(), epochs=9) == trained(Recipe(), epochs=1)
+
+
+def test_rates_are_the_papers():
+    part = standardise_fold(DATA, FOLD).train.tokens
+    reader = folds._Reader(part, DIRECTED, Recipe(DGRParts()), 0)
+    assert [group["lr"] for group in reader.rates()] == [1e-3, 3e-4]
+    assert (folds.WEIGHT_DECAY, folds.BATCH) == (0.01, 32)
+    grouped = sum(len(group["params"]) for group in reader.rates())
+    assert grouped == len(list(reader.parameters()))

@@ -26,12 +26,7 @@ def grounded(tmp_path_factory):
         patch.setattr(geometry, "DGR_RATE", 1e-2)
         patch.setattr(geometry, "HEAD_RATE", 1e-2)
         return trained(
-            token_set(240, 0),
-            token_set(120, 1),
-            mode="grounded",
-            epochs=10,
-            seed=0,
-            path=path,
+            token_set(240, 0), token_set(120, 1), mode="grounded", epochs=10, seed=0, path=path
         )
 
 
@@ -60,14 +55,7 @@ def test_the_standardisers_see_the_training_split_only(tmp_path):
         validation,
         tokens=Tokens(validation.tokens.global_token + 50, validation.tokens.patches * 9),
     )
-    model = trained(
-        train,
-        shifted,
-        mode="paper",
-        epochs=1,
-        seed=0,
-        path=tmp_path / "dgr.pt",
-    )
+    model = trained(train, shifted, mode="paper", epochs=1, seed=0, path=tmp_path / "dgr.pt")
     torch.testing.assert_close(
         model.global_standardiser.mean, train.tokens.global_token.mean(dim=0)
     )

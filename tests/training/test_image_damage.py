@@ -74,7 +74,7 @@ def test_hardly_any_damage_is_worse_than_what_is_still_answered():
 
 
 @pytest.mark.parametrize(("is_varied", "changes"), [(True, True), (False, False)])
-def test_only_varied_sets_are_worn(is_varied, changes, monkeypatch):
+def test_only_varied_sets_are_damaged(is_varied, changes, monkeypatch):
     calls = []
 
     def spy(simulated, rng, *, damaged_share):
