@@ -49,22 +49,6 @@ def test_unreadable_clips_can_be_had_too_and_do_not_count(fake_simulator):
     assert [case.tags == UNREADABLE for case in cases] == [n % 3 == 2 for n in range(29)]
 
 
-def test_simulation_stops_once_enough_clips_are_there(fake_simulator):
-    list(SimulatedCases("rotation", 20, seed=0))
-    assert fake_simulator == list(range(29))
-
-
-def test_iterating_again_starts_the_count_again(fake_simulator):
-    cases = SimulatedCases("sliding", 5, seed=0)
-    first, second = (len(list(cases)) for _ in range(2))
-    assert (first, second, cases.unreadable) == (5, 5, 2)
-
-
-def test_a_simulated_object_is_its_own_family(fake_simulator):
-    case = next(iter(SimulatedCases("all", 3, seed=0)))
-    assert case.object_id == case.family == "object 0"
-
-
 def labelled_folder(folder, *directions):
     (folder / "clips").mkdir(parents=True)
     frames = (
@@ -153,11 +137,6 @@ def test_labels_of_several_tasks_are_asked_task_by_task(tmp_path):
     }
     assert (parts[" rotation"].among, parts[" sliding"].among) == (ROTATIONS, SLIDES)
     assert parts[" sliding"].recordings.skipped == {"up-left": 1}
-
-
-def test_labels_of_one_task_stay_together(tmp_path):
-    (cases,) = real_cases(labelled_folder(tmp_path / "mine", "left", "up")).values()
-    assert by_task(cases) == {"": cases}
 
 
 def test_an_unsteady_hand_is_asked_of_the_simulator(monkeypatch):

@@ -16,10 +16,9 @@ from geotlm_lm.benchmarks.rendering import (
     save_results,
     table,
 )
-from geotlm_lm.benchmarks.rows import Bench, Listing, Pivot, Row, Run, Section, every
+from geotlm_lm.benchmarks.rows import Bench, Pivot, Row, Run, Section, every
 from geotlm_lm.benchmarks.running import rows_of, run_bench, threads
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.record import RunRecord
 
 README = "# Mine\n\n<!-- begin: toy.first -->\nold\n<!-- end: toy.first -->\n\nAfter.\n"
 
@@ -117,12 +116,6 @@ def test_a_pivot_has_a_line_per_case_and_a_column_per_variant():
     assert cells[2:] == [["a", "3", "0.5", "0"], ["b", "1", "-", "1"]]
 
 
-def test_a_listing_has_a_line_per_row():
-    view = Listing({"what": lambda row: row.case, "outcome": lambda row: row.outcome})
-    lines = table(view, [Row("a", "x", outcome="refused")]).splitlines()
-    assert [cell.strip() for cell in lines[2].strip("|").split("|")] == ["a", "refused"]
-
-
 def test_a_quick_run_says_that_it_proves_nothing(toy):
     assert "prove nothing" in page(toy[0], run_bench(toy[0], Run(is_quick=True)))
     assert "prove nothing" not in page(toy[0], run_bench(toy[0], Run()))
@@ -187,9 +180,3 @@ def test_a_picture_of_other_numbers_is_found(toy, tmp_path):
     draw([Row("other", "x")], folder / "toy_first.png")
     with pytest.raises(StaleResults, match="toy_first.png: is missing or shows other numbers"):
         check_results([bench], folder, readme)
-
-
-def test_a_record_that_is_saved_can_be_read(results):
-    bench, folder, _ = results
-    record = RunRecord.load(folder / "records" / "toy.json")
-    assert len(rows_of(record, "first")) == 2

@@ -78,7 +78,7 @@ def _of_frames(unit: str, values: Iterable[float], change: Callable) -> dict[str
 
 def _of_all_or_frames(change: Callable[[Frames], Frames]) -> dict[str, Damage]:
     frames_only = _per_image(change, in_background=False)
-    return {"in all frames": _per_image(change), "not in the background": frames_only}
+    return {"everywhere": _per_image(change), "frames-only": frames_only}
 
 
 def _per_image(change: Callable[[Frames], Frames], in_background: bool = True) -> Damage:
