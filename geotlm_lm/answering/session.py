@@ -27,6 +27,7 @@ from geotlm_lm.conversation.image_rotation import unclear_rotation
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.conversation.likelihood_questions import likelihood_subject
 from geotlm_lm.conversation.motion_answers import CAMERA
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.pixel_scale import with_pixel_size
 from geotlm_lm.conversation.question import check_question
 from geotlm_lm.conversation.requested_units import with_unit
@@ -36,23 +37,12 @@ from geotlm_lm.conversation.two_clip_questions import asks_of_one
 from geotlm_lm.conversation.wording import confidence_level
 from geotlm_lm.core.frame_spec import FrameSpec
 
+_PHRASES = Phrases("session")
 Reply = Answer | Comparison | Order
 
-_DOUBT = re.compile(
-    r"(?:(?:but |and |so |hm+,? |wait,? )?(?:are|r) (?:you|u) (?:really |quite |very |absolutely )?"
-    r"(?:sure|certain)(?: about (?:that|it)| of (?:that|it))?|really|(?:really |you )?sure"
-    r"|seriously|(?:is|was) (?:that|this) (?:so|right|correct|true)|correct(?=\W*\?)"
-    r"|(?:i think )?(?:you are|you're|that is|that's)"
-    r" (?:wrong|mistaken|not right|incorrect|false)|i (?:do not|don't) (?:believe|think so)"
-    r"(?: (?:you|that|it))?|no way|think again|check again|look again)[?!. ]*"
-    r"|(?:(?:and |but )?(?:what about|could it be|why not|not)|isn't it|or is it) the"
-    r" (?:other way(?: a?round)?|opposite(?: direction| way)?|other direction)[?!. ]*"
-    r"|(?:no|wrong|nope)(?:[,.!;][^?]*)?"
-)
+_DOUBT = _PHRASES.pattern("DOUBT")
 _ENDS = re.compile(r"[,;.!?]+")
-_AGAIN = re.compile(
-    r"(?:(?:please )?(?:repeat|say) (?:that|it)(?: again)?|again|repeat|pardon)[?!. ]*"
-)
+_AGAIN = _PHRASES.pattern("AGAIN")
 
 OF_THE_CLIP_BEFORE = "Of the clip before:"
 """Said where an answer is repeated, or reasoned for, after another clip was given."""
@@ -260,7 +250,7 @@ class Session:
         return replace(self.frame, viewpoint=told.viewpoint, actor=told.actor)
 
 
-_CONTRADICTS = re.compile(r"^(?:no|nope|wrong|incorrect|not quite)[,.!;:]+ *", re.IGNORECASE)
+_CONTRADICTS = _PHRASES.pattern("CONTRADICTS", re.IGNORECASE)
 
 
 def without_leading_no(question: str, frame: FrameSpec) -> str:

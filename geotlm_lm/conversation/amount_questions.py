@@ -11,26 +11,19 @@ import re
 from geotlm_lm.conversation.kind_phrases import COUNTED
 from geotlm_lm.conversation.motion_verbs import MOVES, SLIDES, TURNS, Verb, forms
 from geotlm_lm.conversation.object_names import THING, with_generic_objects
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.question_affixes import JUST, TAIL, WHETHER
 from geotlm_lm.conversation.text_normalisation import without_openers
 
-_ASK = (
-    r"(?:(?:what(?:'s| is| was)|give(?: me)?|tell me|report|state|show(?: me)?|print"
-    r"|i (?:want|need)|(?:can|could|would) you (?:please )?(?:give me|tell me|report|state)) )?"
-)
-_MEASURE = (
-    r"(?:(?:can|could|would) you )?(?:please )?"
-    r"(?:quantify|measure|compute|calculate|estimate|determine)"
-)
-_THE = r"(?:(?:the|its|this|that|my) )?"
-_SUM = r"(?:total|cumulative|accumulated|net)"
-_OF_IT = rf"(?: of {THING})?"
-_EXTENT = r"(?: (?:amount|angle|distance|extent|size|magnitude))?"
-_IN_UNIT = rf"(?: in (?P<unit>{COUNTED}))"
-_MUCH_OR_LITTLE = (
-    r"(?:a lot|much|far),? or (?:(?:only|just) )?(?:a little|a bit|little|not(?: (?:far|much))?)"
-    r"|(?:(?:only|just) )?(?:a little|a bit|little),? or (?:a lot|much|far)"
-)
+_PHRASES = Phrases("amount_questions")
+_ASK = _PHRASES.text("ASK")
+_MEASURE = _PHRASES.text("MEASURE")
+_THE = _PHRASES.text("THE")
+_SUM = _PHRASES.group("SUM")
+_OF_IT = _PHRASES.text("OF_IT")
+_EXTENT = _PHRASES.text("EXTENT")
+_IN_UNIT = _PHRASES.text("IN_UNIT")
+_MUCH_OR_LITTLE = _PHRASES.text("MUCH_OR_LITTLE")
 
 
 def _asking(verbs: tuple[Verb, ...], nouns: str) -> tuple[re.Pattern[str], ...]:
@@ -62,17 +55,13 @@ def _asking(verbs: tuple[Verb, ...], nouns: str) -> tuple[re.Pattern[str], ...]:
 
 
 _ASKED = (
-    (_asking(TURNS, r"rotation|yaw|theta"), "turn"),
-    (_asking(SLIDES, "translation|slippage"), "slide"),
-    (_asking(MOVES, "movement|motion|displacement"), "go"),
+    (_asking(TURNS, _PHRASES.text("TURN_NOUNS")), "turn"),
+    (_asking(SLIDES, _PHRASES.text("SLIDE_NOUNS")), "slide"),
+    (_asking(MOVES, _PHRASES.text("MOTION_NOUNS")), "go"),
 )
-_RANGE = re.compile(
-    rf"{WHETHER}{_ASK}(?:(?:the|a) )?(?:range|margin(?: of error)?|error bars?|plus or minus)\W*"
-)
-_YAW = re.compile(rf"{WHETHER}{_ASK}{_THE}(?:yaw|(?:d|delta[ -]?)theta){TAIL}")
-_COUNTS = re.compile(
-    rf"{WHETHER}(?:the )?(?:number|count) of (?P<unit>{COUNTED})(?: please)?[ ?.!]*"
-)
+_RANGE = _PHRASES.pattern("RANGE")
+_YAW = _PHRASES.pattern("YAW")
+_COUNTS = _PHRASES.pattern("COUNTS")
 
 
 def asks_range(question: str) -> bool:

@@ -5,30 +5,18 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.motion_claims import offered_options
-from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN, VERBS, forms
+from geotlm_lm.conversation.phrases import Phrases
 
-CLIP = r"(?:one|clip|recording|video)"
-"""What stands for a clip."""
-
-FIRST, SECOND = r"(?:the first|clip 1)", r"(?:the second|clip 2)"
-FIRST_OR_SECOND = rf"(?:the )?first(?: {CLIP})?,? or (?:the )?second(?: {CLIP})?\b"
-_PLACE = r"(?:first|1st|second|2nd)"
-_NUMBER = r"(?:1|2|one|two)"
+_PHRASES = Phrases("clip_names")
+CLIP = _PHRASES.group("CLIP")
+_PLACE = _PHRASES.group("PLACE")
+_NUMBER = _PHRASES.group("NUMBER")
 _FIRST = ("first", "1st", "1", "one")
 
-_VERB = rf"(?:go|head|press|lift|touch|still|{GO}|{SLIDE}|{TURN})\w*"
-_GOES = rf"(?:still|{forms(VERBS, 'third', 'past', 'gerund')})\b"
-"""Verbs that are no nouns: "the first turn" is no clip."""
 
-_ALONE = re.compile(
-    rf"\b(?:(?:the )?{CLIP} (?:number )?(?P<number>{_NUMBER})"
-    rf"|the (?P<place>{_PLACE})(?: {CLIP}\b|(?= {_GOES})|(?=\W*$)|(?=,))"
-    rf"|(?<=does )the (?P<asked>{_PLACE})(?= {_VERB}))(?P<own>'s\b)?"
-)
-
-_LETTERED = r"(?:\b[Tt]he )?\b(?:[Cc]lip|[Rr]ecording|[Vv]ideo) "
-_B = re.compile(rf"(?:{_LETTERED}[Bb]|\bB)\b(?![).:])")
-_A = re.compile(rf"(?:{_LETTERED}(?:A|a(?=\W*$))|(?<=[a-z,] )A)\b(?![).:])")
+_ALONE = _PHRASES.pattern("ALONE")
+_B = _PHRASES.pattern("B")
+_A = _PHRASES.pattern("A")
 _OPENING_A = re.compile(r"^A\b")
 """An article, unless a B is named too."""
 

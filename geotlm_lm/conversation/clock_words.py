@@ -4,25 +4,19 @@ from __future__ import annotations
 
 import re
 
-_CLOCK = r"(?:(?:the|a) clock(?:'?s)?(?: hands?)?|(?:the )?hands of (?:the|a) clock)"
+from geotlm_lm.conversation.phrases import Phrases
+
+_PHRASES = Phrases("clock_words")
 _SENSES = tuple(
     (re.compile(rf"\b(?:{words})(?![\w-])", re.IGNORECASE), told)
     for words, told in (
-        (
-            rf"(?:against|unlike|counter to|contrary to|opposite to) {_CLOCK}"
-            r"|(?:anti|counter)-?clock|widdershins|anti-?cw",
-            "counterclockwise",
-        ),
-        (
-            rf"(?:with|like|in the direction of|the way of) {_CLOCK}|deosil|sunwise"
-            r"|(?:the way|as|like) (?:the|a) clock (?:goes|turns|runs|does)",
-            "clockwise",
-        ),
-        (rf"follow(?:s|ed|ing)? {_CLOCK}", "go clockwise"),
+        (_PHRASES.text("AGAINST_THE_CLOCK"), "counterclockwise"),
+        (_PHRASES.text("WITH_THE_CLOCK"), "clockwise"),
+        (_PHRASES.text("FOLLOWS_THE_CLOCK"), "go clockwise"),
     )
 )
-_TO = r"(?:in the direction of|towards?|to) (?:the )?"
-_AT = r"(?:(?:at|in) )?(?:the )?"
+_TO = _PHRASES.text("TO")
+_AT = _PHRASES.text("AT")
 _HOURS = tuple(
     (
         re.compile(
@@ -33,13 +27,13 @@ _HOURS = tuple(
         way,
     )
     for hour, way in (
-        (r"(?:12|twelve) ?o'?clock", "up"),
-        (r"(?:3|three) ?o'?clock", "right"),
-        (r"(?:6|six) ?o'?clock", "down"),
-        (r"(?:9|nine) ?o'?clock", "left"),
+        (_PHRASES.text("TWELVE"), "up"),
+        (_PHRASES.text("THREE"), "right"),
+        (_PHRASES.text("SIX"), "down"),
+        (_PHRASES.text("NINE"), "left"),
     )
 )
-_FROM_TO = re.compile(r"\bfrom (?:the )?\w+(?: ?o'?clock)? (?:to|until|till)\b", re.IGNORECASE)
+_FROM_TO = _PHRASES.pattern("FROM_TO", re.IGNORECASE)
 
 
 def without_clocks(text: str) -> str:

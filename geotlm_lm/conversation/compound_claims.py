@@ -13,88 +13,34 @@ from dataclasses import dataclass
 from geotlm_lm.conversation.axis_claims import claimed_axis
 from geotlm_lm.conversation.motion_claims import CLASS_NAMES
 from geotlm_lm.conversation.motion_names import motions_named
-from geotlm_lm.conversation.motion_verbs import ENDING, GO, STIR
 from geotlm_lm.conversation.option_labels import labelled
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import without_openers
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionClass, motion_class
 
+_PHRASES = Phrases("compound_claims")
 EVERY = frozenset(Motion)
 AT_REST = frozenset({Motion.STILL, Motion.NONE})
 
-_SAID_BEFORE = re.compile(
-    r"^(?:(?:hi|surely|from touch alone|quick question|looking at this clip|one more)[,:!]? )+"
-)
-_CLOSERS = re.compile(
-    r"(?:[,.]? (?:please|thanks|thank you|then|now|here|in this clip|just asking|be brief)[.!?]*)+$"
-)
-_TAGS = re.compile(
-    r"(?:[,;:.?] ?(?:right|correct|true|yes|eh|ok|am i right|is that (?:so|right|correct|true)"
-    r"|(?:is|was|does|did|has)(?:n't| not)? (?:it|this|that|there))"
-    r"|[,;:.?]? (?:or not|yes/no|y/n|yes or no|true or false|correct or not))[?.! ]*$"
-)
-_THINKING = r"(?: that| to (?:say|think)(?: that)?| in (?:saying|thinking)(?: that)?)"
-_SAID = re.compile(
-    r"(?:is it (?:true|correct|right|so|the case) that"
-    rf"|am i (?:right|correct){_THINKING}"
-    r"|can (?:i|we|you) (?:assume|say|conclude|confirm)(?: that)?"
-    r"|(?:do|would|could) you (?:think|agree|believe|say)(?: that)?|i (?:think|believe|guess|say)"
-    r"(?: that)?|(?:true or false|yes or no|correct or not|right or wrong)[:,]?"
-    r"|(?:check|verify|confirm|tell me|say)(?: that| if| whether|:)) "
-)
-_SAID_TO_BE_FALSE = re.compile(
-    r"(?:(?:is|was|would) (?:it|that)(?: be)? (?:wrong|false|incorrect|untrue|a mistake)"
-    r"(?: that| to (?:say|claim|think|believe|assume|state)(?: that)?)"
-    rf"|am i (?:wrong|mistaken){_THINKING}"
-    r"|can (?:i|we|you) (?:rule out|exclude)(?: that)?) "
-)
-_NO_CLAIM = re.compile(
-    r"\b(?:which|what|how|why|where|when|who|whose|if|whether|or|than|should|will|would|could|might"
-    r"|tomorrow|again|before|later|next|only|just|yet|longer|stop\w*|ceas\w*|halt\w*"
-    r"|los(?:e|es|ing|t)|without"
-    r"|direction|kind|type|cannot)\b|\d|^(?:i|we|please)\b"
-    r"|^(?:do|is|was|does|did|has|are)(?:n't| not)\b"
-)
-"""Words of another question, of another time, or of an end; "isn't it moving?" denies nothing."""
-
-_CLAUSES = re.compile(r",? (?:and|but|yet)(?: (?=not\b|no\b)| )|[,;:] ")
-_WHILE = re.compile(r",? (?:while|whilst) ")
-_DENIAL = re.compile(r"\b(?:not|never|no|nothing|none)\b|n't\b")
+_SAID_BEFORE = _PHRASES.pattern("SAID_BEFORE")
+_CLOSERS = _PHRASES.pattern("CLOSERS")
+_TAGS = _PHRASES.pattern("TAGS")
+_SAID = _PHRASES.pattern("SAID")
+_SAID_TO_BE_FALSE = _PHRASES.pattern("SAID_TO_BE_FALSE")
+_NO_CLAIM = _PHRASES.pattern("NO_CLAIM")
+_CLAUSES = _PHRASES.pattern("CLAUSES")
+_WHILE = _PHRASES.pattern("WHILE")
+_DENIAL = _PHRASES.pattern("DENIAL")
 _AUXILIARY = re.compile(r"(?<=\w)n't\b")
 
-TORSION = re.compile(r"\b(?:torsion\w*|rotational|rotary|angular)(?: (?:slip\w*|slid\w*))?\b")
-"""A slip that is a turn."""
-
-_MOVES = re.compile(
-    rf"\b(?:(?:{GO}|{STIR}){ENDING}|movement|motion|happen(?:s|ed|ing)?|going on)\b"
-)
-_TOUCHES = re.compile(r"\b(?:touch(?:es|ed|ing)?|contact)\b")
-_HOLD = r"(?:press|push|hold|grip|squeez|touch)"
-_HELD = re.compile(
-    r"(?:(?:it|this|that|the \w+) )?(?:(?:is|was|being|gets) )*(?:pressed|pushed|held|gripped"
-    rf"|squeezed|touched)(?: (?:against|on|by) .+)?|{_HOLD}ing(?: (?:it|on it|on the \w+))?"
-    rf"|(?:i|we|you|the (?:robot|gripper|finger|hand)) (?:(?:am|are|is|was) )?{_HOLD}\w*(?: .+)?"
-)
-"""Said of what touches, whether it is pressed further in or not."""
-
-_NOUN = (
-    r"(?:rotation|turning|turn|twist|torsion|(?:torsional|rotational|linear|translational) "
-    r"(?:slip|motion|movement)|slip|slippage|slide|sliding|translation)"
-)
-_KIND_NOTED = re.compile(
-    rf"(?:any|some|(?:can|could|do|did) you (?:detect|see|feel|sense|notice)(?: any| a| some)?)"
-    rf" (?P<any>{_NOUN})(?: at all| there)?"
-    rf"|(?:any |is |was )?(?P<seen>{_NOUN}) (?:is |was |being )?"
-    r"(?:detected|visible|present|noticeable|observed)"
-    r"|(?P<short>(?:torsional|rotational|linear|translational) slip)"
-)
-_NOTED_OR_NOT = re.compile(rf"(?P<noun>{_NOUN})[:,]? (?:yes/no|y/n|yes or no)")
-_LINEAR = re.compile(r"\b(?:linear|translational) (?:motion|movement|slip)")
-_OF_AN_AXIS = re.compile(
-    r"(?:is|was) (?:it|this|that|(?:the|its|this|that) (?:motion|movement|slide|slip|shift)) "
-    r"(?:\w+ )?(?:horizontal|vertical|sideways)"
-    r"|(?:(?:is|was) there (?:(?:an?|any|some) )?|(?:any|some) )(?:horizontal|vertical|sideways) "
-    r"(?:motion|movement|slide|slip|shift)(?: at all| there)?"
-)
+TORSION = _PHRASES.pattern("TORSION")
+_MOVES = _PHRASES.pattern("MOVES")
+_TOUCHES = _PHRASES.pattern("TOUCHES")
+_HELD = _PHRASES.pattern("HELD")
+_KIND_NOTED = _PHRASES.pattern("KIND_NOTED")
+_NOTED_OR_NOT = _PHRASES.pattern("NOTED_OR_NOT")
+_LINEAR = _PHRASES.pattern("LINEAR")
+_OF_AN_AXIS = _PHRASES.pattern("OF_AN_AXIS")
 
 
 @dataclass(frozen=True)

@@ -10,38 +10,19 @@ from geotlm_lm.conversation.kinds import asked_kind, asks_direction, asks_whethe
 from geotlm_lm.conversation.motion_claims import claims_motion, offered_options
 from geotlm_lm.conversation.motion_names import claimed_motion, motions_named
 from geotlm_lm.conversation.non_tactile_questions import asks_beyond_touch
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.unanswerable import asks_place
 from geotlm_lm.conversation.wording import capitalised
 from geotlm_lm.core.labels import DIRECTED
 
-_HOW = (
-    r"how (?:far|much|fast|quickly|many|sure)|at (?:what|which) speed"
-    r"|(?:what|which) (?:angle|distance)"
-)
-_AND_HOW = re.compile(
-    rf"^(?P<first>.+?)[,;]? (?:and|&) (?:by )?(?P<second>(?:{_HOW}|why(?=\W*$)"
-    r"|(?:are|how) (?:you )?(?:sure|certain)(?=\W*$)"
-    r"|(?:(?:the|its) )?(?:angle|distance|speed)(?=\W*$))"
-    r"\b.*)$",
-    re.IGNORECASE,
-)
-_THEN = re.compile(
-    r"^(?P<first>\W*(?:which|what|how|where|is|was|does|did|has)\b.+?)"
-    rf"(?:, (?P<second>(?:{_HOW})\b.*)"
-    r"|,? and (?P<other>(?:(?:which|what) (?:way|direction)|will)\b.*))$",
-    re.IGNORECASE,
-)
-"""What is asked after a comma, or the way, or what comes, asked last: of questions alone, and no
-suppositions."""
+_PHRASES = Phrases("compound_questions")
+_AND_HOW = _PHRASES.pattern("AND_HOW", re.IGNORECASE)
+_THEN = _PHRASES.pattern("THEN", re.IGNORECASE)
 
 _TWO_MARKS = re.compile(r"^(?P<first>[^?]+\?)\s+(?P<second>[^?]+\?.*)$")
-_WHERE = re.compile(r"(?:and )?where\?", re.IGNORECASE)
-_WHY = re.compile(
-    r"(?:(?:and|so|but)[, ]+)?why (?P<asked>(?:does|did|is|was) "
-    r"(?:it|this|that|(?:the|my) \w+) (?:(?!,| and | so ).)+?)\W*",
-    re.IGNORECASE,
-)
-_NUMBERED = re.compile(r"^(?:first|second|then|next|and|also|1|2)[:,.)]* +", re.IGNORECASE)
+_WHERE = _PHRASES.pattern("WHERE", re.IGNORECASE)
+_WHY = _PHRASES.pattern("WHY", re.IGNORECASE)
+_NUMBERED = _PHRASES.pattern("NUMBERED", re.IGNORECASE)
 
 
 def split_questions(question: str) -> tuple[str, str] | None:

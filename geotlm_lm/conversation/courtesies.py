@@ -4,24 +4,14 @@ from __future__ import annotations
 
 import re
 
-_GREETING = (
-    r"(?:hi|hello|hey)(?: there| again| all)?|good (?:morning|afternoon|evening|day)|dear \w+"
-    r"|(?:sorry|excuse me|pardon me)(?: (?:to|for) (?:bother|interrupt|disturb|ask)\w*"
-    r"(?: (?:you|this|again))*)?|(?:many )?thanks(?: a lot| so much)?"
-    r"|thank you(?: (?:so|very) much)?|um+|uh+|hm+|roger(?: that)?|copy(?: that)?"
-    r"|(?:just )?one (?:more|last|other|final|quick) (?:thing|question)|quick (?:one|check)"
-)
-_OPENS = re.compile(rf"^(?:(?:{_GREETING})(?:[,:;.!]+| -+)? +(?:but |and )?)+(?=\S)", re.IGNORECASE)
-_NOTHING_ELSE = re.compile(rf"(?:(?:{_GREETING})[ ,:;.!?-]*)+", re.IGNORECASE)
-_FILLER = re.compile(r"(?<=\w),? \b(?:um+|uh+|erm+)\b,?(?= )", re.IGNORECASE)
-_YES_NO = re.compile(r"[,:]? yes,? no(?=[ .!?]*$)", re.IGNORECASE)
-"""No denial: "is it slipping yes no"."""
+from geotlm_lm.conversation.phrases import Phrases
 
-_CLOSES = re.compile(
-    r"(?:[,;]? (?:by any chance|if you (?:don't|do not) mind|thanks in advance|question mark"
-    r"|if i may ask)|[,;] over(?: and out)?)+(?P<mark>[ .!?]*)$",
-    re.IGNORECASE,
-)
+_PHRASES = Phrases("courtesies")
+_OPENS = _PHRASES.pattern("OPENS", re.IGNORECASE)
+_NOTHING_ELSE = _PHRASES.pattern("NOTHING_ELSE", re.IGNORECASE)
+_FILLER = _PHRASES.pattern("FILLER", re.IGNORECASE)
+_YES_NO = _PHRASES.pattern("YES_NO", re.IGNORECASE)
+_CLOSES = _PHRASES.pattern("CLOSES", re.IGNORECASE)
 
 
 def without_courtesies(text: str) -> str:

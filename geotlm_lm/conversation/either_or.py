@@ -5,40 +5,21 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.kind_choices import REST
-from geotlm_lm.conversation.motion_verbs import GOES, SLIDES, TURNS, forms
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.text_normalisation import without_openers
 
-_MOTION = r"(?:moving|in motion|in movement|dynamic|mobile)"
-_TOUCH = r"(?:touching|touched|in contact|contact)"
-_NO_TOUCH = r"(?:not (?:touching|touched|in contact)|no contact|untouched)"
-_AXIS = r"(?:(?:along |in )?(?:the )?{}(?:[ -](?:axis|direction))?)"
-_ACROSS, _ALONG = (
-    rf"(?:horizontal(?:ly)?|sideways|{_AXIS.format('x')})",
-    rf"(?:vertical(?:ly)?|up and down|{_AXIS.format('y')})",
-)
-_AHEAD, _BACK = (
-    rf"{_AXIS.format(sign + '[xy]')}"
-    for sign in (r"(?:\+ ?|positive |plus )", r"(?:- ?|negative |minus )")
-)
-_NEARS, _LEAVES = (
-    r"(?:approach(?:es|ed|ing)?|advanc(?:e|es|ed|ing))",
-    r"(?:(?:retreat|withdraw)(?:s|ed|ing)?|withdrew|reced(?:e|es|ed|ing)|leav(?:e|es|ing))",
-)
-_SIGNED = (
-    r"(?:(?:is|was) )?(?:the )?"
-    r"(?:d[xy]|delta[ -]?[xy]|[xy]|[xy][ -](?:displacement|shift|motion))(?: is)? "
-)
-_OPENS = (
-    r"(?:(?:is|was|does|did) (?:it|(?:the|my) (?!sensor|gel|camera|robot"
-    r"|gripper|finger)\w+) (?:(?:now|moving|sliding|going|move|slide|go) )?)?"
-)
-
-_CONTACT = r"(?:(?:is|was|did|does|has) (?:the )?contact (?:being |been )?)?"
-_MADE, _BROKEN = (
-    r"(?:made?|mak(?:e|ing)|beg(?:in|an|inning)|start(?:ed|ing)?|established)",
-    r"(?:br(?:eak|eaking|oken)|lost|los(?:e|ing)|end(?:ed|ing)?|stop(?:ped|ping)?)",
-)
+_PHRASES = Phrases("either_or")
+_MOTION = _PHRASES.group("MOTION")
+_TOUCH = _PHRASES.group("TOUCH")
+_NO_TOUCH = _PHRASES.group("NO_TOUCH")
+_ACROSS = _PHRASES.group("ACROSS")
+_ALONG = _PHRASES.group("ALONG")
+_AHEAD = _PHRASES.text("AHEAD")
+_BACK = _PHRASES.text("BACK")
+_NEARS = _PHRASES.group("NEARS")
+_LEAVES = _PHRASES.group("LEAVES")
+_OPENS = _PHRASES.text("OPENS")
 
 
 def _either(one: str, other: str) -> re.Pattern[str]:
@@ -49,35 +30,22 @@ def _either(one: str, other: str) -> re.Pattern[str]:
 
 _IS_TOUCHED = "Is anything touching the gel?"
 
-_TURN, _SLIDE = (
-    rf"(?:an? )?(?:{forms(verbs, 'gerund', 'base')}|{nouns})"
-    for verbs, nouns in ((TURNS, "rotation"), (SLIDES, "translation"))
-)
-_OR_BOTH = re.compile(
-    rf"{_OPENS}(?:either )?(?:{_TURN}(?:,| or) {_SLIDE}|{_SLIDE}(?:,| or) {_TURN}),? or both\W*"
-)
-"""One motion is told, so that a choice among both kinds and the two together is one of a kind."""
+_OR_BOTH = _PHRASES.pattern("OR_BOTH")
 
 _OPPOSITES = (
     (_either(_MOTION, REST), OPEN_QUESTION),
     (_either(_ACROSS, _ALONG), OPEN_QUESTION),
     (_either(_AHEAD, _BACK), OPEN_QUESTION),
-    (re.compile(rf"{_SIGNED}(?:positive or negative|negative or positive)\W*"), OPEN_QUESTION),
+    (_PHRASES.pattern("SIGN_EITHER"), OPEN_QUESTION),
     (_either(_NEARS, _LEAVES), OPEN_QUESTION),
     (_either(_TOUCH, _NO_TOUCH), _IS_TOUCHED),
     (_OR_BOTH, "Is it sliding or turning?"),
-    (re.compile(rf"{_CONTACT}(?:{_MADE} or {_BROKEN}|{_BROKEN} or {_MADE})\W*"), OPEN_QUESTION),
+    (_PHRASES.pattern("CONTACT_EITHER"), OPEN_QUESTION),
 )
 
 
-_IT = r"(?:it|this|that|(?:the|my) \w+)"
-_GOING = rf"(?P<going>{forms(TURNS + SLIDES + GOES, 'gerund')}|in motion)"
-_IS_GOING = rf"(?:(?:is|was) )?(?:{_IT} )?(?:still )?{_GOING}"
-_IS_OVER = (
-    rf"(?:(?:has|had|did|is|was) )?(?:{_IT} )?(?:now |already |just )?(?:(?:stop(?:ped)?"
-    rf"|halt(?:ed)?|come to (?:rest|a stop|a halt))(?: {forms(TURNS + SLIDES + GOES, 'gerund')})?"
-    rf"|(?:over|finished|ended|done)(?: now)?|{REST} (?:now|again))"
-)
+_IS_GOING = _PHRASES.text("IS_GOING")
+_IS_OVER = _PHRASES.text("IS_OVER")
 _OVER_OR_NOT = tuple(
     re.compile(rf"{one},? or {other}(?: now| already)?[ ?.!]*")
     for one, other in ((_IS_GOING, _IS_OVER), (_IS_OVER, _IS_GOING))

@@ -6,18 +6,13 @@ import re
 
 from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.kinds import asked_amount
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import normalised_text, without_openers
 
-_OF_ANOTHER = re.compile(
-    r"\W*(?:(?:no|nope|sorry|wait|ok|so|but)[,.:!]? +)*"
-    r"(?:and(?: what about| how about)?|what about|how about|i (?:meant?|am asking about)) "
-    rf"(?:(?:that )?of )?(?P<who>(?:the|my) (?:{HOLDER}|object|part|thing|item|workpiece))"
-    r"(?: itself)?(?: then| instead)?[ ?.!]*"
-)
-_NOW = re.compile(
-    r"\W*(?:(?:ok|and|so|then)[, ]+)*(?:now|and now|so|and|then|so then|what now)[ ?.!]*"
-)
-_WHERE = re.compile(r"where(?: exactly)?[ ?.!]*")
+_PHRASES = Phrases("follow_ups")
+_OF_ANOTHER = _PHRASES.pattern("OF_ANOTHER")
+_NOW = _PHRASES.pattern("NOW")
+_WHERE = _PHRASES.pattern("WHERE")
 _ASKS = {"magnitude": "How far does {} move?", "rate": "How fast does {} move?"}
 
 

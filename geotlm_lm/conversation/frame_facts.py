@@ -14,107 +14,47 @@ from typing import Any
 
 from geotlm_lm.conversation.frame_fact_patterns import (
     FACTS,
-    HALF_TURN,
-    IMAGE,
-    LOOK,
-    MOUNTED,
     UPRIGHT,
-    UPSIDE_DOWN_PHRASE,
 )
 from geotlm_lm.conversation.image_rotation import asks_whether_clip_turned, read_image_rotation
-from geotlm_lm.conversation.kind_words import HOLDER
-from geotlm_lm.conversation.motion_verbs import GOES, SLIDES, TURNS, forms
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.pixel_scale import is_courtesy, read_scale, stated_scale
 from geotlm_lm.conversation.statements import is_unread_statement
 from geotlm_lm.conversation.text_normalisation import normalised_text
 from geotlm_lm.core.frame_spec import FrameSpec
 
+_PHRASES = Phrases("frame_facts")
 OF_THE_TELLING = ("viewpoint", "actor")
 """Fields that only say how to tell: put before a question by a comma they hold for it alone. The
 others are facts of the world and last."""
 
-_HOLDER = rf"(?:the |my )?{HOLDER}"
 
-_SUPPOSED = re.compile(
-    r",?\s*\b(?:(?:if|suppose|supposing|imagine) (?:"
-    rf"(?P<turns>(?:i|we|you|one) (?:had )?(?:turn|rotate|flip|put|turned|rotated|flipped) {IMAGE}"
-    rf" (?:upside[ -]down|on its head|{HALF_TURN})"
-    rf"|(?:i|we|you|one) (?:had )?(?:turn|rotate|turned|rotated) {_HOLDER} {HALF_TURN}"
-    rf"|{_HOLDER} (?:was|were|had been) (?:turned|rotated) {HALF_TURN})"
-    rf"|{IMAGE} (?:is|was|were|had been) {UPSIDE_DOWN_PHRASE}"
-    rf"|{MOUNTED.format('is|was|were')} (?:upside[ -]down|on its head))"
-    rf"|had {IMAGE} been {UPSIDE_DOWN_PHRASE}|were {IMAGE} {UPSIDE_DOWN_PHRASE})\b\s*[,:;.]?",
-    re.IGNORECASE,
-)
-"""An image that is turned for the length of a question, as it is where the sensor is turned."""
+_SUPPOSED = _PHRASES.pattern("SUPPOSED", re.IGNORECASE)
 
 OF_A_THREAD = frozenset(("thread", "contact_side"))
 """Fields that alone may be assumed for good, and asked for with no more than "and with ...?"."""
 
-_ASSUMED = re.compile(r"(?:please )?(?:assume|assuming|suppose|say|let's say)(?: that)?,? ")
-_WITH_ANOTHER = re.compile(
-    r"(?:(?:and|but|so|ok|now|what|how)[, ]+)+(?:about )?"
-    r"(?:(?:with|for|if (?:it|this|(?:the|my) \w+) (?:has|had|is|was|were)|if it's) )?"
-    r"(?P<fact>[^?]+?)(?: instead)?[ ?]*[?]",
-    re.IGNORECASE,
-)
-_SUPPOSED_THREAD = re.compile(
-    r"(?:if|suppose|supposing)(?: that)? (?:it|this|that|(?:the|my) \w+) (?:were|was|is|had|has) "
-    r"(?P<fact>[^,]+),\s+(?=\w)",
-    re.IGNORECASE,
-)
-_INSTEAD = re.compile(
-    r"(?:had|if|suppose|supposing|assuming)(?: that)? (?:the |my )?(?:sensor|gripper|gel|robot"
-    rf"|finger) (?:had )?{forms(TURNS + SLIDES + GOES, 'past')} instead"
-    r"(?: of (?:it|(?:the|my) \w+))?[,:]?\s+(?=\w)",
-    re.IGNORECASE,
-)
-_WOULD_THAT_BE = re.compile(
-    r"^(?:which|what) (?:way|direction) would (?:that|it|this) (?:be|have been)\W*$", re.IGNORECASE
-)
-_WOULD_HAVE = re.compile(r"\bwould (it|the \w+|my \w+) have\b", re.IGNORECASE)
+_ASSUMED = _PHRASES.pattern("ASSUMED")
+_WITH_ANOTHER = _PHRASES.pattern("WITH_ANOTHER", re.IGNORECASE)
+_SUPPOSED_THREAD = _PHRASES.pattern("SUPPOSED_THREAD", re.IGNORECASE)
+_INSTEAD = _PHRASES.pattern("INSTEAD", re.IGNORECASE)
+_WOULD_THAT_BE = _PHRASES.pattern("WOULD_THAT_BE", re.IGNORECASE)
+_WOULD_HAVE = _PHRASES.pattern("WOULD_HAVE", re.IGNORECASE)
 _TIGHTER_OR_LOOSER = "Is it tightening or loosening?"
 
-_SUPPOSED_FACTS = re.compile(
-    r"(?:if|suppose|supposing|assuming|assume|imagine)(?: that)? ", re.IGNORECASE
-)
-
-_NO_SUPPOSITION = re.compile(
-    r"\b(?:know|tell|sure|certain|check|say|see|matters?|wonder|ask|asks|depends?|care|on|or)"
-    r"(?: me| us)?\s*$",
-    re.IGNORECASE,
-)
-"""Words before an "if" that ask whether it is so."""
-
-_AS_SEEN = re.compile(
-    rf"(?P<side>\b(?:as |when )?(?:{LOOK}(?: it)? )?"
-    r"(?<!away )(?<!off )from (?:behind )?(?:the |my )?(?:sensor|camera)"
-    r"(?:'s (?:side|view|viewpoint|point of view)|(?= *(?:[,:?.!]|$)))|\bas the camera sees it\b)"
-    r"|\b(?:in|on) the (?:(?:camera|recorded|tactile) )?(?:image|picture)\b",
-    re.IGNORECASE,
-)
-"""Names the camera's own view within a question. "In the image" is how directions are told anyway;
-it says something only to who looked from the other side before."""
-
-_WOULD_BE = re.compile(r"\bwould ((?:[^\W\d]+ ){0,2}[^\W\d]+) be(?= \w+ing\b)", re.IGNORECASE)
-_WOULD = re.compile(r"\bwould(?= (?:the |this |that |it\b|my ))", re.IGNORECASE)
-
-_NOTHING_ASKED = re.compile(r"(?:what|and|so|but|how|about|then|\W)*", re.IGNORECASE)
+_SUPPOSED_FACTS = _PHRASES.pattern("SUPPOSED_FACTS", re.IGNORECASE)
+_NO_SUPPOSITION = _PHRASES.pattern("NO_SUPPOSITION", re.IGNORECASE)
+_AS_SEEN = _PHRASES.pattern("AS_SEEN", re.IGNORECASE)
+_WOULD_BE = _PHRASES.pattern("WOULD_BE", re.IGNORECASE)
+_WOULD = _PHRASES.pattern("WOULD", re.IGNORECASE)
+_NOTHING_ASKED = _PHRASES.pattern("NOTHING_ASKED", re.IGNORECASE)
 _OPEN_QUESTION = "Which way does it move?"
 
-_LEAD = re.compile(
-    r"^(?:(?:no|nope|wrong|sorry|well)[:,.!;]+ +|(?:please|note(?: that)?|fyi|by the way|ok|okay"
-    r"|actually|remember(?: that)?|so|and|now|but)[:,]? +)"
-)
-_BREAK = re.compile(
-    r"\s*(?:[,;]|\.(?!\d)|\band\b|\bbut\b)\s*"
-    r"|\s+(?=(?:touched|gripped|held) (?:at|by|from|on)\b"
-    r"|(?:seen|viewed) (?:at|from) (?:the|its) (?:head|shank|tip)\b)"
-)
+_LEAD = _PHRASES.pattern("LEAD")
+_BREAK = _PHRASES.pattern("BREAK")
 _ENDS = re.compile(r"[!;:,\n]|\.(?!\d)")
 
-_AGAIN = re.compile(r" (?:again|now|once more|any ?more|after all|instead|though)$")
-"""Says of a fact that another one held before."""
+_AGAIN = _PHRASES.pattern("AGAIN")
 
 MOST_CLAUSES = 4
 """One fact may run over: more than any in the list does (a comma and an "and" make three). Without

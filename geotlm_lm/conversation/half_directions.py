@@ -12,9 +12,11 @@ from typing import Literal
 from geotlm_lm.conversation.motion_claims import asks_yes_or_no
 from geotlm_lm.conversation.motion_names import claimed_motion
 from geotlm_lm.conversation.motion_verbs import GOES, forms
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import normalised_text
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, reverse
 
+_PHRASES = Phrases("half_directions")
 Half = Literal["upper", "lower", "left", "right"]
 
 _CLOCKWISE: dict[Half, Motion] = {
@@ -25,14 +27,13 @@ _CLOCKWISE: dict[Half, Motion] = {
 }
 """Which way a half goes in a clockwise turn."""
 
-_PART = r"(?:half|side|edge|part|end|rim|border)"
 _HALVES: dict[Half, str] = {
-    "upper": rf"(?:upper {_PART}|top(?: {_PART})?)",
-    "lower": rf"(?:lower {_PART}|bottom(?: {_PART})?)",
-    "left": rf"left(?:[ -]hand)? {_PART}",
-    "right": rf"right(?:[ -]hand)? {_PART}",
+    "upper": _PHRASES.text("UPPER"),
+    "lower": _PHRASES.text("LOWER"),
+    "left": _PHRASES.text("LEFT"),
+    "right": _PHRASES.text("RIGHT"),
 }
-_OF_WHAT = r"(?: of (?:it|(?:the|this|that|my|its) (?!clip\b|video\b|recording\b|image\b)\w+))?"
+_OF_WHAT = _PHRASES.text("OF_WHAT")
 _GOES = forms(GOES)
 _ASKED = tuple(
     (

@@ -10,24 +10,21 @@ import re
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from geotlm_lm.conversation.frame_fact_patterns import HALF_TURN
 from geotlm_lm.conversation.kind_phrases import RULES
-from geotlm_lm.conversation.kind_words import GEL, HOLDER
+from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.motion_claims import asks_yes_or_no, claimed_motions
 from geotlm_lm.conversation.motion_names import claimed_motion
-from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE, TURN
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import normalised_text
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, mirror, reverse, turn_by_quarter
 
+_PHRASES = Phrases("hypothetical_changes")
 Change = Literal["undo", "turned", "vertical", "mirrored", "reversed", "viewpoint", "actor"]
 
-_MOVE = rf"(?:driv|go|{GO}|{SLIDE}|{TURN}){ENDING}"
-_MOTION = r"(?:motion|movement|rotation|turn|slide|shift|direction)"
-_NO_PLACE = "".join(
-    rf"(?<!\b{word} )"
-    for word in ("on", "over", "across", "against", "along", "past", "to", "from", "in", "touching")
-)
+_MOVE = _PHRASES.text("MOVE")
+_MOTION = _PHRASES.group("MOTION")
+_NO_PLACE = _PHRASES.text("NO_PLACE")
 
 
 def _moves(holder: str) -> re.Pattern[str]:
@@ -39,47 +36,26 @@ def _moves(holder: str) -> re.Pattern[str]:
     )
 
 
-_SURE_HOLDER = rf"(?:{GEL}|gripper|wrist|robot(?:'?s)? (?:arm|hand))"
-"""No finger and no robot: these may be what is touched."""
+_SURE_HOLDER = _PHRASES.group("SURE_HOLDER")
 
 _HOLDER_MOVES, _FINGER_MOVES = _moves(_SURE_HOLDER), _moves(HOLDER)
 
-_SHOWN = re.compile(
-    rf"\b(?:image|picture|video|clip|recording|view|side|frames?) of (?:the|my) {HOLDER}\b"
-)
-"""Of what a picture is, not who moves."""
+_SHOWN = _PHRASES.pattern("SHOWN")
 
-_FLIP = r"(?:flip(?:s|ped|ping)?|mirror(?:s|ed|ing)?)"
-_VERTICALLY = (
-    r"(?:vertical(?:ly)?|top[ -](?:to|for)[ -]bottom|bottom[ -]to[ -]top|up[ -]to[ -]down)"
-)
-_ACROSS = r"(?:horizontal(?:ly)?|left[ -](?:to[ -])?right)"
-_BOTH_WAYS = rf"{_ACROSS} and {_VERTICALLY}|{_VERTICALLY} and {_ACROSS}|both ways"
 _WORDS: tuple[tuple[Change, re.Pattern[str]], ...] = tuple(
     (name, re.compile(words))
     for name, words in (
-        (
-            "turned",
-            rf"(?:\b(?:turned|rotated|{_FLIP}) )?\b(?:upside[ -]down|on its head)\b"
-            rf"|\b(?:turned|rotated) {HALF_TURN}"
-            rf"|\b{_FLIP}(?: \w+){{0,4}} (?:{_BOTH_WAYS})",
-        ),
-        ("vertical", rf"\b{_FLIP}(?: \w+){{0,4}} {_VERTICALLY}\b|\b{_VERTICALLY} {_FLIP}\b"),
+        ("turned", _PHRASES.text("TURNED")),
+        ("vertical", _PHRASES.text("FLIPPED_VERTICALLY")),
         *((kind, "|".join(RULES[kind])) for kind in ("undo", "mirrored", "reversed", "viewpoint")),
         ("actor", "|".join(rule.replace(HOLDER, _SURE_HOLDER) for rule in RULES["actor"])),
     )
 )
 """In the order they are looked for; what is found is taken out."""
 
-_SHOULD_I = re.compile(
-    r"(?:^|[,;:.!] |\b(?:and|so|but) )(?:should|shall|must|do) (?:i|we|the \w+)\b"
-)
-_ACT = re.compile(
-    r"\b(?:push|pull|press)(?:ing)?(?: it)?\b(?= (?:to )?(?:the )?(?:left|right|up|down))"
-)
-"""What somebody does to move it a way: "should I push left?" asks for no press."""
-
-_WHICH = re.compile(r"\b(?:which|what|how|where|or)\b")
+_SHOULD_I = _PHRASES.pattern("SHOULD_I")
+_ACT = _PHRASES.pattern("ACT")
+_WHICH = _PHRASES.pattern("WHICH")
 
 
 @dataclass(frozen=True)

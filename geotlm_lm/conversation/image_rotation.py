@@ -15,56 +15,21 @@ from __future__ import annotations
 import re
 from typing import Any
 
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import normalised_text
 from geotlm_lm.core.frame_spec import FrameSpec
 
-_THE = r"(?:(?:the|my|our|this) )?"
-_IMAGE = rf"{_THE}(?:(?:camera|recorded|tactile) )?(?:image|picture|video|clip|recording|footage)s?"
-_PICTURE = rf"{_THE}(?:(?:camera|recorded|tactile) )?(?:image|picture|video)s?"
-"""What turns only as a picture does; a clip that "turned" may show a thing that did."""
-_CAMERA = rf"{_THE}camera"
-_HOLDER = rf"{_THE}(?:tactile )?(?:sensor|gripper|finger|gel|pad)"
+_PHRASES = Phrases("image_rotation")
+_ASIDE = _PHRASES.group("ASIDE")
 
-_DEGREES = r"(?:degrees?|deg|°)"
-_CLOCKWISE = r"(?:clockwise|cw|(?:to the )?right)"
-_COUNTER = r"(?:(?:counter|anti)[ -]?clockwise|ccw|acw|(?:to the )?left)"
-_WAY = rf"(?:in (?:a |the )?)?(?:{_COUNTER}|{_CLOCKWISE})(?: direction)?\b"
-_SIZE = (
-    rf"(?:[-+\u2212]?\d{{1,4}}(?:\.\d+)?(?:[ -]?{_DEGREES}|(?= {_WAY}|[ ,.!?]*$|[,.] ))"
-    rf"|ninety {_DEGREES}|(?:one )?quarter(?:[ -]turn| of a turn)?)"
-)
-_BY = rf"(?:(?:by|through|at|with) )?(?:an? )?{_SIZE}"
-_TURN = rf"(?:{_BY}(?: {_WAY})?|{_WAY} {_BY})"
-_ASIDE = r"(?:sideways|on (?:its|the|one) side|in portrait\b)"
 
-_IS = r"(?: (?:is|was|are|were|has been|have been|had been)|'s)"
-_TURNED = r"(?:turned|rotated)"
-_MOUNTED = r"(?:mounted|installed)"
-_I = r"(?:i|we)(?: have|'ve)?"
-
-_FACTS = tuple(
-    re.compile(words)
-    for words in (
-        rf"(?P<image>{_IMAGE}){_IS}(?P<mirrored> (?:mirrored|flipped) and)?(?: recorded)? {_TURNED}"
-        rf" {_TURN}",
-        rf"(?P<image>{_PICTURE}) {_TURNED} {_TURN}",
-        rf"{_I} {_TURNED} (?P<image>{_IMAGE}) {_TURN}",
-        rf"{_CAMERA}{_IS} {_TURNED} {_TURN}",
-        rf"(?:{_CAMERA}|{_HOLDER}){_IS} {_MOUNTED}(?: {_TURNED})? {_TURN}",
-        rf"{_I} {_TURNED} {_CAMERA} {_TURN}",
-        rf"{_I} {_MOUNTED} (?:{_CAMERA}|{_HOLDER})(?: {_TURNED})? {_TURN}",
-    )
-)
+_FACTS = tuple(re.compile(words) for words in _PHRASES.each("FACTS"))
 """What may be said, to the letter; of all that is no image a camera is turned."""
 
-_NO_TURN = re.compile(
-    rf"(?:{_IMAGE}|{_CAMERA}){_IS}(?: not|n't) {_TURNED}(?P<by> {_TURN})?"
-    rf"|(?:{_CAMERA}|{_HOLDER}){_IS}(?: not|n't) {_MOUNTED} (?P<so>{_ASIDE}|{_TURNED}(?: {_TURN})?)"
-)
-
-_SIZED = re.compile(_SIZE)
+_NO_TURN = _PHRASES.pattern("NO_TURN")
+_SIZED = _PHRASES.pattern("SIZED")
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
-_SENSE = re.compile(rf"\b(?:(?P<counter>{_COUNTER})|{_CLOCKWISE})\b")
+_SENSE = _PHRASES.pattern("SENSE")
 
 
 def read_image_rotation(clause: str) -> dict[str, Any] | None:
@@ -94,55 +59,15 @@ def _degrees(text: str) -> float | None:
     return 90.0 if number is None else float(number[0])
 
 
-_BEFORE = (
-    r"(?P<before>^|[.,;:!?(] *|\b(?:and|but|so|because|since|as|though|although|while|when|if"
-    r"|suppose|supposing|imagine|that|given|with|for|in|had|no|well|actually|note) )"
-)
-_ON_HEAD = (
-    rf"(?:(?:turned |rotated |flipped )?(?:upside[ -]down|on its head)|(?:flipped|mirrored)"
-    rf" (?:vertically|top[ -]to[ -]bottom)|{_TURNED} (?:by )?180 ?{_DEGREES})"
-)
-_BE = (
-    rf"(?:{_IS}| been)"
-    rf"(?: (?:also|actually|slightly|recorded|held|(?:mirrored|flipped|{_ON_HEAD}) and))*"
-)
-_OBLIQUE = r"(?:turned|rotated|tilted|skewed)"
-_ENDS = r"(?=[ )]*(?:$|[.,;:!?])| (?:and|but|so|which|what|how|where|does|did)\b)"
-_SO_FAR = rf" (?:{_TURN}|{_ASIDE})"
-_SOMEHOW = rf"(?: {_OBLIQUE}(?:{_SO_FAR}| {_WAY}|{_ENDS})| {_ASIDE})"
-_TURN_IT = r"(?:i|we|you)(?: have|'ve)? (?:turn|rotate|turned|rotated|tilted)"
-_WHOSE = rf"(?:{_IMAGE}|{_CAMERA}|{_HOLDER})"
+_BEFORE = _PHRASES.text("BEFORE")
 
-_MENTIONS = tuple(
-    re.compile(_BEFORE + words)
-    for words in (
-        rf"(?:{_IMAGE}|{_CAMERA}){_BE}{_SOMEHOW}",
-        rf"{_WHOSE}{_BE} {_MOUNTED}(?: {_OBLIQUE})?{_SO_FAR}",
-        rf"{_HOLDER} is(?: held| fixed)?(?: {_TURNED} {_TURN}| {_ASIDE})",
-        rf"(?:{_PICTURE}|(?<=with )(?:{_IMAGE}|{_CAMERA})) {_OBLIQUE}{_SO_FAR}",
-        rf"(?:please )?(?:turn|rotate) {_IMAGE}{_SO_FAR}",
-        rf"(?<!when ){_TURN_IT} (?:{_IMAGE}|{_CAMERA}){_SO_FAR}",
-        rf"(?<=if )(?:i|we|you)(?: had)? (?:turn|rotate|turned|rotated) {_HOLDER}{_SO_FAR}",
-        rf"(?:{_I} )?{_MOUNTED}(?: it| {_WHOSE})?(?: {_OBLIQUE})?{_SO_FAR}",
-        rf"{_WHOSE} has (?:been )?an? (?:{_SIZE}(?: {_WAY})? rotation|rotation of {_SIZE})",
-    )
-)
+_MENTIONS = tuple(re.compile(_BEFORE + words) for words in _PHRASES.each("MENTIONS"))
 """Words that say of the image, or of what holds the camera, that it does not stand upright."""
 
-_SAYS_NO_TURN = re.compile(
-    r"\b(?:know|tell|sure|certain|check|say|see|wonder|ask)(?: me| us)? (?:if|that) $"
-    r"|\b(?:has|have|had)\b.* in $"
-    r"|(?:^|[.!?;:,] *|\b(?:and|so|but) )(?:is|was|are|were|does|do|did|has|have|can|could)"
-    r"(?:n't)? (?!you\b)[^.!?;]*(?<!given )(?<!provided )(?<!suppose )(?<!note )\bthat $"
-)
-"""Words before that ask whether it is so, or tell of something in the image."""
-
-_TAG = re.compile(
-    r"[^.,;:!?]*, ?(?:right|correct|true|yes|no|eh|(?:is|was|has|did|does)(?:n't)? it"
-    r"|is(?:n't)? that so) ?\?$"
-)
-_OF_A_CLIP = re.compile(rf"\b{_THE}(?:clip|recording|footage)\b")
-_OF_AN_IMAGE = re.compile(rf"\b{_IMAGE}\b")
+_SAYS_NO_TURN = _PHRASES.pattern("SAYS_NO_TURN")
+_TAG = _PHRASES.pattern("TAG")
+_OF_A_CLIP = _PHRASES.pattern("OF_A_CLIP")
+_OF_AN_IMAGE = _PHRASES.pattern("OF_AN_IMAGE")
 _EXAMPLES = (
     "the image is turned by 90 degrees clockwise",
     "the camera is mounted turned by 90 degrees clockwise",
@@ -160,13 +85,7 @@ _SAY_MOUNTED = (
     "I turn an image back only where it was recorded so: say 'the sensor is mounted upside down' "
     "if it is; a sensor that is turned for once, with its camera in it, shows the same image."
 )
-_HALF_TURNED = re.compile(
-    rf"(?:^|[.!;,] *|\b(?:and|but|so|actually|well) )(?:{_HOLDER}(?: is|'s)(?: now| held| fixed)?"
-    rf" (?:{_ON_HEAD}|(?:turned|rotated) (?:by )?180)"
-    rf"|(?:{_I} )?(?:turned|rotated|held|put) {_HOLDER} (?:{_ON_HEAD}|(?:by )?180 ?{_DEGREES}))"
-    rf"|\b(?:with|from) {_HOLDER} (?:{_ON_HEAD})"
-)
-"""Says that the sensor, with its camera in it, stands on its head, and not that it always does."""
+_HALF_TURNED = _PHRASES.pattern("HALF_TURNED")
 
 _OTHER_SIZE = (
     "I tell directions for an image turned by 90, 180 or 270 degrees, not by {:g}: turn the "
@@ -180,8 +99,8 @@ _ONE_TURN = (
     "I turn an image back only where it is said before the question by one turn: upside down and "
     "turned by 90 degrees are two; give one of the two, or both taken together, such as '{}'."
 )
-_TWO_TURNS = re.compile(rf"\b{_ON_HEAD}")
-_ON_HEAD_AND = re.compile(rf"\b{_ON_HEAD} and ")
+_TWO_TURNS = _PHRASES.pattern("TWO_TURNS")
+_ON_HEAD_AND = _PHRASES.pattern("ON_HEAD_AND")
 
 
 def unclear_rotation(text: str, typed: str = "") -> str | None:

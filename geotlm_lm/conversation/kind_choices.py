@@ -4,31 +4,23 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.motion_verbs import SLIDES, TURNS, forms
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import without_openers
 from geotlm_lm.core.labels import MotionClass
 
-REST = (
-    r"(?:still|stationary|static|at rest|resting|motionless|immobile|stable|at a standstill"
-    r"|not moving)"
-)
+_PHRASES = Phrases("kind_choices")
+REST = _PHRASES.group("REST")
 
 _WORDS: tuple[tuple[MotionClass, str], ...] = (
-    (MotionClass.ROTATION, rf"{forms(TURNS, 'base', 'gerund')}|rotation|twist|rotational"),
-    (MotionClass.SLIDE, rf"{forms(SLIDES, 'base', 'gerund')}|translation|(?:gross )?slip|linear"),
-    (MotionClass.PRESS, r"(?:press|push)(?:ing|ed)?(?: in| down)?"),
-    (MotionClass.RELEASE, r"(?:lift|releas)(?:e|ing|ed)?(?: off)?"),
-    (MotionClass.STILL, rf"{REST}|stuck|stick(?:ing)?|holding(?: still)?"),
-    (MotionClass.NONE, r"nothing|no contact|untouched|not touching"),
+    (MotionClass.ROTATION, _PHRASES.text("ROTATION")),
+    (MotionClass.SLIDE, _PHRASES.text("SLIDE")),
+    (MotionClass.PRESS, _PHRASES.text("PRESS")),
+    (MotionClass.RELEASE, _PHRASES.text("RELEASE")),
+    (MotionClass.STILL, _PHRASES.text("STILL")),
+    (MotionClass.NONE, _PHRASES.text("NONE")),
 )
 _ONE = "|".join(f"(?:{words})" for _, words in _WORDS)
-_LEAD = r"(?:(?:tell me|which is it)[,:]? +)*"
-_IS = r"(?:is|was|does|did) (?:it|this|that|(?:the|my) \w+) "
-_CHOICE = re.compile(
-    rf"{_LEAD}(?:{_IS})?(?:either )?(?:just |an? )?(?P<one>{_ONE})"
-    rf"(?P<others>(?:(?:,|,? or)(?: is it| is| an?| just)? (?:{_ONE}))+)"
-    r"(?:,? or (?:what|else))?[ ?.!]*"
-)
+_CHOICE = Phrases("kind_choices", ONE=_ONE).pattern("CHOICE")
 
 
 def offered_kinds(question: str) -> frozenset[MotionClass] | None:

@@ -11,13 +11,14 @@ from __future__ import annotations
 import re
 from functools import lru_cache
 
-from geotlm_lm.conversation.kind_phrases import COUNTED, MOVEMENT, RULES
+from geotlm_lm.conversation.kind_phrases import RULES
 from geotlm_lm.conversation.motion_claims import offered_options
 from geotlm_lm.conversation.motion_names import KEPT, claimed_motion, motions_named
-from geotlm_lm.conversation.motion_verbs import GO, STIR, WOBBLE
 from geotlm_lm.conversation.non_tactile_questions import asks_beyond_touch
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import normalised_text
 
+_PHRASES = Phrases("kinds")
 LATER_KINDS = frozenset(RULES) | {"negation", "premise"}
 """Kinds the rules know by their words."""
 
@@ -27,35 +28,12 @@ kind that every model holds, and none of a later kind whose words the question h
 
 _RULES = {kind: re.compile("|".join(words)) for kind, words in RULES.items()}
 
-_NEGATION = re.compile(r"\b(?:not|never|isn'?t|wasn'?t|doesn'?t|didn'?t)\b")
-_NO_NEGATION = re.compile(r"\bor not\b|\bnot (?:the direction|touching|in contact)\b")
-_PREMISE = re.compile(
-    r"\bhow (?:fast|far|long|much|quick|quickly|slowly|firmly|firm|steadily|steady|smoothly|evenly"
-    rf"|often|many times|many {COUNTED}|hard)\b|\b(?:by how much|at what speed|at which rate)\b"
-    r"|\bsince when\b|\b(?:when|where) did\b|\bwhat (?:keeps|kept)\b|\b(?:stop|start|begin|keep) "
-)
-
-
-_DIRECTION = re.compile(
-    r"\b(?:which|what) (?:way|direction)\b|\bdirection (?:of|is|was)\b"
-    r"|\b(?:sign|sense) of (?:the )?(?:rotation|turn(?:ing)?)\W*$"
-    r"|^(?:(?:give(?: me)?|tell me|report|measure|estimate|determine|state) )?(?:the )?"
-    r"(?:rotation|turn(?:ing)?) (?:sign|sense)\W*$"
-    r"|^(?:(?:describe|report|say|tell me|give me|what (?:is|was)) )?the (?:motion|movement) of\b"
-    rf"|^(?:the )?(?:(?:{MOVEMENT}|movement) )?(?:dir|direction|motion|movement)\W*$"
-    r"|\b(?:where|how) (?:is|was|does|did) (?:\S+ ){1,4}(?:go|going|move|moving|moved)\W*$"
-)
-_WHETHER_MOVING = re.compile(
-    r"(?:^|[,;:.!] |\b(?:and|so|but|ok|now) )(?:does|do|did|is|was|has|have)(?:n't)? "
-    r"(?:(?!you\b|price|market|temperature)\S+ ){1,4}?"
-    rf"(?:{GO}|{STIR}|{WOBBLE})(?:e|s|es|ed|ing)?"
-    r"(?: (?:at all|any|a bit|a little|yet|somehow|one bit))?\W*$"
-)
-_MORE_THAN_DIRECTION = re.compile(
-    r"\b(?:will|would|should|who|whose|why|when|and|or|if|not|price|tomorrow|next|later"
-    r"|kind|type|class|category|sort|some|any|(?<!across the )(?<!over the )(?<!on the )"
-    r"(?<!along the )(?<!surface of the )(?:gel|sensor))\b"
-)
+_NEGATION = _PHRASES.pattern("NEGATION")
+_NO_NEGATION = _PHRASES.pattern("NO_NEGATION")
+_PREMISE = _PHRASES.pattern("PREMISE")
+_DIRECTION = _PHRASES.pattern("DIRECTION")
+_WHETHER_MOVING = _PHRASES.pattern("WHETHER_MOVING")
+_MORE_THAN_DIRECTION = _PHRASES.pattern("MORE_THAN_DIRECTION")
 
 
 def asks_direction(question: str) -> bool:

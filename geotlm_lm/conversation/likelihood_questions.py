@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-import re
-
 from geotlm_lm.conversation.motion_claims import claimed_motions
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import normalised_text
 from geotlm_lm.core.labels import Motion
 
-_DENIED = re.compile(r"n't\b|\b(?:not|never|no longer)\b")
-
-
-_OF_THE_ANSWER = re.compile(
-    r"\b(?:it|that|this|you|(?:the|your|this|that) answer) (?:is|are|was|were|be) "
-    r"(?:right|correct|true|so)\b"
-)
+_PHRASES = Phrases("likelihood_questions")
+_DENIED = _PHRASES.pattern("DENIED")
+_OF_THE_ANSWER = _PHRASES.pattern("OF_THE_ANSWER")
 
 
 def likelihood_subject(question: str) -> frozenset[Motion] | None:

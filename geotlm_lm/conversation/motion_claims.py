@@ -6,99 +6,41 @@ import re
 
 from geotlm_lm.conversation.axis_claims import claimed_axis
 from geotlm_lm.conversation.motion_names import LOST_CONTACT, claimed_motion, motions_named
-from geotlm_lm.conversation.motion_verbs import (
-    GOES,
-    PRESSES,
-    SLIDE,
-    SLIDES,
-    TURN,
-    TURNS,
-    forms,
-)
-from geotlm_lm.conversation.non_motion_phrases import STILL_UNCHANGED
 from geotlm_lm.conversation.option_labels import labelled
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import normalised_text
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class
 
-_BESIDES = re.compile(r"\b(?:without|anything but|other than|apart from)(?: any)? \w+")
-"""What a claim leaves out: "does it move without slipping?"."""
+_PHRASES = Phrases("motion_claims")
+_BESIDES = _PHRASES.pattern("BESIDES")
 
 CLASS_NAMES: tuple[tuple[MotionClass, str], ...] = (
-    (MotionClass.ROTATION, rf"\b{TURN}\w*"),
-    (MotionClass.SLIDE, rf"\b{SLIDE}\w*"),
+    (MotionClass.ROTATION, _PHRASES.text("ANY_TURN")),
+    (MotionClass.SLIDE, _PHRASES.text("ANY_SLIDE")),
 )
 """Words of a kind of motion that leave its direction open."""
 
-_NO_NOUN = r"(?<!\bthe )(?<!\ba )(?<!\ban )(?<!\bmy )(?<!\byour )"
-
-_NO_OBJECT = r"(?! (?:out|my|your|the|it|this|that|rule)\b)"
 
 _VERBS: tuple[tuple[MotionClass, str], ...] = (
-    (
-        MotionClass.ROTATION,
-        rf"{_NO_NOUN}\b(?:{forms(TURNS)}|rotation)\b{_NO_OBJECT}",
-    ),
-    (
-        MotionClass.SLIDE,
-        rf"{_NO_NOUN}\b{forms(SLIDES)}\b{_NO_OBJECT}",
-    ),
+    (MotionClass.ROTATION, _PHRASES.text("VERB_OF_TURNING")),
+    (MotionClass.SLIDE, _PHRASES.text("VERB_OF_SLIDING")),
 )
 """What the touched object does by itself: no "turntable", "my turn", "turns out", "I turned it"."""
 
-_ENDED = re.compile(
-    r"(?<!the )(?<!non-)(?<!non )\b(?:stop(?:s|ped)?|ceas(?:e|es|ed)|halt(?:s|ed)?|no longer"
-    r"|c[oa]m(?:e|es|ing) to (?:rest|a (?:rest|stop|halt|standstill)))\b"
-)
-"""Says that what follows is over: what has stopped turning turns no more."""
-
-_NO_END = re.compile(r"\b(?:without|until|never|not|non-?stop|or)\b(?! not\b)|n't\b")
-"""Words with which an end is denied, lies in another time, or is one of two things."""
-
-_TOUCHING = re.compile(r"\b(?:touch\w*|contact)\b")
+_ENDED = _PHRASES.pattern("ENDED")
+_NO_END = _PHRASES.pattern("NO_END")
+_TOUCHING = _PHRASES.pattern("TOUCHING")
 
 _AT_REST = frozenset({Motion.STILL, Motion.NONE})
 
-_ANOTHER_TIME = re.compile(r"\b(?:will|would|should|who|why|before|again|later|next)\b")
-
-_DENIED = re.compile(r"n't\b|\b(?:not|never|no longer|stop\w*|instead|if|would|unless)\b")
-
-_YES_OR_NO = re.compile(
-    r"(?:^|[,;:.!] |\b(?:and|so|but|hey|ok|please|now) )"
-    r"(?:is|are|was|were|does|do|did|has|have|had|would|will|can|could)(?:n't|nt| not)? (?!you\b)"
-)
-
-_NO_ARTICLE = r"(?<!\bthe )(?<!\ba )(?<!\bthis )(?<!\bmy )"
-
-_DONE = TURNS + SLIDES + GOES + PRESSES
-_PREDICATES = re.compile(
-    rf"\b(?:is|are|was|were|isn't|wasn't) (?:\w+ ){{1,4}}?{_NO_ARTICLE}"
-    rf"(?:{forms(_DONE, 'gerund')}|resting|leaving)\b"
-    rf"|\b(?:does|do|did|doesn't|didn't) (?:\w+ ){{1,4}}?{_NO_ARTICLE}"
-    rf"(?:{forms(_DONE, 'base')}|rest|leave)\b"
-    rf"|\b(?:is|was) (?:\w+ ){{1,4}}?being {forms(TURNS + SLIDES, 'past')}\b"
-    r"|\b(?:is|was|isn't|wasn't) (?:it|this|that|there|(?:the|this) (?:motion|movement)) "
-    r"(?:an? |any |some )?(?:(?:pure|simple|real|clean) )?"
-    r"(?:turn|twist|rotation|spin|slide|slip|slippage|translation|press|release)\b"
-    r"|\b(?:is|was) (?:\w+ ){1,3}?(?:stationary|motionless|at rest|at a standstill)\b"
-)
-"""What is done, where a yes-or-no question asks whether it is: "is the cable slipping", and neither
-"is the slippery cable" nor "does the slide rule"."""
-
-_OF_SOMETHING_ELSE = re.compile(
-    r"\b(?:will|would|later|tomorrow|next|again|before|should|not|who|person|price|cost|temperature)\b"
-    r"|\bgoing to (?!the\b)"
-)
-"""Words by which a question is about another time, another actor or what no touch tells."""
-
-_OR_NOT = re.compile(r",? or not\b(?! \w)")
-
-_STILL_GOING = re.compile(rf"{STILL_UNCHANGED}|\bstill (?=in contact\b)", re.IGNORECASE)
-_STILL_AT_END = re.compile(
-    r"^((?:does|did) (?:it|this|that|(?:the|my) \w+) "
-    rf"{forms(TURNS + SLIDES + GOES, 'base')}) still(?=[ ?.!]*$)",
-    re.IGNORECASE,
-)
-"""What it "does still" it goes on doing."""
+_ANOTHER_TIME = _PHRASES.pattern("ANOTHER_TIME")
+_DENIED = _PHRASES.pattern("DENIED")
+_YES_OR_NO = _PHRASES.pattern("YES_OR_NO")
+_PREDICATES = _PHRASES.pattern("PREDICATES")
+_OF_SOMETHING_ELSE = _PHRASES.pattern("OF_SOMETHING_ELSE")
+_OR_NOT = _PHRASES.pattern("OR_NOT")
+_STILL_GOING = _PHRASES.pattern("STILL_GOING", re.IGNORECASE)
+_STILL_AT_END = _PHRASES.pattern("STILL_AT_END", re.IGNORECASE)
 
 
 def asks_yes_or_no(text: str) -> bool:
@@ -194,10 +136,7 @@ def claims_motion(text: str) -> bool:
     return claimed_motion(text) is not None or claimed_motion_class(text) is not None
 
 
-_BOTH = re.compile(
-    r"\b(?:as well as|and also|and at the same time|plus|combin\w+|together with|and simultaneously"
-    r"|while also|both|more than (?:it|a|an|the)|rather than (?:it|a|an|the))\b"
-)
+_BOTH = _PHRASES.pattern("BOTH")
 
 
 def asks_both_kinds(text: str) -> bool:

@@ -19,13 +19,15 @@ from geotlm_lm.conversation.motion_verbs import (
     forms,
 )
 from geotlm_lm.conversation.object_names import THING, with_generic_objects
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.question_affixes import JUST, TAIL, WHETHER
 from geotlm_lm.conversation.text_normalisation import without_openers
 
-_FAR = r" (?:by )?(?:(?:very|really) )?(?:far|much|a lot|a great deal)"
+_PHRASES = Phrases("motion_questions")
+_FAR = _PHRASES.text("FAR")
 _SLIPS = tuple(verb for verb in SLIDES if verb[0] == "slip")
 _SLIDES = tuple(verb for verb in SLIDES if verb not in _SLIPS)
-_NOT = r"(?:n't)?"
+_NOT = _PHRASES.text("NOT")
 
 
 def _asking(verbs: tuple[Verb, ...], how_far: str = "") -> re.Pattern[str]:
@@ -60,11 +62,7 @@ def _asking(verbs: tuple[Verb, ...], how_far: str = "") -> re.Pattern[str]:
     return re.compile(rf"{WHETHER}(?:{'|'.join(said)}){how_far}{TAIL}")
 
 
-_TURNED, _SLID = forms(TURNS, "past"), forms(SLIDES, "past")
-_WHICH_KIND = re.compile(
-    rf"{WHETHER}(?:has|have|had){_NOT} {THING} {JUST}(?:been )?"
-    rf"(?:{_TURNED} or {_SLID}|{_SLID} or {_TURNED}){TAIL}"
-)
+_WHICH_KIND = _PHRASES.pattern("WHICH_KIND")
 _ASKED = (
     (_WHICH_KIND, "Is it sliding or turning?"),
     (_asking(TURNS), "Is it turning?"),

@@ -4,32 +4,13 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.kind_choices import REST
+from geotlm_lm.conversation.phrases import Phrases
 
-_BUT = r"(?:any|every|some)thing (?:but|except(?: for)?|other than|else than)"
-_IT = r"(?:it|this|that|(?:the|my) \w+)"
-_MOVES = re.compile(
-    rf"\b(?P<is>is|was) (?P<who>{_IT}) {_BUT} {REST}(?=[ ?.!]*$)",
-    re.IGNORECASE,
-)
-"""What is anything but at rest moves: "not still" would be judged as what is told of it."""
-
-_OTHER_THAN = re.compile(
-    rf"(?:\b(?:(?P<is>is|was) (?P<who>{_IT})(?: doing)?|(?P<does>does|did) (?P<whom>{_IT}) do)"
-    rf" |^\W*){_BUT} ",
-    re.IGNORECASE,
-)
-"""No other place of it is a denial: "does anything but the cap touch the gel?"."""
-
-_CANNOT = re.compile(
-    r"\b(?P<who>it|this|that|(?:the|my) \w+) (?:can't|cannot|can not|couldn't|could not)"
-    r"(?: possibly)? (?:be|have been) (?P<what>[^?]+?),? (?:can|could) (?:it|that)\b",
-    re.IGNORECASE,
-)
-
-
-_WITHOUT = re.compile(r"\b(moving|touching|pressing) without (?=\w+ing\b)", re.IGNORECASE)
-"""Both are asked: of "turning without sliding" the first alone would do."""
+_PHRASES = Phrases("negation_wording")
+_MOVES = _PHRASES.pattern("MOVES", re.IGNORECASE)
+_OTHER_THAN = _PHRASES.pattern("OTHER_THAN", re.IGNORECASE)
+_CANNOT = _PHRASES.pattern("CANNOT", re.IGNORECASE)
+_WITHOUT = _PHRASES.pattern("WITHOUT", re.IGNORECASE)
 
 
 def with_explicit_negation(question: str) -> str:

@@ -6,40 +6,17 @@ import re
 
 from geotlm_lm.conversation.kind_words import HOLDER, PICTURE
 from geotlm_lm.conversation.motion_verbs import GOES, PRESSES, SLIDES, TURNS
+from geotlm_lm.conversation.phrases import Phrases
 
-_NAMED = "_thing"
-THING = rf"(?:it|this|that|anything|something|{_NAMED})"
-"""What moves, in a text of which `with_generic_objects` has taken the names."""
+_PHRASES = Phrases("object_names")
+_NAMED = _PHRASES.text("NAMED")
+THING = _PHRASES.group("THING")
 
-_BETWEEN = """
-it this that these those they them he she him her we you i there who whom which what whose how
-where when why if whether because or and but not no never nothing nobody neither nor none only a
-an the my your its our any some each every both all other else another one two three ten first
-second third last next same is was are were be been being has had have do does did will would
-could can may might must should almost again twice once often always soon already now just still
-ever even like seem seems in on at to from by with without for since until than as about against
-after before behind between during over under left right up down leftward leftwards rightward
-rightwards upward upwards downward downwards sideways cw ccw clockwise counterclockwise
-anticlockwise say says said think thinks thought claim claims claimed reports doubt doubts doubted
-deny denies denied believe believes told tell tells make makes made let lets cause causes caused
-fail fails failed refuse refuses refused cease ceases ceased done
-"""
-_MEASURES = """
-number count total sum size half halves side sides top bottom middle centre center axis direction
-way sense angle distance amount degree degrees pixel pixels speed rate velocity reason evidence
-proof probability chance odds likelihood confidence certainty accuracy time moment force forces
-torque pressure temperature light signal text question answer matter contact touch motion movement
-imprint
-"""
-_OTHERS = """
-clip clips frame frames world table background user operator manual label report log colleague
-friend person people arm thumb palm hand jaw jaws finger fingers fingertips grip grasp hold
-"""
 _NO_NAMES = frozenset(
     (
-        *_BETWEEN.split(),
-        *_MEASURES.split(),
-        *_OTHERS.split(),
+        *_PHRASES.words("BETWEEN"),
+        *_PHRASES.words("MEASURES"),
+        *_PHRASES.words("OTHERS"),
         *re.findall("[a-z]+", HOLDER + PICTURE),
         *(form for verb in TURNS + SLIDES + GOES + PRESSES for form in verb),
     )

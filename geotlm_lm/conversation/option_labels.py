@@ -5,30 +5,20 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-_LETTER = r"(?:(?<![A-Z])[A-D](?=[).:])|(?<![\d.])[1-4](?=\)))"
-_LISTED = r"(?:(?<![A-Z'])[A-F](?=[).:=](?! ?$))|(?<![\d.,])[1-6](?=[).:=](?!\d)))"
+from geotlm_lm.conversation.phrases import Phrases
+
+_PHRASES = Phrases("option_labels")
+_LETTER = _PHRASES.group("LETTER")
+_LISTED = _PHRASES.group("LISTED")
 _BEFORE, _ALSO_BEFORE = (
     re.compile(rf"\(?({label})[).:=]\s*(.*?)(?=[,;]?\s*\(?{label}|$)")
     for label in (_LETTER, _LISTED)
 )
-_STANDS_FOR = re.compile(
-    r"\b([A-F0-6]) (?:FOR|IF|MEANS|MEANING|WHEN|STANDS FOR) (.+?)"
-    r"(?=[,;.]? (?:AND |OR |ELSE )*(?:(?:SAY|ANSWER|REPLY|RETURN|WITH) )?[A-F0-6] |[.?!]|$)"
-)
-_SAID_IF = re.compile(
-    r"\bIF (?!YOU\b)([^,;.]+?),? (?:THEN )?(?:SAY|ANSWER|REPLY|RETURN|PICK|CHOOSE|PRINT|WRITE)"
-    r"(?: WITH)? ([A-F0-6])\b"
-)
-_SAID_ELSE = re.compile(
-    r"\b(OTHERWISE|ELSE|IF NOT),? (?:(?:SAY|ANSWER|REPLY|RETURN|PICK|CHOOSE|PRINT|WRITE)"
-    r"(?: WITH)? )?([A-F0-6])\b"
-)
+_STANDS_FOR = _PHRASES.pattern("STANDS_FOR")
+_SAID_IF = _PHRASES.pattern("SAID_IF")
+_SAID_ELSE = _PHRASES.pattern("SAID_ELSE")
 _BEHIND = re.compile(r"([^()]*)\(([A-F1-6])\)")
-_TAIL = re.compile(
-    r"[.?!;]+(?:\s.*)?$|\s(?:(?:answer|reply) with|which\b"
-    r"|(?:give|tell|say|pick|choose|select)\b).*$",
-    re.IGNORECASE,
-)
+_TAIL = _PHRASES.pattern("TAIL", re.IGNORECASE)
 
 Labelled = list[tuple[str, str]]
 

@@ -8,27 +8,17 @@ from collections.abc import Mapping
 from geotlm_lm.conversation.compound_claims import EVERY, claimed_set
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.option_labels import labelled, without_tail
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import normalised_text
 from geotlm_lm.core.labels import DIRECTED, Motion
 
-_REST = re.compile(
-    r"(?:it(?:'s| is) )?(?:neither(?: of (?:these|them|the two|both))?|others?|else"
-    r"|otherwise|if not"
-    r"|none(?: of (?:these|them|those|the above))?|(?:some|any)thing else"
-    r"|another (?:way|direction|motion))"
-)
-"""All that the other options leave."""
+_PHRASES = Phrases("option_meanings")
+_REST = _PHRASES.pattern("REST")
 
 _INITIALS = {"l": "left", "r": "right", "u": "up", "d": "down"}
-_INITIAL = r"[lrud]"
-_CHOOSE = r"(?:(?:return|answer|reply|say|output|print|choose|pick)(?: with)?(?: one of)?:? )?"
-_ONLY_INITIALS = re.compile(
-    rf"\W*{_CHOOSE}{_INITIAL}(?:(?: ?[,/] ?| )(?:or )?{_INITIAL}){{1,3}}\W*"
-)
-_NEITHER = re.compile(
-    r"(?:,|/| or) ?(?:neither|none(?: of (?:these|them))?|something else|not \w+ing"
-    r"|no (?:rotation|turn|slide|slip|motion|movement))\W*$"
-)
+_INITIAL = _PHRASES.text("INITIAL")
+_ONLY_INITIALS = _PHRASES.pattern("ONLY_INITIALS")
+_NEITHER = _PHRASES.pattern("NEITHER")
 
 OptionSets = Mapping[str, tuple[str, frozenset[Motion]]]
 """By label the words of an option and the motions of which it is true."""

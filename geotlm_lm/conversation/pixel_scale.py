@@ -6,64 +6,18 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import normalised_text
 from geotlm_lm.core.frame_spec import MM_PER_PX
 
-_NUMBER = r"(?P<number>\d+(?:\.\d+)?|\.\d+)"
-_LENGTH = r"(?P<unit>mm|millimet(?:er|re)s?|um|\u00b5m|\u03bcm|microns?|micromet(?:er|re)s?)"
-_PIXEL = r"(?:px|pixels?)"
-_PER = r" ?(?:per|a|/) ?"
-_SCALE_IS = (
-    r"(?:(?:the|my) (?:camera|image|picture|sensor) (?:has|gives|shows|is) "
-    r"|(?:(?:(?:the|a) )?(?:scale|resolution) (?:is|of)|it is|it's|at) )?"
-)
-_PIXEL_IS = (
-    rf"(?:(?:a|one|1|each|every|my|the) {_PIXEL}"
-    rf"|(?:(?:the|a|my) )?(?:pixel (?:size|pitch|spacing)|size of (?:a|one) {_PIXEL})|"
-    rf"(?:the |my )?pixels)"
-)
-
-_SIZES = (
-    rf"{_SCALE_IS}{_NUMBER} ?{_LENGTH}{_PER}{_PIXEL}",
-    rf"(?:{_PIXEL_IS} (?:is|are|was|were|measures?|of|=)|pixel (?:size|pitch):?) {_NUMBER}"
-    rf" ?{_LENGTH}(?: wide| long|{_PER}{_PIXEL})?",
-    rf"mm[_ ]per[_ ]{_PIXEL} ?(?:is|=|:)? ?{_NUMBER}",
-)
-_DENSITY = rf"{_SCALE_IS}{_NUMBER} ?{_PIXEL}{_PER}{_LENGTH}"
-"""How large a pixel is, or how many there are to a length."""
-
-_SUPPOSED = r"(?:if|suppose|supposing|assuming|assume)(?: that)? "
-_GIVEN = r"(?:given(?: that)?|with|at|when|where|since|knowing|provided|for|and|so|note(?: that)?) "
-_CLAUSE = rf"(?P<supposed>{_SUPPOSED})?(?:{_GIVEN})?(?P<clause>.+?)"
-_AFTER = re.compile(
-    rf"(?:[?!;:,]\s*|\.\s+|\s*\(|\s(?={_SUPPOSED}|{_GIVEN})){_CLAUSE}[\s?!.)]*$", re.IGNORECASE
-)
-_BEFORE = re.compile(
-    rf"^(?:(?P<supposed>{_SUPPOSED})|(?:{_GIVEN}))(?P<clause>[^,]+),\s+", re.IGNORECASE
-)
-"""A size said after what is asked, and one given or supposed before it."""
-
-_COURTESY = re.compile(
-    r"(?:\b(?:ok|okay|thanks|thank you|thx|great|good|fine|nice|perfect|cool|right|alright"
-    r"|all right|sure|yes|no|well|hi|hello|hey|please|very much|a lot|then|now|also"
-    r"|by the way|fyi)\b|\W)+",
-    re.IGNORECASE,
-)
-_ASKED = re.compile(
-    r"(?:is|are|was|were) (?:(?:the|a) )?"
-    rf"(?:(?:scale|resolution|pixel size|it)|(?:one |each )?{_PIXEL}"
-    rf"|size of (?:a|one) {_PIXEL}) {_NUMBER} ?{_LENGTH}(?P<per>{_PER}{_PIXEL})?(?: wide| long)?"
-)
-
-
-_ACROSS = re.compile(
-    r"\b(?:the |my )?(?:(?:(?:camera |recorded |whole )?(?:image|picture|frame)|field of view|fov"
-    rf"|view) (?:is|measures|covers|shows|spans) (?:about )?{_NUMBER} ?{_LENGTH}"
-    r"(?: (?:wide|across|in width)|(?: ?(?:x|by|\u00d7) ?\d+(?:\.\d+)? ?(?:mm|um|microns?)?)"
-    r"(?: (?:wide|in size))?)?)(?=\s*(?:$|[,;.!?]|and\b))",
-    re.IGNORECASE,
-)
-"""How much of the gel a whole picture shows, from its left border to its right one."""
+_PHRASES = Phrases("pixel_scale")
+_SIZES = _PHRASES.each("SIZES")
+_DENSITY = _PHRASES.text("DENSITY")
+_AFTER = _PHRASES.pattern("AFTER", re.IGNORECASE)
+_BEFORE = _PHRASES.pattern("BEFORE", re.IGNORECASE)
+_COURTESY = _PHRASES.pattern("COURTESY", re.IGNORECASE)
+_ASKED = _PHRASES.pattern("ASKED")
+_ACROSS = _PHRASES.pattern("ACROSS", re.IGNORECASE)
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.canonical_wording import in_canonical_words
-from geotlm_lm.conversation.kind_words import PICTURE
 from geotlm_lm.conversation.kinds import (
     asked_amount,
     asked_kind,
@@ -18,33 +17,19 @@ from geotlm_lm.conversation.kinds import (
 )
 from geotlm_lm.conversation.motion_claims import asks_yes_or_no, claimed_motions, offered_options
 from geotlm_lm.conversation.motion_names import motions_named
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.quantities import quantities
 from geotlm_lm.conversation.text_normalisation import without_openers
 
+_PHRASES = Phrases("preceding_context")
 _SENTENCES = re.compile(r"(?<=[.!;])\s+(?=\S)")
-_OPENLY = re.compile(
-    r"(?:by )?(?:which|what|how|where"
-    r"|(?:tell me|give me|describe|report|say) (?:the |its |which |what |how ))\b"
-)
-_SUPPOSES = re.compile(
-    r"(?:if|suppose|supposing|imagine|assume|assuming|when|which|what|how|where|tell|is it|say)\b"
-)
-_SOMEBODY = re.compile(
-    r"(?:(?:first|before)[, ]+)?(?:i|we|you|they|he|she"
-    r"|(?:the|my|our) (?:robot|gripper|arm|hand|operator|human|user)(?:'s)?(?: arm| hand)?)\b"
-)
-"""Begins a sentence about what somebody does to the object, not about what is felt of it."""
-
-_FELT = re.compile(
-    r"(?:(?:i|we) (?:can |do )?(?:see|saw|think|thought"
-    r"|believe|know|notice[sd]?|feel|felt|guess|observed?)\b"
-    rf"|(?:it|this|that)\b(?! {PICTURE}))"
-)
-"""Begins what is taken for granted of the object: a premise, which is judged."""
-
-_OF_THE_FRAME = re.compile(rf"\b(?:{PICTURE}|upside|pixels?|thread|side)\b")
-_RECORDED = re.compile(rf"\b(?:this|the) {PICTURE} (?:was|is) (?:recorded|taken|made|shot)\b")
-_TOUCHING = re.compile(r"\b(?:touch\w*|contact)\b")
+_OPENLY = _PHRASES.pattern("OPENLY")
+_SUPPOSES = _PHRASES.pattern("SUPPOSES")
+_SOMEBODY = _PHRASES.pattern("SOMEBODY")
+_FELT = _PHRASES.pattern("FELT")
+_OF_THE_FRAME = _PHRASES.pattern("OF_THE_FRAME")
+_RECORDED = _PHRASES.pattern("RECORDED")
+_TOUCHING = _PHRASES.pattern("TOUCHING")
 _CHANGES = ("mirrored", "reversed", "viewpoint", "undo", "thread")
 
 

@@ -11,72 +11,45 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from geotlm_lm.conversation.number_words import NUMBER, SHARE, number
+from geotlm_lm.conversation.phrases import Phrases
+
+_WORDS = Phrases("quantities")
+
 
 TURN_DEG = 360.0
-_TURNS = r"(?:turns|revolutions?|rotations?|circles|revs?)\b"
+_TURNS = _WORDS.text("TURNS")
 
 UNITS: tuple[tuple[str, str, float], ...] = (
-    (r"(?:degrees?|degs?)\b|\u00b0", "deg", 1.0),
-    (r"(?:radians?|rads?)\b", "deg", math.degrees(1.0)),
-    (r"(?:arc ?min(?:ute)?s?|minutes? of arc)\b", "deg", 1 / 60),
-    (r"(?:arc ?sec(?:ond)?s?|seconds? of arc)\b", "deg", 1 / 3600),
-    (r"(?:px|pixels?)\b", "px", 1.0),
-    (r"(?:mm|millimet(?:er|re)s?)\b", "mm", 1.0),
-    (r"(?:cm|centimet(?:er|re)s?)\b", "mm", 10.0),
-    (r"(?:m|met(?:er|re)s?)\b", "mm", 1e3),
-    (r"(?:[u\u00b5\u03bc]m|microns?|micromet(?:er|re)s?)\b", "mm", 1e-3),
-    (r"inch(?:es)?\b", "mm", 25.4),
-    (r"rpm\b", "deg/s", TURN_DEG / 60),
-    (r"rps\b", "deg/s", TURN_DEG),
-    (rf"(?:full |whole |complete |entire )?{_TURNS}", "deg", TURN_DEG),
+    (_WORDS.text("DEGREES"), "deg", 1.0),
+    (_WORDS.text("RADIANS"), "deg", math.degrees(1.0)),
+    (_WORDS.text("ARC_MINUTES"), "deg", 1 / 60),
+    (_WORDS.text("ARC_SECONDS"), "deg", 1 / 3600),
+    (_WORDS.text("PIXELS"), "px", 1.0),
+    (_WORDS.text("MILLIMETRES"), "mm", 1.0),
+    (_WORDS.text("CENTIMETRES"), "mm", 10.0),
+    (_WORDS.text("METRES"), "mm", 1e3),
+    (_WORDS.text("MICROMETRES"), "mm", 1e-3),
+    (_WORDS.text("INCHES"), "mm", 25.4),
+    (_WORDS.text("RPM"), "deg/s", TURN_DEG / 60),
+    (_WORDS.text("RPS"), "deg/s", TURN_DEG),
+    (_WORDS.text("WHOLE_TURNS"), "deg", TURN_DEG),
 )
 """What a unit is called, the unit it is told in, and how much of that one is."""
 
 UNIT = "|".join(f"(?:{words})" for words, _, _ in UNITS)
 SECONDS: tuple[tuple[str, float], ...] = (
-    (r"(?:s|secs?|seconds?)\b", 1.0),
-    (r"(?:min|minutes?)\b", 60.0),
-    (r"(?:h|hours?)\b", 3600.0),
+    (_WORDS.text("SECONDS"), 1.0),
+    (_WORDS.text("MINUTES"), 60.0),
+    (_WORDS.text("HOURS"), 3600.0),
 )
-_EACH = r"(?: ?/ ?| per | an? | each | every | in (?:a|one) )"
-_TIME = r"(?:s|secs?|seconds?|min|minutes?|h|hours?|frames?|pixels?|px)\b"
-PER = rf"{_EACH}(?P<time>{_TIME})"
-_ONE_TURN = rf"(?:full |whole |complete |entire )?(?:turn|circle)(?={_EACH}{_TIME})"
-"""A turn is a unit by itself only of a speed: "does one turn left?" counts nothing."""
 
-_JOIN = (
-    r" ?(?P<join>-|\u2013|\bto\b|\band\b|\bor\b|\u00b1|\+/?-|\bplus or minus\b"
-    r"|\b(?:but|and) (?:less than|fewer than|under|below|at most)\b) ?"
-)
-_STANDS_ALONE = r"(?<![\w.,/-])"
-_SOME = r"(?:a few|a couple of|several|some|many|a lot of|(?:ten|dozen|hundred)s of|(?:\w+ )?pi)"
-
-_QUANTITY = re.compile(
-    rf"{_STANDS_ALONE}(?:(?:(?P<low>{NUMBER})(?: ?-?(?P<first>{UNIT}))?{_JOIN})?"
-    rf"(?P<number>-?(?:{NUMBER}))|(?P<vague>{_SOME})) ?-?(?P<unit>{UNIT}|{_ONE_TURN})(?:{PER})?"
-)
-_PART_OF_A_TURN = re.compile(
-    rf"\b(?:(?P<share>{SHARE}) |(?:(?:one|a|the) )?(?:full|whole|complete|entire) )"
-    r"(?:of (?:a |one )?|a |one )?(?:turn|revolution|rotation|circle)\b"
-    r"|(?:(?<=than )|(?<=least )|(?<=most ))(?:one|an?) (?:turn|revolution|rotation|circle)\b"
-    r"|(?:(?<=made )|(?<=make )|(?<=about )|(?<=by ))one turn\b|\ball the way (?:a)?round\b"
-)
-_A_KIND = r"(?:(?:just|only|one|an?|simple|pure) )*(?:slide|slip|translation|press|push|shift|drag)"
-_OR_A_KIND = re.compile(rf" or {_A_KIND}")
-_A_KIND_OR = re.compile(rf"\b{_A_KIND},? or (?:just |only )?$")
-_OF_A_THING = re.compile(
-    r"^(?!.*\b(?:is|was) (?:it|this|that|(?:the|my) \w+) an? $)"  # there the size is claimed
-    r".*\b(?:the|this|that|an?|my|your)(?: \w+)?"
-    r"(?: [\d.]+ ?(?:[uc\u00b5]?m|mm)? ?(?:x|by|\u00d7))? $"
-)
-MOTION_NOUN = (
-    r"(?:turns?|rotation|twist|spin|slide|slip|shift|move|motion|movement|displacement|drift"
-    r"|in|to|towards?|or|and|but|per|at|by|on|of|over|within|during|from|max|tops|clock\w*|counter"
-    r"|anti|c?cw|left|right|up|down|please|then|so|not|apart|further|farther|altogether|total)"
-)
-"""What an amount may stand before and still be of a motion."""
-
-_THING = re.compile(rf" (?!{MOTION_NOUN}\w*\b)[a-z]")
+_PHRASES = Phrases("quantities", NUMBER=NUMBER, SHARE=SHARE, UNIT=UNIT)
+_QUANTITY = _PHRASES.pattern("QUANTITY")
+_PART_OF_A_TURN = _PHRASES.pattern("PART_OF_A_TURN")
+_OR_A_KIND = _PHRASES.pattern("OR_A_KIND")
+_A_KIND_OR = _PHRASES.pattern("A_KIND_OR")
+_OF_A_THING = _PHRASES.pattern("OF_A_THING")
+_THING = _PHRASES.pattern("THING")
 
 
 @dataclass(frozen=True)

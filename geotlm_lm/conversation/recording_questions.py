@@ -5,83 +5,23 @@ from __future__ import annotations
 import re
 from typing import Literal
 
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import without_openers
 
+_PHRASES = Phrases("recording_questions")
 Topic = Literal["size", "rate", "frames", "duration", "interval"]
 
-_FRAMES = r"(?:frames?|images?|pictures?|photos?|recording|video|clip|camera)"
-_OPENS = (
-    r"(?:(?:what|which)(?:'s| is| are| was| were)? (?:the |its |their )?|at what |with what "
-    r"|(?:tell|give) me (?:the |its )?|the |its )?"
-)
-_OF_IT = rf"(?: (?:of|in|for) (?:the |this |that |my |your |a |one |each )?(?:{_FRAMES}|it|this))*"
-_DOES_IT_HAVE = (
-    rf" (?:(?:is|was|were|are|do|does|did|has|have) )?(?:there|(?:the|this|my|each) {_FRAMES}|it)"
-    r"(?: (?:have|hold|contain|taken|recorded|at|made|shot|in))*"
-)
-_MOVEMENT = r"(?:slip|slide|turn|rotation|motion|movement|twist|spin)"
-_HOLDER = r"(?:sensor|gel|gripper|robot|finger|clip|recording|video|camera)\b"
-_USED = r"(?: (?:do|did) you (?:see|use|look at|have)| (?:are|were) (?:used|looked at))"
-_IT = rf"(?:it|this|that|(?:the|this|my|your|a|one|each) {_FRAMES})"
 
 _TOPICS: tuple[tuple[Topic, str], ...] = (
-    (
-        "size",
-        rf"{_OPENS}(?:(?:image|frame|picture|video|pixel)s? |camera(?:'s)? )?"
-        r"(?:resolution|dimensions|(?<=frame )size|(?<=image )size|(?<=picture )size"
-        rf"|(?<=video )size|size(?= of (?:the |this |my )?{_FRAMES}))(?:{_OF_IT}|{_DOES_IT_HAVE})",
-    ),
-    (
-        "size",
-        r"how (?:large|big|wide|high|tall) (?:is|are|was|were) (?:the |this |my )?"
-        r"(?:frames?|images?|pictures?|video)(?: in (?:pixels|px))?",
-    ),
-    (
-        "size",
-        rf"{_OPENS}number of (?:pixels|px) (?:in|of) {_IT}"
-        rf"|how many (?:pixels|px) (?:(?:wide|high|tall|large)(?: and (?:wide|high|tall))? "
-        rf"(?:is|are|was|were) {_IT}s?|(?:does|do|has|have) {_IT}s?(?: have)?|(?:are|is) in {_IT}"
-        r"|per (?:image|picture|photo))",
-    ),
-    (
-        "rate",
-        rf"{_OPENS}(?:(?:recording|video|camera)(?:'s)? )?(?:frame[ -]?rate|fps|frames per second)"
-        rf"(?:{_OF_IT}|{_DOES_IT_HAVE})",
-    ),
-    (
-        "rate",
-        rf"how many (?:fps|(?:{_FRAMES} )?(?:per|a|each|every) second)"
-        rf"(?:{_OF_IT}|{_DOES_IT_HAVE})?",
-    ),
-    (
-        "frames",
-        rf"how many (?:frames|images|pictures)(?:{_OF_IT}|{_DOES_IT_HAVE}{_OF_IT}|{_USED}"
-        rf"| (?:are|were) (?:there )?(?:in|of) {_IT})?",
-    ),
-    (
-        "frames",
-        rf"(?:which|what) frames{_USED}"
-        rf"|{_OPENS}(?:number of frames|frame count)(?:{_OF_IT}|{_USED})?",
-    ),
-    (
-        "duration",
-        rf"(?:for )?how long (?:is|was|are|were) {_IT}(?: in (?:s|seconds))?"
-        rf"|(?:for )?how long (?:does|did|do) (?:it|this|that|(?:the|my) (?!{_HOLDER})\w+) "
-        r"(?:slide|slip|turn|rotate|move|last|take(?: to (?:slide|slip|turn|rotate|move))?)"
-        rf"|how long (?:does|did) the {_MOVEMENT} (?:last|take)|how long (?:is|was) the {_MOVEMENT}"
-        rf"|{_OPENS}(?:duration|length in seconds)"
-        rf"(?: of (?:the |this |my )?(?:{_MOVEMENT}|{_FRAMES}))?"
-        r"|how much time (?:passes|passed|is|lies|elapses|elapsed) between (?:the )?first "
-        rf"(?:{_FRAMES} )?and (?:the )?last(?: used)? {_FRAMES}(?: used| you used)?"
-        r"|(?:what(?:'s| is) )?the time (?:from|between) the first (?:frame )?(?:to|and) the last "
-        r"(?:used )?frame",
-    ),
-    (
-        "interval",
-        rf"{_OPENS}(?:time|interval|time step|time difference) (?:between|from) "
-        r"(?:two |the |consecutive |successive |one |each )*frames?(?: to the next)?"
-        r"|how (?:long|much time) (?:is|lies|passes) (?:there )?between (?:two |the )?frames",
-    ),
+    ("size", _PHRASES.text("FRAME_SIZE")),
+    ("size", _PHRASES.text("HOW_LARGE")),
+    ("size", _PHRASES.text("PIXEL_COUNT")),
+    ("rate", _PHRASES.text("FRAME_RATE")),
+    ("rate", _PHRASES.text("FRAMES_PER_SECOND")),
+    ("frames", _PHRASES.text("FRAME_COUNT")),
+    ("frames", _PHRASES.text("FRAMES_USED")),
+    ("duration", _PHRASES.text("DURATION")),
+    ("interval", _PHRASES.text("INTERVAL")),
 )
 
 _PATTERNS = tuple((topic, re.compile(words)) for topic, words in _TOPICS)

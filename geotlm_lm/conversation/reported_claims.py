@@ -2,40 +2,22 @@
 
 from __future__ import annotations
 
-import re
-
 from geotlm_lm.conversation.indirect_questions import embedded_claim
 from geotlm_lm.conversation.motion_claims import claimed_motion_class
 from geotlm_lm.conversation.motion_names import motions_named
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.text_normalisation import normalised_text
 
-_SAYS = (
-    r"(?:say|think|believe|claim|insist|guess|swear|report|write|bet)(?:s|ed)?|said|thought|wrote"
-    r"|told (?:me|us)|(?:is|was|am|are|'m) (?:sure|certain|convinced)"
-)
-_SAID = re.compile(rf"\b(?:{_SAYS})\b")
-_WHO = r"(?:i|we|you|he|she|they|somebody|someone|(?:the|my|our|a) (?:\w+ ){0,2}?\w+)"
-_RIGHT, _WRONG = r"(?:right|correct|true|so)", r"(?:wrong|false|mistaken|incorrect)"
-_PUT_UP = re.compile(rf"\b(?:{_RIGHT}|{_WRONG})[ ?.!]*$")
-_JUDGED = re.compile(
-    rf"(?:.*[.!;] )?(?:but )?{_WHO} (?:{_SAYS})(?: that)?,? (?P<claim>[^.,;?!]+)[.,;!?] "
-    r"(?:so |and )?(?:is|am|are|was|were) (?:he|she|i|we|they|that|this|it|(?:the|my|our) \w+) "
-    rf"(?:(?P<right>{_RIGHT})|{_WRONG})[ ?.!]*"
-)
-_WHO_IS_RIGHT = re.compile(
-    r"(?P<claims>.+?)\b(?:who(?:'s| is| was| of (?:us|them) is)|(?P<which>which) (?:of us|one"
-    rf"|of them)? ?is) {_RIGHT}[ ?.!]*"
-)
-_EXPECTED = re.compile(
-    r"(?:.*[.!;] )?(?:and |so |but |now )?(?P<who>it|this|that|(?:the|my) (?:\w+ )?\w+) "
-    r"(?:should|must|ought to|has to|is (?:supposed|expected|meant) to) (?P<be>be )?"
-    r"(?P<what>[^.,;?!]+?)"
-    r"(?: (?:now|by now))?[.,;!] (?:so |and |but )?(?:is|was|does|did|has) (?:it|this|that)[ ?.!]*"
-)
-_TOUCHES = re.compile(r"\b(?:touch(?:es|ed|ing)?|in contact)\b")
-_MOVES = re.compile(r"\b(?:mov(?:es|ed|ing)|in motion)\b")
-_DENIED = re.compile(r"n't\b|\b(?:not|never|no|nothing|stopped)\b")
+_PHRASES = Phrases("reported_claims")
+_SAID = _PHRASES.pattern("SAID")
+_PUT_UP = _PHRASES.pattern("PUT_UP")
+_JUDGED = _PHRASES.pattern("JUDGED")
+_WHO_IS_RIGHT = _PHRASES.pattern("WHO_IS_RIGHT")
+_EXPECTED = _PHRASES.pattern("EXPECTED")
+_TOUCHES = _PHRASES.pattern("TOUCHES")
+_MOVES = _PHRASES.pattern("MOVES")
+_DENIED = _PHRASES.pattern("DENIED")
 
 
 def question_about_report(question: str) -> str | None:

@@ -7,19 +7,17 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.quantities import PER, SECONDS, UNIT, unit_of
+from geotlm_lm.conversation.phrases import Phrases
+from geotlm_lm.conversation.quantities import SECONDS, UNIT, unit_of
 from geotlm_lm.conversation.text_normalisation import normalised_text
 
-_ASKED = re.compile(rf"\b(?:how many|number of|in) (?P<unit>{UNIT})(?:{PER})?")
-_PER_FRAME = re.compile(r"\b(?:per|an?|each|every) frame\b|/ ?frame\b|\bfrom frame to frame\b")
+_PHRASES = Phrases("requested_units", UNIT=UNIT)
+_ASKED = _PHRASES.pattern("ASKED")
+_PER_FRAME = _PHRASES.pattern("PER_FRAME")
 _TIMES = {1.0: "second", 60.0: "minute", 3600.0: "hour"}
 
 _UNITS = {"deg": "degrees", "px": "pixels", "mm": "mm"}
-_BARE_NUMBER = re.compile(
-    r"(?:(?:and|so|but)[, ]+)?(?:(?:is|was) (?:it|that) )?(?:(?:more|less) than|about|around"
-    r"|at least|at most|over|under|exactly|roughly|nearly) \d+(?:\.\d+)?[ ?!.]*",
-    re.IGNORECASE,
-)
+_BARE_NUMBER = _PHRASES.pattern("BARE_NUMBER", re.IGNORECASE)
 
 
 def requested_unit(question: str, told: str) -> tuple[str, float] | None:

@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-import re
-
 from geotlm_lm.conversation.amount_questions import canonical_amount_question
-from geotlm_lm.conversation.kind_words import HOLDER
 from geotlm_lm.conversation.kinds import asked_amount, asked_kind, asks_whether_moving
 from geotlm_lm.conversation.motion_claims import claims_motion
 from geotlm_lm.conversation.motion_questions import canonical_motion_question
-from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import normalised_text
 
-_SENSOR = re.compile(
-    rf"\b(?:the|my) (?:tactile )?{HOLDER}"
-    r"(?: itself)?\b(?! (?:\w+ )?(?:to|across|over) the (?:sensor|gel)\b)"
-)
-_OBJECT = re.compile(
-    r"\b(?:does|do|did|is|was|has) (?:the|my) object (?:itself )?"
-    rf"(?:go|{GO}|{SLIDE}|{TURN})\w*"
-)
+_PHRASES = Phrases("sensor_motion")
+_SENSOR = _PHRASES.pattern("SENSOR")
+_OBJECT = _PHRASES.pattern("OBJECT")
 
 
 def as_object_motion(question: str) -> str | None:

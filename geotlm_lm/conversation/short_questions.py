@@ -5,27 +5,19 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.motion_names import claimed_motion
-from geotlm_lm.conversation.motion_verbs import PRESSES, TURNS, base_of, forms
-from geotlm_lm.conversation.motion_verbs import SLIDES as SLIDE_VERBS
+from geotlm_lm.conversation.motion_verbs import PRESSES, base_of
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import without_openers
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 
-_LEAD = r"(?:(?:or|maybe|query|check|still)[,:]? +)*"
-_YES_OR_NO = (
-    r"(?:yes or no|yes/no|y/n|true or false|true/false|affirm(?:ative)? or negative"
-    r"|correct or not|or not|or no)"
-)
-_TAIL = rf"(?:[,.:;?]? *(?:{_YES_OR_NO}|(?:==?|is) ?true|then|again|already|at all))*[ ?.!]*"
-_IS = r"(?:(?:is|was) )?"
-
-_TURNING = re.compile(rf"{_LEAD}{_IS}{forms(TURNS, 'gerund')}{_TAIL}")
-_SLIDING = re.compile(rf"{_LEAD}{_IS}{forms(SLIDE_VERBS, 'gerund')}{_TAIL}")
-_ROTATION = re.compile(rf"{_LEAD}{_IS}(?:a )?(?:rot(?:ation)?|twist|spin){_TAIL}")
-_SLIP = re.compile(rf"{_LEAD}{_IS}(?:a )?(?:slip|slippage|translation){_TAIL}")
-_WAY = re.compile(rf"{_LEAD}{_IS}(?P<way>[\w-]+)(?P<or>[,.:;?]? *{_YES_OR_NO})[ ?.!]*")
-_MOVING = re.compile(rf"{_LEAD}{_IS}(?:moving|in motion|any motion){_TAIL}")
-
-_SLASHED = re.compile(rf"{_LEAD}(?P<ways>[a-z-]+(?: ?/ ?[a-z-]+)+){_TAIL}")
+_PHRASES = Phrases("short_questions")
+_TURNING = _PHRASES.pattern("TURNING")
+_SLIDING = _PHRASES.pattern("SLIDING")
+_ROTATION = _PHRASES.pattern("ROTATION")
+_SLIP = _PHRASES.pattern("SLIP")
+_WAY = _PHRASES.pattern("WAY")
+_MOVING = _PHRASES.pattern("MOVING")
+_SLASHED = _PHRASES.pattern("SLASHED")
 
 MOST_WORDS = 8
 """Of a claim that is no sentence, with all that may stand around it."""

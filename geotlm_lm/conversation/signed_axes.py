@@ -4,104 +4,33 @@ from __future__ import annotations
 
 import re
 
-from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.conversation.text_normalisation import without_openers
 
-_X = r"(?:d ?x|delta[ -]?x|x(?:[ -](?:coordinate|component|displacement|shift|motion|position))?)"
-_Y = _X.replace("x", "y")
-_COLUMN, _ROW = (
-    rf"(?:(?:pixel|image) )?{name}s?(?: (?:index|indices|number|numbers|coordinate|position))?"
-    for name in ("column", "row")
-)
-_AXIS = (
-    rf"(?:the |its )?(?:(?P<x>{_X})|(?P<y>{_Y})|(?P<column>{_COLUMN})|(?P<row>{_ROW}))"
-    r"(?: of (?:it|(?:the|my|this) (?:\w+ )?\w+))?"
-)
-_GETS = r"(?:get|gets|getting)"
-_GROWS = (
-    rf"(?:increas|grow|ris)(?:e|es|s|ing)?|(?:go|goes|going) up|{_GETS} (?:larger|bigger|greater)"
-)
-_SHRINKS = (
-    r"(?:decreas|shrink|fall|drop)(?:e|es|s|ing|ping)?|(?:go|goes|going) down"
-    rf"|{_GETS} (?:smaller|less)"
-)
-_THEN = r"(?:yes or no|or not|then|please|(?:in|of) (?:it|this(?: clip| recording)?))"
-_END = rf"(?:[,.]? *{_THEN})*[ ?.!]*"
-_SIGN = re.compile(
-    rf"(?:(?:is|was|does|did|do|are) )?(?:the sign of )?{_AXIS} ?(?:(?:is|are) )?"
-    rf"(?:(?P<plus>positive|plus|>=? ?0|\+|{_GROWS})|(?P<minus>negative|minus|<=? ?0|-|{_SHRINKS}))"
-    rf"{_END}"
-)
-_CHANGES = rf"(?:{_GROWS}|{_SHRINKS})"
-_EITHER = tuple(
-    re.compile(rf"{words}{_END}")
-    for words in (
-        rf"(?:(?:what|which) (?:is )?)?(?:the )?sign (?:of|has) {_AXIS}",
-        rf"(?:is|was|does|did|do|are) {_AXIS} {_CHANGES},? or (?:(?:is|was|does|did) it )?"
-        rf"{_CHANGES}",
-    )
-)
-_PLACE = r"(?:sides?|half|territory|region|area|part|quadrant|edge|end|corner|zone)\b"
-_GOES_ALONG = re.compile(
-    rf"\b(?P<verb>(?:is|was|does|did) (?:\S+ ){{1,3}}?(?:(?:{GO}|{SLIDE}|go|head){ENDING} ?)?)"
-    r"(?:along|in|on|to|towards?)(?: the)? "
-    r"(?P<sign>[+-]|positive|negative|plus|minus) ?(?P<of>[xy])"
-    r"(?:[ -](?:axis|direction|way))?(?: direction)?(?P<place> {_PLACE})?(?=\W*$|[,.?!]| )"
-)
-_MOTION = re.compile(
-    rf"\b(?:(?:{GO}|{SLIDE}){ENDING}|go|goes|going|head|heads|heading|motion|movement|slippage)\b"
-)
-_ENDED = re.compile(rf"{_END}")
+_PHRASES = Phrases("signed_axes")
+_END = _PHRASES.text("END")
+_SIGN = _PHRASES.pattern("SIGN")
+_EITHER = tuple(re.compile(rf"{words}{_END}") for words in _PHRASES.each("EITHER_SIGN"))
+_GOES_ALONG = _PHRASES.pattern("GOES_ALONG")
+_MOTION = _PHRASES.pattern("MOTION")
+_ENDED = _PHRASES.pattern("ENDED")
+_TOWARDS = _PHRASES.pattern("TOWARDS")
+_OPPOSED = _PHRASES.pattern("OPPOSED")
 
-_HOW = r"(?:increasing|larger|higher|greater|decreasing|smaller|lower)"
-_TOWARDS = re.compile(
-    rf"\b(?:in the direction of|towards?|to) (?:the )?(?P<how>{_HOW})"
-    rf"(?P<either> or (?:(?:to|towards?) )?{_HOW})? (?:(?P<across>x|columns?)|y|rows?)"
-    r"(?: (?:values?|numbers?|indices|index|coordinates?))?\b(?P<choice>,? or (?:\w+ ){0,4}?"
-    rf"{_HOW}\b)?"
-)
-
-_OPPOSED = re.compile(r"(?:ris|fall|drop)\w*|(?:go|goes|going) (?:up|down)")
-"""Said of y or a row, "it goes up" is as good as its opposite: up in numbers is down in the image.
-A yes or no would leave open which of the two it is to."""
-
-_VECTOR = (
-    r"(?:the |this |that |its |an? |any )?"
-    r"(?:translation|displacement|motion|slide|sliding|shift|slip) vector"
-)
 _OF_A_VECTOR = (
-    (rf"(?:is|was) there {_VECTOR}{_END}", "Does it slide?"),
-    (
-        rf"(?:which|what) (?:way|direction) (?:does|did|is|was) {_VECTOR} "
-        rf"(?:point|go|face|pointing|going)(?: (?:to|in|towards?))?{_END}",
-        OPEN_QUESTION,
-    ),
-    (
-        rf"(?:is|does|did|was) {_VECTOR} (?:point|go|face|pointing|going) "
-        rf"(?:to(?:wards?)? (?:the )?)?(?P<way>left|right|up|down)(?:wards?)?{_END}",
-        "Is it moving {way}?",
-    ),
-    (
-        rf"(?:is|was|are|were) (?:{_VECTOR}|(?:the )?x,? (?:and|or|/) (?:the )?y[ -]?\w*"
-        rf"|(?:the )?d ?x,? (?:and|or) d ?y|(?:the )?displacement) (?:both )?(?:zero|0|null){_END}",
-        "It does not slide, right?",
-    ),
-    (
-        rf"(?:is|was) (?:the )?(?:(?P<dx>{_X})|{_Y}) (?:zero|0|null){_END}",
-        "It does not slide along {axis}, right?",
-    ),
+    (_PHRASES.text("THERE_IS_A_VECTOR"), "Does it slide?"),
+    (_PHRASES.text("WAY_OF_A_VECTOR"), OPEN_QUESTION),
+    (_PHRASES.text("CLAIMED_WAY_OF_A_VECTOR"), "Is it moving {way}?"),
+    (_PHRASES.text("VECTOR_IS_ZERO"), "It does not slide, right?"),
+    (_PHRASES.text("COMPONENT_IS_ZERO"), "It does not slide along {axis}, right?"),
 )
 
-_THETA = r"(?:the )?(?:theta|(?:rotation|turning) angle|angle of (?:rotation|turning))"
 _OF_A_TURN = (
-    (rf"(?:what (?:is|was) )?(?:the )?sign of {_THETA}{_END}", OPEN_QUESTION),
-    (rf"(?:is|was) {_THETA} (?:positive|plus|> ?0){_END}", "Is it turning clockwise?"),
-    (rf"(?:is|was) {_THETA} (?:negative|minus|< ?0){_END}", "Is it turning counterclockwise?"),
-    (
-        rf"(?:is|was) {_THETA} (?:positive or negative|negative or positive){_END}",
-        OPEN_QUESTION,
-    ),
+    (_PHRASES.text("SIGN_OF_ANGLE"), OPEN_QUESTION),
+    (_PHRASES.text("ANGLE_IS_POSITIVE"), "Is it turning clockwise?"),
+    (_PHRASES.text("ANGLE_IS_NEGATIVE"), "Is it turning counterclockwise?"),
+    (_PHRASES.text("ANGLE_IS_EITHER"), OPEN_QUESTION),
 )
 """Clockwise as drawn is positive: from x, to the right, towards y, down."""
 

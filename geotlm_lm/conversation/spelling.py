@@ -5,39 +5,17 @@ from __future__ import annotations
 import re
 from difflib import get_close_matches
 
-_MEANT = (
-    "slipping",
-    "sliding",
-    "turning",
-    "rotating",
-    "twisting",
-    "spinning",
-    "touching",
-    "moving",
-    "clockwise",
-    "counterclockwise",
-    "anticlockwise",
-)
+from geotlm_lm.conversation.phrases import Phrases
 
-_SHORT = ("left", "right", "down", "still", "slip", "slide", "turn", "move", "touch", "press")
-"""Words so short that many others are as near: only two letters exchanged, or one twice, count."""
-
-_OTHERS = re.compile(
-    r"burning|clipping|dripping|eliding|flipping|gliding|lipping|listing|loving|pinning|proving"
-    r"|rating|resting|returning|ripping|rotation|roving|shipping|siding|sinning|sipping|skidding"
-    r"|couching|rotting|slicing|slopping|skipping|slapping|snipping|spanning|thinning|tipping|touring|tuning|turing"
-)
-"""English words as near to one of these."""
+_PHRASES = Phrases("spelling")
+_MEANT = _PHRASES.words("MEANT")
+_SHORT = _PHRASES.words("SHORT")
+_OTHERS = _PHRASES.pattern("OTHERS")
 
 _JOINED = re.compile(r"(?<=[^\W_])_+(?=[^\W_])")
-_IS = r"^(\W*(?:is|was|has|did))"
-_JUST = r"(?:(?:not|still|now|just|really|already) )?"
-_NO_NAME = r"(?!(?:it|the|this|that|my|there|any|anything|something)\b)"
-_IS_DOING = re.compile(
-    rf"{_IS} (?!it\b|the\b|any)(?={_JUST}\w+(?:ing|ed)\b|{_JUST}\w+$)", re.IGNORECASE
-)
-_NAMED_DOING = re.compile(rf"{_IS} (?={_NO_NAME}\w+ {_JUST}\w+(?:ing|ed)\b)", re.IGNORECASE)
-_CAMEL_CASE = re.compile(r"\W*(?:is|was|has|did)[A-Z][A-Za-z]+(?:\(\))?\W*")
+_IS_DOING = _PHRASES.pattern("IS_DOING", re.IGNORECASE)
+_NAMED_DOING = _PHRASES.pattern("NAMED_DOING", re.IGNORECASE)
+_CAMEL_CASE = _PHRASES.pattern("CAMEL_CASE")
 _HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _UNEQUAL = re.compile(r"\s*(?:!==?|\u2260|<>)\s*")
 

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import Literal
 
 from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.motion_claims import asks_yes_or_no
 from geotlm_lm.conversation.motion_names import motions_named
-from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
 from geotlm_lm.conversation.non_tactile_questions import asks_beyond_touch
 from geotlm_lm.conversation.number_words import NUMBER
 from geotlm_lm.conversation.object_sizes import without_sizes
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.quantities import Quantity, quantities, without_quantities
 from geotlm_lm.conversation.text_normalisation import normalised_text
 
+_PHRASES = Phrases("stated_amounts", NUMBER=NUMBER)
 Bound = Literal["about", "more", "less"]
 
 UNJUDGED = (
@@ -98,71 +98,18 @@ class StatedRange:
 
 Stated = StatedAmount | StatedRange
 
-_COMPARES = re.compile(r"^(?:by |at )?(?:more|less|over|under|faster|slower|at least|at most)\b")
-"""A question of which only the comparison is left: "more than 10 degrees?"."""
-
-_NOTHING_ELSE = re.compile(
-    r"(?:\b(?:and|so|or|was|is|wasn't|isn't|it|that|this|by|at|in all|about|around|roughly|exactly"
-    r"|really|only|just|from|between|than|more|less|over|under|the|turn(?:ed)?|slide|slid|slipped|rotat(?:ed|ion)"
-    r"|move(?:d|ment)?|motion|speed|amount|distance|angle)\b|[\W_])*"
-)
-"""What may stand before an amount that is all of a question: "and about 12 px?"."""
-
-_TELLS = re.compile(
-    r"^(?:so,? |and |then )?(?:it|this|that|(?:the|my) \w+)(?:'s| has| is| was)? \w+ .*\?\W*$"
-    r"|\b(?:tell|say|know|check|see|sure)(?: me| us)? (?:if|whether) "
-)
-"""A statement with a question mark, or a question put into another one."""
-
-_MORE, _LESS = (
-    r"(?:no|not) (?:less|fewer) than|at least|more than|over|above|beyond|exceed(?:s|ed|ing)?"
-    r"|(?:further|farther|faster) than",
-    r"(?:no|not) (?:more|faster) than|not (?:over|above)|at most|up to|less than|fewer than"
-    r"|slower than|under|below|within",
-)
-_BOUND = re.compile(
-    rf"(?:\b(?:(?P<more>{_MORE})|(?P<less>{_LESS}))(?: (?:about|around|roughly|some))? "
-    r"|(?:(?P<above>>|\u2265)|(?P<beneath><|\u2264))=? ?)$"
-)
-"""What stands right before an amount and says on which side of it the truth is claimed to lie."""
-
-_BOUND_AFTER = re.compile(
-    r"^,? ?(?:(?P<more>or (?:more|further|farther|faster|above|over)|at (?:the )?least)"
-    r"|(?P<less>or (?:less|fewer|slower|below|under)|at (?:the )?most|tops|max(?:imum)?))\b"
-)
-
-_OF_MOTION = re.compile(
-    rf"\b(?:{TURN}|{SLIDE}|{GO}|cover|displac|exceed|reach)\w*"
-    r"|\b(?:go|goes|gone|going|went|made?|making|makes?|done)\b"
-    r"|\b(?:do|does|did)(?:n't)? (?:it|this|that|(?:the|my) \w+) (?:not |really )?do\b"
-    r"|\b(?:it|this|that|(?:the|my) \w+) (?:did|does)(?! not\b| \w+ing\b)\b"
-)
-_OF_ANOTHER_THING = re.compile(
-    r"\b(?:wide|width|thick\w*|long|deep|high|tall|large|big|celsius|fahrenheit|diameter|radius"
-    r"|press\w*|from the (?:edge|border)|will|would|can(?! you\b)|could(?! you\b))\b"
-)
-_OF_SPEED = re.compile(r"\b(?:faster|slower|speed|velocity|rate)\b")
-"""Words of what is claimed per second alone."""
-
-_BARE = re.compile(
-    r"\b(?:by|about|around|through|roughly|approximately|nearly|almost|exactly|full|than|over|under"
-    r"|least|most|between|turn\w*|rotat\w*|mov\w+|slid\w*)"
-    rf" (?:{NUMBER})(?:(?: (?:and|to|or) |-)(?:{NUMBER}))?\W*$"
-)
-"""A number that ends a question, without a unit."""
-
-_OF_TIME = re.compile(rf"\b(?:for|in|within) (?:{NUMBER}) ?(?:s|ms|secs?|seconds?|frames?)\b")
-
-_OF_A_PIXEL = re.compile(
-    r"(?:mm|millimet(?:er|re)s?|um|microns?)(?: ?/ ?| per | an? )(?:px|pixel)\b"
-)
-_SUBJECT = r"(?:it|this|that|(?:the|my) \w+)"
-_DENIAL = re.compile(
-    rf"\b{_SUBJECT} (?:did|does|has|had|is|was)(?: not|n't)"
-    r"(?! (?:more|less|fewer|over|above|faster|slower|further|farther)\b)"
-    rf"|\b{_SUBJECT}(?: has| had|'s)? never\b|\b(?:is|was) it (?:false|wrong|untrue) that\b"
-)
-"""Says of what comes after it that it is not so; "didn't it turn?" is no denial."""
+_COMPARES = _PHRASES.pattern("COMPARES")
+_NOTHING_ELSE = _PHRASES.pattern("NOTHING_ELSE")
+_TELLS = _PHRASES.pattern("TELLS")
+_BOUND = _PHRASES.pattern("BOUND")
+_BOUND_AFTER = _PHRASES.pattern("BOUND_AFTER")
+_OF_MOTION = _PHRASES.pattern("OF_MOTION")
+_OF_ANOTHER_THING = _PHRASES.pattern("OF_ANOTHER_THING")
+_OF_SPEED = _PHRASES.pattern("OF_SPEED")
+_BARE = _PHRASES.pattern("BARE")
+_OF_TIME = _PHRASES.pattern("OF_TIME")
+_OF_A_PIXEL = _PHRASES.pattern("OF_A_PIXEL")
+_DENIAL = _PHRASES.pattern("DENIAL")
 
 _UNCOUNTED = ("comparison", "order", "confidence")
 """Kinds that are of several clips or of an answer before, whatever number they name."""

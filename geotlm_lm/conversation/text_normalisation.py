@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
+from geotlm_lm.conversation.phrases import Phrases
 
-_OPENERS = re.compile(
-    r"\W*(?:(?:and|so(?! (?:far|much|many|long)\b)|ok|okay|now|but|hey|please|well|then)[,:.!]? +)*"
-)
+_PHRASES = Phrases("text_normalisation")
+_OPENERS = _PHRASES.pattern("OPENERS")
 
 
 def normalised_text(text: str) -> str:

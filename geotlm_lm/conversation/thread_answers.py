@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.rule_answers import RuleAnswer, RuleInput
 from geotlm_lm.conversation.wording import direction_clause, frame_phrase
 from geotlm_lm.core.labels import ROTATIONS, SLIDES
 
+_PHRASES = Phrases("thread_answers")
 _MISSING = {
     "contact_side": "which side touches the gel (head, shank or side)",
     "thread": "whether the thread is right-hand or left-hand",
 }
-_WOULD = re.compile(
-    r"\b(?:what|which|how)\b(?:.*\b(?:would|will|must|should|do (?:i|you|we)|can i)\b.*|.*\bto"
-    r"| (?:way|direction|turn|motion|rotation)) \b(tight|loos|unscrew)"
-)
+_WOULD = _PHRASES.pattern("WOULD")
 
 
 def thread_answer(felt: RuleInput) -> RuleAnswer:

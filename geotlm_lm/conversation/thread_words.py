@@ -2,43 +2,12 @@
 
 from __future__ import annotations
 
-import re
-
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import without_openers
 
-_SCREWED = r"(?:screw|bolt|nut|thread|bulb)"
-_CLOSES = r"(?:cap|lid|jar|bottle|stopper|tap|valve|faucet)"
-_THE = r"(?:the|my|this|that) (?:\w+ )?"
-_IS = r"(?:is|was|does|did|will|am|are)"
-_TIGHTENS = r"(?:open(?:s|ed|ing)?|clos(?:e|es|ed|ing)|(?:un)?fasten(?:s|ed|ing)?)"
-_ADVANCES = r"(?:advanc(?:e|es|ing)|retract(?:s|ing)?)"
-_GOES = r"(?:go(?:es|ing)?|com(?:e|es|ing)|mov(?:e|es|ing))"
-_IN_OUT = r"(?:further )?(?:in|out)"
-_OR = r"(?: or (?:{0}))?"
-_SCREW = rf"{_THE}{_SCREWED}"
-_THREADED = rf"{_THE}(?:{_SCREWED}|{_CLOSES})"
-_TIGHTENING = r"(?:opening|closing|(?:un)?fastening)"
-
-_OF_A_THREAD = re.compile(
-    rf"(?:{_IS} {_SCREW} {_GOES} {_IN_OUT}{_OR.format(_IN_OUT)}"
-    rf"|{_IS} {_SCREW} {_ADVANCES}{_OR.format(_ADVANCES)}"
-    rf"|(?:is|was|are) {_THREADED} (?:(?:being|getting) {_TIGHTENS}|{_TIGHTENING})"
-    rf"{_OR.format(_TIGHTENS)}"
-    rf"|(?:does|did) {_THREADED} {_TIGHTENS}{_OR.format(_TIGHTENS)}"
-    rf"|{_IS} {_THREADED} {_TIGHTENS} or {_TIGHTENS}"
-    rf"|{_IS} (?:it|this|that) being {_TIGHTENS}{_OR.format(_TIGHTENS)}"
-    rf"|{_IS} (?:i|we|you|they) {_TIGHTENS}{_OR.format(_TIGHTENS)} (?:{_THREADED})"
-    rf"|{_IS} {_THREADED} {_GOES} (?:off|on){_OR.format('off|on')}"
-    rf"|{_IS} {_THE}(?:tap|valve|faucet) being turned (?:on|off){_OR.format('off|on')})[ ?.!]*"
-)
-"""Of things that have one."""
-
-_WHERE_ONE_IS_KNOWN = re.compile(
-    rf"(?:(?:{_IS} )?(?:(?:it|this|that) )?(?:{_GOES} )?{_IN_OUT}{_OR.format(_IN_OUT)}"
-    rf"|(?:{_IS} )?(?:(?:it|this|that) )?(?:{_ADVANCES}|{_TIGHTENS})"
-    rf"{_OR.format(f'{_ADVANCES}|{_TIGHTENS}')})[ ?.!]*"
-)
-"""Of whatever is touched, once its thread has been told."""
+_PHRASES = Phrases("thread_words")
+_OF_A_THREAD = _PHRASES.pattern("OF_A_THREAD")
+_WHERE_ONE_IS_KNOWN = _PHRASES.pattern("WHERE_ONE_IS_KNOWN")
 
 _TIGHTER_OR_LOOSER = "Is it tightening or loosening?"
 

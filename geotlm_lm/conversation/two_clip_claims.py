@@ -8,124 +8,66 @@ from typing import Literal
 
 from geotlm_lm.conversation.axis_claims import claimed_axis
 from geotlm_lm.conversation.clip_names import (
-    CLIP,
-    FIRST,
-    FIRST_OR_SECOND,
-    SECOND,
     clip_named,
     place_of,
 )
 from geotlm_lm.conversation.motion_claims import CLASS_NAMES, asks_yes_or_no
 from geotlm_lm.conversation.motion_names import motions_named
-from geotlm_lm.conversation.motion_verbs import TURN
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import without_openers
 from geotlm_lm.conversation.two_clip_questions import canonical_two_clip_question
 from geotlm_lm.core.labels import Motion, motion_class
+
+_PHRASES = Phrases(
+    "two_clip_claims",
+    A_CLIP=clip_named("clip"),
+    OTHER_CLIP=clip_named("other"),
+    ONE_CLIP=clip_named("one"),
+    SUBJECT_CLIP=clip_named("subject"),
+)
+
 
 Relation = Literal["same", "opposite", "different"]
 Of = Literal["which", "both", "either", "neither", "one", "first", "second"]
 Change = Literal["mirrored", "reversed"]
 
 _RELATIONS: tuple[tuple[Relation, str], ...] = (
-    ("same", r"same|alike|identical\w*|equal\w*|similar\w*|match(?:es|ed|ing)?|agree[sd]?|in sync"),
-    ("opposite", r"opposites?|contrary"),
-    ("different", r"differ\w*|disagree[sd]?"),
+    ("same", _PHRASES.text("SAME")),
+    ("opposite", _PHRASES.text("OPPOSITE")),
+    ("different", _PHRASES.text("DIFFERENT")),
 )
 _RELATION = re.compile(
     r"\b(?:" + "|".join(f"(?P<{name}>{words})" for name, words in _RELATIONS) + r")\b"
 )
-_OPENLY = re.compile(
-    r"(?:what|how|which|in (?:what|which)|tell|describe"
-    r"|explain|compare|why|when|where)\b"
-)
-_TAG = re.compile(
-    r",? (?:(?:right|correct|true|yes or no|yes|no|don't they|do they|aren't they|are they"
-    r"|didn't they|did they|isn't it|is it)\W*)$"
-)
-_BOTH_OF_THEM = (
-    r"(?:they|both(?: (?:of them|clips))?|these(?: two)?(?: clips)?|it|this|that"
-    r"|the (?:two )?(?:clips|motions|movements|two))"
-)
-_OF_KIND = re.compile(
-    rf"(?:(?:do|did|are|were|is|was|have)(?:n't)? {_BOTH_OF_THEM} (?:not )?"
-    rf"|(?P<denied>(?:{_BOTH_OF_THEM}(?:(?: are| were| do| did| have)(?:n't| not)|'re not) |not ))"
-    rf"|{_BOTH_OF_THEM}(?:'re | are | were | ))?(?:both )?"
-    r"(?:(?:be|have|had|make|made|see|show(?:s|n)?|display|move(?: with| in)?) )?(?:of )?"
-    r"(?:(?:the |an? )?(?:(?P<same>same|similar|identical|equal)|different)"
-    r" (?:(?:kind|type|sort)s?|class(?:es)?|categor(?:y|ies))(?: of (?:motion|movement)s?)?"
-    r"|differ in (?:(?:their|the) )?(?:kind|type|sort)(?: of (?:motion|movement)s?)?)"
-    r"(?:,? (?:in both(?: clips)?|here|at all|please|or not|yes or no|right|correct"
-    r"|(?:are|do|is)n't (?:they|it)))*\W*"
-)
-_PLAINLY = re.compile(r"(?:do|did|are|were|the|same)\b")
-_FALSE = re.compile(r"\b(?:is|was) it (?:false|wrong|untrue) that\b")
-
-_CHANGED = (
-    r"(?:(?P<mirrored>mirrored|flipped|mirror image)"
-    r"|(?P<reversed>(?:played |run )?(?:backwards?|in reverse)|reversed?|the reverse))"
-)
-_SUPPOSED = re.compile(
-    rf",?\s*\b(?:if|suppose|supposing|when|with) {clip_named('clip')} "
-    rf"(?:(?:were|was|is|had been|got) )?{_CHANGED}\b,?"
-)
-_IMAGE_OF = re.compile(
-    rf"\b{clip_named('clip')}(?: is| was)? (?:just |only |simply )?(?:the |a )?{_CHANGED}"
-    rf"(?: (?:image|version|copy))? of {clip_named('other')}"
-)
-_UNDO = re.compile(
-    r"\b(?:undo(?:es)?|cancel|reverse|revert|neutralise|neutralize) (?:each other|one another|out"
-    r"|the (?:first|second|other))\b|\bcancel (?:each other )?out\b"
-    r"|\bend up where (?:i|it|we) started\b"
-)
+_OPENLY = _PHRASES.pattern("OPENLY")
+_TAG = _PHRASES.pattern("TAG")
+_OF_KIND = _PHRASES.pattern("OF_KIND")
+_PLAINLY = _PHRASES.pattern("PLAINLY")
+_FALSE = _PHRASES.pattern("FALSE")
+_SUPPOSED = _PHRASES.pattern("SUPPOSED")
+_IMAGE_OF = _PHRASES.pattern("IMAGE_OF")
+_UNDO = _PHRASES.pattern("UNDO")
 
 _OF_WHOM: tuple[tuple[Of, str], ...] = (
-    ("neither", r"\b(?:neither|none of (?:them|the two|these))\b"),
-    ("one", r"\b(?:only|just|exactly) one\b"),
-    ("first", rf"\bonly {FIRST}\b(?: {CLIP})?"),
-    ("second", rf"\bonly {SECOND}\b(?: {CLIP})?"),
-    ("which", rf"\bwhich(?: {CLIP}| of (?:them|the two|these|the two clips))?\b"),
-    (
-        "either",
-        rf"\b(?:either|any(?: {CLIP})?|one) of (?:the two|them|these)(?: clips?)?\b"
-        rf"|\beither(?: {CLIP})?\b|\bat least one\b",
-    ),
-    (
-        "both",
-        r"\b(?:both(?: of (?:them|the two)| clips)?|each (?:one|clip|of (?:them|the two))|they"
-        r"|these two|the two(?: clips)?)\b",
-    ),
+    ("neither", _PHRASES.text("OF_NEITHER")),
+    ("one", _PHRASES.text("OF_ONE")),
+    ("first", _PHRASES.text("OF_FIRST")),
+    ("second", _PHRASES.text("OF_SECOND")),
+    ("which", _PHRASES.text("OF_WHICH")),
+    ("either", _PHRASES.text("OF_EITHER")),
+    ("both", _PHRASES.text("OF_BOTH")),
 )
-_NO_CLIP = re.compile(
-    r"\b(?:both|either|each|which|neither|only one|the two) (?:hal|sid|end|part|way|direction|hand)"
-    r"|\bit\b|\bwhich (?:way|direction|frame|hand|side|half|object|thing|part|speed|kind|type|sort"
-    r"|order)\b|\bhow\b|\bwhy\b|\bcomes? first\b"
-)
-_IF_ANY = re.compile(r",? if (?:any|either)(?: of them)?\b,?")
-_OFFERED = re.compile(rf"[,:]? {FIRST_OR_SECOND}|^{FIRST_OR_SECOND}[,:]")
-_DENIED = re.compile(
-    r"(?<!^is)(?<!^are)(?<!^do)(?<!^does)(?<!^did)n't\b|(?<!\bor )\bnot\b(?! (?:touch|in contact))"
-    r"|\b(?:never|without)\b(?! contact)"
-)
-_TOUCHED = re.compile(r"\b(?:touch\w*|contact\w*)\b")
-_MOVES = re.compile(r"\b(?:mov(?:e|es|ed|ing)|in motion|budg\w+|shift(?:s|ed|ing)?)\b")
-
-_EACH = re.compile(
-    rf"(?:(?:and|so) )?(?:is|was|does|did|do)(?:n't)? {clip_named('one')} (?P<of_one>.+?),? "
-    rf"(?:and|while|but) (?:is |does )?{clip_named('other')} (?P<of_other>.+?)"
-)
-
-_SUBJECT = re.compile(
-    rf"(?:^|[,;:.!] |\b(?:and|so|but|ok|now) )(?:is|was|does|did|has)(?:n't)? "
-    rf"(?:it true that )?{clip_named('subject')} (?!of\b)"
-)
-_AS_MUCH = re.compile(
-    r"\b(?:same|equal|similar|identical) (?:amounts?|angles?|distances?|extent|speeds?|rates?"
-    r"|velocity|(?:number of )?(?:degrees|pixels|millimet(?:er|re)s))\b"
-    r"|\b(?:equally|just as|as) (?:far|fast|quick(?:ly)?|much)\b"
-)
-_SPEED = re.compile(r"\b(?:speeds?|rates?|velocity|fast|quick(?:ly)?)\b")
-
-_COMPARED = re.compile(r"\b(?:further|farther|faster|slower|quicker)\b(?! than (?!the\b|clip\b))")
+_NO_CLIP = _PHRASES.pattern("NO_CLIP")
+_IF_ANY = _PHRASES.pattern("IF_ANY")
+_OFFERED = _PHRASES.pattern("OFFERED")
+_DENIED = _PHRASES.pattern("DENIED")
+_TOUCHED = _PHRASES.pattern("TOUCHED")
+_MOVES = _PHRASES.pattern("MOVES")
+_EACH = _PHRASES.pattern("EACH")
+_SUBJECT = _PHRASES.pattern("SUBJECT")
+_AS_MUCH = _PHRASES.pattern("AS_MUCH")
+_SPEED = _PHRASES.pattern("SPEED")
+_COMPARED = _PHRASES.pattern("COMPARED")
 
 _OF_REST = frozenset({Motion.STILL, Motion.NONE})
 MOVING = frozenset(Motion) - _OF_REST
@@ -255,7 +197,7 @@ def asks_same_amount(question: str) -> str | None:
     return "rate" if _SPEED.search(text) else "magnitude"
 
 
-_TURNS = re.compile(rf"\b{TURN}")
+_TURNS = _PHRASES.pattern("TURNS")
 
 
 def claimed_each(question: str) -> tuple[frozenset[Motion], frozenset[Motion]] | None:

@@ -6,95 +6,36 @@ import re
 
 from geotlm_lm.conversation.clip_names import named_alone, place_named
 from geotlm_lm.conversation.motion_names import motions_named
-from geotlm_lm.conversation.motion_verbs import GO, SLIDE, TURN
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import normalised_text, without_openers
 
-_MOTION_NOUN = (
-    r"(?:ways?|directions?|sense|motions?|movements?|rotations?|turns?|turning|slides?|sliding"
-    r"|(?:kind|type|sort)s? of (?:motion|movement)s?)"
-)
-_MOTION = re.compile(
-    rf"\b{_MOTION_NOUN}\b|\b(?:go(?:es|ing)?|went)\b"
-    rf"|\b(?:head|{GO}|{SLIDE}|{TURN})\w*"
-)
-_RELATION = re.compile(
-    r"\b(?:same|opposites?|differ\w*|compar\w*|alike|similar\w*|identical\w*|equal\w*"
-    r"|match(?:es|ed|ing)?|agree[sd]?|disagree[sd]?|related?|in sync)\b"
-)
-_SAME_WAY = re.compile(
-    r"\b(?:same|opposite|different|similar|identical|equal) (?:\w+ ){0,2}"
-    rf"(?:{_MOTION_NOUN}|spins?|twists?)\b"
-    r"|\bdo(?:es|ing)? (?:exactly )?the (?:same|opposite) thing\b"
-    rf"|\b(?:differ\w*|comparison|compare) (?:in|between|of)?(?: the(?:ir)?)? ?{_MOTION_NOUN}\b"
-)
-_NO_NOUN = (
-    r"(?:or|and|as|in|to|for|from|than|with|between|at|here|now|again|not|too|please|then|clips?"
-    r"|recordings?|videos?|ones?)"
-)
-_OF_SOMETHING_ELSE = re.compile(
-    rf"\b(?:same|different|similar|identical|equal) (?!{_NO_NOUN}\b)[a-z]+"
-    r"|\b(?:looks?|sounds?|feels?|smells?|tastes?)\b"
-)
-
-_EACH_ALIKE = re.compile(
-    r"^\W*(?:please )?(?:describe|tell me about|report) (?:both|each|them|the two)\b"
-)
-
-_EACH_AMOUNT = re.compile(r"\bhow (?:far|much|fast|quick(?:ly)?|slow(?:ly)?)\b")
-_EACH_RATE = re.compile(r"\b(?:fast|quick|quickly|slow|slowly)\b")
-
-_OF_BOTH = re.compile(
-    r"\b(?:than|further|farther|more|less|larger|smaller|faster|slower|they|them|both|these|two"
-    r"|other|this|that|like|it)\b"
-)
-_WITHIN = re.compile(r"(?:^| )in $")
-_IT = re.compile(r"\bit\b")
-_NOTHING_ASKED = re.compile(r"\W*(?:and|so|ok|now|what|how|about|of|[ ,])*\bits?\b\W*")
-
-_BETWEEN = (
-    r"(?:,? (?:between (?:them|the two(?: clips)?)|from (?:the )?(?:first|one)(?: clip)? to"
-    r" (?:the )?(?:second|other|next)(?: clip| one)?|in between|since))?"
-)
-_THE_WAY = r"(?:it|this|that|the (?:direction|motion|movement|way|sense)(?: of \w+)?)"
+_PHRASES = Phrases("two_clip_questions")
+_MOTION = _PHRASES.pattern("MOTION")
+_RELATION = _PHRASES.pattern("RELATION")
+_SAME_WAY = _PHRASES.pattern("SAME_WAY")
+_OF_SOMETHING_ELSE = _PHRASES.pattern("OF_SOMETHING_ELSE")
+_EACH_ALIKE = _PHRASES.pattern("EACH_ALIKE")
+_EACH_AMOUNT = _PHRASES.pattern("EACH_AMOUNT")
+_EACH_RATE = _PHRASES.pattern("EACH_RATE")
+_OF_BOTH = _PHRASES.pattern("OF_BOTH")
+_WITHIN = _PHRASES.pattern("WITHIN")
+_IT = _PHRASES.pattern("IT")
+_NOTHING_ASKED = _PHRASES.pattern("NOTHING_ASKED")
+_BETWEEN = _PHRASES.text("BETWEEN")
 _SAID = tuple(
     (re.compile(rf"(?:{words}){_BETWEEN}\W*"), known)
     for words, known in (
-        (
-            rf"(?:did|has|have|was) {_THE_WAY} (?:been )?(?:chang|switch)(?:e|es|ed)?"
-            r"(?: (?:its |the )?(?:way|direction|sense))?",
-            "Are they different?",
-        ),
-        (
-            rf"(?:did|has|was|is) {_THE_WAY} (?:been |now )?(?:revers(?:e|ed|ing)"
-            r"(?: (?:its |the )?(?:way|direction|sense))?)",
-            "Are they opposite?",
-        ),
-        (
-            r"(?:by )?how (?:much|far) (?:do|did) (?:they|the two|these two) differ"
-            r"|(?:what(?:'s| is) )?the difference (?:in|of) "
-            r"(?:angles?|distances?|amounts?|degrees|sizes?)",
-            "How far did each one go?",
-        ),
-        (
-            rf"(?:is|was) {_THE_WAY} back(?: (?:again|where it (?:was|started|began)|in place))?"
-            rf"|(?:did|has) {_THE_WAY} (?:go|gone|come|moved?|(?:re)?turn(?:ed)?)"
-            r" (?:back(?: to)?|to) where it (?:was|started|began)",
-            "Does the second undo the first?",
-        ),
+        (_PHRASES.text("CHANGED"), "Are they different?"),
+        (_PHRASES.text("REVERSED"), "Are they opposite?"),
+        (_PHRASES.text("DIFFERENCE"), "How far did each one go?"),
+        (_PHRASES.text("BACK_AGAIN"), "Does the second undo the first?"),
     )
 )
 """What is asked of two clips without a word for either of them."""
 
-_BEFORE = r"(?:before|last time|the (?:one before|previous (?:one|time|clip|turn|slide)))"
-_THAN_BEFORE = rf"(?: than (?:{_BEFORE}|the last (?:one|time|clip|turn|slide)))"
-_MORE_THAN_BEFORE = re.compile(
-    r"(?:(?:is|was|did|does|has) )?(?:(?:it|this|that)(?: one)? )?"
-    rf"(?:(?:(?P<slide>{SLIDE})|(?P<turn>{TURN})|go|went|going|gone|{GO})\w* )?"
-    rf"(?P<more>faster|slower|quicker|further|farther|more|less){_THAN_BEFORE}\W*"
-    r"|(?:is|was) this one (?P<so>faster|slower|quicker|further|farther)\W*"
-)
+_MORE_THAN_BEFORE = _PHRASES.pattern("MORE_THAN_BEFORE")
 _FURTHER = {"more": "further"}
-_THE_FIRST = re.compile(rf"(?:(?:what about|how about) )?{_BEFORE}\W*")
+_THE_FIRST = _PHRASES.pattern("THE_FIRST")
 
 
 def canonical_two_clip_question(question: str) -> str | None:

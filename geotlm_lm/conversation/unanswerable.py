@@ -8,14 +8,14 @@ from __future__ import annotations
 import re
 
 from geotlm_lm.conversation.axis_claims import claimed_axis
-from geotlm_lm.conversation.kind_words import EXTENDED, PICTURE
 from geotlm_lm.conversation.kinds import asks_direction
 from geotlm_lm.conversation.motion_names import motions_named
-from geotlm_lm.conversation.motion_verbs import ENDING, GO, SLIDE, TURN
 from geotlm_lm.conversation.number_words import NUMBER
+from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import normalised_text, without_openers
 from geotlm_lm.conversation.unsupported_motions import unsupported_motion_reply
 
+_PHRASES = Phrases("unanswerable", NUMBER=NUMBER)
 _WHEN = (
     "I tell how it moves between the frames used, not when: `geotlm-lm watch` tells when each "
     "motion of a recording begins and ends."
@@ -56,212 +56,40 @@ _TALK = (
     "touches at all, and why I say so."
 )
 
-_TURN_SIGN = re.compile(r"\bright[ -]hand rule\b|\b[xyz][ -]axis\b")
+_TURN_SIGN = _PHRASES.pattern("TURN_SIGN")
 
-_FILLERS = frozenset(
-    ("and", "so", "but", "or", "now", "then", "yes", "yeah", "yep", "no", "not", "maybe", "well")
-    + ("hm", "uh", "oh", "it", "this", "that", "the", "object")
-)
-"""A text of these alone asks nothing."""
+_FILLERS = frozenset(_PHRASES.words("FILLERS"))
 
 _UNTOLD: tuple[tuple[re.Pattern[str], str], ...] = (
-    (
-        re.compile(
-            r"^when (?:is|was|does|did|do|has|will|exactly)\b"
-            r"|^when\W*$"
-            r"|\b(?:at|in|from) (?:what|which) (?:frame|time|moment|second)\b"
-            r"|^(?:what|which) frame\b"
-        ),
-        _WHEN,
-    ),
-    (
-        re.compile(
-            r"\bhow (?:deep|hard|firmly)\b|\b(?:in)?depth of\b"
-            r"|\bforces?\b|\bnewtons?\b|\btorque\b"
-            r"|\b(?:how much|what|which) (?:is the )?pressure\b"
-            r"|\b(?:did|does|is|was|has) the pressure\b(?! (?:knob|pad|valve|plate|switch|dial)\b)"
-            r"|\bstiffness\b"
-        ),
-        _FORCE,
-    ),
+    (_PHRASES.pattern("WHEN"), _WHEN),
+    (_PHRASES.pattern("FORCE"), _FORCE),
     (_TURN_SIGN, _AXIS),
-    (
-        re.compile(
-            r"(?:(?:hi|hello|hey|ok|okay|thanks?|thank you|thx|cool|great|nice|bye|goodbye|help"
-            r"|roger(?: that)?|got it(?!\W*\?)|copy(?: that)?|many thanks"
-            r"|good (?:morning|afternoon|evening|day)"
-            r"|quit|exit|stop|what can (?:you|i) (?:do|ask|tell)(?: you| me)?|who are you"
-            r"|how does this work)(?: (?:a lot|so much|very much|there|please|me))?[ ,.!?]*)+"
-        ),
-        _TALK,
-    ),
+    (_PHRASES.pattern("TALK"), _TALK),
 )
 
-_LOAD = r"(?:\w+ )?(?:forces?|torque|newtons?|pressure)(?! (?:point|sensor|gauge|plate))"
-_IN_UNIT = r"(?: in (?:mm|cm|px|pixels|millimet(?:re|er)s|centimet(?:re|er)s|microns|inches))?"
-_A_THING = (
-    r"(?:the|this|that|these|those|my|its|your) (?:\w+ )?"
-    rf"(?!{PICTURE}|(?:{EXTENDED}|contact|touch|imprint|pixel|frame|view|path|error|amount"
-    r"|change)s?\b)\w+"
-)
-_GOES = rf"(?:(?:com|go|head|{GO}|{SLIDE}|{TURN}){ENDING})"
-_DOES_IT = r"(?:does|did|is|was|has) (?:it|this|that|(?:the|my) \w+)"
-_ASIDE = (
-    r"(?:left|right|top|bottom|upper|lower|sides?|up|down|other|opposite|same|halt|stop|rest"
-    r"|start|beginning)\b"
-)
-_SENSOR = r"(?:gel|sensor|pad|skin|camera|image|picture)\b"
-_THE = r"(?:the|my|your|its|an?) "
-_WAY_TO = (
-    rf"(?:(?:towards?|away from) (?:{_THE})?"
-    rf"|(?<!relative )(?<!respect )(?<!close )(?<!parallel )(?<!compared )(?<!due )"
-    r"(?<!up )(?<!thanks )(?<!next )(?<!similar )(?<!opposite )(?<!prior )(?<!according )"
-    rf"to {_THE})"
-)
 
-_ACT = (
-    r"(?:close|open|grip|grasp|regrasp|hold|squeeze|push|pull|lift|let go|release|stop|wait|retry"
-    r"|slow down|speed up|increase|decrease|reduce|continue|proceed|go on|move on|pick|drop"
-    r"|(?:tighten|loosen) (?:my|the|our) (?:grip|grasp|hold))\b"
-)
-
-_ASKS_NO_ADVICE = re.compile(
-    r"\b(?:undo\w*|(?:revers|cancel|counteract)\w*|back|by \w+ing|confidence|certainty|answer"
-    r"|(?:that|this|it) to (?:an?|the|one|left|right|up|down|yes|no|(?:counter|anti)?clockwise)"
-    r")\b"
-)
-"""Asks for what undoes or brings about a motion, or of the answer: no advice."""
+_ASKS_NO_ADVICE = _PHRASES.pattern("ASKS_NO_ADVICE")
 
 _NEVER: tuple[tuple[re.Pattern[str], str], ...] = (
-    (
-        re.compile(
-            r"\b(?:press|push|squeez)\w*(?: \w+){0,3}? (?:harder|deeper|firmer|stronger|tighter"
-            r"|more (?:firmly|strongly|deeply))\b|\bhow (?:strongly|tightly|heavily)\b"
-        ),
-        _FORCE,
-    ),
-    (
-        re.compile(
-            r"\b(?:accelerat|decelerat)(?:es?|ed|ing)\b|\b(?:speeding up|slowing down)\b"
-            r"|\b(?:speeds? up|slows? down)\W*$"
-            r"|\b(?:faster|slower) (?:at|near|towards?) the (?:end|start|beginning)\b"
-            r"|\b(?:speed|rate|velocity) (?:\w+ ){0,2}(?:constant|steady|even|uniform)\b"
-            r"|\bconstant (?:speed|rate|velocity)\b|\bacceleration\b"
-            r"|\b(?:top|peak|max(?:imum)?|instantaneous|final|initial) (?:speed|rate|velocity)\b"
-            r"|\b(?:speed|rate|velocity) at the (?:start|end|beginning)\b"
-        ),
-        _MEAN_SPEED,
-    ),
-    (
-        re.compile(
-            r"^(?:(?:should|shall|must) (?:i|we|the (?:robot|gripper))"
-            rf"|do (?:i|we) (?:have|need) to) (?:now |better )?{_ACT}"
-            rf"|^can (?:i|we) (?:now |safely )?{_ACT}"
-            r"|^what should (?:i|we) do\b(?! to\b)"
-            rf"|\bis it (?:safe|ok|okay|fine|time|wise) to {_ACT}"
-        ),
-        _ADVICE,
-    ),
-    (
-        re.compile(
-            r"^\W*(?:is|was|does|did|has) (?:the |this |that |its )?(?:contact|touch|imprint)"
-            r"(?: area)? (?:been )?(?:get(?:ting|s)? )?(?:growing|grow|shrinking|shrink"
-            r"|increas(?:e|ing)|decreas(?:e|ing)|bigger|larger|smaller|round|square|gentle|firm"
-            r"|soft|hard|light|strong|weak|stable|flat|sharp)\W*$"
-        ),
-        _QUALITY,
-    ),
-    (
-        re.compile(
-            r"^\W*(?:is|was) (?:the |this |that |its |my )?\w+ (?:tight|loose|secure)\W*$"
-            r"|\bhow (?:tight|loose|secure) (?:is|was)\b"
-        ),
-        _QUALITY,
-    ),
-    (re.compile(r"\bdiagonal(?:ly)?\W*$"), _NEAREST),
-    (
-        re.compile(
-            rf"\b(?:how much|how many|what|which)(?: is| was)?(?: the)? {_LOAD}\b"
-            rf"|\bhow (?:large|big|high|great|strong) (?:is|was) the {_LOAD}\b"
-            rf"|\bamount of {_LOAD}\b"
-        ),
-        _FORCE,
-    ),
-    (
-        re.compile(
-            r"\bhow (?:large|big|small|wide|tall|thick) "
-            rf"(?:is|was|are|were) {_A_THING}{_IN_UNIT}\W*$"
-            rf"|\b(?:size|diameter|width|length|height|radius) of {_A_THING}{_IN_UNIT}\W*$"
-        ),
-        _SIZE,
-    ),
-    (
-        re.compile(
-            rf"\b(?:in|during|within|over|for) the (?:last|first|final) (?:(?:{NUMBER}) ?)?"
-            r"(?:s|ms|secs?|seconds?|milliseconds?|frames|part|half|third|quarter)\b"
-            r"(?! (?:clip|recording|video)\b)"
-        ),
-        _WHOLE,
-    ),
-    (
-        re.compile(
-            r"\b(?:faster|slower|quicker|further|farther) than (?:an?|the|my|your) "
-            r"(?!\d|(?:first|second|third|other|last|previous|one)\b(?! hand))"
-            r"|\btoo (?:far|much|fast|slow|slowly|quick|quickly|little|long)\W*$"
-            r"|\b(?:far|fast|slow|much|slowly) enough\W*$"
-            r"|^(?:is|was) (?:it|that|this) "
-            r"(?:a lot|a little|much|little|far|fast|slow)\W*$"
-        ),
-        _NO_COMPARISON,
-    ),
-    (
-        re.compile(
-            r"\b(?:is|was|am|are) (?:\S+ ){1,4}?turn(?:ed|ing) (?:(?:the|my) \w+ )?"
-            r"(?:up|down|on|off)\W*$"
-        ),
-        _SETS,
-    ),
+    (_PHRASES.pattern("HOW_HARD"), _FORCE),
+    (_PHRASES.pattern("SPEED_CHANGES"), _MEAN_SPEED),
+    (_PHRASES.pattern("ADVICE"), _ADVICE),
+    (_PHRASES.pattern("CONTACT_QUALITY"), _QUALITY),
+    (_PHRASES.pattern("TIGHTNESS"), _QUALITY),
+    (_PHRASES.pattern("DIAGONAL"), _NEAREST),
+    (_PHRASES.pattern("LOADS"), _FORCE),
+    (_PHRASES.pattern("SIZES"), _SIZE),
+    (_PHRASES.pattern("PART_OF_THE_TIME"), _WHOLE),
+    (_PHRASES.pattern("COMPARED_TO_A_THING"), _NO_COMPARISON),
+    (_PHRASES.pattern("SETTINGS"), _SETS),
 )
 """Asked in words that a rule or the model would take for another question."""
 
-_PARTS = re.compile(
-    rf"\b{_GOES} (?:again )?(?:at|near|towards?|until) the (?:very )?(?:end|start|beginning)\b"
-    rf"|^\W*{_DOES_IT} {_GOES} back(?! into| (?:to the )?(?:left|right|up|down)\b)\b"
-    rf"|^\W*{_DOES_IT} (?:change|switch|revers|alternat)\w*(?: (?:its|the) )? ?"
-    r"(?:way|direction|sense)\b|\bback and forth\b|\bto and fro\b|\boscillat\w*"
-)
-"""Ask for what happens within a clip."""
-
-_TO_A_PLACE = re.compile(
-    rf"\b{_GOES} (?!(?:on|back)\b)(?:\w+ ){{0,2}}?{_WAY_TO}"
-    rf"(?!(?:\w+ )?{_ASIDE}|{_SENSOR}|{_THE})\w+"
-    r"|\b(?:north|south|east|west)(?:-?(?:east|west)|wards?)?\b|\b(?:proximal|distal)(?:ly)?\b"
-)
-"""Asks for a way that no word for a direction of the image names."""
-
-_PLACE = re.compile(
-    r"\bwhere(?: is|'s| was) (?:the |its )?(?:contact|touch|imprint)\b"
-    r"|\bwhere (?:does|did|do) (?:\S+ ){1,3}touch\b|\bwhere (?:am i|are you|is it) touching\b"
-    r"|\b(?:is|was) the (?:contact|touch|imprint) (?:(?:only|just|mostly|mainly|all) )?"
-    r"(?:at|on|in|near) (?:the|my) (?!move\b)"
-    r"|\b(?:what|which|where) (?:is |was )?(?:the )?contact (?:place|position|location|point)\b"
-    r"|^(?:the )?contact (?:place|position|location|area|size)\W*$"
-    r"|\b(?:touch(?:es|ing|ed)?|contact) (?:on|at|in|near) (?:the |my )?(?:left|right|upper|lower"
-    r"|top|bottom|middle|centre|center|corner|edge|border)\b"
-    r"|\bwhere (?:in|on|at) the (?:\S+ ){1,5}(?:touch|contact)\w*\b"
-    r"|\b(?:which|what) (?:part|side|area|region|spot|half) of (?:\S+ ){1,3}touch\w*\b"
-    r"|\b(?:which|what) (?:part|side|area|region|spot|half) (?:is|was) (?:being )?touch(?:ed|ing)\b"
-    r"|\bhow (?:much|large|big|wide) (?:\S+ ){1,4}(?:touch(?:ed|ing)|(?<!of )(?:contact|imprint))\b"
-    r"|\b(?:what|which|how (?:much|large|big) an?) "
-    r"(?:fraction|share|part|percentage|portion|proportion) (?:of|is) (?:\S+ ){1,5}"
-    r"(?:touch\w*|contact)\b|^and where\W*$"
-    r"|\b(?:size|area) of the (?:contact|touch|imprint)\b|\bcontact area\b"
-)
-_OF_A_MOTION = re.compile(
-    r"\b(?:mov|motion|head|slid|slip|turn|travel|shift|rest|grow|larger|enlarg|smaller|chang)\w*"
-    r"|\bgo(?:es|ing)?\b"
-)
-_HOW_LARGE = re.compile(r"^how (?:large|small)\b")
+_PARTS = _PHRASES.pattern("PARTS")
+_TO_A_PLACE = _PHRASES.pattern("TO_A_PLACE")
+_PLACE = _PHRASES.pattern("PLACE")
+_OF_A_MOTION = _PHRASES.pattern("OF_A_MOTION")
+_HOW_LARGE = _PHRASES.pattern("HOW_LARGE")
 
 
 def unanswerable_reply(question: str) -> str | None:
