@@ -93,15 +93,6 @@ def test_a_folder_without_usable_labels_says_what_it_found(tmp_path):
         real_cases(folder)
 
 
-def test_a_table_without_rows_is_told_as_such(tmp_path):
-    folder = labelled_folder(tmp_path / "mine")
-    with pytest.raises(UnreadableClip) as error:
-        real_cases(folder)
-    assert str(error.value) == (
-        f"{folder}: the tables of windows hold no row; write one row per motion."
-    )
-
-
 def test_a_clip_that_starts_in_contact_shows_no_idle_gel(tmp_path):
     (cases,) = real_cases(labelled_folder(tmp_path / "mine", "left")).values()
     found = FourFrames(cases.recordings, without_idle_frame)

@@ -60,13 +60,6 @@ def test_real_recordings_are_judged_both_ways_and_both_cuts(folder):
     assert lowest_accuracy([row for own in found.values() for row in own.values()]) == 0.0
 
 
-def test_progress_names_the_folder_and_reaches_its_end(folder):
-    seen = []
-    judged(folder, progress=lambda *told: seen.append(told))
-    assert (f"real {folder.name}", 8, 8) in seen
-    assert seen[-1] == (f"real {folder.name}, turned by a quarter", 4, 4)
-
-
 def test_clips_that_do_not_tell_their_motion_stay_out_of_the_scores(monkeypatch):
     def right_and_wrong(self):
         motion, other = self.among[:2]

@@ -71,16 +71,6 @@ def test_every_table_is_used() -> None:
     assert unused == []
 
 
-def test_alternatives_stand_in_a_group_where_they_are_part_of_another_text() -> None:
-    assert Phrases("motion_verbs").text("STIR") == "budg|stirr?"
-    assert Phrases("motion_verbs").group("STIR") == "(?:budg|stirr?)"
-
-
 def test_verbs_are_told_in_the_forms_that_are_asked_for() -> None:
     assert forms_of((("go", "goes", "went", "going"),), "past", "base") == "(?:go|went)"
     assert ("head", "heads", "headed", "heading") in set(verbs("GOES")) - set(verbs("MOVES"))
-
-
-def test_an_unknown_table_is_an_error() -> None:
-    with pytest.raises(KeyError, match="NO_SUCH_TABLE"):
-        Phrases("kind_words").text("NO_SUCH_TABLE")

@@ -30,11 +30,6 @@ def test_rewordings_differ_in_their_words_and_agree_in_their_answer(type_id):
     assert len({one.answer for one in asked}) == 1
 
 
-def test_more_rewordings_than_there_are_wordings_are_refused():
-    with pytest.raises(ValueError, match="T1 has .* held_out wordings, not 99"):
-        reworded(MotionLabel(Motion.UP), "T1", 99, np.random.default_rng(0), "held_out")
-
-
 @pytest.mark.parametrize("seed", SEEDS)
 def test_every_option_of_a_choice_is_once_in_front(seed):
     asked = in_every_order(MotionLabel(Motion.PRESS), np.random.default_rng(seed))

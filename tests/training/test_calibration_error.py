@@ -23,8 +23,3 @@ def test_too_sure_and_too_unsure_do_not_cancel():
 
 def test_certainty_falls_into_the_last_bin():
     assert expected_calibration_error([1.0, 0.99], [True, True]) == pytest.approx(0.005)
-
-
-def test_no_answer_is_refused():
-    with pytest.raises(ValueError, match="empty"):
-        expected_calibration_error([], [])
