@@ -19,7 +19,3 @@ def test_the_error_is_the_gap_weighted_by_how_often_it_is_met():
 
 def test_too_sure_and_too_unsure_do_not_cancel():
     assert expected_calibration_error([1.0, 0.0], [False, True]) == 1.0
-
-
-def test_certainty_falls_into_the_last_bin():
-    assert expected_calibration_error([1.0, 0.99], [True, True]) == pytest.approx(0.005)
