@@ -6,11 +6,10 @@ from collections.abc import Sequence
 
 from geotlm_lm.benchmarks.amounts import AMOUNTS
 from geotlm_lm.benchmarks.clips import clip_rows, left_out
-from geotlm_lm.benchmarks.markdown import markdown
 from geotlm_lm.benchmarks.optics import OPTICS
 from geotlm_lm.benchmarks.protocols import PROTOCOLS
 from geotlm_lm.benchmarks.questions import QUESTIONS
-from geotlm_lm.benchmarks.rendering import number, right_with_interval
+from geotlm_lm.benchmarks.rendering import markdown, number, right_with_interval
 from geotlm_lm.benchmarks.rows import Bench, Listing, Pivot, Row, Section, every
 from geotlm_lm.benchmarks.variants import FLOW, GENERATED, PROBE_FREE
 
@@ -107,8 +106,3 @@ EVALUATION = Bench(
     sections=(CLIPS_SECTION,),
 )
 """The accuracy of a user's own recordings, data sets and model."""
-
-
-def lowest_accuracy(rows: Sequence[Row]) -> float:
-    """Return the lowest share of right answers of the model's words over all sets of clips."""
-    return min(row.right for row in rows if row.variant == GENERATED)

@@ -8,10 +8,9 @@ from pathlib import Path
 from statistics import mean
 
 from geotlm_lm.benchmarks import pareto_answers as answers
-from geotlm_lm.benchmarks.markdown import markdown
 from geotlm_lm.benchmarks.pareto_processes import command_rows
 from geotlm_lm.benchmarks.pareto_simulator import simulator_rows
-from geotlm_lm.benchmarks.rendering import number, save_figure
+from geotlm_lm.benchmarks.rendering import markdown, number, save_figure
 from geotlm_lm.benchmarks.rows import Bench, Listing, Pivot, Row, Section, every
 
 LOOP_MS = 40.0
@@ -22,7 +21,7 @@ NEARLY = 0.01
 
 
 def picks(rows: Sequence[Row]) -> Iterator[tuple[str, str, Row | None]]:
-    """Yield (use, rule, what to take) for a robot's loop, a batch job and a chat; None for nothing.
+    """Yield (use, rule, what to take) for a robot's loop and for a chat; None for nothing.
 
     Over the sources of four frames, a method has its mean error and median, and its slowest p95.
     """
@@ -36,18 +35,17 @@ def picks(rows: Sequence[Row]) -> Iterator[tuple[str, str, Row | None]]:
     near = f"the fastest within {NEARLY:g} of the least error"
     in_time = [row for row in methods if row.ms_p95 < LOOP_MS]
     speaking = [row for row in methods if row.variant.startswith(answers.WORDS)]
-    for use, rule, able, nearly in (
-        ("a robot's loop", f"{near} and a p95 below {LOOP_MS:g} ms", in_time, NEARLY),
-        ("a batch job", "the least error, however slow", methods, 0.0),
-        ("a chat", f"{near} that answers in words", speaking, NEARLY),
+    for use, rule, able in (
+        ("a robot's loop", f"{near} and a p95 below {LOOP_MS:g} ms", in_time),
+        ("a chat", f"{near} that answers in words", speaking),
     ):
         least = min((row.error for row in able), default=0.0)
-        good = [row for row in able if row.error <= least + nearly]
+        good = [row for row in able if row.error <= least + NEARLY]
         yield use, rule, min(good, key=lambda row: row.ms_p50, default=None)
 
 
 def picks_headline(rows: Sequence[Row]) -> str:
-    """Return what to take for a robot's loop, a batch job and a chat, and what it costs."""
+    """Return what to take for a robot's loop and for a chat, and what it costs."""
     lines = []
     for use, rule, taken in picks(rows):
         if taken is None:

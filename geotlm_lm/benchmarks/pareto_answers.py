@@ -27,7 +27,7 @@ from geotlm_lm.benchmarks.pareto_processes import QUESTION, in_turn, long_record
 from geotlm_lm.benchmarks.rows import Row, Run
 from geotlm_lm.benchmarks.running import threads
 from geotlm_lm.benchmarks.statistics import milliseconds
-from geotlm_lm.benchmarks.variants import PerceivedOnce, Read, after_perceiving, most_probable
+from geotlm_lm.benchmarks.variants import Read, after_perceiving, most_probable, perceived_once
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT
@@ -103,7 +103,7 @@ def with_front(rows: Sequence[Row]) -> list[Row]:
 
 def model_variants(answerer: Answerer, suffix: str) -> dict[str, Variant]:
     """Return the model's read-outs, all of one perception; `suffix` ends their names."""
-    perceive, score, probe = PerceivedOnce(answerer), answerer.score, answerer.bundle.model.probe
+    perceive, score, probe = perceived_once(answerer), answerer.score, answerer.bundle.model.probe
     reads: dict[str, Read] = {
         "linear probe": lambda seen, among: probe.predict(seen.perception.fused_token, among)[0],
         "ten answers scored": lambda seen, among: most_probable(score(seen, QUESTION), among),

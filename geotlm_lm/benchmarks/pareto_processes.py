@@ -17,11 +17,10 @@ import numpy as np
 from geotlm_lm.benchmarks.cases.damaged import write_video
 from geotlm_lm.benchmarks.rows import Row, Run
 from geotlm_lm.benchmarks.statistics import milliseconds
+from geotlm_lm.benchmarks.variants import QUESTION
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.threads import THREAD_VARIABLES
 from geotlm_lm.simulation.touch import Touch, simulate_touch
-
-QUESTION = "Which way is it moving?"
 
 COMMAND = (
     "import atexit, runpy; held = lambda: [x for x in open('/proc/self/status') if 'VmHWM' in x]; "

@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from geotlm_lm.benchmarks.markdown import markdown
 from geotlm_lm.benchmarks.rows import QUICK, Bench, Listing, Pivot, Row, Section
 from geotlm_lm.benchmarks.running import rows_of
 from geotlm_lm.core.atomic import replacing, write_text_atomically
@@ -44,7 +43,8 @@ def page(bench: Bench, record: RunRecord) -> str:
             parts += [f"## {section.title}", section.about]
             parts += [section.headline(rows)] if section.headline else []
             parts += tables(section, rows)
-            parts += [_figure_link(bench, section)] if section.figure else []
+            if section.figure:
+                parts.append(f"![{section.title}]({bench.name}_{section.name}.png)")
             parts.append(provenance(record, section.name))
     return "\n\n".join(parts) + "\n"
 
@@ -76,6 +76,24 @@ def table(view: Listing | Pivot, rows: Sequence[Row]) -> str:
         for case, own in found.items()
     ]
     return markdown([view.corner] + ["n"] * view.with_count + variants, lines)
+
+
+def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return a Markdown table padded so that it reads as plain text too.
+
+    The first column is set left, all others right.
+    """
+    cells = [list(header), *(list(row) for row in rows)]
+    # A rule cell needs a dash beside its colon.
+    widths = [max(2, *(len(line[column]) for line in cells)) for column in range(len(header))]
+
+    def line(values: Sequence[str]) -> str:
+        first = values[0].ljust(widths[0])
+        others = [value.rjust(width) for value, width in zip(values[1:], widths[1:], strict=True)]
+        return "| " + " | ".join([first, *others]) + " |"
+
+    rule = "| " + " | ".join(["-" * widths[0], *("-" * (w - 1) + ":" for w in widths[1:])]) + " |"
+    return "\n".join([line(cells[0]), rule, *(line(row) for row in cells[1:])])
 
 
 def provenance(record: RunRecord, section: str) -> str:
@@ -218,10 +236,6 @@ def _fill_blocks(
         parts += [text[position : begin.end()], "\n\n", told, "\n\n"]
         position = end
     return "".join([*parts, text[position:]])
-
-
-def _figure_link(bench: Bench, section: Section) -> str:
-    return f"![{section.title}]({bench.name}_{section.name}.png)"
 
 
 def _record(folder: Path, name: str) -> RunRecord | None:

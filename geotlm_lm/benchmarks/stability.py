@@ -9,11 +9,10 @@ from geotlm_lm.benchmarks.cases.stiff import RESIDUALS
 from geotlm_lm.benchmarks.numerics import numerics_rows
 from geotlm_lm.benchmarks.rendering import number, save_figure
 from geotlm_lm.benchmarks.rows import Bench, Listing, Pivot, Row, Section, every
-from geotlm_lm.benchmarks.stability_files import ENDS, READ, file_rows
+from geotlm_lm.benchmarks.stability_files import ENDS, file_rows
 from geotlm_lm.benchmarks.stability_rows import (
     CRASHED,
     OUTCOMES,
-    REFUSED,
     damage_rows,
     extreme_rows,
     scene_rows,
@@ -26,16 +25,6 @@ def failures_headline(rows: Sequence[Row]) -> str:
         f"- crashed: {_named(rows, CRASHED)}\n"
         f"- a wrong direction at 0.9 or more: {_named(rows, 'confident_false_directions')}\n"
         f"- a touch or motion overlooked at 0.9 or more: {_named(rows, 'confident_oversights')}"
-    )
-
-
-def files_headline(rows: Sequence[Row]) -> str:
-    """Return how many files were read or refused, and which ended in anything else."""
-    total = {end: sum(row.detail[end] for row in rows) for end in (READ, REFUSED)}
-    other = ", ".join(f"{row.case}, {row.variant}" for row in rows if row.error) or "none"
-    return (
-        f"{sum(row.count for row in rows):,} files: {total[READ]:,} read, {total[REFUSED]:,} "
-        f"refused in a sentence; anything else: {other}"
     )
 
 
@@ -178,6 +167,6 @@ STABILITY = Bench(
             failures_headline,
         ),
         Section("numerics", "Numerics", NUMERICS_ABOUT, numerics_rows, _NUMERICS_VIEWS),
-        Section("files", "Damaged files", FILES_ABOUT, file_rows, _FILE_VIEW, None, files_headline),
+        Section("files", "Damaged files", FILES_ABOUT, file_rows, _FILE_VIEW),
     ),
 )

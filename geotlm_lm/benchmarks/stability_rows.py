@@ -20,14 +20,12 @@ from geotlm_lm.benchmarks.cases.stiff import STIFF_CASES, solver_rows, stiff_sce
 from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.benchmarks.rows import Row, Run
 from geotlm_lm.benchmarks.statistics import clustered_interval
-from geotlm_lm.benchmarks.variants import GENERATED
+from geotlm_lm.benchmarks.variants import GENERATED, QUESTION
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.simulation.simulate import simulate
-
-QUESTION = "Which way is it moving?"
 
 RIGHT, WRONG, ABSTAINED, REFUSED, CRASHED = "right", "wrong", "abstained", "refused", "crashed"
 OUTCOMES = (RIGHT, ABSTAINED, REFUSED, WRONG, CRASHED)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from geotlm_lm.benchmarks.judging import Reply, Variant, timed
@@ -31,6 +32,8 @@ GLOBAL_PROBE = "linear probe without DGR, of the task"
 FLOW = "optical flow, of the task"
 """Names of the rows; those "of the task" choose among the task's motions, the others among ten."""
 
+QUESTION = "Which way is it moving?"
+
 CONTRASTS = (
     (GENERATED, PROBE),
     (GENERATED, PROBE_FREE),
@@ -46,23 +49,9 @@ Read = Callable[["Encoded", tuple[Motion, ...]], Motion | None]
 """Takes a perceived clip and the motions in question."""
 
 
-class PerceivedOnce:
-    """The model's view of the latest clip, so that every row reads the same perception.
-
-    Args:
-        answerer: The loaded model.
-    """
-
-    def __init__(self, answerer: Answerer) -> None:
-        self._answerer = answerer
-        self._clip: Clip | None = None
-        self._encoded: Encoded | None = None
-
-    def __call__(self, clip: Clip) -> Encoded:
-        """Return the encoded clip; the same object as last time is not encoded again."""
-        if self._encoded is None or clip is not self._clip:
-            self._clip, self._encoded = clip, self._answerer.encode(clip)
-        return self._encoded
+def perceived_once(answerer: Answerer) -> Callable[[Clip], Encoded]:
+    """Return the model's view of a clip; the same object as last time is not encoded again."""
+    return lru_cache(maxsize=1)(answerer.encode)
 
 
 def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
@@ -72,7 +61,7 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
         answerer: The loaded model.
         seed: Root of the draw of question wordings.
     """
-    perceive = PerceivedOnce(answerer)
+    perceive = perceived_once(answerer)
     model = answerer.bundle.model
 
     # Every row has its own source, so that all rows of one share of wordings ask the same
@@ -141,7 +130,7 @@ def most_probable(options: Mapping[str, float], among: tuple[Motion, ...]) -> Mo
     return max(among, key=lambda motion: options.get(motion.value, 0.0))
 
 
-def after_perceiving(perceive: PerceivedOnce, read: Read) -> Variant:
+def after_perceiving(perceive: Callable[[Clip], Encoded], read: Read) -> Variant:
     """Return a variant that reads the model's view of a clip.
 
     Only the reading is timed; what perceiving the clip took when it was done is added.

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.benchmarks import variants
-from geotlm_lm.benchmarks.accuracy import clips_headline, lowest_accuracy
+from geotlm_lm.benchmarks.accuracy import clips_headline
 from geotlm_lm.benchmarks.cases import simulated
 from geotlm_lm.benchmarks.clips import clip_rows, left_out
 from geotlm_lm.benchmarks.judging import Case
@@ -57,7 +57,6 @@ def test_real_recordings_are_judged_both_ways_and_both_cuts(folder):
     assert {(a, b) for a, row in first.items() for b in row.detail.get("less", {})} == set(
         variants.CONTRASTS
     )
-    assert lowest_accuracy([row for own in found.values() for row in own.values()]) == 0.0
 
 
 def test_clips_that_do_not_tell_their_motion_stay_out_of_the_scores(monkeypatch):

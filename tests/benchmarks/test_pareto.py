@@ -106,7 +106,6 @@ def test_each_use_gets_what_its_rule_says():
     # The scored answers are too late for a loop.
     assert {use: found.variant for use, _, found in picks(BOTH)} == {
         "a robot's loop": "linear probe",
-        "a batch job": "words",
         "a chat": "words, int8",
     }
     cells = [cell.strip() for cell in picks_headline(BOTH).splitlines()[2].strip("|").split("|")]
@@ -116,7 +115,7 @@ def test_each_use_gets_what_its_rule_says():
 def test_a_loop_keeps_its_time_on_every_source_or_there_is_none():
     late = [row("steady", 0.1, 20.0), row("quick", 0.0, 5.0)]
     late += [row("steady", 0.1, 20.0, "sliding"), row("quick", 0.0, 5.0, "sliding", p95=41.0)]
-    (_, _, loop), _, (_, _, chat) = picks(late)
+    (_, _, loop), (_, _, chat) = picks(late)
     assert loop.variant == "steady"
     assert chat is None
     assert " none " in picks_headline(late).splitlines()[-1]

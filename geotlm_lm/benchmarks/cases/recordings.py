@@ -15,7 +15,6 @@ from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, turn_by_quarter
 from geotlm_lm.data.labelled_recordings import (
     LabelledRecordings,
-    WindowRow,
     find_labelled_recordings,
 )
 
@@ -39,14 +38,6 @@ class RealCases:
         motions = {row.motion for row in self.recordings.rows}
         tasks: Sequence[tuple[Motion, ...]] = (ROTATIONS, SLIDES, DIRECTED, tuple(Motion))
         return next(task for task in tasks if motions <= set(task))
-
-    def first(self, count: int) -> RealCases:
-        """Return the first rows of each motion only."""
-        kept: list[WindowRow] = []
-        for row in self.recordings.rows:
-            if sum(one.motion == row.motion for one in kept) < count:
-                kept.append(row)
-        return RealCases(replace(self.recordings, rows=tuple(kept)))
 
     def __len__(self) -> int:
         return 4 * len(self.recordings.rows)
