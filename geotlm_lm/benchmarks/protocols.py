@@ -74,7 +74,6 @@ NO_REGIONS = "DGR, contact mask only"
 NEITHER = "DGR, neither"
 OPERATORS = "DGR, differential operators on"
 
-
 TRAINED: dict[str, tuple[Recipe, int]] = {
     PLAIN: (Recipe(), FRAME_COUNT),
     PAPER: (Recipe(DGRParts()), FRAME_COUNT),
@@ -93,7 +92,6 @@ ABLATION = (PLAIN, NEITHER, NO_MASK, NO_REGIONS, PAPER, OPERATORS)
 FRAMES = (PLAIN_PAIR, PLAIN, PAPER_PAIR, PAPER)
 OURS = tuple(dict.fromkeys(MAIN + ABLATION + FRAMES))
 """Methods of each table, in its order, and of all."""
-
 
 Outcome = tuple[Sequence[Motion], int]
 """The motion that a method named for each test clip, and how many numbers it trained."""

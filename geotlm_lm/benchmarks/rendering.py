@@ -100,7 +100,7 @@ def provenance(record: RunRecord, section: str) -> str:
     """Return the line that says how to get a section's numbers again."""
     done = record.numbers["sections"][section]
     return (
-        f"`{record.command}`: {done['seconds'] / 60:.1f} min at commit "
+        f"`{done['command']}`: {done['seconds'] / 60:.1f} min at commit "
         f"{done['commit'] or 'unknown'}, seed {record.seed}, one thread of {done['processor']}, "
         f"{record.made_utc[:10]}."
     )

@@ -45,7 +45,8 @@ def run_bench(
     with threads(1):
         for section in bench.sections:
             if section.name in (only or names) and (run.real or not section.needs_real):
-                sections[section.name] = _finished_or_run(bench, section, run)
+                done = _finished_or_run(bench, section, run)
+                sections[section.name] = done | {"command": command}
     return RunRecord(
         name=bench.name,
         command=command,

@@ -77,8 +77,9 @@ def test_with_recordings_no_section_is_left_out(toy, tmp_path):
 
 def test_only_one_section_is_run_and_the_others_kept(toy):
     bench, ran = toy
-    before = run_bench(bench, Run(is_quick=True))
-    after = run_bench(bench, Run(), only=["second"], before=before)
+    before = run_bench(bench, Run(is_quick=True), command="the first")
+    after = run_bench(bench, Run(), only=["second"], before=before, command="another")
+    assert ("`the first`" in page(bench, after), "`another`" in page(bench, after)) == (True, True)
     assert ran == ["first", "second", "second"]
     assert rows_of(after, "first") == rows_of(before, "first")
     assert rows_of(after, "second")[1].error == 0.5
