@@ -120,11 +120,6 @@ def amount_loss(told: Tensor, true: Tensor) -> Tensor:
     return (errors * is_asked).sum() / is_asked.sum().clamp(min=1)
 
 
-def decoded_amounts(read_out: Tensor) -> Tensor:
-    """Return the degrees and mm, (b, 2), that the amounts' read-out, (b, 2), stands for."""
-    return torch.expm1(read_out) * read_out.new_tensor(AMOUNT_SCALES)
-
-
 def _summary(truth: DenseTruth) -> Tensor:
     """Return what the global token has to know: no direction is among it."""
     share = truth.contact.mean(dim=(2, 3))

@@ -1,4 +1,4 @@
-"""Draws the pictures of the page that the documents show: `python -m tests.app.pictures docs`."""
+"""Draws the pictures of the page for the documents: `PYTHONPATH=. python .ci/pictures.py docs`."""
 
 import sys
 import tempfile
