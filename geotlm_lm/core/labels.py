@@ -132,10 +132,15 @@ class MotionLabel:
         slide_y_mm: Travel of the object down the image.
         depth_change_mm: Change of the indentation depth, positive when pressing in.
         contact_fraction: Share of the image in contact, one number per frame, in [0, 1].
-        is_readable: Whether the motion changes the image more than the sensor's noise, as a smooth
-            ball spinning about its own axis does not, and is the greater one at the contact.
+        is_readable: Whether the dominant motion changes the image more than the sensor's noise, as
+            a smooth ball spinning about its own axis does not, and dominates at the contact.
         mm_per_px: Width and height on the gel of a pixel of the 224-pixel image; None where the
             recording does not tell.
+        travel_px: Travel of the middle of the contact to the right and down, pixels of the
+            224-pixel image; None where the recording does not tell.
+        radius_px: Radius of gyration of the contact, likewise; 0 where nothing touches.
+        visible_grey: What of the picture's change only the turn, the slide and the press can have
+            made, grey levels; infinite where nothing is known of it.
     """
 
     motion: Motion
@@ -146,6 +151,9 @@ class MotionLabel:
     contact_fraction: tuple[float, ...] = ()
     is_readable: bool = True
     mm_per_px: tuple[float, float] | None = None
+    travel_px: tuple[float, float] | None = None
+    radius_px: float = 0.0
+    visible_grey: tuple[float, float, float] = (math.inf, math.inf, math.inf)
 
     @property
     def slide_px(self) -> float | None:
@@ -162,6 +170,7 @@ class MotionLabel:
             motion=mirror(self.motion),
             rotation_deg=-self.rotation_deg,
             slide_x_mm=-self.slide_x_mm,
+            travel_px=self.travel_px and (-self.travel_px[0], self.travel_px[1]),
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -170,17 +179,23 @@ class MotionLabel:
             "motion": self.motion.value,
             "contact_fraction": list(self.contact_fraction),
             "mm_per_px": None if self.mm_per_px is None else list(self.mm_per_px),
+            "travel_px": None if self.travel_px is None else list(self.travel_px),
+            # JSON knows no infinity.
+            "visible_grey": [None if math.isinf(grey) else grey for grey in self.visible_grey],
         }
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> MotionLabel:
         """Read a label back from `to_dict`."""
-        size = values.get("mm_per_px")
+        size, travel = values.get("mm_per_px"), values.get("travel_px")
+        visible = values.get("visible_grey") or (None, None, None)
         return cls(
             **values
             | {
                 "motion": Motion(values["motion"]),
                 "contact_fraction": tuple(values["contact_fraction"]),
                 "mm_per_px": None if size is None else tuple(size),
+                "travel_px": None if travel is None else tuple(travel),
+                "visible_grey": tuple(math.inf if grey is None else grey for grey in visible),
             }
         )

@@ -34,17 +34,22 @@ def label_for(
         slide_y_mm=path.y_mm[last] - path.y_mm[0],
         depth_change_mm=path.depth_mm[last] - path.depth_mm[0],
         contact_fraction=tuple(round(float(share), 5) for share in contact_fraction),
-        is_readable=is_readable(scene.motion, contact_fraction, trace),
+        is_readable=is_readable(scene.motion, contact_fraction, trace, scene.dominance),
         mm_per_px=(scene.optics.mm_per_px_x, scene.optics.mm_per_px_y),
+        travel_px=trace.travel_px,
+        radius_px=trace.radius_px,
+        visible_grey=trace.visible_grey,
     )
 
 
-def is_readable(motion: Motion, contact_fraction: NDArray[np.floating], trace: Trace) -> bool:
+def is_readable(
+    motion: Motion, contact_fraction: NDArray[np.floating], trace: Trace, dominance: float = 1.0
+) -> bool:
     """Tell whether the frames show the motion; stillness and absence always can be seen."""
     if motion in (Motion.STILL, Motion.NONE):
         return True
     touched = contact_fraction if motion in DIRECTED else [np.max(contact_fraction)]
-    return bool(np.min(touched) >= READABLE_CONTACT and trace.shows(motion))
+    return bool(np.min(touched) >= READABLE_CONTACT and trace.shows(motion, dominance))
 
 
 def patch_means(images: NDArray[np.generic]) -> NDArray[np.float32]:

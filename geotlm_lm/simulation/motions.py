@@ -1,4 +1,7 @@
-"""Random paths for each of the ten motions; knows no shape and no image."""
+"""Random paths: each of the ten motions, and turn, slide and press freely mixed.
+
+Knows no shape and no image.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, signed_amount
 from geotlm_lm.core.seeding import log_uniform
 from geotlm_lm.simulation.scene import Path
 
@@ -105,6 +108,85 @@ def random_path(
     y = y - (y[0] + y[-1]) / 2 + centre_mm[1]
     turn = turn + rng.uniform(-np.pi, np.pi)
     return Path(*(tuple(float(value) for value in row) for row in (depth, x, y, turn)))
+
+
+MIXED_SHARES = {"turn": 0.7, "slide": 0.65, "press": 0.4}
+"""Probabilities that a mixed path turns, slides, presses, each drawn for itself."""
+
+MIXED_TURN_DEG, MIXED_SLIDE_MM, MIXED_PRESS_MM = (0.7, 45.0), (0.05, 3.5), (0.05, 0.9)
+"""Totals over a clip, drawn evenly on a log scale: from what hardly shows between two frames of a
+fast recording to what a hand does in a second."""
+
+FAR_PIVOT_MM = 6.0
+"""Farthest an axis lies from the middle of the contact in mixed paths: a wrist, a gripper."""
+
+ONE_HAND_SHARE = 0.6
+"""Share of mixed paths whose components go on at the same pace; in the others each has its own."""
+
+
+def mixed_path(
+    rng: np.random.Generator,
+    *,
+    depth_range_mm: tuple[float, float],
+    centre_mm: tuple[float, float],
+) -> Path:
+    """Return a path that turns, slides and presses as it may, with any ratio of the three.
+
+    Args:
+        rng: Source of everything random.
+        depth_range_mm: Approach that gives enough contact, least and most.
+        centre_mm: Where the middle of the path lies in the gel frame.
+    """
+    own = [_times(rng) for _ in range(3)]
+    turning, sliding, pressing = [own[0]] * 3 if rng.random() < ONE_HAND_SHARE else own
+    turns, slides, presses = rng.random(3) < tuple(MIXED_SHARES.values())
+    turn, x, y = _tremble(rng, turn_deg=0.1, travel_mm=0.01)
+    depth = np.full(FRAME_COUNT, rng.uniform(*depth_range_mm))
+    depth = depth + rng.normal(0, DEPTH_JITTER_MM, FRAME_COUNT)
+    if turns:
+        total = np.radians(log_uniform(rng, MIXED_TURN_DEG)) * rng.choice([-1, 1])
+        way = total * turning
+        arm = rng.uniform(0, FAR_PIVOT_MM) * (rng.random() < 0.5)
+        start = rng.uniform(-np.pi, np.pi)
+        turn = turn + way
+        x, y = x + arm * np.cos(start + way), y + arm * np.sin(start + way)
+    if slides:
+        total, angle = log_uniform(rng, MIXED_SLIDE_MM), rng.uniform(-np.pi, np.pi)
+        x, y = x + total * np.cos(angle) * sliding, y + total * np.sin(angle) * sliding
+    if presses:
+        change = log_uniform(rng, MIXED_PRESS_MM) * rng.choice([-1, 1])
+        depth = depth + change * (pressing - 0.5)
+        # Pressed in from the first touch or lifted off, but never farther than the gel allows.
+        depth = np.clip(depth, min(depth_range_mm[0], 0.05), depth_range_mm[1] + 0.3)
+    else:
+        depth = np.clip(depth, *depth_range_mm)
+    x = x - (x[0] + x[-1]) / 2 + centre_mm[0]
+    y = y - (y[0] + y[-1]) / 2 + centre_mm[1]
+    turn = turn + rng.uniform(-np.pi, np.pi)
+    return Path(*(tuple(float(value) for value in row) for row in (depth, x, y, turn)))
+
+
+def dominant_motion(path: Path) -> Motion:
+    """Return which of the ten names fits a path best, for what asks for one name.
+
+    Turn and travel are compared at `CONTACT_RADIUS_MM`; the label tells whether the greater one
+    dominates at the contact that was found.
+    """
+    x, y = path.x_mm[-1] - path.x_mm[0], path.y_mm[-1] - path.y_mm[0]
+    turn = path.rotation_rad[-1] - path.rotation_rad[0]
+    inward = path.depth_mm[-1] - path.depth_mm[0]
+    turned_mm, slid_mm = abs(turn) * CONTACT_RADIUS_MM, float(np.hypot(x, y))
+    if max(turned_mm, slid_mm) < LEAST_PATH_MM:
+        if abs(inward) < LEAST_PRESS_MM:
+            return Motion.STILL
+        return Motion.PRESS if inward > 0 else Motion.RELEASE
+    if turned_mm > slid_mm:
+        return Motion.CLOCKWISE if turn > 0 else Motion.COUNTERCLOCKWISE
+    return max(SLIDES, key=lambda way: signed_amount(way, turn=0, right=x, down=y))
+
+
+LEAST_PATH_MM, LEAST_PRESS_MM = 0.06, 0.1
+"""Path of a turn or slide, and change of depth, below which a path shows none."""
 
 
 def _times(rng: np.random.Generator) -> PathArray:

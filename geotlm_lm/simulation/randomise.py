@@ -14,7 +14,13 @@ from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.simulation.contact import dome_drop_mm
 from geotlm_lm.simulation.indenter import Indenter
 from geotlm_lm.simulation.indenters import INDENTERS
-from geotlm_lm.simulation.motions import STEADY, UNSTEADY, random_path
+from geotlm_lm.simulation.motions import (
+    STEADY,
+    UNSTEADY,
+    dominant_motion,
+    mixed_path,
+    random_path,
+)
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.randomise_optics import random_markers, random_optics
 from geotlm_lm.simulation.scene import Body, Gel, Path, Scene
@@ -57,6 +63,12 @@ MARKER_SHARE = 0.0
 UNSTEADY_SHARE = 0.0
 """Share of clips made by an unsteady hand."""
 
+MIXED_SHARE = 0.0
+"""Share of clips whose motion is freely mixed."""
+
+MIXED_DOMINANCE = 2.0
+"""How many times longer one path must be than the other for a mixed motion to have one name."""
+
 TEXTURE_SCALE_MM = (0.1, 1.0)
 """Correlation length of an object's texture; from the size of a pixel on, since real imprints hold
 detail that fine: gradients at 1 px are 1.7 to 2.0 times those at 3 px."""
@@ -71,6 +83,7 @@ def random_scenes(
     motions: Sequence[Motion] | None = None,
     marker_share: float = MARKER_SHARE,
     unsteady_share: float = UNSTEADY_SHARE,
+    mixed_share: float = MIXED_SHARE,
 ) -> list[Scene]:
     """Return scenes `first_index` .. of the endless series of `seed`; equally many of each motion.
 
@@ -83,6 +96,7 @@ def random_scenes(
         marker_share: Share of scenes on a gel with markers; the rest of a scene does not depend
             on it.
         unsteady_share: Share of scenes made by `motions.UNSTEADY`.
+        mixed_share: Share of scenes that turn, slide and press at once, as they may.
     """
     kinds = tuple(motions) if motions is not None else tuple(Motion)
     scenes = []
@@ -97,6 +111,7 @@ def random_scenes(
             motion=motion,
             marker_share=marker_share,
             unsteady_share=unsteady_share,
+            mixed_share=mixed_share,
         )
         scenes.append(scene)
     return scenes
@@ -116,6 +131,7 @@ def random_scene(
     indenter: Indenter | None = None,
     marker_share: float = MARKER_SHARE,
     unsteady_share: float = UNSTEADY_SHARE,
+    mixed_share: float = MIXED_SHARE,
 ) -> Scene:
     """Return a scene of an object doing `motion`, everything else drawn from `rng`.
 
@@ -126,13 +142,16 @@ def random_scene(
         indenter: A shape of the caller's own; it keeps its size.
         marker_share: Probability of markers on the gel.
         unsteady_share: Probability of an unsteady hand.
+        mixed_share: Probability that it turns, slides and presses freely instead.
     """
+    # Nothing is drawn where no scene is mixed: plain series stay what they were.
+    is_mixed = mixed_share > 0 and motion is not Motion.NONE and rng.random() < mixed_share
     optics, gel = random_optics(rng), random_gel(rng)
     body = random_body(rng, object_name)
     kind = indenter or INDENTERS[object_name]
     if indenter is not None:
         body = replace(body, indenter=indenter, size=1.0)
-    if kind.is_axisymmetric and motion in ROTATIONS:
+    if kind.is_axisymmetric and motion in ROTATIONS and not is_mixed:
         body = replace(body, texture_um=rng.uniform(15, 40), texture_scale_mm=rng.uniform(0.3, 0.8))
     half_x, half_y = (side * IMAGE_SIDE / 2 for side in (optics.mm_per_px_x, optics.mm_per_px_y))
     # A corner of the contact stays in view: the middle is kept inside the border.
@@ -149,18 +168,18 @@ def random_scene(
     low = min(max(DEPTH_MM[0], least), DEPTH_MM[1]) + drop
     # Nothing is drawn where all hands are steady: series without unsteady ones stay what they were.
     is_unsteady = unsteady_share > 0 and rng.random() < unsteady_share
-    path = random_path(
-        rng,
-        motion,
-        depth_range_mm=(low, DEPTH_MM[1] + drop),
-        centre_mm=centre,
-        hand=UNSTEADY if is_unsteady else STEADY,
-    )
+    depths = (low, DEPTH_MM[1] + drop)
+    if is_mixed:
+        path = mixed_path(rng, depth_range_mm=depths, centre_mm=centre)
+        motion = dominant_motion(path)
+    else:
+        hand = UNSTEADY if is_unsteady else STEADY
+        path = random_path(rng, motion, depth_range_mm=depths, centre_mm=centre, hand=hand)
     path = with_history(rng, path)
     # Drawn last: a scene with markers is the same scene.
     if rng.random() < marker_share:
         optics = replace(optics, markers=random_markers(rng))
-    return Scene(body, path, motion, gel, optics)
+    return Scene(body, path, motion, gel, optics, MIXED_DOMINANCE if is_mixed else 1.0)
 
 
 def random_gel(rng: np.random.Generator) -> Gel:

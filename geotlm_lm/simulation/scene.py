@@ -252,13 +252,24 @@ class Optics:
 
 @dataclass(frozen=True)
 class Scene:
-    """One clip to simulate; `motion` names what the path was drawn for."""
+    """One clip to simulate.
+
+    Args:
+        body: What touches.
+        path: How it moves.
+        motion: The one of ten names that the path was drawn for, or that fits it best.
+        gel: The pad.
+        optics: Camera and lights.
+        dominance: How many times longer than the other's the path of the named turn or slide must
+            be at the contact for the name to be true of the clip.
+    """
 
     body: Body
     path: Path
     motion: Motion
     gel: Gel = field(default_factory=Gel)
     optics: Optics = field(default_factory=Optics)
+    dominance: float = 1.0
 
 
 def _require(name: str, value: float, low: float, high: float, unit: str = "") -> None:

@@ -6,10 +6,15 @@ from collections.abc import Iterator, Sequence
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.simulation.presets import PresetName
-from geotlm_lm.simulation.randomise import MARKER_SHARE, UNSTEADY_SHARE, random_scenes
+from geotlm_lm.simulation.randomise import (
+    MARKER_SHARE,
+    MIXED_SHARE,
+    UNSTEADY_SHARE,
+    random_scenes,
+)
 from geotlm_lm.simulation.simulate import SimulatedClip, simulate
 
-SERIES_VERSION = 8
+SERIES_VERSION = 9
 """Raised when the same seed gives other clips than before."""
 
 
@@ -24,6 +29,7 @@ def simulate_series(
     with_drift: bool = False,
     marker_share: float = MARKER_SHARE,
     unsteady_share: float = UNSTEADY_SHARE,
+    mixed_share: float = MIXED_SHARE,
     with_frames: bool = True,
 ) -> Iterator[SimulatedClip]:
     """Yield clips `first_index` .. of the series of `seed`.
@@ -42,6 +48,7 @@ def simulate_series(
             motions=motions,
             marker_share=marker_share,
             unsteady_share=unsteady_share,
+            mixed_share=mixed_share,
         )
         yield from simulate(
             scenes,

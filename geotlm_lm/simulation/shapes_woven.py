@@ -19,6 +19,7 @@ def weave(
     pitch_mm: float,
     shift: int,
     cover: float = 0.95,
+    wobble: float = 0.15,
 ) -> HeightMap:
     """Return two families of threads passing over and under each other.
 
@@ -29,9 +30,10 @@ def weave(
         pitch_mm: Distance of neighbouring threads.
         shift: Threads per repeat: 2 is a plain weave, 3 and 4 are twills.
         cover: Thread width over pitch; below 1 the cloth has holes.
+        wobble: How far threads stray, relative to the pitch; 0 repeats exactly, as wire mesh does.
     """
     back = rounded_back(x, y, rng, 60.0)
-    u, v = _irregular(x, y, rng, 0.15 * pitch_mm, pitch_mm * rng.uniform(0.8, 1.25))
+    u, v = _irregular(x, y, rng, wobble * pitch_mm, pitch_mm * rng.uniform(0.8, 1.25))
     warp = _threads(u, v, shift, cover)
     weft = _threads(v, u + 0.5, shift, cover)
     return back - np.float32(0.35 * pitch_mm) * np.maximum(warp, weft)
@@ -181,6 +183,8 @@ WOVEN: dict[str, Indenter] = {
     "twill_4": extended(partial(weave, pitch_mm=1.0, shift=4)),
     "gauze": extended(partial(weave, pitch_mm=1.4, shift=2, cover=0.5)),
     "basket": extended(partial(weave, pitch_mm=2.4, shift=2)),
+    "mesh_fine": extended(partial(weave, pitch_mm=0.9, shift=2, cover=0.4, wobble=0.0)),
+    "mesh_coarse": extended(partial(weave, pitch_mm=1.8, shift=2, cover=0.35, wobble=0.0)),
     "knit_fine": extended(partial(knit, pitch_mm=1.2)),
     "knit_coarse": extended(partial(knit, pitch_mm=2.2)),
     "corduroy": extended(partial(ribs, pitch_mm=1.2, rise_mm=0.2)),

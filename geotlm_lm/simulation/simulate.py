@@ -20,7 +20,7 @@ from geotlm_lm.simulation.markers import shade
 from geotlm_lm.simulation.normal_contact import SolverStatus
 from geotlm_lm.simulation.optics import lit, turned_lights
 from geotlm_lm.simulation.presets import Preset, PresetName, preset_named
-from geotlm_lm.simulation.profile import build_profile
+from geotlm_lm.simulation.profile import Profile, build_profile
 from geotlm_lm.simulation.recording import Recorder
 from geotlm_lm.simulation.scene import Scene
 from geotlm_lm.simulation.stopwatch import Stopwatch
@@ -125,7 +125,7 @@ def simulate(
 def _simulate_one(
     scene: Scene, seed: int, index: int, preset: Preset, with_drift: bool, with_frames: bool
 ) -> SimulatedClip:
-    watch, surface = Stopwatch(), None
+    watch, surface, profile = Stopwatch(), None, None
     moves_gel = with_drift or (with_frames and scene.optics.markers is not None)
     if max(scene.path.depth_mm) > 0:
         with watch("profile"):
@@ -140,7 +140,7 @@ def _simulate_one(
         name = f"{scene.body.name}-{seed}-{index}"
         clip = Clip(frames, fps=CAMERA_FPS, background=background, name=name)
     with watch("truth"):
-        truth = _truth(scene, surface, clean, with_drift)
+        truth = _truth(scene, profile, surface, clean, with_drift)
     return SimulatedClip(
         clip=clip,
         object_name=scene.body.name,
@@ -153,7 +153,11 @@ def _simulate_one(
 
 
 def _truth(
-    scene: Scene, surface: Surface | None, clean: list[NDArray[np.float32]] | None, with_drift: bool
+    scene: Scene,
+    profile: Profile | None,
+    surface: Surface | None,
+    clean: list[NDArray[np.float32]] | None,
+    with_drift: bool,
 ) -> dict[str, Any]:
     """Return the dense truth of every frame, and what each frame shows of the motion."""
     count = len(scene.path)
@@ -171,7 +175,7 @@ def _truth(
     else:
         change = partial(change_since_first, clean, touches)
     return {
-        "trace_until": partial(trace_of, scene, change, touches),
+        "trace_until": partial(trace_of, scene, profile, change, touches),
         "displacement_px": patch_displacement(scene, contact),
         "contact": contact,
         "depth_mm": depth,

@@ -1,4 +1,4 @@
-"""What there is to see of a motion: how much it changes the picture, and which part is the greater.
+"""What there is to see of a motion: how much it changes the picture, and which part dominates.
 
 Works on noise-free frames, or on the surface alone; knows where the object touches, not which
 object it is.
@@ -6,6 +6,7 @@ object it is.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,9 +16,12 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.twist import Twist
 from geotlm_lm.simulation.idle import MEASURED_IDLE
 from geotlm_lm.simulation.optics import turned_lights
+from geotlm_lm.simulation.profile import Profile
 from geotlm_lm.simulation.scene import Optics, Scene
+from geotlm_lm.simulation.visibility import visible_change
 
 READABLE_GREY = 2.0
 """RMS change of the noise-free image over the contact, in grey levels, below which a motion drowns:
@@ -32,43 +36,90 @@ class Trace:
         change_grey: RMS change of the noise-free image over the contact, grey levels.
         turn_mm: Path of the object by turning, at the contact's radius of gyration.
         slide_mm: Travel of the object at the contact's centre.
+        travel_px: The same to the right and down, pixels of the 224-pixel image.
+        radius_px: Radius of gyration of the contact, likewise.
+        visible_grey: What only turn, slide and press can have changed, as
+            `visibility.visible_change` has it.
     """
 
     change_grey: float = 0.0
     turn_mm: float = 0.0
     slide_mm: float = 0.0
+    travel_px: tuple[float, float] = (0.0, 0.0)
+    radius_px: float = 0.0
+    visible_grey: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
-    def shows(self, motion: Motion) -> bool:
-        """Tell whether a camera could see `motion`, and whether it is the greater one.
+    def shows(self, motion: Motion, dominance: float = 1.0) -> bool:
+        """Tell whether a camera could see `motion`, and whether it is so many times the greater.
 
         A turn about an axis far beside the contact carries the contact along farther than it turns
         it: its picture is a slide's, whatever the hand did.
         """
         is_greater = True
         if motion in ROTATIONS:
-            is_greater = self.turn_mm >= self.slide_mm
+            is_greater = self.turn_mm >= dominance * self.slide_mm
         elif motion in SLIDES:
-            is_greater = self.slide_mm >= self.turn_mm
+            is_greater = self.slide_mm >= dominance * self.turn_mm
         return is_greater and self.change_grey >= READABLE_GREY
 
 
 def trace_of(
-    scene: Scene, change_until: Callable[[int], float], touches: NDArray[np.bool_], last: int
+    scene: Scene,
+    profile: Profile | None,
+    change_until: Callable[[int], float],
+    touches: NDArray[np.bool_],
+    last: int,
 ) -> Trace:
     """Return what there is to see between frame 0 and frame `last`.
 
     Args:
         scene: Poses and pixel sizes.
+        profile: The body; None where it never comes near.
         change_until: Frame number -> change of the picture over the contact since frame 0, in grey
             levels.
         touches: Where the object is against the gel, (frames, 224, 224).
         last: The later frame.
     """
-    contact = touches[last] if touches[last].any() else touches[0]
-    if last == 0 or not contact.any():
+    frame = last if touches[last].any() else 0
+    if last == 0 or not touches[frame].any():
         return Trace()
-    x, y, turn_mm = motion_at_contact_mm(scene, contact, last)
-    return Trace(change_until(last), abs(turn_mm), float(np.hypot(x, y)))
+    contact = Contact.of(scene, touches[frame])
+    x, y, turn_rad = motion_at_contact(scene, contact.middle_mm, last)
+    travel_px = x / scene.optics.mm_per_px_x, y / scene.optics.mm_per_px_y
+    inward_mm = scene.path.depth_mm[last] - scene.path.depth_mm[0]
+    twist = Twist(math.degrees(turn_rad), *travel_px, inward_mm)
+    visible = (0.0, 0.0, 0.0)
+    if profile is not None:
+        visible = visible_change(scene, profile, frame, contact.middle_mm, contact.radius_px, twist)
+    return Trace(
+        change_grey=change_until(last),
+        turn_mm=abs(turn_rad) * contact.radius_mm,
+        slide_mm=float(np.hypot(x, y)),
+        travel_px=travel_px,
+        radius_px=contact.radius_px,
+        visible_grey=visible,
+    )
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Where the object touches: the middle, and the radius of gyration about it."""
+
+    middle_mm: tuple[float, float]
+    radius_mm: float
+    radius_px: float
+
+    @classmethod
+    def of(cls, scene: Scene, touches: NDArray[np.bool_]) -> Contact:
+        """Return the contact of one frame, where `touches` (224, 224) is true somewhere."""
+        optics, axis = scene.optics, np.arange(IMAGE_SIDE) - (IMAGE_SIDE - 1) / 2
+        x, by_column = axis * optics.mm_per_px_x, touches.mean(axis=0, dtype=np.float32)
+        y, by_row = axis * optics.mm_per_px_y, touches.mean(axis=1, dtype=np.float32)
+        by_column, by_row = by_column / by_column.sum(), by_row / by_row.sum()
+        middle_x, middle_y = float(by_column @ x), float(by_row @ y)
+        across, down = by_column @ (x - middle_x) ** 2, by_row @ (y - middle_y) ** 2
+        in_px = across / optics.mm_per_px_x**2 + down / optics.mm_per_px_y**2
+        return cls((middle_x, middle_y), float(np.sqrt(across + down)), float(np.sqrt(in_px)))
 
 
 def change_since_first(
@@ -110,33 +161,27 @@ def shading_change(
     return float(np.sqrt(np.square(levels * change).mean()))
 
 
-def motion_at_contact_mm(
-    scene: Scene, contact: NDArray[np.bool_], last: int
+def motion_at_contact(
+    scene: Scene, middle_mm: tuple[float, float], last: int
 ) -> tuple[float, float, float]:
-    """Return how far the object has come at the contact since frame 0.
+    """Return how far the object has come at the middle of the contact since frame 0.
 
     Args:
-        scene: Poses and pixel sizes.
-        contact: Where the object is against the gel in frame `last`, (224, 224), somewhere.
+        scene: Poses.
+        middle_mm: Where the middle lies in frame `last`, (x, y).
         last: The later frame.
 
     Returns:
-        Travel of the contact's middle to the right and down, and path by turning at its radius of
-        gyration, clockwise positive; in mm.
+        Travel of the contact's middle to the right and down in mm, and the turn in rad, clockwise
+        positive.
     """
-    path, optics = scene.path, scene.optics
-    axis = np.arange(IMAGE_SIDE) - (IMAGE_SIDE - 1) / 2
-    x, by_column = axis * optics.mm_per_px_x, contact.mean(axis=0, dtype=np.float32)
-    y, by_row = axis * optics.mm_per_px_y, contact.mean(axis=1, dtype=np.float32)
-    by_column, by_row = by_column / by_column.sum(), by_row / by_row.sum()
-    middle_x, middle_y = float(by_column @ x), float(by_row @ y)
-    gyration = np.sqrt(by_column @ (x - middle_x) ** 2 + by_row @ (y - middle_y) ** 2)
+    path, (middle_x, middle_y) = scene.path, middle_mm
     turn = path.rotation_rad[last] - path.rotation_rad[0]
     # The point now at the middle stood at c0 + R(-turn)(middle - c).
     from_x, from_y = middle_x - path.x_mm[last], middle_y - path.y_mm[last]
     moved_x = middle_x - (path.x_mm[0] + np.cos(turn) * from_x + np.sin(turn) * from_y)
     moved_y = middle_y - (path.y_mm[0] - np.sin(turn) * from_x + np.cos(turn) * from_y)
-    return float(moved_x), float(moved_y), float(turn * gyration)
+    return float(moved_x), float(moved_y), float(turn)
 
 
 def image_change(

@@ -80,9 +80,9 @@ class TrainingPreset(HeadsPreset):
 
 DEFAULT = TrainingPreset(
     name="default",
-    pretraining_clips=36_000,
-    head_clips=30_000,
-    validation_clips=1_000,
+    pretraining_clips=32_000,
+    head_clips=16_000,
+    validation_clips=2_000,
     test_clips=1_000,
     backbone_width=160,
     backbone_depth=2,

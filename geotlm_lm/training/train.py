@@ -144,6 +144,7 @@ def example_sets(settings: TrainingPreset) -> dict[str, ExampleSet]:
         ExampleSet("heads", settings.head_clips, trained_on),
         ExampleSet("validation", settings.validation_clips, kept),
         ExampleSet("test", settings.test_clips, EVERYDAY_OBJECTS, is_varied=False),
+        ExampleSet("mixed", settings.test_clips, EVERYDAY_OBJECTS, is_varied=False, is_mixed=True),
     )
     return {one.stage: one for one in sets}
 

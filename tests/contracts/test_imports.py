@@ -15,8 +15,9 @@ PACKAGE = Path(geotlm_lm.__file__).parent
 
 LEVELS = (
     {"core"},
+    {"alignment"},
     {"simulation", "recordings", "backbone", "dgr", "probe", "language", "conversation"},
-    {"model", "data", "views", "odometry"},
+    {"model", "data", "views", "odometry", "motion"},
     {"checkpoint"},
     {"precision"},
     {"answering", "training"},

@@ -9,7 +9,7 @@ from geotlm_lm.simulation.optics import lit
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.scene import Body, Optics, Path, Scene
 from geotlm_lm.simulation.simulate import simulate
-from geotlm_lm.simulation.trace import image_change, motion_at_contact_mm, shading_change
+from geotlm_lm.simulation.trace import Contact, image_change, motion_at_contact, shading_change
 
 
 def scene(**path):
@@ -24,7 +24,9 @@ def test_a_contact_beside_the_middle_is_carried_as_the_rotation_matrix_says(turn
     here = np.array([(165 - 112) * 0.1, (40 - 112) * 0.05])
     first, last = np.array([1.0, -2.0]), np.array([1.5, -0.5])
     path = {"x_mm": (1.0, 1.5), "y_mm": (-2.0, -0.5), "rotation_rad": (0.4, 0.4 + turn)}
-    *moved, arc = motion_at_contact_mm(scene(**path), contact, 1)
+    touched = Contact.of(scene(**path), contact)
+    *moved, turn_rad = motion_at_contact(scene(**path), touched.middle_mm, 1)
+    arc = turn_rad * touched.radius_mm
     back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     assert moved == pytest.approx(here - first - back @ (here - last), abs=1e-3)
     assert arc == pytest.approx(turn * np.hypot(2, 3) / 12**0.5, rel=1e-3)

@@ -1,0 +1,113 @@
+"""A motion with all its components at once: turn, travel and approach between two times.
+
+Axes and signs are those of `core.labels`: x right, y down, clockwise as drawn and into the gel
+positive. Lengths in the image are pixels of the 224-pixel square; travel is that of the middle of
+the contact, about which the object turns.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+from geotlm_lm.core.labels import Motion, signed_amount
+
+
+class Component(StrEnum):
+    """What a motion is made of; a motion may have none, one or all of them at once."""
+
+    TURN = "turn"
+    SLIDE = "slide"
+    PRESS = "press"
+
+
+COMPONENTS = tuple(Component)
+
+WAYS = {
+    Component.TURN: (Motion.CLOCKWISE, Motion.COUNTERCLOCKWISE),
+    Component.SLIDE: (Motion.LEFT, Motion.RIGHT, Motion.UP, Motion.DOWN),
+    Component.PRESS: (Motion.PRESS, Motion.RELEASE),
+}
+"""The names a component's direction may have."""
+
+COMPONENT_OF = {way: component for component, ways in WAYS.items() for way in ways}
+
+STILL_PX, COUNTING_PX = 0.4, 1.0
+"""Path of the imprint up to which a turn or a slide does not count as one, and from which on it
+does; what lies between is ambiguous. Laid one on the other, two real frames two apart of 542 turns
+of 2.4 degrees, 0.9 pixels at the contact's radius, tell the sense of 0.974: an error of 0.4 pixels
+(one deviation) does that."""
+
+STILL_MM, COUNTING_MM = 0.06, 0.15
+"""The same of the approach of an object: a hand that only turns lets it vary by 0.06 mm."""
+
+
+@dataclass(frozen=True)
+class Twist:
+    """How an object moves between two times.
+
+    Args:
+        turn_deg: Turn about the middle of the contact, clockwise positive.
+        right_px: Travel of that middle to the right.
+        down_px: The same down the image.
+        inward_mm: Approach into the gel.
+    """
+
+    turn_deg: float = 0.0
+    right_px: float = 0.0
+    down_px: float = 0.0
+    inward_mm: float = 0.0
+
+    @property
+    def slide_px(self) -> float:
+        """Length of the travel."""
+        return math.hypot(self.right_px, self.down_px)
+
+    def reversed(self) -> Twist:
+        """Return the motion of the clip played backwards."""
+        return Twist(-self.turn_deg, -self.right_px, -self.down_px, -self.inward_mm)
+
+    def mirrored(self) -> Twist:
+        """Return the motion in the image flipped left to right."""
+        return Twist(-self.turn_deg, -self.right_px, self.down_px, self.inward_mm)
+
+    def along(self, way: Motion) -> float | None:
+        """Return how far it goes a way, against it negative; None for stillness and absence."""
+        return signed_amount(
+            way,
+            turn=self.turn_deg,
+            right=self.right_px,
+            down=self.down_px,
+            inward=self.inward_mm,
+        )
+
+    def way(self, component: Component) -> Motion:
+        """Return the name nearest to a component's direction; of a slide one of four."""
+        return max(WAYS[component], key=self.along)
+
+    def path(self, component: Component, radius_px: float) -> float:
+        """Return how far a component moves the imprint: pixels, of a press millimetres.
+
+        Args:
+            component: Which.
+            radius_px: Of the contact, at which a turn's path is measured.
+        """
+        return {
+            Component.TURN: abs(math.radians(self.turn_deg)) * radius_px,
+            Component.SLIDE: self.slide_px,
+            Component.PRESS: abs(self.inward_mm),
+        }[component]
+
+
+def counts(component: Component, path: float) -> bool | None:
+    """Tell whether a component counts that moves the imprint so far; None where it is ambiguous.
+
+    Args:
+        component: Which.
+        path: As `Twist.path` measures it.
+    """
+    low, high = (STILL_MM, COUNTING_MM) if component is Component.PRESS else (STILL_PX, COUNTING_PX)
+    if path >= high:
+        return True
+    return False if path <= low else None

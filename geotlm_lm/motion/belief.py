@@ -1,0 +1,105 @@
+"""What is believed of a clip's motion: one value, computed once, that every answer starts from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.labels import Motion, mirror, reverse
+from geotlm_lm.core.twist import COMPONENTS, WAYS, Component, Twist
+
+Spread = NDArray[np.float64]
+
+_MIRROR, _REVERSE = np.diag([-1.0, -1.0, 1.0, 1.0]), -np.eye(4)
+
+
+@dataclass(frozen=True, eq=False)
+class Belief:
+    """The motion from a clip's first frame to its last, and how sure each part of it is.
+
+    Args:
+        mean: The twist, lengths in pixels of the 224-pixel image and mm into the gel.
+        covariance: Of turn (degrees), right, down (pixels) and inward (mm), (4, 4).
+        ways: Probability that a component counts and goes that way, of all eight ways; what is
+            missing to 1 of a component is that it does not count.
+        contact: Probability that something touches the gel.
+        radius_px: Radius of the contact, at which a turn's path is measured.
+        readable: Whether the picture tells each component at all: an edge hides its travel along
+            itself, a smooth ball its turn.
+    """
+
+    mean: Twist
+    covariance: Spread
+    ways: Mapping[Motion, float]
+    contact: float
+    radius_px: float
+    readable: Mapping[Component, bool]
+
+    def counts(self, component: Component) -> float:
+        """Return the probability that a component counts."""
+        return float(sum(self.ways[way] for way in WAYS[component]))
+
+    def way(self, component: Component) -> Motion:
+        """Return the likeliest way of a component, given that it counts."""
+        return max(WAYS[component], key=self.ways.__getitem__)
+
+    def share(self, way: Motion, component: Component) -> float:
+        """Return the probability of a way, given that its component counts."""
+        total = self.counts(component)
+        return self.ways[way] / total if total > 0 else 1 / len(WAYS[component])
+
+    def amount(self, component: Component) -> float:
+        """Return how far a component goes: degrees, pixels or mm, not negative."""
+        return {
+            Component.TURN: abs(self.mean.turn_deg),
+            Component.SLIDE: self.mean.slide_px,
+            Component.PRESS: abs(self.mean.inward_mm),
+        }[component]
+
+    def deviation(self, component: Component) -> float:
+        """Return the standard deviation of `amount`, in its unit; of a slide along its way."""
+        if component is not Component.SLIDE:
+            place = 0 if component is Component.TURN else 3
+            return math.sqrt(float(self.covariance[place, place]))
+        way = np.array([self.mean.right_px, self.mean.down_px])
+        length = float(np.hypot(*way))
+        axis = way / length if length > 0 else np.array([1.0, 0.0])
+        return math.sqrt(float(axis @ self.covariance[1:3, 1:3] @ axis))
+
+    def path(self, component: Component) -> float:
+        """Return how far a component moves the imprint: pixels, of a press mm."""
+        return self.mean.path(component, self.radius_px)
+
+    def by_size(self) -> list[Component]:
+        """Return the components that more probably count than not, the larger path first.
+
+        A press is compared by the pixels that its depth makes a contact's rim move, about as many
+        as its depth is wide.
+        """
+        counting = [one for one in COMPONENTS if self.counts(one) >= 0.5]
+        return sorted(counting, key=lambda one: -self._pixels(one))
+
+    def _pixels(self, component: Component) -> float:
+        path = self.path(component)
+        return path * PX_PER_MM if component is Component.PRESS else path
+
+    def mirrored(self) -> Belief:
+        """Return what is believed of the clip flipped left to right."""
+        return self._seen(_MIRROR, self.mean.mirrored(), mirror)
+
+    def reversed(self) -> Belief:
+        """Return what is believed of the clip played backwards."""
+        return self._seen(_REVERSE, self.mean.reversed(), reverse)
+
+    def _seen(self, matrix: Spread, mean: Twist, rename: object) -> Belief:
+        ways = {rename(way): share for way, share in self.ways.items()}
+        covariance = matrix @ self.covariance @ matrix.T
+        return replace(self, mean=mean, covariance=covariance, ways=ways)
+
+
+PX_PER_MM = 12.8
+"""Pixels of the 224-pixel image per mm on a GelSight Mini, the mean of both axes."""
