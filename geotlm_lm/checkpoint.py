@@ -29,7 +29,7 @@ from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import GeoTLM
-from geotlm_lm.odometry.odometer import Odometer
+from geotlm_lm.motion.network import BELIEF_NUMBERS, Beliefs, MotionNetwork
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
 
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from geotlm_lm.language.generation import Speaker
     from geotlm_lm.language.parse_answer import AnswerGrammar
 
-BUNDLE_FORMAT = 4
+BUNDLE_FORMAT = 5
 CONFIG_FILE = "config.json"
 PERCEPTION_FILE = "perception.safetensors"
 LANGUAGE_DIR = "language"
@@ -51,10 +51,12 @@ class Calibration:
 
     Args:
         temperature: Divides option log-likelihoods before they become probabilities.
+        felt_temperature: The same of the words at the model's slots.
         contact_threshold: Mean contact mask below which no direction is claimed.
     """
 
     temperature: float = 1.0
+    felt_temperature: float = 1.0
     contact_threshold: float = 0.0
 
     def probabilities(
@@ -77,10 +79,10 @@ class Calibration:
 
 @dataclass(eq=False)
 class Bundle:
-    """A whole model: what the sensor shows, how far it moved, what is said, and how surely."""
+    """A whole model: what the sensor shows, how it moved, what is said, and how surely."""
 
     model: GeoTLM
-    odometer: Odometer
+    motion: MotionNetwork
     speaker: Speaker
     grammar: AnswerGrammar
     calibration: Calibration
@@ -95,6 +97,11 @@ class Bundle:
                 found.update(f"{part}.{name}".encode())
                 found.update(_bytes_of(value))
         return found.hexdigest()[:12]
+
+
+def reading_of(fused_token: Tensor, beliefs: Beliefs) -> Tensor:
+    """Return what the language model reads of b clips: z, then what is believed, (b, width)."""
+    return torch.cat([fused_token.float(), beliefs.vector()], dim=1)
 
 
 def _bytes_of(value: Any) -> bytes:
@@ -159,7 +166,7 @@ def load_bundle(folder: Path | None = None) -> Bundle:
     try:
         tensors = load_file(folder / PERCEPTION_FILE)
         wide = {name: value.float() for name, value in tensors.items()}
-        model, odometer = _assemble(config, wide)
+        model, motion = _assemble(config, wide)
         calibration, provenance = Calibration(**config["calibration"]), config["provenance"]
     except (OSError, SafetensorError, KeyError, TypeError, RuntimeError, ValueError) as error:
         raise IncompatibleBundle(
@@ -170,13 +177,14 @@ def load_bundle(folder: Path | None = None) -> Bundle:
     from geotlm_lm.language.parse_answer import AnswerGrammar
 
     speaker = Speaker.load(folder / LANGUAGE_DIR)
-    if speaker.model.fused_width != model.backbone.width:
+    width = model.backbone.width + BELIEF_NUMBERS
+    if speaker.model.fused_width != width:
         raise IncompatibleBundle(
-            f"{folder}: {LANGUAGE_DIR} reads fused tokens of width {speaker.model.fused_width}, "
-            f"{PERCEPTION_FILE} gives width {model.backbone.width}; copy the bundle again."
+            f"{folder}: {LANGUAGE_DIR} reads {speaker.model.fused_width} numbers of a clip, "
+            f"{PERCEPTION_FILE} gives {width}; copy the bundle again."
         )
     grammar = AnswerGrammar.load(folder / GRAMMAR_FILE)
-    return Bundle(model, odometer, speaker, grammar, calibration, provenance)
+    return Bundle(model, motion, speaker, grammar, calibration, provenance)
 
 
 def read_config(folder: Path) -> dict[str, Any]:
@@ -215,11 +223,11 @@ def _perception_states(bundle: Bundle) -> dict[str, dict[str, Tensor]]:
         "dgr": model.dgr.state_dict(),
         "probe": model.probe.state_dict(),
         "global_probe": model.global_probe.state_dict(),
-        "odometer": bundle.odometer.state_dict(),
+        "motion": bundle.motion.state_dict(),
     }
 
 
-def _assemble(config: dict[str, Any], tensors: dict[str, Tensor]) -> tuple[GeoTLM, Odometer]:
+def _assemble(config: dict[str, Any], tensors: dict[str, Tensor]) -> tuple[GeoTLM, MotionNetwork]:
     vit_config = ViTConfig.of(config["backbone"])
     if vit_config.input_dim != PATCH_INPUT_DIM:
         raise ValueError(
@@ -233,7 +241,7 @@ def _assemble(config: dict[str, Any], tensors: dict[str, Tensor]) -> tuple[GeoTL
             "dgr": DGR(width),
             "probe": LinearProbe(width, labels),
             "global_probe": LinearProbe(width, labels),
-            "odometer": Odometer(),
+            "motion": MotionNetwork(len(tensors["motion.mean"])),
         }
     standardisers = ("global_standardiser", "patch_standardiser")
     strangers = {name.partition(".")[0] for name in tensors} - {*modules, *standardisers}
@@ -251,7 +259,7 @@ def _assemble(config: dict[str, Any], tensors: dict[str, Tensor]) -> tuple[GeoTL
         probe=modules["probe"],
         global_probe=modules["global_probe"],
     )
-    return model, modules["odometer"]
+    return model, modules["motion"]
 
 
 def _state_of(tensors: dict[str, Tensor], part: str) -> dict[str, Tensor]:

@@ -11,12 +11,11 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from geotlm_lm.backbone.alignment_images import AlignmentImages
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX
+from geotlm_lm.backbone.motions import Motions
 from geotlm_lm.backbone.tokens import Backbone, Tokens
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size, filled_size
+from geotlm_lm.core.geometry import FLOW_SCALE_PX, IMAGE_SIDE, camera_size, filled_size
 from geotlm_lm.dgr.encoder import DGR, Geometry
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.rigid_fit import fit_rigid
@@ -34,7 +33,7 @@ class Perception:
         views: The square of the image each clip's grid covers; None where it covers no square.
         inputs: What the stem made of each clip, (b, 2, gh, gw, dim); None where the backbone has no
             stem.
-        alignment_images: What of each clip's imprint the stem aligned; empty likewise.
+        motions: The rigid motions the stem found in each clip; empty likewise.
     """
 
     global_token: Tensor
@@ -42,7 +41,7 @@ class Perception:
     fused_token: Tensor
     views: tuple[View | None, ...] = ()
     inputs: Tensor | None = None
-    alignment_images: tuple[AlignmentImages, ...] = ()
+    motions: tuple[Motions, ...] = ()
 
 
 @dataclass(eq=False)
@@ -76,7 +75,7 @@ class GeoTLM:
         patches = self.patch_standardiser.apply(tokens.patches)
         geometry = self.dgr(patches)  # Eqs. 2-8
         fused_token = global_token + geometry.feature  # Eq. 9
-        seen = tokens.views, tokens.inputs, tokens.alignment_images
+        seen = tokens.views, tokens.inputs, tokens.motions
         return Perception(global_token, geometry, fused_token, *seen)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX
+from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.geometry import filled_size
 from geotlm_lm.dgr.encoder import DGR

@@ -9,7 +9,6 @@ level, beyond which a search has to start it (`alignment.search`).
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -22,7 +21,7 @@ GRADIENT_SHARE = 0.4
 """Share of the pixels, those richest in gradient, that are compared."""
 
 LEVELS = 2
-"""Pictures of half the size of the one before, the coarsest aligned first."""
+"""Sizes at which two pictures are aligned, each half of the next, the coarsest first."""
 
 ITERATIONS = 10
 CLOSE_PX = 0.02
@@ -122,11 +121,16 @@ class Picture:
     levels: tuple[_Level, ...]
 
     @classmethod
-    def of(cls, image: Floats) -> Picture:
-        """Prepare a grey picture, float32 of any size, best about 160 x 120."""
+    def of(cls, image: Floats, levels: int = LEVELS) -> Picture:
+        """Prepare a grey picture.
+
+        Args:
+            image: float32, any size, best some 100 to 160 pixels wide.
+            levels: Sizes at which it is aligned.
+        """
         image = image - cv2.GaussianBlur(image, (0, 0), HIGH_PASS_PX)
         sizes = [cv2.GaussianBlur(image, (0, 0), 1.0)]
-        for _ in range(LEVELS - 1):
+        for _ in range(levels - 1):
             rows, columns = sizes[0].shape
             half = (max(columns // 2, 1), max(rows // 2, 1))
             sizes.insert(0, cv2.resize(sizes[0], half, interpolation=cv2.INTER_AREA))
@@ -138,20 +142,29 @@ class Picture:
         return self.levels[-1].image
 
 
-def align(before: Picture, after: Picture, start: Rigid | None = None) -> Aligned:
+def align(
+    before: Picture,
+    after: Picture,
+    start: Rigid | None = None,
+    *,
+    still_grey: float | None = None,
+) -> Aligned:
     """Return the motion that lays `before` on `after`.
 
     Args:
         before: Earlier picture.
         after: Later picture, of the same size.
         start: Where to begin; None at rest.
+        still_grey: Difference of the two, in their units, at which a pixel weighs half; None weighs
+            all alike. A domed pad holds a flat object's outline where it is while the object turns:
+            what does not change must not hold the fit back.
     """
     motion = start or Rigid()
     width = before.image.shape[1]
     for level, other in zip(before.levels, after.levels, strict=True):
         scale = level.image.shape[1] / width
         motion = Rigid(motion.turn_rad, motion.right_px * scale, motion.down_px * scale)
-        motion, error, warped = _refined(level, other.image, motion)
+        motion, error = _refined(level, other.image, motion, still_grey)
         motion = Rigid(motion.turn_rad, motion.right_px / scale, motion.down_px / scale)
     finest = before.levels[-1]
     values = finest.image.ravel()[finest.where]
@@ -161,11 +174,6 @@ def align(before: Picture, after: Picture, start: Rigid | None = None) -> Aligne
         float(np.sqrt(np.square(error).mean())),
         float(values.std()),
     )
-
-
-def chained(pictures: Sequence[Picture]) -> list[Aligned]:
-    """Return how each picture but the first is laid on the one before; a repeated one is at rest."""
-    return [align(before, after) for before, after in zip(pictures[:-1], pictures[1:], strict=True)]
 
 
 def _level(image: Floats) -> _Level:
@@ -186,13 +194,30 @@ def _level(image: Floats) -> _Level:
     return _Level(image, where, jacobian, np.linalg.inv(normal), lever)
 
 
-def _refined(level: _Level, later: Floats, motion: Rigid) -> tuple[Rigid, Floats, Floats]:
-    """Return the motion after Gauss-Newton steps, what is left, and the later picture warped."""
+LEAST_WEIGHT = 0.02
+"""Weight of a pixel that has not changed at all: stillness must stay found."""
+
+
+def _solver(level: _Level, later: Floats, still_grey: float | None) -> Floats:
+    """Return the matrix from the pixels' errors to a step, (5, n)."""
+    if still_grey is None:
+        return level.inverse.astype(np.float32) @ level.jacobian
+    change = np.square(cv2.GaussianBlur(later - level.image, (0, 0), 1.0)).ravel()[level.where]
+    weighted = level.jacobian * (change / (change + still_grey**2) + LEAST_WEIGHT)
+    normal = (weighted @ level.jacobian.T).astype(np.float64)
+    normal += np.diag(1e-4 * np.diag(normal) + 1e-6)
+    return np.linalg.inv(normal).astype(np.float32) @ weighted
+
+
+def _refined(
+    level: _Level, later: Floats, motion: Rigid, still_grey: float | None
+) -> tuple[Rigid, Floats]:
+    """Return the motion after Gauss-Newton steps, and what is left of each pixel compared."""
     rows, columns = level.image.shape
     x, y = (columns - 1) / 2, (rows - 1) / 2
     earlier = level.image.ravel()[level.where]
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    solve = level.inverse.astype(np.float32) @ level.jacobian
+    solve = _solver(level, later, still_grey)
     for _ in range(ITERATIONS):
         cos, sin = math.cos(motion.turn_rad), math.sin(motion.turn_rad)
         way = np.array(
@@ -208,4 +233,4 @@ def _refined(level: _Level, later: Floats, motion: Rigid) -> tuple[Rigid, Floats
         if max(abs(turn), abs(right), abs(down)) < CLOSE_PX:
             break
     error = error - gain * level.jacobian[3] - offset
-    return motion, error, warped
+    return motion, error

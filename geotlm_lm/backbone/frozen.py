@@ -38,11 +38,10 @@ class FrozenBackbone:
 
     def encode(self, clips: list[Clip]) -> Tokens:
         """Return the tokens of clips of four frames with a background each, in float32."""
-        inputs, views, traces = zip(*(measure_clip(clip) for clip in clips), strict=True)
+        inputs, views, motions = zip(*(measure_clip(clip) for clip in clips), strict=True)
         stacked = torch.from_numpy(np.stack(inputs))
-        return replace(
-            self.encode_inputs(stacked), views=views, inputs=stacked, alignment_images=traces
-        )
+        tokens = self.encode_inputs(stacked)
+        return replace(tokens, views=views, inputs=stacked, motions=motions)
 
     @torch.inference_mode()
     def encode_inputs(self, inputs: Tensor) -> Tokens:

@@ -1,6 +1,7 @@
 """Four frames and the idle gel -> the imprint: its view under the usual lights, and its relief.
 
-What every measurement of a clip's motion starts from. No weight is learned.
+What every measurement of a clip's motion starts from. No weight is learned. A picture is shrunk
+once, to about 160 x 120; nothing after that looks at more pixels.
 """
 
 from __future__ import annotations
@@ -20,7 +21,6 @@ from geotlm_lm.backbone.lights import (
     turned_by_a_quarter,
 )
 from geotlm_lm.backbone.relief import RELIEF_SIDE, is_inside_out, reliefs
-from geotlm_lm.backbone.square_image import to_square
 from geotlm_lm.backbone.view import VIEW_CELL_PX, View, contact_view
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, filled_size, pixel_aspect
@@ -30,6 +30,13 @@ Floats = NDArray[np.float32]
 RESIDUAL_SCALE_GREY = 24.0
 """Grey levels mapped to 1: about one standard deviation of a real contact's residual (21-43)."""
 
+SMALL_COLUMNS, SMALL_ROWS = 168, 112
+"""Pixels across and down that stand for our square of 224: a camera's width is the larger side, and
+both are whole pixels per cell of the view's search."""
+
+VIEW_SIDE = 112
+"""Side of the view's pictures."""
+
 
 @dataclass(frozen=True, eq=False)
 class Imprint:
@@ -38,16 +45,17 @@ class Imprint:
     Frames that repeat the one before are left out.
 
     Args:
-        residual: Pictures less the idle gel, RGB grey levels, (224, 224, 3) each.
-        half: The same at the relief's side, (112, 112, 3) each.
-        relief: Indentation, (frames, 112, 112), in grey levels times pixels.
+        green: Green residual of the view, grey levels, pixels square on the gel,
+            (`VIEW_SIDE` / aspect, `VIEW_SIDE`) each.
+        cells: Residual of the view as under the usual lights, RGB grey levels, (56, 56, 3) each.
+        relief: Indentation, (frames, 56, 56), in grey levels times pixels.
         view: The square of the picture they show.
         places: Which of the frames stands at each place of the clip.
-        aspect: Width of a pixel over its height.
+        aspect: Width of a pixel of the view over its height.
     """
 
-    residual: list[Floats]
-    half: list[Floats]
+    green: list[Floats]
+    cells: list[Floats]
     relief: Floats
     view: View
     places: list[int]
@@ -68,23 +76,14 @@ def imprint_of(clip: Clip) -> Imprint:
     frames, places = _distinct(clip.frames)
     rows, columns = clip.frames.shape[1:3]
     filled, aspect = filled_size(rows, columns), pixel_aspect(rows, columns)
-    whole = [to_square(frame, clip.background, filled) for frame in frames]
-    view = contact_view([_energy(green_image(image)) for image in whole])
-    residual = [view.cut(image) for image in whole]
-    residual, half, relief = _under_usual_lights(residual, aspect)
+    whole = [_residual(frame, clip.background, filled) for frame in frames]
+    view = contact_view([_energy(image) for image in whole])
+    seen = [_cut(image, view) for image in whole]
+    height = max(round(VIEW_SIDE / aspect), 8)
+    green = [_area(cv2.extractChannel(one, 1), (VIEW_SIDE, height)) for one in seen]
+    cells, relief = _under_usual_lights([area_means(one, RELIEF_SIDE) for one in seen], aspect)
     view = replace(view, picture_height_px=filled[0], picture_width_px=filled[1])
-    return Imprint(residual, half, relief, view, places, aspect)
-
-
-def green_image(residual: Floats) -> NDArray[np.uint8]:
-    """Return the green residual as an 8-bit image around 128, doubled: flow needs the contrast.
-
-    Red and blue lights shine from opposite sides, so their residuals largely cancel in a grey mean
-    (correlation -0.77 to -0.80 on real contacts); and video codecs keep most detail in green.
-    """
-    green = cv2.extractChannel(residual, 1)
-    # OpenCV rounds where it converts.
-    return cv2.addWeighted(green, 2.0, green, 0.0, 127.5, dtype=cv2.CV_8U)
+    return Imprint(green, cells, relief, view, places, aspect)
 
 
 def area_means(values: NDArray[Any], side: int) -> NDArray[Any]:
@@ -93,18 +92,59 @@ def area_means(values: NDArray[Any], side: int) -> NDArray[Any]:
     return cv2.resize(values, (side, side), interpolation=cv2.INTER_AREA)
 
 
-def gradients(green: NDArray[np.uint8]) -> tuple[Floats, Floats]:
-    """Return the slopes of a smoothed image towards right and down, grey levels per pixel."""
-    image = cv2.GaussianBlur(green, (5, 5), 0)
-    gx = cv2.Sobel(image, cv2.CV_32F, 1, 0, scale=1 / 8)
-    gy = cv2.Sobel(image, cv2.CV_32F, 0, 1, scale=1 / 8)
-    return gx, gy
+def gradients(image: Floats) -> tuple[Floats, Floats]:
+    """Return the slopes of a smooth image towards right and down, per pixel."""
+    right = cv2.Sobel(image, cv2.CV_32F, 1, 0, scale=1 / 8)
+    return right, cv2.Sobel(image, cv2.CV_32F, 0, 1, scale=1 / 8)
 
 
-def _energy(green: NDArray[np.uint8]) -> Floats:
-    """Return the mean squared gradient in cells of `VIEW_CELL_PX`, grey^2 per px^2, (28, 28)."""
-    gx, gy = gradients(green)
-    return area_means(gx * gx + gy * gy, IMAGE_SIDE // VIEW_CELL_PX)
+def _area(image: Floats, size: tuple[int, int]) -> Floats:
+    return cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+
+
+def _residual(frame: NDArray[np.uint8], idle: NDArray[np.uint8], filled: tuple[int, int]) -> Floats:
+    """Return a frame less the idle gel, grey levels, (SMALL_ROWS, SMALL_COLUMNS, 3).
+
+    Idle gel surrounds a picture of another shape than a camera's.
+    """
+    across, down = SMALL_COLUMNS / IMAGE_SIDE, SMALL_ROWS / IMAGE_SIDE
+    columns, rows = max(round(filled[1] * across), 2), max(round(filled[0] * down), 2)
+    size = (columns, rows)
+    how = (
+        cv2.INTER_AREA
+        if min(frame.shape[0] - rows, frame.shape[1] - columns) > 0
+        else (cv2.INTER_LINEAR)
+    )
+    # Subtracted first, so that nothing is rounded.
+    small = cv2.resize(cv2.subtract(frame, idle, dtype=cv2.CV_32F), size, interpolation=how)
+    top, left = (SMALL_ROWS - rows) // 2, (SMALL_COLUMNS - columns) // 2
+    if top == left == 0 and size == (SMALL_COLUMNS, SMALL_ROWS):
+        return small
+    bottom, right = SMALL_ROWS - rows - top, SMALL_COLUMNS - columns - left
+    return cv2.copyMakeBorder(small, top, bottom, left, right, cv2.BORDER_CONSTANT, value=0)
+
+
+def _cut(image: Floats, view: View) -> Floats:
+    """Return the view's part of a small picture, (VIEW_SIDE, VIEW_SIDE, 3); zero outside."""
+    across, down = SMALL_COLUMNS / IMAGE_SIDE, SMALL_ROWS / IMAGE_SIDE
+    wide, high = view.side_px / VIEW_SIDE * across, view.side_px / VIEW_SIDE * down
+    left = (view.centre_x_px - view.side_px / 2) * across
+    top = (view.centre_y_px - view.side_px / 2) * down
+    back = np.array([[wide, 0, left + wide / 2 - 0.5], [0, high, top + high / 2 - 0.5]])
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    return cv2.warpAffine(image, back, (VIEW_SIDE, VIEW_SIDE), flags=flags)
+
+
+def _energy(residual: Floats) -> Floats:
+    """Return the mean squared gradient in cells of `VIEW_CELL_PX`, (28, 28).
+
+    In grey^2 per px^2 of the 224-pixel square, of the green picture doubled: video codecs keep most
+    detail in green, and the floors of contrast were measured on it.
+    """
+    green = cv2.GaussianBlur(cv2.extractChannel(residual, 1), (3, 3), 0)
+    right, down = gradients(green)
+    right, down = right * (2 * SMALL_COLUMNS / IMAGE_SIDE), down * (2 * SMALL_ROWS / IMAGE_SIDE)
+    return area_means(right * right + down * down, IMAGE_SIDE // VIEW_CELL_PX)
 
 
 def _distinct(frames: NDArray[np.uint8]) -> tuple[list[NDArray[np.uint8]], list[int]]:
@@ -121,22 +161,18 @@ def _distinct(frames: NDArray[np.uint8]) -> tuple[list[NDArray[np.uint8]], list[
     return distinct, places
 
 
-def _under_usual_lights(
-    residual: list[Floats], aspect: float
-) -> tuple[list[Floats], list[Floats], Floats]:
-    """Return pictures as under a GelSight Mini's lights, shrunk to the relief's side, and reliefs.
+def _under_usual_lights(cells: list[Floats], aspect: float) -> tuple[list[Floats], Floats]:
+    """Return pictures as under a GelSight Mini's lights, and their reliefs.
 
     Without it a recording turned by a quarter, whose lights come from where no training clip had
     them, is told worse: of 271 real turns 242 for 261.
     """
-    half = [area_means(image, RELIEF_SIDE) for image in residual]
-    lights = lights_of(half, aspect)
+    lights = lights_of(cells, aspect)
     if lights.are_one:
-        residual, half = (list(map(as_of_one_light, images)) for images in (residual, half))
+        cells = list(map(as_of_one_light, cells))
     elif lights.are_turned:
-        residual, half = (list(map(turned_by_a_quarter, images)) for images in (residual, half))
-    relief = reliefs(half, aspect, are_lights_mirrored=lights.are_mirrored)
+        cells = list(map(turned_by_a_quarter, cells))
+    relief = reliefs(cells, aspect, are_lights_mirrored=lights.are_mirrored)
     if is_inside_out(relief):
-        residual, half = (list(map(turned_by_a_half, images)) for images in (residual, half))
-        relief = -relief
-    return residual, half, relief
+        cells, relief = list(map(turned_by_a_half, cells)), -relief
+    return cells, relief

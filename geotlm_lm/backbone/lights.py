@@ -37,7 +37,7 @@ TURNED_CURL = 0.6
 slopes of a relief. Measured on 1,250 simulated clips: 3 are taken for turned wrongly, of 1,000
 turns and slides recorded a quarter turned 97 % are found; of 542 real ones 1 and 99 %."""
 
-CURL_BLUR_PX = 1.5
+CURL_BLUR_PX = 0.75
 """Blur, in pixels of the relief, below which camera noise is most of the curl."""
 
 Floats = NDArray[np.float32]
@@ -78,7 +78,7 @@ def lights_of(residuals: Sequence[Floats], aspect: float = 1.0) -> Lights:
     """Tell how the lights stand by what leaves the slopes the least curl.
 
     Args:
-        residuals: Frames less the idle gel, float32 (112, 112, 3), RGB grey levels.
+        residuals: Frames less the idle gel, float32 (56, 56, 3), RGB grey levels.
         aspect: Width of a pixel over its height.
     """
     shaded = slopes(residuals, aspect)

@@ -1,9 +1,8 @@
 """Patch inputs of a scene seen in a mirror: more looks at a simulated clip, for next to no time.
 
-Left for right they are what the stem makes of the mirrored frames, but for the searches of flow and
-alignment, which are not quite symmetric (flow is off by a sixth of its size, tokens by 4 %). Top
-for bottom the stem would take the lights for others and find another relief; these inputs keep the
-true one.
+Left for right they are what the stem makes of the mirrored frames, but for the rounding of its
+alignments. Top for bottom the stem would take the lights for others and find another relief; these
+inputs keep the true one.
 """
 
 from __future__ import annotations
@@ -15,13 +14,18 @@ from functools import lru_cache
 import torch
 from torch import Tensor
 
-from geotlm_lm.backbone.alignment import CHANNELS as ALIGNMENT_CHANNELS
-from geotlm_lm.backbone.stem import ALIGNED_AT, CELLS, FLOW_CHANNELS, PATCH_INPUT_DIM
+from geotlm_lm.backbone.stem import (
+    ALIGNED_AT,
+    ALIGNED_DIM,
+    CELLS,
+    LOCAL_AT,
+    PATCH_INPUT_DIM,
+)
 from geotlm_lm.core.geometry import GRID_SIDE
 
 _COLOURS = 3
 _PICTURE = _COLOURS * CELLS**2
-_CROSS_AT = 4  # place of the gradients' product x y among a flow's channels
+_CROSS_AT = LOCAL_AT + 5  # place of the gradients' product x y
 
 
 class Mirror(Enum):
@@ -66,8 +70,5 @@ def _places(mirror: Mirror) -> tuple[Tensor, Tensor]:
 def _signed_channels(mirror: Mirror) -> list[int]:
     """Return the places of what changes its sign: motion along the axis, and products x y."""
     along = 1 - mirror.value
-    flows = (_PICTURE, _PICTURE + FLOW_CHANNELS)
-    aligned = (ALIGNED_AT, ALIGNED_AT + ALIGNMENT_CHANNELS)
-    moved = [start + along for start in flows]
-    moved += [start + place + along for start in aligned for place in (0, 2)]
-    return moved + [start + _CROSS_AT for start in flows]
+    moved = [ALIGNED_AT + place + along for place in range(0, ALIGNED_DIM, 2)]
+    return [*moved, LOCAL_AT + along, _CROSS_AT]

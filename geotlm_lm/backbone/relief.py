@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import lru_cache
 
-import cv2
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -19,22 +18,20 @@ from torch import Tensor
 
 from geotlm_lm.backbone.lights import slopes
 
-RELIEF_SIDE = 112
-"""Side of the relief; the flow works at half of it again."""
+RELIEF_SIDE = 56
+"""Side of the relief."""
 
-LONGEST_WAVE_PX = 50.0
+LONGEST_WAVE_PX = 25.0
 """Wavelength, in pixels of the relief, beyond which it is damped: a slow error of shading would
 integrate to a tilt larger than any imprint."""
 
-RELIEF_SCALE = 30.0
+RELIEF_SCALE = 15.0
 """Grey level pixels mapped to 1: about the relief's deviation over simulated contacts."""
 
 INSIDE_OUT_SKEW = -0.75
 """Skewness of a relief below which it counts as inside out. Measured on 956 simulated clips that
 touch: 0.2 % are below, 2 % where the idle gel is a guess; 93 % lie above its opposite, of 271 real
 turns 94 %."""
-
-_GAIN, _NEUTRAL = 0.5, 128.0
 
 Floats = NDArray[np.float32]
 
@@ -45,17 +42,15 @@ def reliefs(
     """Integrate the shading of each frame under the usual lights, or in their mirror image.
 
     Args:
-        residuals: Frames less the idle gel, float32 (side, side, 3), RGB grey levels; the relief's
-            own side saves the shrinking.
+        residuals: Frames less the idle gel, float32 (56, 56, 3), RGB grey levels.
         aspect: Width of a pixel over its height: the shade tells the slope on the gel, and a wide
             pixel climbs farther on it.
         are_lights_mirrored: Whether left and right are swapped, as `lights.lights_of` finds.
 
     Returns:
-        Indentation, float32 (frames, 112, 112), in grey levels times pixels.
+        Indentation, float32 (frames, 56, 56), in grey levels times pixels.
     """
-    small = [cv2.resize(one, (RELIEF_SIDE,) * 2, interpolation=cv2.INTER_AREA) for one in residuals]
-    slope_x, slope_y = slopes(small, aspect)
+    slope_x, slope_y = slopes(residuals, aspect)
     slope_x = -slope_x if are_lights_mirrored else slope_x
     slope = torch.complex(torch.from_numpy(slope_x), torch.from_numpy(slope_y))
     return torch.fft.ifft2(torch.fft.fft2(slope) * _integrator()).real.numpy()
@@ -67,17 +62,12 @@ def is_inside_out(relief: Floats) -> bool:
     Dents are deep and few in a gel that lies flat elsewhere.
 
     Args:
-        relief: As `reliefs` returns it, (frames, 112, 112).
+        relief: As `reliefs` returns it, (frames, 56, 56).
     """
     about_mean = relief - relief.mean(axis=(1, 2), keepdims=True)
     squares = np.square(about_mean)
     variance = float(squares.mean())
     return float(np.vdot(squares, about_mean)) < INSIDE_OUT_SKEW * variance**1.5 * relief.size
-
-
-def as_image(relief: Floats) -> NDArray[np.uint8]:
-    """Return one relief as an 8-bit image around 128, for the flow."""
-    return (_NEUTRAL + _GAIN * relief).clip(0, 255).astype(np.uint8)
 
 
 @lru_cache(maxsize=1)

@@ -7,7 +7,7 @@ from typing import Protocol
 
 from torch import Tensor
 
-from geotlm_lm.backbone.alignment_images import AlignmentImages
+from geotlm_lm.backbone.motions import Motions
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
 
@@ -23,14 +23,14 @@ class Tokens:
             empty where nobody asked.
         inputs: What the stem made of each clip, (b, 2, gh, gw, dim); None where the backbone has no
             stem, or nobody asked.
-        alignment_images: What of each clip's imprint the stem aligned; empty likewise.
+        motions: The rigid motions the stem found in each clip; empty likewise.
     """
 
     global_token: Tensor
     patches: Tensor
     views: tuple[View | None, ...] = ()
     inputs: Tensor | None = None
-    alignment_images: tuple[AlignmentImages, ...] = ()
+    motions: tuple[Motions, ...] = ()
 
     def __len__(self) -> int:
         return len(self.global_token)

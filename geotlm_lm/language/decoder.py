@@ -45,7 +45,7 @@ class LanguageSize:
     layers: int = 4
     heads: int = 4
     mlp: int = 344
-    tactile_tokens: int = 2
+    tactile_tokens: int = 3
     max_tokens: int = 120
 
 
@@ -197,6 +197,25 @@ class TactileDecoder(nn.Module):
     def logits(self, hidden: Tensor) -> Tensor:
         """Return the logits over the vocabulary; the output weights are the embeddings."""
         return linear(hidden, self.decoder.embed_tokens.weight)
+
+    def slot_logits(
+        self, prefix: Tensor, prompt: list[int], words: dict[str, list[int]]
+    ) -> dict[str, Tensor]:
+        """Return the log-probabilities of the words that may fill each slot, (b, words) each.
+
+        Args:
+            prefix: (b, k, width).
+            prompt: Ids of k placeholders and of the slots, in the order of `words`.
+            words: Slot -> ids of its words.
+        """
+        ids = torch.tensor(prompt).expand(len(prefix), -1)
+        positions = torch.arange(len(prompt)).expand(len(prefix), -1)
+        hidden, _ = self.decoder(self.embed(ids, prefix), positions)
+        logits = self.logits(hidden[:, -len(words) :])
+        return {
+            slot: logits[:, place, among].log_softmax(dim=-1)
+            for place, (slot, among) in enumerate(words.items())
+        }
 
     @torch.no_grad()
     def initialise(self, generator: torch.Generator) -> None:

@@ -116,6 +116,24 @@ class Speaker:
             answers += self._generate(fused_token[part], prompts[part], listen)
         return answers
 
+    @torch.inference_mode()
+    def feel(self, fused_token: Tensor) -> dict[str, Tensor]:
+        """Return the log-probability of each word at each slot, from one pass over the prefix.
+
+        Args:
+            fused_token: (b, fused width), unitless.
+
+        Returns:
+            Slot -> (b, words), in the order of `slots.SLOTS`.
+
+        Raises:
+            ValueError: If the shape is another, or a token is not finite.
+        """
+        fused_token = self._checked(fused_token, (len(fused_token), self.model.fused_width))
+        return self.model.slot_logits(
+            self.model.projector(fused_token), self.prompts.slot_prompt, self.prompts.slot_words
+        )
+
     def score(self, fused_token: Tensor, question: str, options: Sequence[str]) -> np.ndarray:
         """Return the log-probability of each option; see `weigh`."""
         return self.weigh(fused_token, question, options).log_probabilities

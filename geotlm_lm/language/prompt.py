@@ -12,6 +12,7 @@ from tokenizers import Tokenizer
 
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import IncompatibleBundle, UsageError, first_line
+from geotlm_lm.language.slots import SLOT_TOKENS, SLOTS
 from geotlm_lm.language.tokenizer import (
     EOS,
     PAD,
@@ -55,6 +56,23 @@ class PromptEncoder:
     def pad_id(self) -> int:
         """Id of the token that fills a batch."""
         return self.tokenizer.token_to_id(PAD)
+
+    @cached_property
+    def slot_prompt(self) -> list[int]:
+        """Ids of the prefix and, behind it, of every slot."""
+        slots = [self.tokenizer.token_to_id(token) for token in SLOT_TOKENS]
+        return [self.tactile_id] * self.tactile_tokens + slots
+
+    @cached_property
+    def slot_words(self) -> dict[str, list[int]]:
+        """Ids of the words that may fill each slot."""
+        return {slot: [self._word(word) for word in words] for slot, words in SLOTS.items()}
+
+    def _word(self, word: str) -> int:
+        ids = self.tokenizer.encode(word).ids
+        if len(ids) != 1:
+            raise ValueError(f"'{word}' takes {len(ids)} tokens, expected one")
+        return ids[0]
 
     def prompt(self, question: str) -> list[int]:
         """Return the ids up to where the answer begins.
@@ -135,6 +153,8 @@ class PromptEncoder:
             encoder = cls(tokenizer, template, int(settings["num_tactile_tokens"]), max_tokens)
             if encoder._laid_out("which way?").count(TACTILE) != 1:
                 raise ValueError(f"the chat template does not lay out one {TACTILE}")
+            if None not in encoder.slot_prompt:
+                encoder.slot_words  # noqa: B018 - refuses a vocabulary without them
         except Exception as error:  # tokenizers raises nothing narrower, a template whatever it has
             raise IncompatibleBundle(
                 f"{folder}: its tokenizer, chat template or processor file is missing or broken "

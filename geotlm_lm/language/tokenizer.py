@@ -8,17 +8,25 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from itertools import chain
 
 from tokenizers import Tokenizer, decoders, models, pre_tokenizers, trainers
 
+from geotlm_lm.language.slots import SLOT_TOKENS, SLOT_WORDS, SLOTS
+
 PAD, EOS, TACTILE, USER, ASSISTANT = "<pad>", "<eos>", "<tactile>", "<user>", "<assistant>"
-SPECIAL_TOKENS = (PAD, EOS, TACTILE, USER, ASSISTANT)
+SPECIAL_TOKENS = (PAD, EOS, TACTILE, USER, ASSISTANT, *SLOT_TOKENS)
 """In the order of their ids, which start at 0."""
+
+_WORD_ROUNDS = 2000
+"""Times each word of a slot stands in the corpus alone: often enough to become one token."""
 
 VOCABULARY_SIZE = 1024
 """Holds the words of the templates whole; more would go to made-up nouns."""
 
-_CONTROL = re.compile(r"<\s*(/?(?:pad|eos|bos|tactile|user|assistant|system))\s*>", re.IGNORECASE)
+_CONTROL = re.compile(
+    rf"<\s*(/?(?:pad|eos|bos|tactile|user|assistant|system|{'|'.join(SLOTS)}))\s*>", re.IGNORECASE
+)
 
 
 def train_tokenizer(corpus: Iterable[str], vocabulary_size: int = VOCABULARY_SIZE) -> Tokenizer:
@@ -42,7 +50,7 @@ def train_tokenizer(corpus: Iterable[str], vocabulary_size: int = VOCABULARY_SIZ
         initial_alphabet=pre_tokenizers.ByteLevel.alphabet(),
         show_progress=False,
     )
-    tokenizer.train_from_iterator(corpus, trainer)
+    tokenizer.train_from_iterator(chain(corpus, SLOT_WORDS * _WORD_ROUNDS), trainer)
     return tokenizer
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from geotlm_lm.checkpoint import CARD_FILE, Bundle
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.record import RunRecord
+from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.training.config import TrainingPreset
 from geotlm_lm.training.examples import DAMAGED_SHARE, VARIED
 from geotlm_lm.training.geometry import EQUAL_ACCURACY
@@ -45,7 +46,7 @@ tags: [tactile, gelsight, robotics]
 
 ## Limits
 
-One contact, one motion per clip. Directions are told in the camera image, object relative to
+One contact per clip. Directions are told in the camera image, object relative to
 sensor. A smooth ball turning about its own axis does not change a markerless
 image and cannot be read.
 """
@@ -61,12 +62,13 @@ def _how_made(folder: Path, bundle: Bundle, seconds: float) -> str:
     markers = VARIED["marker_share"]
     fresh = TrainingPreset.of(preset).fresh_clips
     pretrained_on = preset["pretraining_clips"] + preset["head_clips"] - fresh
-    parameters = sum(one.numel() for one in bundle.odometer.parameters())
+    parameters = sum(one.numel() for one in bundle.motion.parameters())
     size_mb = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
     return f"""\
 Answers questions about the motion of a touched object in a four-frame clip of a GelSight-like
-sensor. Every weight was trained on simulated clips alone, {markers:.0%} of them on gels
-with markers, {DAMAGED_SHARE:.0%} damaged by compression, a dim or drifting camera or a faint touch.
+sensor. Every weight was trained on simulated clips alone: {VARIED["mixed_share"]:.0%} of them
+turn, slide and press at once, {markers:.0%} are on gels with markers, {DAMAGED_SHARE:.0%} damaged
+by compression, a dim or drifting camera or a faint touch.
 
 - Backbone: ViT, width {config.width}, {config.depth} layers, {config.heads} heads, one
   token for both time-bins of a patch, frozen after pretraining on {pretrained_on:,} simulated
@@ -75,8 +77,9 @@ with markers, {DAMAGED_SHARE:.0%} damaged by compression, a dim or drifting came
 - DGR: the probe's mean accuracy on turns and slides of objects kept from training: {modes}, each
   at the epoch that was best on them; `grounded` is stored unless `paper` leads by more than
   {EQUAL_ACCURACY:g}.
-- Odometer: how far it turned or slid, {parameters:,} weights on the rigid motions of shear, flow
-  and alignments{_odometer_made(made)}.
+- Motion: turn, slide, press and contact with their spread, {parameters:,} weights on the rigid
+  motions of residual, relief and learned shear and on the fused token; before training it tells
+  the measured motions.
 - Language model: trained from random weights, {preset["language_steps"]:,} steps of
   {preset["language_batch"]} questions.
 - Command: `{made["command"]}`, {seconds / 60:.0f} min on {machine["processor"]}
@@ -86,7 +89,6 @@ with markers, {DAMAGED_SHARE:.0%} damaged by compression, a dim or drifting came
 
 
 def _scored(scores: dict[str, Any]) -> str:
-    amounts = scores["amounts"]
     return f"""## Scores on simulated everyday objects never trained on
 
 {scores["clips"]} clips, {scores["unreadable_clips"]} left out because their motion changes the
@@ -103,23 +105,34 @@ Choosing the most likely of the ten answers instead of writing freely is right f
 {100 * scores["scored"]:.1f} % of all clips; its stated probability is off by
 {100 * scores["calibration_error"]:.1f} % on average (expected calibration error).
 
-The odometer's median is within 2 degrees or a fifth of {_share(amounts["deg"])} of the turns,
-within 2 pixels of the 224-pixel image or a fifth of {_share(amounts["px"])} of the slides.
+Of freely mixed motions of the same objects, readable components that are not ambiguous:
+
+| component | n | way | counts | amount within tolerance | span holds it |
+|---|---|---|---|---|---|
+{_mixed_rows(scores["mixed"])}
+
+Where a clip turns and slides both are right in {_share(scores["mixed"].get("both ways"))}. The
+words at the language model's slots are right in {_felt(scores["felt"])}; by the fused token alone
+in {_felt(scores["felt by the fused token alone"])}. An amount is right within 2 degrees, 2 pixels
+of the 224-pixel image, 0.2 mm, or a fifth.
 
 | question type | seen wordings | held-out wordings |
 |---|---|---|
 {_type_rows(scores)}"""
 
 
-def _odometer_made(made: dict[str, Any]) -> str:
-    """Say how an odometer was trained that is not of the same run as the rest."""
-    if "odometer" not in made:
-        return ""
-    own = made["odometer"]
-    return (
-        f"; trained anew by `{own['command']}`,\n  {own['seconds'] / 60:.0f} min, "
-        f"commit {own['commit'] or 'unknown'}"
+def _mixed_rows(mixed: dict[str, float]) -> str:
+    columns = ("way", "counts", "amount", "span")
+    return "\n".join(
+        f"| {component} | {mixed.get(f'{component} way, number', 0):.0f} | "
+        + " | ".join(_share(mixed.get(f"{component} {column}")) for column in columns)
+        + " |"
+        for component in COMPONENTS
     )
+
+
+def _felt(slots: dict[str, float]) -> str:
+    return ", ".join(f"{slot} {share:.3f}" for slot, share in slots.items())
 
 
 def _task_rows(scores: dict[str, Any]) -> str:

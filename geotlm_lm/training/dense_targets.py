@@ -2,9 +2,9 @@
 
 Patch tokens learn, through one linear map, how far the imprint moved, whether the patch is in
 contact and how deep. The global token learns how much is touched, how deep, how much moves, how
-far the view is magnified, what kind of motion it is (turning or sliding, pressing or letting go),
-and by how many degrees or millimetres. No loss asks it which way, though attention lets it give
-most of that away.
+far the view is magnified, which components of the motion count (turning, sliding, pressing or
+letting go), and by how many degrees or pixels. No loss asks it which way it turns or slides, though
+attention lets it give most of that away.
 """
 
 from __future__ import annotations
@@ -18,29 +18,29 @@ import torch.nn.functional as F
 from torch import Tensor, nn
 
 from geotlm_lm.backbone.mirror import Mirror, mirrored_field, mirrored_inputs
-from geotlm_lm.backbone.stem import ALIGNED_AT, FLOW_SCALE_PX, MAGNIFICATION_AT
+from geotlm_lm.backbone.stem import ALIGNED_AT, MAGNIFICATION_AT
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.core.labels import ROTATIONS, SLIDES, MotionClass, MotionLabel, motion_class
+from geotlm_lm.core.geometry import FLOW_SCALE_PX
+from geotlm_lm.core.twist import Component
+from geotlm_lm.training.component_truth import ComponentTruth, component_truth
 from geotlm_lm.training.examples import Examples
 from geotlm_lm.training.motion_loss import counts_motion, motion_loss
 
 GLOBAL_TARGET_COUNT = 6
 DEPTH_SCALE_MM = 0.3
 
-KIND_SHARE = 1.0
-"""Weight of the loss that asks for the kind of motion: most wrong answers mistake the kind."""
+COMPONENT_SHARE = 0.7
+"""Weight of the loss that asks which components count: most wrong answers mistake one."""
 
 AMOUNT_SHARE = 0.5
 """Weight of the loss that asks how far it turned or slid."""
 
-AMOUNT_SCALES = (4.0, 0.4)
-"""Degrees of turning and mm of sliding from which on errors count relative to the amount: a fifth
-of it or 2 degrees and 0.2 mm are right in an answer."""
+AMOUNT_SCALES = (4.0, 4.0)
+"""Degrees of turning and pixels of sliding from which on errors count relative to the amount: a
+fifth of it or 2 degrees and 2 pixels are right in an answer."""
 
-UNSEEN = -1
-"""Stands for the kind of a motion that leaves no trace."""
-
-_KINDS = tuple(MotionClass)
+COMPONENT_LOGITS = 5
+"""Whether a turn counts, a slide, a press, a release, and whether anything touches."""
 
 
 class DenseHeads(nn.Module):
@@ -54,12 +54,12 @@ class DenseHeads(nn.Module):
         super().__init__()
         self.patch = nn.Linear(width, 4)
         self.summary = nn.Linear(width, GLOBAL_TARGET_COUNT)
-        self.kind = nn.Linear(width, len(MotionClass))
+        self.components = nn.Linear(width, COMPONENT_LOGITS)
         self.amount = nn.Linear(width, len(AMOUNT_SCALES))
 
     @torch.no_grad()
     def start_from_alignment(self, embed: Tensor) -> None:
-        """Let displacement begin as the stem's alignment of the relief, linear in the tokens.
+        """Let displacement begin as the stem's alignment of the residual, linear in the tokens.
 
         Args:
             embed: What first makes a token of a patch's inputs, (width, inputs).
@@ -76,17 +76,17 @@ class DenseHeads(nn.Module):
 class DenseTruth:
     """One batch of truth on the device, float32; shapes as in `Examples`.
 
-    `counts_motion` is 1 for the clips whose displacement is a target; `kind` is the place of the
-    motion's kind in `MotionClass`, `UNSEEN` where the motion leaves no trace; `amount` holds the
-    degrees turned and mm slid, (b, 2), NaN where the motion is another or leaves no trace;
-    `magnification` is what the stem tells of the view, (b,).
+    `counts_motion` is 1 for the clips whose displacement is a target; `components` are the wanted
+    `COMPONENT_LOGITS`, NaN where nothing is asked; `amount` holds the degrees turned and pixels
+    slid, (b, 2), NaN where that cannot be seen; `magnification` is what the stem tells of the view,
+    (b,).
     """
 
     displacement: Tensor
     contact: Tensor
     depth: Tensor
     counts_motion: Tensor
-    kind: Tensor
+    components: Tensor
     amount: Tensor
     magnification: Tensor
 
@@ -100,11 +100,23 @@ def dense_loss(tokens: Tokens, heads: DenseHeads, truth: DenseTruth) -> Tensor:
     contact = F.binary_cross_entropy_with_logits(contact_logit, truth.contact)
     deep = F.smooth_l1_loss(depth, truth.depth / DEPTH_SCALE_MM)
     summary = F.smooth_l1_loss(heads.summary(tokens.global_token), _summary(truth))
-    kind = F.cross_entropy(
-        heads.kind(tokens.global_token), truth.kind, ignore_index=UNSEEN, reduction="sum"
-    ) / (truth.kind != UNSEEN).sum().clamp(min=1)
+    counted = component_loss(heads.components(tokens.global_token), truth.components)
     amount = amount_loss(heads.amount(tokens.global_token), truth.amount)
-    return moved + contact + 0.3 * deep + summary + KIND_SHARE * kind + AMOUNT_SHARE * amount
+    return (
+        moved + contact + 0.3 * deep + summary + COMPONENT_SHARE * counted + AMOUNT_SHARE * amount
+    )
+
+
+def component_loss(told: Tensor, wanted: Tensor) -> Tensor:
+    """Return the mean cross entropy of the answers that are asked for.
+
+    Args:
+        told: Logits, (b, COMPONENT_LOGITS).
+        wanted: 1, 0, or NaN where nothing is asked, likewise.
+    """
+    is_asked = ~wanted.isnan()
+    losses = F.binary_cross_entropy_with_logits(told, wanted.nan_to_num(), reduction="none")
+    return (losses * is_asked).sum() / is_asked.sum().clamp(min=1) * COMPONENT_LOGITS
 
 
 def amount_loss(told: Tensor, true: Tensor) -> Tensor:
@@ -112,7 +124,7 @@ def amount_loss(told: Tensor, true: Tensor) -> Tensor:
 
     Args:
         told: Read from the global tokens, (b, 2).
-        true: Degrees turned and mm slid, (b, 2), NaN where there is none.
+        true: Degrees turned and pixels slid, (b, 2), NaN where there is none.
     """
     is_asked = ~true.isnan()
     scaled = torch.log1p(true.nan_to_num() / true.new_tensor(AMOUNT_SCALES))
@@ -136,15 +148,17 @@ def dense_batch(examples: Examples, rows: np.ndarray, device: str) -> tuple[Tens
     def moved(values: np.ndarray) -> Tensor:
         return torch.from_numpy(values[rows]).to(device).float()
 
-    counts = np.array([counts_motion(examples.labels[row]) for row in rows], dtype=np.float32)
+    labels = [examples.labels[row] for row in rows]
+    counts = np.array([counts_motion(label) for label in labels], dtype=np.float32)
+    truths = [component_truth(label) for label in labels]
     inputs = moved(examples.inputs)
     truth = DenseTruth(
         displacement=moved(examples.displacement_px),
         contact=moved(examples.contact),
         depth=moved(examples.depth_mm),
         counts_motion=torch.from_numpy(counts).to(device),
-        kind=torch.tensor([_kind(examples.labels[row]) for row in rows], device=device),
-        amount=torch.tensor([_amounts(examples.labels[row]) for row in rows], device=device),
+        components=torch.tensor([_wanted(truth) for truth in truths], device=device),
+        amount=torch.tensor([_amounts(truth) for truth in truths], device=device),
         magnification=inputs[:, 0, 0, 0, MAGNIFICATION_AT],
     )
     return inputs, truth
@@ -169,14 +183,24 @@ def mirrored_at_random(
     return inputs, replace(truth, displacement=displacement, contact=contact, depth=depth)
 
 
-def _kind(label: MotionLabel) -> int:
-    return _KINDS.index(motion_class(label.motion)) if label.is_readable else UNSEEN
+def _wanted(truth: ComponentTruth) -> tuple[float, ...]:
+    """Return the wanted logits' answers, NaN where nothing is asked."""
 
+    def number(is_so: bool | None) -> float:
+        return math.nan if is_so is None else float(is_so)
 
-def _amounts(label: MotionLabel) -> tuple[float, float]:
-    """Return degrees turned and mm slid, whatever the way; NaN for what the motion is not."""
-    turns, slides = (label.is_readable and label.motion in kind for kind in (ROTATIONS, SLIDES))
+    press, inward = truth.counts[Component.PRESS], truth.twist.inward_mm > 0
     return (
-        abs(label.rotation_deg) if turns else math.nan,
-        math.hypot(label.slide_x_mm, label.slide_y_mm) if slides else math.nan,
+        number(truth.counts[Component.TURN]),
+        number(truth.counts[Component.SLIDE]),
+        number(press if press is None else press and inward),
+        number(press if press is None else press and not inward),
+        float(truth.is_touched),
     )
+
+
+def _amounts(truth: ComponentTruth) -> tuple[float, float]:
+    """Return degrees turned and pixels slid, whatever the way; NaN for what cannot be seen."""
+    sizes = abs(truth.twist.turn_deg), truth.twist.slide_px
+    asked = (truth.is_readable[one] for one in (Component.TURN, Component.SLIDE))
+    return tuple(size if told else math.nan for size, told in zip(sizes, asked, strict=True))

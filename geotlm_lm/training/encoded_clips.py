@@ -18,7 +18,7 @@ from numpy.lib.format import open_memmap
 from numpy.typing import NDArray
 from torch import Tensor
 
-from geotlm_lm.backbone.contrast_equalisation import EQUALISED_SHAPE, equalised_motions
+from geotlm_lm.backbone.motions import MOTIONS_SHAPE
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM, measure_clip
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.atomic import write_text_atomically
@@ -43,17 +43,16 @@ class EncodedClips:
 
     Args:
         tokens: Global tokens in float32, patch tokens in float16, on disk.
-        inputs: What our own stem makes of each clip, float16, on disk, (n, 2, 14, 14, dim): how far
-            an imprint moved is measured with it, whatever the encoder.
-        equalised_motions: How the contrast-equalised images of each clip move, likewise,
-            (n, *EQUALISED_SHAPE).
+        inputs: What our own stem makes of each clip, float16, on disk, (n, 2, 14, 14, dim): how an
+            imprint moved is measured with it, whatever the encoder.
+        motions: The rigid motions it finds, likewise, (n, *MOTIONS_SHAPE).
         labels: The truth of each clip.
         objects: Name of the touched object of each clip.
     """
 
     tokens: Tokens
     inputs: Tensor
-    equalised_motions: Tensor
+    motions: Tensor
     labels: tuple[MotionLabel, ...]
     objects: tuple[str, ...]
 
@@ -134,8 +133,8 @@ def _write(
         )
     looks = [measure_clip(one.clip) for _, one in batch]
     inputs = np.stack([one.inputs for one in looks])
-    evened = np.stack([equalised_motions(one.alignment_images) for one in looks])
-    made = tokens.global_token.numpy(), patches.numpy(), inputs, evened
+    motions = np.stack([one.motions.numbers() for one in looks])
+    made = tokens.global_token.numpy(), patches.numpy(), inputs, motions
     for array, values in zip(arrays, made, strict=True):
         array[rows] = values
     for array in arrays:
@@ -143,7 +142,7 @@ def _write(
 
 
 def _paths(folder: Path, wanted: ExampleSet) -> list[Path]:
-    names = ("global", "patches", "inputs", "evened")
+    names = ("global", "patches", "inputs", "motions")
     return [folder / f"{wanted.stage}_{name}.npy" for name in names]
 
 
@@ -151,7 +150,7 @@ def _arrays(
     encoder: ReleasedEncoder, folder: Path, wanted: ExampleSet, *, is_new: bool
 ) -> tuple[NDArray, ...]:
     inputs = (TIME_BIN_COUNT, GRID_SIDE, GRID_SIDE, PATCH_INPUT_DIM)
-    each = ((encoder.width,), encoder.patch_shape, inputs, EQUALISED_SHAPE)
+    each = ((encoder.width,), encoder.patch_shape, inputs, MOTIONS_SHAPE)
     shapes = [(wanted.count, *one) for one in each]
     return tuple(
         open_memmap(path, "w+", kind, shape) if is_new else open_memmap(path, "r+")
@@ -163,13 +162,13 @@ def _arrays(
 
 def _read(folder: Path, wanted: ExampleSet, about: list) -> EncodedClips:
     # Copy-on-write, so that torch need not warn of memory it may not write.
-    plain, patches, inputs, evened = (
+    plain, patches, inputs, motions = (
         torch.from_numpy(np.load(path, mmap_mode="c")) for path in _paths(folder, wanted)
     )
     return EncodedClips(
         tokens=Tokens(plain, patches),
         inputs=inputs,
-        equalised_motions=evened,
+        motions=motions,
         labels=tuple(MotionLabel.from_dict(label) for _, label in about),
         objects=tuple(name for name, _ in about),
     )

@@ -56,7 +56,7 @@ since 3 the stem subtracts the idle gel first and ends its refinement at 0.04 px
 lights on other sides; since 5 there are the motions of
 contrast-equalised images; since 6 they are stored by that name; since 7 labels know the twist."""
 
-_ARRAYS = ("inputs", "equalised_motions", "displacement_px", "contact", "depth_mm")
+_ARRAYS = ("inputs", "motions", "displacement_px", "contact", "depth_mm")
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +65,8 @@ class Examples:
 
     Args:
         inputs: Patch inputs, float16, shape (n, 2, 14, 14, dim).
-        equalised_motions: How the contrast-equalised images move, float16,
-            shape (n, *EQUALISED_SHAPE).
+        motions: The rigid motions to the last frame, as `Motions.numbers` has them, float16,
+            shape (n, 4, 7).
         displacement_px: True displacement since the first frame, mean per time-bin, float16,
             shape (n, 2, 14, 14, 2), pixels of the square image.
         contact: Share of each patch in contact per time-bin, float16, shape (n, 2, 14, 14).
@@ -76,7 +76,7 @@ class Examples:
     """
 
     inputs: NDArray[np.float16]
-    equalised_motions: NDArray[np.float16]
+    motions: NDArray[np.float16]
     displacement_px: NDArray[np.float16]
     contact: NDArray[np.float16]
     depth_mm: NDArray[np.float16]
@@ -232,13 +232,11 @@ def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
 
 def _example(recorded: RecordedForm) -> tuple[NDArray, ...]:
     """Return the arrays of one example, in the order of `_ARRAYS`."""
-    from geotlm_lm.backbone.contrast_equalisation import equalised_motions
     from geotlm_lm.backbone.stem import measure_clip
 
-    inputs, view, traces = measure_clip(recorded.clip)
-    evened = equalised_motions(traces)
+    inputs, view, motions = measure_clip(recorded.clip)
     truth = truth_in_view(view, recorded.truth)
-    return inputs, evened, *(bin_means(values[recorded.order]) for values in truth)
+    return inputs, motions.numbers(), *(bin_means(values[recorded.order]) for values in truth)
 
 
 def _read_chunk(path: Path) -> Examples:

@@ -15,9 +15,9 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.seeding import generator_for, seed_for

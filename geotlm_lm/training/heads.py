@@ -19,7 +19,7 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.model import GeoTLM
-from geotlm_lm.odometry.movement import movement
+from geotlm_lm.motion.measured import Measured, measured
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.config import HeadsPreset, heads_preset_named
@@ -31,8 +31,8 @@ from geotlm_lm.training.geometry import (
     train_geometry,
     train_global_probe,
 )
+from geotlm_lm.training.motion import train_motion
 from geotlm_lm.training.motion_loss import counts_motion
-from geotlm_lm.training.odometry import train_odometer
 from geotlm_lm.training.scoring import ClipSet
 from geotlm_lm.training.train import RUN_FILE, VALIDATION_EVERY, calibrated, train_speaker
 
@@ -65,9 +65,9 @@ def train_heads(
     )
     model = _train_perception(encoder, heads, validation, settings, seed, out, progress)
     spoken_of = _perceived(model, heads)
-    odometer = train_odometer(spoken_of, seed=seed, progress=progress)
-    speaker = train_speaker(spoken_of, settings, seed, out, progress)
-    bundle = Bundle(model, odometer, speaker, load_templates().grammar(), Calibration(), about)
+    motion = train_motion(spoken_of.measured, spoken_of.labels, seed=seed, progress=progress)
+    speaker = train_speaker(spoken_of, motion, settings, seed, out, progress)
+    bundle = Bundle(model, motion, speaker, load_templates().grammar(), Calibration(), about)
     bundle.calibration = calibrated(bundle, _perceived(model, validation), seed)
     return bundle
 
@@ -143,8 +143,8 @@ def _token_set(clips: EncodedClips) -> TokenSet:
 
 
 def _perceived(model: GeoTLM, clips: EncodedClips) -> ClipSet:
-    """Return fused token, global token, contact share and movement of every clip."""
-    fused, plain, contact, moved = [], [], [], []
+    """Return tokens, contact share and what is measured of every clip."""
+    fused, plain, contact, found = [], [], [], []
     for start in range(0, len(clips), PERCEIVE_BATCH):
         rows = slice(start, start + PERCEIVE_BATCH)
         tokens = Tokens(clips.tokens.global_token[rows], clips.tokens.patches[rows].float())
@@ -152,14 +152,13 @@ def _perceived(model: GeoTLM, clips: EncodedClips) -> ClipSet:
         fused.append(perception.fused_token)
         plain.append(perception.global_token)
         contact.append(perception.geometry.region_mass[:, -1])
-        moved.append(
-            movement(clips.inputs[rows], perception.geometry, clips.equalised_motions[rows])
-        )
+        known = clips.inputs[rows], clips.motions[rows]
+        found.append(measured(*known, perception.geometry, perception.fused_token))
     return ClipSet(
         fused_tokens=torch.cat(fused),
         global_tokens=torch.cat(plain),
         contact_share=torch.cat(contact).numpy(),
-        movement=torch.cat(moved),
+        measured=Measured.joined(found),
         labels=clips.labels,
         objects=clips.objects,
     )

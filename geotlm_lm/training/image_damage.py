@@ -66,5 +66,7 @@ def damage_clip(
         frames = faded(contrast, frames, background)
         is_seen = label.motion in (Motion.STILL, Motion.NONE)
         is_seen |= change_grey * contrast >= READABLE_GREY
-        label = replace(label, is_readable=label.is_readable and is_seen)
+        visible = tuple(grey * contrast for grey in label.visible_grey)
+        is_readable = label.is_readable and bool(is_seen)
+        label = replace(label, is_readable=is_readable, visible_grey=visible)
     return replace(clip, frames=frames, background=background), label

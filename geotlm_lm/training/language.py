@@ -1,7 +1,8 @@
-"""Train the projector and the decoder on fused tokens and labels; the tokens stay as they are.
+"""Train the projector and the decoder on clips' readings and labels; the readings stay as they are.
 
-Questions are drawn afresh from the labels at every step, seen wordings only, and the loss counts
-answer tokens only.
+Every step asks questions, drawn afresh from the labels, seen wordings only, of which the loss
+counts answer tokens only; and what is felt in the slots, turn, slide, press and contact, of more
+clips, in one pass each.
 """
 
 from __future__ import annotations
@@ -23,11 +24,14 @@ from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.data.questions import askable_types, questions_for, training_corpus, with_typo
 from geotlm_lm.language.decoder import LanguageSize, TactileDecoder
 from geotlm_lm.language.generation import Speaker
 from geotlm_lm.language.prompt import PromptEncoder
+from geotlm_lm.language.slots import SLOTS
 from geotlm_lm.language.tokenizer import VOCABULARY_SIZE, clean_question, train_tokenizer
+from geotlm_lm.training.component_truth import component_truth
 from geotlm_lm.training.language_checkpoint import restore_language, store_language
 
 WEIGHT_DECAY = 0.1
@@ -54,6 +58,12 @@ COOLDOWN_SHARE = 1 / 9
 """Steps after the schedule's, relative to them, in which the rate falls from its last tenth to
 nothing: the weights settle, where they would end wherever the last batches threw them."""
 
+FELT_BATCH = 256
+"""Clips whose slots are filled in a step: seven tokens each, as many as the questions' together."""
+
+SILENT_SHARE = 0.15
+"""Share of prefixes that hold the fused token alone."""
+
 TYPO_SHARE = 0.15
 """Share of training questions with a mistyped word: words are also read from their pieces, so that
 neither a slip of the finger nor a noun never seen looks like a word that asks for a refusal."""
@@ -71,6 +81,7 @@ class LanguageTraining:
         noise: Deviation of the Gaussian noise added to the fused token, in units of its spread over
             the training clips. There are far more questions than clips: without noise the decoder
             can learn a clip by heart from its token instead of the motion in it.
+        motion_width: How many numbers of a reading, the last ones, tell of the motion.
         seed: Of weights, clips, questions and noise.
         size: How large the model is.
     """
@@ -80,6 +91,7 @@ class LanguageTraining:
     learning_rate: float = 3e-3
     warmup: int = 100
     noise: float = 0.2
+    motion_width: int = 0
     seed: int = 0
     size: LanguageSize = field(default_factory=LanguageSize)
 
@@ -103,8 +115,8 @@ def train_language(
     same result as without the break. An interrupt saves a checkpoint first.
 
     Args:
-        fused_tokens: (n, fused width), unitless.
-        labels: n labels.
+        fused_tokens: Readings of n clips, (n, fused width), unitless.
+        labels: n labels; questions are asked of the readable ones.
         config: How to train.
         folder: Where the checkpoint lies.
         progress: Told after each step.
@@ -121,17 +133,21 @@ def train_language(
     model = speaker.model.train()
     optimiser = torch.optim.AdamW(_parameter_groups(model), betas=(0.9, 0.98))
     step = restore_language(folder, config, model, optimiser)
-    shares = drawing_shares(labels)
+    asked = [row for row, label in enumerate(labels) if label.is_readable]
+    shares, felt = drawing_shares([labels[row] for row in asked]), felt_words(labels)
     saved_at = time.monotonic()
     try:
         while step < config.all_steps:
             with uninterrupted_step():
-                chosen = draw_clips(shares, config, step)
+                chosen = [asked[place] for place in draw_clips(shares, config, step)]
+                others = generator_for(config.seed, "language", "felt", step).integers(
+                    len(labels), size=FELT_BATCH
+                )
                 loss = _step(
                     speaker,
                     optimiser,
-                    fused_tokens[torch.from_numpy(chosen)],
-                    [labels[i] for i in chosen],
+                    (fused_tokens[chosen], [labels[row] for row in chosen]),
+                    (fused_tokens[others], felt[others]),
                     config,
                     step,
                 )
@@ -171,12 +187,13 @@ def new_speaker(fused_tokens: Tensor, config: LanguageTraining) -> Speaker:
 def _step(
     speaker: Speaker,
     optimiser: torch.optim.Optimizer,
-    fused_tokens: Tensor,
-    labels: Sequence[MotionLabel],
+    asked: tuple[Tensor, Sequence[MotionLabel]],
+    others: tuple[Tensor, Tensor],
     config: LanguageTraining,
     step: int,
 ) -> float:
-    """Ask one question about each clip and learn from the answers."""
+    """Ask one question about each clip, what is felt of others, and learn from the answers."""
+    fused_tokens, labels = asked
     rng = generator_for(config.seed, "language", "batch", step)
     prompts, answers = [], []
     for label in labels:
@@ -186,9 +203,8 @@ def _step(
         prompts.append(speaker.prompts.prompt(question))
         answers.append(speaker.prompts.answer(asked.answer))
     model = speaker.model
-    token = model.projector.standardise(fused_tokens)
-    noise = torch.randn(token.shape, generator=_torch_generator(config.seed, "noise", step))
-    token = token + config.noise * noise
+    token = _disturbed(model, fused_tokens, config, step, "noise")
+    felt = felt_loss(speaker, _disturbed(model, others[0], config, step, "felt noise"), others[1])
     count = sum(map(len, answers))
     optimiser.zero_grad(set_to_none=True)
     total = 0.0
@@ -198,11 +214,65 @@ def _step(
         )
         (loss / count).backward()
         total += loss.item()
+    felt.backward()
     torch.nn.utils.clip_grad_norm_(model.parameters(), 1.0)
     for group in optimiser.param_groups:
         group["lr"] = learning_rate_at(step, config)
     optimiser.step()
     return total / count
+
+
+def _disturbed(
+    model: TactileDecoder, readings: Tensor, config: LanguageTraining, step: int, name: str
+) -> Tensor:
+    """Return standardised readings with noise, some of them without what tells of the motion."""
+    token = model.projector.standardise(readings)
+    noise = torch.randn(token.shape, generator=_torch_generator(config.seed, name, step))
+    if not config.motion_width:
+        return token + config.noise * noise
+    # The motion is a measurement with its own spread: noise would only blur it.
+    noise[:, -config.motion_width :] = 0
+    token = token + config.noise * noise
+    is_silent = generator_for(config.seed, "language", name, "silent", step).random(len(token))
+    token[torch.from_numpy(is_silent < SILENT_SHARE), -config.motion_width :] = 0
+    return token
+
+
+UNASKED = -1
+"""Stands for a slot of which nothing is asked: ambiguous, or not to be seen."""
+
+
+def felt_words(labels: Sequence[MotionLabel]) -> Tensor:
+    """Return the place of the true word at each slot, `UNASKED` where nothing is asked, (n, 4)."""
+    places = []
+    for label in labels:
+        truth, row = component_truth(label), []
+        for component in COMPONENTS:
+            words, wanted = SLOTS[component], truth.counts[component]
+            if wanted:
+                row.append(words.index(truth.twist.way(component)))
+            else:
+                row.append(UNASKED if wanted is None else words.index("none"))
+        places.append([*row, SLOTS["contact"].index("yes" if truth.is_touched else "no")])
+    return torch.tensor(places)
+
+
+def felt_loss(speaker: Speaker, token: Tensor, words: Tensor) -> Tensor:
+    """Return the mean cross entropy of what is felt, summed over the slots, in nats.
+
+    Args:
+        speaker: Model and vocabulary.
+        token: Standardised readings, (b, fused width).
+        words: As `felt_words` gives them, (b, 4).
+    """
+    model, prompts = speaker.model, speaker.prompts
+    prefix = model.projector.from_standardised(token)
+    slots = model.slot_logits(prefix, prompts.slot_prompt, prompts.slot_words)
+    losses = [
+        cross_entropy(logits, words[:, place], ignore_index=UNASKED, reduction="sum")
+        for place, logits in enumerate(slots.values())
+    ]
+    return torch.stack(losses).sum() / len(words)
 
 
 def drawing_shares(labels: Sequence[MotionLabel]) -> NDArray[np.float64]:

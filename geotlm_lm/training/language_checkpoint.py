@@ -13,7 +13,7 @@ from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 
 NAME = "language_checkpoint.pt"
 
-DRAWS = {"draws": 2}
+DRAWS = {"draws": 3}
 """Version of how clips and questions are drawn: no run goes on with other draws."""
 
 

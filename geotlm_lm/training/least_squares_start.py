@@ -9,7 +9,7 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX
+from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.training.geometry import TokenSet
 

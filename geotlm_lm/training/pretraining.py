@@ -28,7 +28,7 @@ from geotlm_lm.training.dense_targets import (
 )
 from geotlm_lm.training.examples import Examples
 
-PRETRAINING_VERSION = 4
+PRETRAINING_VERSION = 5
 """Raised when the backbone is shown or asked other things: no older run is continued."""
 
 CHECKPOINT_EVERY_S = 30.0
@@ -92,7 +92,7 @@ class _Learner:
         generator = torch.Generator().manual_seed(seed_for(seed, "weights", "backbone"))
         self.vit = ViT(config).initialise(generator)
         self.heads = DenseHeads(config.width)
-        for head in (self.heads.summary, self.heads.kind, self.heads.amount):
+        for head in (self.heads.summary, self.heads.components, self.heads.amount):
             nn.init.normal_(head.weight, 0, config.width**-0.5, generator=generator)
             nn.init.zeros_(head.bias)
         self.heads.start_from_alignment(self.vit.embed_one_bin())

@@ -7,15 +7,20 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 from torch import Tensor
+from torch.nn.functional import pad
 
-from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.checkpoint import Bundle, reading_of
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.data.questions import WORDINGS, QuestionAnswer, questions_for
+from geotlm_lm.motion.measured import Measured
+from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.training.calibration_error import expected_calibration_error
+from geotlm_lm.training.language import UNASKED, felt_words
 
 OPEN_TYPE = "T1"
 
@@ -28,7 +33,7 @@ class ClipSet:
         fused_tokens: z, shape (n, d).
         global_tokens: c, shape (n, d).
         contact_share: Mean contact mask, shape (n,).
-        movement: What tells how far each imprint moved, shape (n, MOVEMENT_DIM).
+        measured: What is measured of each clip's motion.
         labels: The truth of each clip.
         objects: Name of the touched object of each clip.
     """
@@ -36,7 +41,7 @@ class ClipSet:
     fused_tokens: Tensor
     global_tokens: Tensor
     contact_share: NDArray[np.floating]
-    movement: Tensor
+    measured: Measured
     labels: Sequence[MotionLabel]
     objects: Sequence[str]
 
@@ -44,13 +49,17 @@ class ClipSet:
         """Return the rows whose motion leaves a trace in the image."""
         return [row for row, label in enumerate(self.labels) if label.is_readable]
 
+    def readings(self, bundle: Bundle) -> Tensor:
+        """Return what the language model of `bundle` reads of each clip, (n, width)."""
+        return reading_of(self.fused_tokens, bundle.motion(self.measured))
+
     def only(self, rows: Sequence[int]) -> ClipSet:
         """Return the clips of `rows`, in that order."""
         return ClipSet(
             fused_tokens=self.fused_tokens[rows],
             global_tokens=self.global_tokens[rows],
             contact_share=self.contact_share[rows],
-            movement=self.movement[rows],
+            measured=self.measured.only(rows),
             labels=[self.labels[row] for row in rows],
             objects=[self.objects[row] for row in rows],
         )
@@ -65,12 +74,53 @@ def true_option_likelihoods(
         Log-likelihoods, shape (n, options), and the index of the true option, shape (n,).
     """
     rows, truths = [], []
+    readings = clips.readings(bundle)
     for row in clips.readable():
         asked = _asked(clips.labels[row], seed, row, "seen", (OPEN_TYPE,))[0]
-        scores = bundle.speaker.score(clips.fused_tokens[row], asked.question, asked.options)
+        scores = bundle.speaker.score(readings[row], asked.question, asked.options)
         rows.append(scores)
         truths.append(asked.options.index(asked.answer))
     return np.array(rows), np.array(truths)
+
+
+def felt_likelihoods(
+    bundle: Bundle, clips: ClipSet
+) -> tuple[NDArray[np.floating], NDArray[np.integer]]:
+    """Return the likelihoods of the words at all slots of which something is asked, and the truth.
+
+    Slots have different numbers of words: what a slot lacks has likelihood 0.
+
+    Returns:
+        Log-likelihoods, shape (n, words), and the index of the true word, shape (n,).
+    """
+    felt, wanted = bundle.speaker.feel(clips.readings(bundle)), felt_words(clips.labels)
+    most = max(logits.shape[1] for logits in felt.values())
+    rows, truths = [], []
+    for place, logits in enumerate(felt.values()):
+        asked = wanted[:, place] != UNASKED
+        lacking = (0, most - logits.shape[1])
+        rows.append(pad(logits[asked], lacking, value=-torch.inf).double().numpy())
+        truths.append(wanted[asked, place].numpy())
+    return np.concatenate(rows), np.concatenate(truths)
+
+
+def felt_scores(bundle: Bundle, clips: ClipSet, *, is_silent: bool = False) -> dict[str, float]:
+    """Return the share of right words at each slot, of those of which something is asked.
+
+    Args:
+        bundle: The model.
+        clips: Perceived clips.
+        is_silent: Whether the model reads the fused token alone.
+    """
+    readings = clips.readings(bundle)
+    if is_silent:
+        readings[:, -BELIEF_NUMBERS:] = bundle.speaker.model.projector.mean[-BELIEF_NUMBERS:]
+    felt, wanted = bundle.speaker.feel(readings), felt_words(clips.labels)
+    scores = {}
+    for place, (slot, logits) in enumerate(felt.items()):
+        asked = wanted[:, place] != UNASKED
+        scores[slot] = _share((logits.argmax(dim=1) == wanted[:, place])[asked].tolist())
+    return scores
 
 
 def score_bundle(bundle: Bundle, clips: ClipSet, seed: int) -> dict[str, Any]:
@@ -125,7 +175,9 @@ def _ask_all(bundle: Bundle, clips: ClipSet, wordings: WORDINGS, seed: int) -> l
     # Questions of one type are of like length: the padding of a batch stays short.
     asked.sort(key=lambda pair: int(pair[1].type_id.removeprefix("T")))
     rows = [row for row, _ in asked]
-    texts = bundle.speaker.generate(clips.fused_tokens[rows], [one.question for _, one in asked])
+    texts = bundle.speaker.generate(
+        clips.readings(bundle)[rows], [one.question for _, one in asked]
+    )
     replies = []
     for (row, one), text in zip(asked, texts, strict=True):
         slots = bundle.grammar.parse(text)

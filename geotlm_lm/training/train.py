@@ -16,7 +16,7 @@ import torch
 from geotlm_lm.backbone.frozen import ENCODE_BATCH, FrozenBackbone
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, save_bundle
+from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, reading_of, save_bundle
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
@@ -25,7 +25,8 @@ from geotlm_lm.core.record import commit, machine
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.generation import Speaker
 from geotlm_lm.model import GeoTLM
-from geotlm_lm.odometry.movement import movement
+from geotlm_lm.motion.measured import Measured, measured
+from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.calibration import fit_contact_threshold, fit_temperature
@@ -50,11 +51,17 @@ from geotlm_lm.training.geometry import (
     train_global_probe,
 )
 from geotlm_lm.training.language import LanguageTraining, train_language
+from geotlm_lm.training.motion import motion_scores, train_motion
 from geotlm_lm.training.motion_loss import counts_motion
-from geotlm_lm.training.odometry import train_odometer, within_tolerance_share
 from geotlm_lm.training.pretraining import PRETRAINING_VERSION, pretrain
 from geotlm_lm.training.run_clock import clock
-from geotlm_lm.training.scoring import ClipSet, score_bundle, true_option_likelihoods
+from geotlm_lm.training.scoring import (
+    ClipSet,
+    felt_likelihoods,
+    felt_scores,
+    score_bundle,
+    true_option_likelihoods,
+)
 
 RUN_FILE = "run.json"
 VALIDATION_EVERY = 7
@@ -100,12 +107,12 @@ def train(preset: str, out: Path, seed: int, workers: int, progress: Progress = 
         )
         spoken_of = perceive_examples(model, learned, progress)
         del learned
-        odometer = train_odometer(spoken_of, seed=seed, progress=progress)
-        speaker = train_speaker(spoken_of, settings, seed, out, progress)
+        motion = train_motion(spoken_of.measured, spoken_of.labels, seed=seed, progress=progress)
+        speaker = train_speaker(spoken_of, motion, settings, seed, out, progress)
         provenance = _provenance(settings, seed, workers)
         provenance |= {"device": device, "dgr_validation_accuracy": modes}
         grammar = load_templates().grammar()
-        bundle = Bundle(model, odometer, speaker, grammar, Calibration(), provenance)
+        bundle = Bundle(model, motion, speaker, grammar, Calibration(), provenance)
         perceived = perceive_examples(model, validation, progress)
         bundle.calibration = calibrated(bundle, perceived, seed)
         folder = out / "bundle"
@@ -114,7 +121,10 @@ def train(preset: str, out: Path, seed: int, workers: int, progress: Progress = 
         stored = load_bundle(folder)
         test = perceive_examples(stored.model, read_examples(examples, sets["test"]), progress)
         scores = score_bundle(stored, test, seed)
-        scores["amounts"] = within_tolerance_share(stored.odometer, test)
+        mixed = perceive_examples(stored.model, read_examples(examples, sets["mixed"]), progress)
+        scores["mixed"] = motion_scores(stored.motion(mixed.measured), mixed.labels)
+        scores["felt"] = felt_scores(stored, mixed)
+        scores["felt by the fused token alone"] = felt_scores(stored, mixed, is_silent=True)
     write_card(folder, stored, scores, seconds())
     return folder
 
@@ -150,22 +160,22 @@ def example_sets(settings: TrainingPreset) -> dict[str, ExampleSet]:
 
 
 def perceive_examples(model: GeoTLM, examples: Examples, progress: Progress = silent) -> ClipSet:
-    """Return fused token, global token, contact share and movement of every example."""
-    fused, plain, contact, moved = [], [], [], []
+    """Return tokens, contact share and what is measured of every example."""
+    fused, plain, contact, found = [], [], [], []
     for start in range(0, len(examples), ENCODE_BATCH):
         inputs = torch.from_numpy(examples.inputs[start : start + ENCODE_BATCH])
         perception = model.fuse(model.backbone.encode_inputs(inputs))
         fused.append(perception.fused_token)
         plain.append(perception.global_token)
         contact.append(perception.geometry.region_mass[:, -1])
-        evened = torch.from_numpy(examples.equalised_motions[start : start + ENCODE_BATCH])
-        moved.append(movement(inputs, perception.geometry, evened))
+        motions = torch.from_numpy(examples.motions[start : start + ENCODE_BATCH])
+        found.append(measured(inputs, motions, perception.geometry, perception.fused_token))
         progress("perceive", min(start + ENCODE_BATCH, len(examples)), len(examples))
     return ClipSet(
         fused_tokens=torch.cat(fused),
         global_tokens=torch.cat(plain),
         contact_share=torch.cat(contact).numpy(),
-        movement=torch.cat(moved),
+        measured=Measured.joined(found),
         labels=examples.labels,
         objects=examples.objects,
     )
@@ -267,16 +277,23 @@ def _token_set(
 
 
 def train_speaker(
-    clips: ClipSet, settings: HeadsPreset, seed: int, out: Path, progress: Progress = silent
+    clips: ClipSet,
+    motion: MotionNetwork,
+    settings: HeadsPreset,
+    seed: int,
+    out: Path,
+    progress: Progress = silent,
 ) -> Speaker:
-    """Train the language model on the readable ones of `clips`; its checkpoint lies in `out`."""
-    readable = clips.readable()
+    """Train the language model on `clips`, as `motion` believes of them; its checkpoint in `out`."""
     config = LanguageTraining(
-        steps=settings.language_steps, batch=settings.language_batch, seed=seed
+        steps=settings.language_steps,
+        batch=settings.language_batch,
+        motion_width=BELIEF_NUMBERS,
+        seed=seed,
     )
     return train_language(
-        clips.fused_tokens[readable],
-        [clips.labels[i] for i in readable],
+        reading_of(clips.fused_tokens, motion(clips.measured)),
+        clips.labels,
         config=config,
         folder=out / "language",
         progress=progress,
@@ -289,5 +306,6 @@ def calibrated(bundle: Bundle, validation: ClipSet, seed: int) -> Calibration:
     is_touched = np.array([label.motion is not Motion.NONE for label in validation.labels])
     return Calibration(
         temperature=fit_temperature(likelihoods, truths),
+        felt_temperature=fit_temperature(*felt_likelihoods(bundle, validation)),
         contact_threshold=fit_contact_threshold(validation.contact_share, is_touched),
     )

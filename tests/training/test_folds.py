@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX
+from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES
 from geotlm_lm.dgr.ablations import AblatedDGR, DGRParts

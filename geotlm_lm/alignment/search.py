@@ -1,0 +1,77 @@
+"""Search all turns and shifts of a small picture at once, where direct alignment has lost its way.
+
+A turn of more than some 20 degrees from one frame to the next, or a shift by more than a coarse
+picture's detail, is beyond the reach of gradients. The correlation of the earlier picture, turned
+each way, with the later one is a product of their spectra.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import cv2
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from geotlm_lm.alignment.direct import Rigid
+
+Floats = NDArray[np.float32]
+
+SEARCHED_WIDTH = 56
+"""Columns of the pictures that are searched."""
+
+TURNS_RAD = np.radians(np.arange(-45.0, 45.1, 9.0)).astype(np.float32)
+"""Turns that are searched; the alignment reaches farther than half a step."""
+
+PRIOR_PER_PX2 = 2e-4
+"""Loss of correlation per squared pixel of travel: of two equal matches, as a knurled cap has many,
+the shorter way is meant."""
+
+TURN_RADIUS_PX = 10.0
+"""Radius at which a turn's path counts as travel in the prior."""
+
+_PADDED = 64  # a fast length with room for shifts beyond the border
+
+
+def search(before: Floats, after: Floats) -> Rigid:
+    """Return the turn and shift of highest correlation, short ways preferred.
+
+    Args:
+        before: Earlier picture, high-passed, pixels square, no higher than wide.
+        after: Later picture, of the same size.
+
+    Returns:
+        The motion in pixels of the pictures given, right to a pixel of those searched.
+    """
+    shrink = SEARCHED_WIDTH / max(before.shape)
+    size = [max(round(side * shrink), 1) for side in before.shape[::-1]]
+    before, after = (cv2.resize(one, size, interpolation=cv2.INTER_AREA) for one in (before, after))
+    columns, rows = size
+    x, y = (columns - 1) / 2, (rows - 1) / 2
+    turned = np.zeros((len(TURNS_RAD), _PADDED, _PADDED), np.float32)
+    for image, turn in zip(turned, TURNS_RAD.tolist(), strict=True):
+        cos, sin = np.cos(turn), np.sin(turn)
+        back = np.array([[cos, sin, x - cos * x - sin * y], [-sin, cos, y + sin * x - cos * y]])
+        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        image[:rows, :columns] = cv2.warpAffine(before, back, tuple(size), flags=flags)
+    target = np.zeros((_PADDED, _PADDED), np.float32)
+    target[:rows, :columns] = after
+    norm = np.sqrt(np.square(turned).sum(axis=(1, 2)) * np.square(target).sum()) + 1e-6
+    spectra = torch.fft.rfft2(torch.from_numpy(turned)).conj_physical()
+    spectra *= torch.fft.rfft2(torch.from_numpy(target)) / torch.from_numpy(norm)[:, None, None]
+    score = (torch.fft.irfft2(spectra) - _prior()).numpy()
+    turn, down, right = np.unravel_index(score.argmax(), score.shape)
+    # The transform is periodic: shifts beyond half of it are negative.
+    right, down = (
+        ((int(one) + _PADDED // 2) % _PADDED - _PADDED // 2) / shrink for one in (right, down)
+    )
+    return Rigid(float(TURNS_RAD[turn]), right, down)
+
+
+@lru_cache(maxsize=1)
+def _prior() -> Tensor:
+    shift = torch.fft.fftfreq(_PADDED, 1 / _PADDED).square()
+    turn = torch.from_numpy(TURNS_RAD * TURN_RADIUS_PX).square()
+    return PRIOR_PER_PX2 * (turn[:, None, None] + shift[:, None] + shift[None, :])
