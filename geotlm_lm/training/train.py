@@ -284,7 +284,7 @@ def train_speaker(
     out: Path,
     progress: Progress = silent,
 ) -> Speaker:
-    """Train the language model on `clips`, as `motion` believes of them; its checkpoint in `out`."""
+    """Train the language model on `clips`, of which `motion` believes; checkpoint in `out`."""
     config = LanguageTraining(
         steps=settings.language_steps,
         batch=settings.language_batch,
