@@ -87,11 +87,11 @@ DEFAULT = TrainingPreset(
     backbone_width=160,
     backbone_depth=2,
     backbone_heads=4,
-    pretraining_draws=320_000,
+    pretraining_draws=208_000,
     pretraining_batch=32,
     geometry_epochs=30,
     geometry_clips=8_000,
-    language_steps=7_000,
+    language_steps=6_000,
     language_batch=64,
 )
 
