@@ -2,6 +2,7 @@
 
 import math
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -102,7 +103,7 @@ def spread(aligned):
 def test_noise_widens_the_spread_and_lowers_the_correlation():
     levels = [found(turned(3.0, 1.0), change=noisy(grey, 0)) for grey in (0.5, 4.0, 16.0)]
     spreads = [spread(one) for one in levels]
-    assert all((later > 2 * earlier).all() for earlier, later in zip(spreads, spreads[1:]))
+    assert all((later > 2 * earlier).all() for earlier, later in pairwise(spreads))
     correlations = [one.correlation for one in levels]
     assert correlations == sorted(correlations, reverse=True)
     assert 0 <= correlations[-1] < correlations[0] <= 1

@@ -69,7 +69,7 @@ def test_a_clockwise_turn_moves_the_top_right_and_the_right_side_down():
 def test_repeated_frames_carry_no_motion():
     clip = moving_clip((4.0, 0.0))
     still = measure_clip(clip.select([0, 0, 0, 0])).inputs
-    assert np.abs(still[..., ALIGNED]).max() == np.abs(still[..., LOCAL_AT : CONTRAST]).max() == 0
+    assert np.abs(still[..., ALIGNED]).max() == np.abs(still[..., LOCAL_AT:CONTRAST]).max() == 0
     pair, view, _ = measure_clip(clip.select([0, 0, 3, 3]))
     assert np.abs(pair[0, ..., ALIGNED]).max() == 0
     zoom = IMAGE_SIDE / view.side_px

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 import torch
+from geotlm_lm.odometry.movement import MOVEMENT_DIM
 
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
-from geotlm_lm.odometry.movement import MOVEMENT_DIM
 from geotlm_lm.training.scoring import ClipSet, score_bundle, true_option_likelihoods
 from tests.tiny_bundle import WIDTH, tiny_bundle
 

@@ -10,6 +10,7 @@ from operator import attrgetter
 import numpy as np
 import pytest
 import torch
+from geotlm_lm.training.retraining import retrain_odometer
 
 from geotlm_lm.checkpoint import load_bundle
 from geotlm_lm.core.clip import Clip
@@ -20,7 +21,6 @@ from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.training import config, examples, language, odometry, train
 from geotlm_lm.training.examples import read_examples
 from geotlm_lm.training.language import LanguageTraining
-from geotlm_lm.training.retraining import retrain_odometer
 from tests.training.in_process import InProcess
 
 TINY = replace(
