@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from geotlm_lm.backbone.motions import MOTIONS_SHAPE
 
+from geotlm_lm.backbone.motions import MOTIONS_SHAPE
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.training.examples import Examples

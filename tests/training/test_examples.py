@@ -48,7 +48,7 @@ def test_sets_are_read_one_behind_the_other_each_as_long_as_asked_for(tmp_path):
     assert [len(both), *map(len, parts)] == [12, 6, 6]
     assert both.labels == parts[0].labels + parts[1].labels
     assert both.objects == parts[0].objects + parts[1].objects
-    for name in ("inputs", "displacement_px", "contact", "depth_mm"):
+    for name in ("inputs", "motions", "displacement_px", "contact", "depth_mm"):
         joined = np.concatenate([getattr(part, name) for part in parts])
         assert np.array_equal(getattr(both, name), joined)
 
