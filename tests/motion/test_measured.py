@@ -124,6 +124,18 @@ def test_an_untouched_gel_has_a_radius_and_finite_hints():
     assert bool(found.hints.isfinite().all())
 
 
+def test_a_contact_on_another_grid_is_the_same_contact():
+    fine = looked_at(disc(3.0, -2.0), (0.1, 5.0, 2.0))
+    with torch.no_grad():
+        mask = torch.nn.functional.interpolate(disc(3.0, -2.0)[:, None], (28, 28))[:, 0]
+        geometry = DGR(4).pool(torch.zeros(1, 2, 28, 28, 2), torch.zeros(1, 28, 28, 2), mask)
+    inputs, motions = torch.zeros(1, 2, 14, 14, PATCH_INPUT_DIM), torch.zeros(1, *MOTIONS_SHAPE)
+    motions[..., :3] = torch.tensor((0.1, 5.0, 2.0))
+    other = measured(inputs, motions, geometry, torch.zeros(1, 4))
+    torch.testing.assert_close(other.paths, fine.paths, rtol=0.03, atol=0.03)
+    torch.testing.assert_close(other.hints, fine.hints, rtol=0.05, atol=0.05)
+
+
 def test_batches_joined_and_taken_apart_are_the_same():
     parts = [looked_at(disc(x, 0.0), (0.1, x, 0.0)) for x in (-1.0, 2.0)]
     both = Measured.joined(parts)

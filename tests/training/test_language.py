@@ -1,4 +1,5 @@
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -142,7 +143,7 @@ def test_the_rate_falls_to_nothing_in_a_cooldown_of_a_ninth():
     assert max(rates) == pytest.approx(config.learning_rate)
     assert rates[900] == pytest.approx(0.1 * config.learning_rate)
     assert rates[999] == pytest.approx(0.001 * config.learning_rate)
-    assert all(later < earlier for earlier, later in zip(rates[900:], rates[901:], strict=True))
+    assert all(later < earlier for earlier, later in pairwise(rates[900:]))
 
 
 def test_presses_are_asked_about_twice_as_often_as_turns():
