@@ -7,19 +7,15 @@ import tomllib
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal, Protocol, TypeVar
+from typing import Any, Literal
+
+from geotlm_lm.benchmarks.rows import Row
 
 Half = Literal["tune", "report"]
 HALVES: tuple[Half, ...] = ("report", "tune")
 
-
-class OfFamily(Protocol):
-    """A row of a table that names the family of what is touched."""
-
-    object_family: str
-
-
-Rows = TypeVar("Rows", bound=OfFamily)
+TUNE_TITLE = "Of the half that things are chosen by"
+"""Over the tables of `tune`, which are never mixed with those of `report`."""
 
 
 def half_of(family: str) -> Half:
@@ -38,8 +34,8 @@ def hashed(family: str) -> Half:
     return "report" if digest[0] % 2 else "tune"
 
 
-def rows_of_half(rows: Iterable[Rows], half: Half | None) -> tuple[Rows, ...]:
-    """Return the rows of a half, all for None."""
+def rows_of_half(rows: Iterable[Any], half: Half | None) -> tuple[Any, ...]:
+    """Return the rows of a half, by their `object_family`; all for None."""
     return tuple(row for row in rows if half in (None, half_of(row.object_family)))
 
 
@@ -48,9 +44,9 @@ def titled(title: str, half: Half | None) -> str:
     return title if half is None else f"{title}, {half}"
 
 
-def is_for_tuning(case: str) -> bool:
-    """Tell whether a set of clips, by what it is called, is of the half that is not reported."""
-    return f", {HALVES[1]}" in case
+def is_reported(row: Row) -> bool:
+    """Tell whether a row is not of the half that things are chosen by."""
+    return f", {HALVES[1]}" not in row.case
 
 
 @cache
