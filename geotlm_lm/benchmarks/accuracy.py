@@ -9,6 +9,7 @@ from geotlm_lm.benchmarks.amounts import AMOUNTS
 from geotlm_lm.benchmarks.clips import clip_rows, left_out
 from geotlm_lm.benchmarks.halves import HALVES, TUNE_TITLE, is_reported, titled
 from geotlm_lm.benchmarks.judging import NEAR
+from geotlm_lm.benchmarks.mixtures import MIXTURES
 from geotlm_lm.benchmarks.optics import OPTICS
 from geotlm_lm.benchmarks.protocols import PROTOCOLS
 from geotlm_lm.benchmarks.questions import QUESTIONS
@@ -108,7 +109,7 @@ ACCURACY = Bench(
     name="accuracy",
     title="Accuracy",
     about="What is right, how often, and beside what: simulated, real and published numbers apart.",
-    sections=(CLIPS_SECTION, AMOUNTS, QUESTIONS, PROTOCOLS, OPTICS),
+    sections=(CLIPS_SECTION, MIXTURES, AMOUNTS, QUESTIONS, PROTOCOLS, OPTICS),
 )
 
 EVALUATION = Bench(
