@@ -144,14 +144,15 @@ def motion_told(answer: Answer) -> Motion | None:
 def ways_claimed(answer: Answer) -> tuple[Motion, ...]:
     """Return the ways a turn and a slide are claimed to go, as the camera image shows them.
 
-    An answer that carries its `motion` claims what counts there, any other its direction alone.
+    An answer that carries its `motion` claims what more probably counts there than not, another its
+    direction alone, and one that is withheld nothing.
     """
-    motion = None if getattr(answer, "abstained", False) else getattr(answer, "motion", None)
-    if motion is None:
+    motion = getattr(answer, "motion", None)
+    if motion is None or answer.abstained:
         told = motion_told(answer)
         return (told,) if told in DIRECTED else ()
-    counting = (one for one in (Component.TURN, Component.SLIDE) if motion.counts[one])
-    return tuple(answer.frame.in_the_image(motion.twist.way(one)) for one in counting)
+    counting = (one for one in (Component.TURN, Component.SLIDE) if motion.counts[one] >= 0.5)
+    return tuple(motion.ways[one] for one in counting)
 
 
 def after_perceiving(perceive: Callable[[Clip], Encoded], read: Read) -> Variant:

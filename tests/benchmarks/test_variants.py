@@ -13,7 +13,7 @@ from geotlm_lm.benchmarks.variants import (
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
-from geotlm_lm.core.twist import Component, Twist
+from geotlm_lm.core.twist import Component
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.recordings.idle import estimate_background
 from tests.benchmarks.fakes import ALL, FakeAnswerer
@@ -118,13 +118,13 @@ def test_words_told_of_the_sensor_are_taken_for_what_the_object_does():
 
 
 def test_an_answer_claims_what_counts_in_its_motion_and_else_its_direction():
-    counts = {Component.TURN: True, Component.SLIDE: False, Component.PRESS: True}
-    motion = SimpleNamespace(twist=Twist(-9.0, 4.0, 0.0, 0.3), counts=counts)
+    counts = {Component.TURN: 0.9, Component.SLIDE: 0.4, Component.PRESS: 0.8}
+    ways = {Component.TURN: Motion.COUNTERCLOCKWISE, Component.SLIDE: Motion.RIGHT}
     told = SimpleNamespace(direction=Motion.PRESS, frame=FrameSpec(), abstained=False)
     assert ways_claimed(told) == ()
-    told.motion = motion
+    told.motion = SimpleNamespace(counts=counts, ways=ways)
     assert ways_claimed(told) == (Motion.COUNTERCLOCKWISE,)
-    counts[Component.SLIDE] = True
+    counts[Component.SLIDE] = 0.6
     assert ways_claimed(told) == (Motion.COUNTERCLOCKWISE, Motion.RIGHT)
     told.direction, told.abstained = None, True
     assert ways_claimed(told) == ()
