@@ -62,7 +62,7 @@ def build(answerer: Answerer) -> None:
             handlers.draw(made.shown, seen, place),
             made.truth_picture,
             made.read_picture,
-            f"### {literal(sentence_of(made.facts))}",
+            f"### {literal(sentence_of(made.facts))}\n{truth_of(made.facts['true'])}",
             made.facts,
         )
 
@@ -77,6 +77,15 @@ def sentence_of(facts: Mapping[str, Any]) -> str:
     true = " and ".join(facts["true_ways"] or [facts["true_motion"]])
     verdict = "correct" if facts["is_right"] else "wrong"
     return f"{facts['answer']}  ({verdict}: it was {true})"
+
+
+def truth_of(true: Mapping[str, float]) -> str:
+    """Return the true motion of the contact with all its components."""
+    return (
+        f"True, about the middle of the contact: {true['rotation_deg']:+.1f} degrees clockwise, "
+        f"{true['slide_x_px']:+.1f} px right, {true['slide_y_px']:+.1f} px down, "
+        f"{true['press_mm']:+.2f} mm inward."
+    )
 
 
 def _sliders(gr: Any) -> list[Any]:
