@@ -14,7 +14,8 @@ import cv2
 import torch
 
 from geotlm_lm.answering import Answerer, four_frames_with_background
-from geotlm_lm.backbone.contrast_equalisation import equalised_motions
+from geotlm_lm.backbone.imprint import imprint_of
+from geotlm_lm.backbone.motions import motions_of
 from geotlm_lm.backbone.stem import measure_clip
 from geotlm_lm.benchmarks.cases.recordings import RealCases, by_task, real_cases
 from geotlm_lm.benchmarks.cases.simulated import TASKS, SimulatedCases
@@ -29,10 +30,12 @@ from geotlm_lm.benchmarks.variants import (
     perceived_once,
     question_for,
 )
+from geotlm_lm.checkpoint import reading_of
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.seeding import seed_for
+from geotlm_lm.motion.measured import measured
 from geotlm_lm.precision import if_runnable
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
@@ -134,18 +137,23 @@ def stage_rows(run: Run) -> Iterator[Row]:
     """Yield the milliseconds of every stage of an answer, each alone on the same clip."""
     (clip,), bundle = runtime_clips(run, 1), run.answerer.bundle
     model, speaker, recording = bundle.model, bundle.speaker, long_recording(clip)
-    seen, _, images = measure_clip(clip)
-    inputs = torch.from_numpy(seen)[None]
+    imprint, stem = imprint_of(clip), measure_clip(clip)
+    inputs, motions = (torch.from_numpy(x)[None] for x in (stem.inputs, stem.motions.numbers()))
     tokens = model.backbone.encode_inputs(inputs)
-    token, options = model.fuse(tokens).fused_token, bundle.grammar.options_for("direction")
+    perception, options = model.fuse(tokens), bundle.grammar.options_for("direction")
+    token, geometry = perception.fused_token, perception.geometry
+    reading = reading_of(token, bundle.motion(measured(inputs, motions, geometry, token)))
     ways = {
         "choose 4 of 125 frames": lambda: four_frames_with_background(recording),
-        "stem: residual, flow, alignment": lambda: measure_clip(clip),
+        "stem": lambda: measure_clip(clip),
+        "of it: the imprint": lambda: imprint_of(clip),
+        "of it: rigid motions": lambda: motions_of(imprint),
         "backbone": lambda: model.backbone.encode_inputs(inputs),
         "DGR and fused token": lambda: model.fuse(tokens),
         "linear probe": lambda: model.probe.predict(token),
-        "how far: motions of evened images": lambda: equalised_motions(images),
-        "language model: answer, token by token": lambda: speaker.generate(token, [QUESTION]),
-        "language model: ten answers weighed": lambda: speaker.weigh(token[0], QUESTION, options),
+        "belief": lambda: bundle.motion(measured(inputs, motions, geometry, token)),
+        "language model: four slots felt": lambda: speaker.feel(reading),
+        "language model: answer, token by token": lambda: speaker.generate(reading, [QUESTION]),
+        "language model: ten answers weighed": lambda: speaker.weigh(reading[0], QUESTION, options),
     }
     yield from timed_rows("one clip", ways, run.size(30, 1))
