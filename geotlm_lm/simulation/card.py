@@ -62,15 +62,7 @@ def card_of(out: Path, count: int, wanted: dict[str, Any]) -> str:
             "|---|---|---|",
             *rows,
             "",
-            "Whatever its name, a clip may turn, slide and press at once. A component that counts",
-            f"is readable where it alone can have changed the picture by {READABLE_GREY:g} grey",
-            "levels.",
-            "",
-            "| component | counts | ambiguous | does not | readable share of those that count |",
-            "|---|---|---|---|---|",
-            *(_component_row(component, labels) for component in COMPONENTS),
-            "",
-            _together(labels),
+            *_component_lines(labels),
             "",
             f"Largest penetration the contact solver left: {worst_um:.1f} micrometres.",
             "",
@@ -86,6 +78,19 @@ def card_of(out: Path, count: int, wanted: dict[str, Any]) -> str:
             "",
         ]
     )
+
+
+def _component_lines(labels: list[MotionLabel]) -> list[str]:
+    return [
+        "Whatever its name, a clip may turn, slide and press at once. A component that counts",
+        f"is readable where it alone can have changed the picture by {READABLE_GREY:g} greys.",
+        "",
+        "| component | counts | ambiguous | does not | readable share of those that count |",
+        "|---|---|---|---|---|",
+        *(_component_row(component, labels) for component in COMPONENTS),
+        "",
+        _together(labels),
+    ]
 
 
 def _component_row(component: Component, labels: list[MotionLabel]) -> str:
