@@ -25,7 +25,7 @@ clip = handle_file("app/examples/bottle_cap_clockwise.npz")
 print(client.predict(clip, "Which way is it turning?", api_name="/ask")["text"])
 print(client.predict(clip, api_name="/evidence")["contact_share"])
 print(client.predict(clip, clip, api_name="/compare")["relation"])
-print(client.predict("key", 0.6, 15.0, 0.0, 0.0, 4.0, 0, api_name="/simulate")["answer"])
+print(client.predict("key", 0.6, 15.0, 0.4, 0.0, 0.1, 4.0, 0, api_name="/simulate")["answer"])
 ```
 """
 
@@ -124,6 +124,7 @@ class Api:
         twist_deg: float,
         slide_x_mm: float,
         slide_y_mm: float,
+        press_mm: float,
         thickness_mm: float,
         seed: int,
     ) -> SimulatedAnswer:
@@ -131,22 +132,24 @@ class Api:
 
         Args:
             object_name: For example "key", "coin", "hex_nut".
-            depth_mm: Approach beyond first touch.
+            depth_mm: Approach beyond first touch, half-way.
             twist_deg: Turn, positive clockwise in the image.
             slide_x_mm: Travel to the right.
             slide_y_mm: Travel down the image.
+            press_mm: Approach into the gel; negative lifts.
             thickness_mm: Of the gel.
             seed: Of the noise.
 
         Returns:
-            Which way it goes and how far, in words; the true motion, and the true amounts, the ones
-            in the learned shear, and their error.
+            Which way it goes and how far, in words; the true motion, which components count, the
+            true amounts, the ones in the learned shear, and their error.
         """
         numbers = {
             "depth_mm": depth_mm,
             "twist_deg": twist_deg,
             "slide_x_mm": slide_x_mm,
             "slide_y_mm": slide_y_mm,
+            "press_mm": press_mm,
             "thickness_mm": thickness_mm,
         }
         return simulate_and_ask(self._answerer, touch_of(object_name, numbers, seed)).facts

@@ -89,8 +89,10 @@ class SimulatedAnswer(TypedDict):
     direction: Motion | None
     confidence: float
     true_motion: Motion
+    true_ways: list[Motion]
+    counts: dict[str, bool | None]
+    is_visible: dict[str, bool]
     is_right: bool
-    is_readable: bool
     true: dict[str, float]
     read: dict[str, float]
     error: dict[str, float]

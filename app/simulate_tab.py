@@ -16,7 +16,15 @@ if TYPE_CHECKING:
 
 VIEWS = ["raw", "difference", "contact", "arrows", "depth"]
 
-LENGTHS = ("depth_mm", "twist_deg", "slide_x_mm", "slide_y_mm", "thickness_mm", "friction")
+NUMBERS = (
+    "twist_deg",
+    "slide_x_mm",
+    "slide_y_mm",
+    "press_mm",
+    "depth_mm",
+    "thickness_mm",
+    "friction",
+)
 """Fields of a `Touch`, in the order of the sliders."""
 
 
@@ -41,10 +49,10 @@ def build(answerer: Answerer) -> None:
                 truth = gr.Image(label="True displacement", interactive=False, buttons=BUTTONS)
                 read = gr.Image(label="Learned shear change", interactive=False, buttons=BUTTONS)
 
-    def run(seen: str, place: float, name: str, *numbers: float | None) -> Iterator[tuple]:
-        *lengths, seed = numbers
+    def run(seen: str, place: float, name: str, *given: float | None) -> Iterator[tuple]:
+        *numbers, seed = given
         try:
-            touch = touch_of(name, dict(zip(LENGTHS, lengths, strict=True)), seed)
+            touch = touch_of(name, dict(zip(NUMBERS, numbers, strict=True)), seed)
             made = simulate(answerer, touch)
         except Exception:
             yield None, None, None, None, "", None  # what was said of the touch before
@@ -54,7 +62,7 @@ def build(answerer: Answerer) -> None:
             handlers.draw(made.shown, seen, place),
             made.truth_picture,
             made.read_picture,
-            f"### {literal(sentence_of(made.facts))}",
+            f"### {literal(sentence_of(made.facts))}\n{truth_of(made.facts['true'])}",
             made.facts,
         )
 
@@ -66,18 +74,29 @@ def build(answerer: Answerer) -> None:
 
 def sentence_of(facts: Mapping[str, Any]) -> str:
     """Return the answer and whether it is correct; "right" would be taken for a direction."""
-    verdict = "correct" if facts["is_right"] else f"wrong: it was {facts['true_motion']}"
-    return f"{facts['answer']}  ({verdict})"
+    true = " and ".join(facts["true_ways"] or [facts["true_motion"]])
+    verdict = "correct" if facts["is_right"] else "wrong"
+    return f"{facts['answer']}  ({verdict}: it was {true})"
+
+
+def truth_of(true: Mapping[str, float]) -> str:
+    """Return the true motion of the contact with all its components."""
+    return (
+        f"True, about the middle of the contact: {true['rotation_deg']:+.1f} degrees clockwise, "
+        f"{true['slide_x_px']:+.1f} px right, {true['slide_y_px']:+.1f} px down, "
+        f"{true['press_mm']:+.2f} mm inward."
+    )
 
 
 def _sliders(gr: Any) -> list[Any]:
-    """Return the controls in the order of `Touch`'s fields."""
+    """Return the object, what is done to it in the order of `NUMBERS`, and the seed."""
     return [
         gr.Dropdown(list(OBJECTS), value="key", label="Object"),
-        gr.Slider(-0.2, 1.5, value=0.6, step=0.05, label="Depth, mm"),
-        gr.Slider(-40, 40, value=15, step=1, label="Twist, degrees (positive: clockwise)"),
-        gr.Slider(-3, 3, value=0, step=0.1, label="Slide to the right, mm"),
-        gr.Slider(-3, 3, value=0, step=0.1, label="Slide down, mm"),
+        gr.Slider(-60, 60, value=15, step=1, label="Turn, degrees (positive: clockwise)"),
+        gr.Slider(-5, 5, value=0.4, step=0.1, label="Slide to the right, mm"),
+        gr.Slider(-5, 5, value=0, step=0.1, label="Slide down, mm"),
+        gr.Slider(-1.5, 1.5, value=0, step=0.05, label="Press inward, mm (negative: lift)"),
+        gr.Slider(-0.2, 1.5, value=0.6, step=0.05, label="Depth half-way, mm"),
         gr.Slider(1, 6, value=4, step=0.1, label="Gel thickness, mm"),
         gr.Slider(0, 3, value=1, step=0.1, label="Friction coefficient"),
         gr.Number(value=0, precision=0, minimum=0, label="Seed"),

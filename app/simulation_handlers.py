@@ -14,7 +14,7 @@ from .clip_loading import Image, LoadedClip, perceive
 from .handlers import AMOUNT_QUESTION, DIRECTION_QUESTION
 
 if TYPE_CHECKING:
-    from geotlm_lm import Answerer, Touch
+    from geotlm_lm import Answerer, Motion, Touch
 
 OBJECTS = (
     "key",
@@ -85,28 +85,32 @@ def simulate(answerer: Answerer, touch: Touch) -> Simulated:
     answer = answerer.ask(shown.encoded, DIRECTION_QUESTION)
     how_far = answerer.ask(shown.encoded, AMOUNT_QUESTION)
     turn_deg, x_px, y_px = learned_motion(shown.encoded)
-    label = made.label
-    px_per_mm = [1 / size for size in made.mm_per_px]
-    true = {
-        "rotation_deg": label.rotation_deg,
-        "slide_x_px": label.slide_x_mm * px_per_mm[0],
-        "slide_y_px": label.slide_y_mm * px_per_mm[1],
-    }
+    twist, components = made.twist, made.components
+    true = {"rotation_deg": twist.turn_deg, "slide_x_px": twist.right_px}
+    true |= {"slide_y_px": twist.down_px, "press_mm": twist.inward_mm}
     read = {"rotation_deg": turn_deg, "slide_x_px": x_px, "slide_y_px": y_px}
     facts = {
         "answer": answer.text,
         "how_far": how_far.text,
         "direction": None if answer.direction is None else answer.direction.value,
         "confidence": round(answer.confidence, 4),
-        "true_motion": label.motion.value,
-        "is_right": answer.direction == label.motion,
-        "is_readable": label.is_readable,
+        "true_motion": made.label.motion.value,
+        "true_ways": [one.way.value for one in components.values() if one.counts],
+        "counts": {name.value: one.counts for name, one in components.items()},
+        "is_visible": {name.value: one.is_visible for name, one in components.items()},
+        "is_right": _is_right(answer.direction, made),
         "true": _rounded(true),
         "read": _rounded(read),
-        "error": _rounded({name: read[name] - true[name] for name in true}),
+        "error": _rounded({name: read[name] - true[name] for name in read}),
         "timing_ms": _rounded(made.timing_ms),
     }
     return Simulated(shown, _truth(made, shown), picture(shown.seen, "arrows"), facts)
+
+
+def _is_right(direction: Motion | None, made: Any) -> bool:
+    """Tell whether a direction is one of those the touch goes, or goes perhaps."""
+    ways = {one.way for one in made.components.values() if one.counts is not False}
+    return direction == made.label.motion or direction in ways
 
 
 def _truth(made: Any, shown: LoadedClip) -> Image:

@@ -1,10 +1,11 @@
-"""How far: amounts the odometer tells beside optical flow's, on clips whose amounts are known."""
+"""How far: amounts the odometer tells beside two rivals', on clips whose amounts are known."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -16,8 +17,15 @@ from geotlm_lm.answering.model_query import ModelReply
 from geotlm_lm.benchmarks.cases.recordings import real_cases
 from geotlm_lm.benchmarks.cases.semi_real import SemiRealSlides
 from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
+from geotlm_lm.benchmarks.halves import (
+    HALVES,
+    TUNE_TITLE,
+    is_reported,
+    rows_of_half,
+    titled,
+)
 from geotlm_lm.benchmarks.rendering import number, right_with_interval
-from geotlm_lm.benchmarks.rows import Listing, Row, Run, Section, every
+from geotlm_lm.benchmarks.rows import Listing, Row, Run, Section
 from geotlm_lm.benchmarks.statistics import share_row
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -28,6 +36,7 @@ from geotlm_lm.data.labelled_recordings import LabelledRecordings, WindowRow
 from geotlm_lm.data.question_contents import amount_of
 from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
 from geotlm_lm.language.parse_answer import Slots
+from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 
 ABOUT = """\
@@ -39,7 +48,9 @@ amounts are exact. Those of real windows were measured from the images: where tw
 differ by more than the tolerance the window is left out, and on gels with markers they are how far
 the markers went, which lag behind the object. Intervals resample families of objects."""
 
-CLIPS, ODOMETER, FLOW = 300, "odometer", "optical flow"
+CLIPS, ODOMETER = 300, "odometer"
+
+RIVALS = {"optical flow": RigidFlow(), "direct alignment": RigidAlignment()}
 
 Unit = Literal["deg", "px"]
 UNITS: dict[str, Unit] = {"rotation": "deg", "sliding": "px"}
@@ -70,29 +81,35 @@ class Moved:
 
 
 def amount_rows(run: Run) -> Iterator[Row]:
-    """Yield two rows for each source of clips: the odometer's and optical flow's."""
+    """Yield a row of the odometer and of each rival for each source of clips."""
     for title, clips in sources(run):
         run.progress(f"how far, {title}", 0, 1)
-        told = [(one, odometer_tells(run.answerer, one), flow_tells(one)) for one in clips]
-        for place, method in ((1, ODOMETER), (2, FLOW)) if told else ():
-            yield scored(title, method, [(one[0], one[place]) for one in told], run.seed)
+        told: dict[str, list[tuple[Moved, Amount | float]]] = {}
+        for one in clips:
+            told.setdefault(ODOMETER, []).append((one, odometer_tells(run.answerer, one)))
+            for name, rival in RIVALS.items():
+                told.setdefault(name, []).append((one, rival_tells(rival, one)))
+        for method, pairs in told.items():
+            yield scored(title, method, pairs, run.seed)
 
 
 def sources(run: Run) -> Iterator[tuple[str, Iterator[Moved]]]:
     """Yield titles and clips: simulated, real windows whose tables tell how far, semi-real."""
     few = slice(run.size(None, 2))
-    for is_unsteady in (False, True):
+    for task, unit in UNITS.items():
+        cases = SimulatedCases(task, run.size(CLIPS, 4), run.seed)
+        yield f"simulated {task}", _simulated(cases, unit)
+    found = real_cases(run.real) if run.real else {}
+    for (name, cases), half in product(found.items(), HALVES):
+        own = rows_of_half(cases.recordings.rows, half)
         for task, unit in UNITS.items():
-            cases = SimulatedCases(task, run.size(CLIPS, 4), run.seed, is_unsteady=is_unsteady)
-            yield cases.title, _simulated(cases, unit)
-    for name, cases in real_cases(run.real).items() if run.real else ():
-        for task, unit in UNITS.items():
-            rows = tuple(row for row in cases.recordings.rows if known_amount(row, unit))[few]
-            yield f"real {name}, {task}", _windows(replace(cases.recordings, rows=rows), unit)
-        touched = read_touch_table(cases.recordings.folder / TABLE_NAME)[few]
-        slides = SemiRealSlides(touched, run.seed).made()
+            rows = tuple(row for row in own if known_amount(row, unit))[few]
+            windows = _windows(replace(cases.recordings, rows=rows), unit)
+            yield titled(f"real {name}, {task}", half), windows
+        touched = read_touch_table(cases.recordings.folder / TABLE_NAME)
+        slides = SemiRealSlides(rows_of_half(touched, half)[few], run.seed).made()
         moved = (Moved(one.clip, "px", way, one.motion, one.family) for one, way in slides)
-        yield f"semi-real {name}, sliding", moved
+        yield titled(f"semi-real {name}, sliding", half), moved
 
 
 def _simulated(cases: SimulatedCases, unit: Unit) -> Iterator[Moved]:
@@ -132,9 +149,9 @@ def odometer_tells(answerer: Answerer, moved: Moved) -> Amount:
     return measured_amount(answerer.bundle, answerer.encode(moved.clip), heard, FrameSpec())
 
 
-def flow_tells(moved: Moved) -> float:
-    """Return what the rigid motion that fits optical flow best tells."""
-    found = RigidFlow().fit(moved.clip)
+def rival_tells(rival: RigidFlow | RigidAlignment, moved: Moved) -> float:
+    """Return what the rigid motion that a rival fits tells."""
+    found = rival.fit(moved.clip)
     if moved.unit == "deg":
         return abs(found.rotation_deg)
     rows, columns = moved.clip.frames.shape[1:3]
@@ -175,5 +192,8 @@ AMOUNTS = Section(
     title="How far it goes",
     about=ABOUT,
     run=lambda run: list(amount_rows(run)),
-    views={"": (Listing(_COLUMNS), every)},
+    views={
+        "": (Listing(_COLUMNS), is_reported),
+        TUNE_TITLE: (Listing(_COLUMNS), lambda row: not is_reported(row)),
+    },
 )

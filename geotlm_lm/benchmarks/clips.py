@@ -32,7 +32,8 @@ from geotlm_lm.benchmarks.cases.recordings import (
     without_idle_frame,
 )
 from geotlm_lm.benchmarks.cases.semi_real import SemiRealHeld, SemiRealSlides, UntouchedCases
-from geotlm_lm.benchmarks.cases.simulated import TASKS, UNREADABLE, SimulatedCases
+from geotlm_lm.benchmarks.cases.simulated import TASKS, SimulatedCases
+from geotlm_lm.benchmarks.halves import Half, rows_of_half, titled
 from geotlm_lm.benchmarks.judging import (
     Case,
     Replies,
@@ -42,7 +43,7 @@ from geotlm_lm.benchmarks.judging import (
     rows_of_replies,
 )
 from geotlm_lm.benchmarks.rows import Row, Run
-from geotlm_lm.benchmarks.variants import CONTRASTS, GENERATED, all_variants
+from geotlm_lm.benchmarks.variants import GENERATED, RIVALS, all_variants
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.data.manifest import Manifest
@@ -83,13 +84,15 @@ class Judge:
         self, title: str, replies: Replies, facts: Mapping[str, Any] | None = None
     ) -> list[Row]:
         """Return the rows of some replies."""
-        return rows_of_replies(title, replies, CONTRASTS, seed=self.run.seed, facts=facts)
+        seed = self.run.seed
+        return rows_of_replies(title, replies, GENERATED, RIVALS, seed=seed, facts=facts)
 
 
-def clip_rows(run: Run) -> Iterator[Row]:
+def clip_rows(run: Run, halves: Sequence[Half | None] = (None,)) -> Iterator[Row]:
     """Yield the rows of every set of clips.
 
     Args:
+        halves: Of the recordings, each judged apart; None for all of them.
         run: What is judged: `run.clips` readable simulated clips of each task (0 leaves simulation
             out), recordings of `run.real`, data sets of `run.data`.
 
@@ -102,7 +105,11 @@ def clip_rows(run: Run) -> Iterator[Row]:
     judge, found = Judge(run), 0
     clips = run.size(CLIPS, 6) if run.clips is None else run.clips
     sources = [_simulated(judge, clips)] if clips else []
-    sources += [_recordings(judge, name, cases) for name, cases in recordings.items()]
+    sources += [
+        _recordings(judge, name, cases, half)
+        for name, cases in recordings.items()
+        for half in halves
+    ]
     sources += [data_set_rows(judge, data_set) for data_set in data_sets.values()]
     for source in sources:
         for row in source:
@@ -117,89 +124,88 @@ def clip_rows(run: Run) -> Iterator[Row]:
 
 
 def _simulated(judge: Judge, clips: int) -> Iterator[Row]:
-    """Yield every simulated task, by a steady and by an unsteady hand."""
+    """Yield every simulated task."""
     for task in TASKS:
-        for is_unsteady in (False, True):
-            cases = SimulatedCases(
-                task, clips, judge.run.seed, is_unsteady=is_unsteady, with_unreadable=True
-            )
-            replies = judge.replies(cases.title, cases, cases.among, clips)
-            left_out = replies.where(**UNREADABLE)
-            named = int(left_out.right(GENERATED).sum()) if len(left_out) else 0
-            facts = {"unreadable_left_out": cases.unreadable, "unreadable_right": named}
-            yield from judge.rows(cases.title, replies.without(**UNREADABLE), facts)
+        title, cases = f"simulated {task}", SimulatedCases(task, clips, judge.run.seed)
+        replies = judge.replies(title, cases, cases.among, clips)
+        yield from judge.rows(title, replies, {"unreadable_left_out": cases.unreadable})
 
 
-def _recordings(judge: Judge, name: str, real: RealCases) -> Iterator[Row]:
+def _recordings(judge: Judge, name: str, real: RealCases, half: Half | None) -> Iterator[Row]:
     """Yield one folder's windows task by task, and what else it can be asked."""
-    if judge.run.is_quick:
-        rows = real.recordings.rows
-        real = RealCases(replace(real.recordings, rows=rows[:: -(-len(rows) // 6)]))
-    for part, cases in by_task(real).items():
-        yield from _windows(judge, name + part, cases)
-        for aside, shown in (
-            ("no idle frame", FourFrames(cases.recordings, without_idle_frame)),
-            ("turned by a quarter", FourFrames(cases.recordings, held_across)),
+    for part, whole in by_task(real).items():
+        rows = rows_of_half(whole.recordings.rows, half)
+        cases = RealCases(
+            replace(whole.recordings, rows=rows[:: judge.run.size(1, len(rows) or 1)])
+        )
+        yield from _windows(judge, f"real {name}{part}", cases, half)
+        for aside, change in (
+            ("no idle frame", without_idle_frame),
+            ("turned by a quarter", held_across),
         ):
-            title = f"real {name}{part}, {aside}"
+            title = titled(f"real {name}{part}, {aside}", half)
+            shown = FourFrames(cases.recordings, change)
             yield from judge.rows(title, judge.replies(title, shown, cases.among, len(shown)))
     if not judge.run.is_quick:
-        yield from _beyond_windows(judge, name, real)
+        yield from _beyond_windows(judge, name, real, half)
 
 
-def _windows(judge: Judge, name: str, cases: RealCases) -> Iterator[Row]:
-    """Yield four frames and pairs; each way of playing and each frame rate apart.
+def _windows(judge: Judge, name: str, cases: RealCases, half: Half | None) -> Iterator[Row]:
+    """Yield four frames and pairs, both ways; each frame rate apart.
 
     Cameras set to another rate often have another gain and zoom.
     """
-    replies = judge.replies(f"real {name}", cases, cases.among, len(cases))
+    replies = judge.replies(titled(name, half), cases, cases.among, len(cases))
     facts = {"labels_left_out": dict(cases.recordings.skipped)}
     rates = sorted({case.tags["fps"] for case in replies.cases})
-    for frames, title in (("four", "four frames"), ("pair", "pairs")):
-        part, title = replies.where(frames=frames), f"real {name}, {title}"
-        yield from judge.rows(title, part, facts)
-        for played in ("forwards", "backwards"):
-            yield from judge.rows(f"{title}, {played}", part.where(played=played))
+    for frames, title in (("four", f"{name}, four frames"), ("pair", f"{name}, pairs")):
+        part = replies.where(frames=frames)
+        yield from judge.rows(titled(title, half), part, facts)
         for rate in rates if len(rates) > 1 else ():
-            yield from judge.rows(f"{title}, {rate} fps", part.where(fps=rate))
+            yield from judge.rows(titled(f"{title}, {rate} fps", half), part.where(fps=rate))
 
 
-def _beyond_windows(judge: Judge, name: str, real: RealCases) -> Iterator[Row]:
-    """Yield whole recordings, untouched and semi-real clips, and clips without a direction."""
+def _beyond_windows(judge: Judge, name: str, real: RealCases, half: Half | None) -> Iterator[Row]:
+    """Yield whole recordings, semi-real slides, and clips without a direction."""
     table, seed = real.recordings.folder / TABLE_NAME, judge.run.seed
-    directed, touched = read_directed(table), read_touch_table(table)
+    directed, touched, untouched = (
+        rows_of_half(read(table), half)
+        for read in (read_directed, read_touch_table, read_untouched)
+    )
     if directed:
-        title, whole = f"real {name}, whole recordings", WholeRecordings(directed)
+        title, whole = titled(f"real {name}, whole recordings", half), WholeRecordings(directed)
         yield from judge.rows(title, judge.replies(title, whole, whole.among, len(whole)))
     if touched:
-        title, idle = f"real {name}, untouched", UntouchedCases(touched)
-        yield from judge.rows(title, judge.replies(title, idle, tuple(Motion), len(idle)))
-        title, slides = f"semi-real {name}, sliding", SemiRealSlides(touched, seed)
+        title, slides = titled(f"semi-real {name}, sliding", half), SemiRealSlides(touched, seed)
         replies = judge.replies(title, slides, SLIDES, len(slides))
         yield from judge.rows(title, replies, {"cut_off_left_out": slides.cut_off})
-    windows = NoContactWindows(read_untouched(table))
-    for title, cases, total in (
-        (f"real {name}, no visible contact", windows, len(windows.rows)),
-        (f"real {name}, pressed in", PressedIn(touched), len(PressedIn(touched))),
-        (f"semi-real {name}, held or pressed", SemiRealHeld(touched, seed), 3 * len(touched)),
+    for title, cases in (
+        (f"real {name}, untouched", UntouchedCases(touched)),
+        (f"real {name}, no visible contact", NoContactWindows(untouched)),
+        (f"real {name}, pressed in", PressedIn(touched)),
+        (f"semi-real {name}", SemiRealHeld(touched, seed)),
     ):
-        yield from _without_direction(judge, title, cases, total, windows)
+        yield from _without_direction(judge, title, cases, half)
 
 
 def _without_direction(
-    judge: Judge, title: str, cases: Iterable[Case], total: int, windows: NoContactWindows
-) -> list[Row]:
-    """Return the rows of clips without a direction; each is also played backwards."""
-    replies = judge.replies(title, cases, tuple(Motion), total)
-    if not len(replies):
-        return []
-    turned = judge.replies(f"{title}, backwards", backwards(cases), tuple(Motion), total)
-    claims = claims_turned_round(replies, turned)
-    too_short = windows.too_short if cases is windows else 0
-    rows = judge.rows(title, replies, {"too_short_left_out": too_short} if too_short else {})
-    return [
-        replace(row, detail=dict(row.detail) | {"claims_of": claims[row.variant]}) for row in rows
-    ]
+    judge: Judge,
+    title: str,
+    cases: UntouchedCases | NoContactWindows | PressedIn | SemiRealHeld,
+    half: Half | None,
+) -> Iterator[Row]:
+    """Yield the rows of clips without a direction, each also played backwards, by how held."""
+    whole = titled(title, half)
+    said = judge.replies(whole, cases, tuple(Motion), len(cases.rows))
+    facts = {"too_short_left_out": getattr(cases, "too_short", 0)}
+    again = backwards(cases)
+    turned = judge.replies(f"{whole}, backwards", again, tuple(Motion), len(cases.rows))
+    for held in sorted({case.tags.get("held", "") for case in said.cases}):
+        tags = {"held": held} if held else {}
+        claims = claims_turned_round(said.where(**tags), turned.where(**tags))
+        shown = titled(f"{title}, {held}" if held else title, half)
+        for row in judge.rows(shown, said.where(**tags), facts):
+            yield replace(row, detail={**row.detail, "turned_round": claims[row.variant]})
 
 
 def data_set_rows(judge: Judge, data_set: DataSet) -> Iterator[Row]:

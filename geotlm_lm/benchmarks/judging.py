@@ -18,6 +18,13 @@ from geotlm_lm.benchmarks.statistics import milliseconds, paired_difference, sha
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.grouping import mean_by_group
 from geotlm_lm.core.labels import DIRECTED, Motion, reverse
+from geotlm_lm.core.twist import COMPONENT_OF, Component
+
+NEAR = 0.005
+"""Share of right answers up to which words are not below a rival."""
+
+CLAIMED = (Component.TURN, Component.SLIDE)
+"""Components with a direction in the image plane: where there is none, none may be claimed."""
 
 
 @dataclass(frozen=True)
@@ -46,10 +53,17 @@ class Reply:
     Args:
         motion: The motion it names; None when it names none.
         milliseconds: Everything the variant needed from the clip in memory to the motion.
+        claims: Every way it says that a turn or a slide goes; None for that of `motion` alone.
     """
 
     motion: Motion | None
     milliseconds: float
+    claims: tuple[Motion, ...] | None = None
+
+    def claimed(self, component: Component) -> Motion | None:
+        """Return which way it says that a component goes; None where it says none."""
+        ways = (self.motion,) if self.claims is None else self.claims
+        return next((way for way in ways if COMPONENT_OF.get(way) is component), None)
 
 
 Variant = Callable[[Clip, tuple[Motion, ...]], Reply]
@@ -73,14 +87,8 @@ class Replies:
 
     def where(self, **tags: str) -> Replies:
         """Return the replies to the cases that carry all of `tags`."""
-        return self._pick(lambda case: tags.items() <= dict(case.tags).items())
-
-    def without(self, **tags: str) -> Replies:
-        """Return the replies to the cases that lack one of `tags` or more."""
-        return self._pick(lambda case: not tags.items() <= dict(case.tags).items())
-
-    def _pick(self, wanted: Callable[[Case], bool]) -> Replies:
-        kept = [i for i, case in enumerate(self.cases) if wanted(case)]
+        asked = tags.items()
+        kept = [i for i, case in enumerate(self.cases) if asked <= dict(case.tags).items()]
         return Replies(
             [self.cases[i] for i in kept],
             {name: [said[i] for i in kept] for name, said in self.replies.items()},
@@ -133,69 +141,58 @@ def ask_all(
 def rows_of_replies(
     title: str,
     replies: Replies,
-    contrasts: Sequence[tuple[str, str]] = (),
+    words: str = "",
+    rivals: Sequence[str] = (),
     *,
     seed: int = 0,
     facts: Mapping[str, Any] | None = None,
 ) -> list[Row]:
-    """Return one row per variant: its error, its times, and how it differs from others.
+    """Return one row per variant: its error, its times, and how words compare with their rivals.
 
     Args:
         title: What the rows call these cases.
         replies: What was said; without a case there is no row.
-        contrasts: Pairs (first, second): the first's row tells its accuracy less the second's.
+        words: The variant that is held against the better of its rivals.
+        rivals: The variants it may not be worse than.
         seed: Root of the resampling.
         facts: What is to be known of the cases beside; in the first row's detail.
     """
-    rows = []
+    rows, families = [], [case.family for case in replies.cases]
     for name in replies.replies if len(replies) else ():
-        rows.append(
-            share_row(
-                title,
-                name,
-                replies.right(name),
-                _families(replies),
-                seed,
-                detail=_detail(replies, name, contrasts, seed) | dict(facts or {}),
-                **milliseconds([one.milliseconds for one in replies.replies[name]]),
-            )
-        )
+        right, detail = replies.right(name), _detail(replies, name) | dict(facts or {})
+        others = {rival: replies.right(rival) for rival in rivals if rival in replies.replies}
+        if name == words and others:
+            better = max(others, key=lambda rival: others[rival].mean())
+            gain = paired_difference(right, others[better], families, seed=seed)
+            detail["rival"] = {"name": better, "is_below": gain["difference"] < -NEAR} | gain
+        ms = milliseconds([one.milliseconds for one in replies.replies[name]])
+        rows.append(share_row(title, name, right, families, seed, detail=detail, **ms))
         facts = None
     return rows
 
 
-def _detail(
-    replies: Replies, name: str, contrasts: Sequence[tuple[str, str]], seed: int
-) -> dict[str, Any]:
-    right = replies.right(name)
+def _detail(replies: Replies, name: str) -> dict[str, Any]:
     truths = [case.motion for case in replies.cases]
+    right, said = replies.right(name), replies.replies[name]
     by_object = mean_by_group(right, [case.object_id for case in replies.cases])
     detail: dict[str, Any] = {
         "macro_by_object": float(np.mean(list(by_object.values()))),
         "recall": {str(motion): share for motion, share in mean_by_group(right, truths).items()},
         "unanswered": sum(motion is None for motion in replies.motions(name)),
     }
-    undirected = [
-        motion
-        for truth, motion in zip(truths, replies.motions(name), strict=True)
-        if truth not in DIRECTED
-    ]
+    undirected = [one for truth, one in zip(truths, said, strict=True) if truth not in DIRECTED]
     if undirected:
-        detail["false_directions"] = sum(one in DIRECTED for one in undirected) / len(undirected)
-    less = {
-        second: paired_difference(right, replies.right(second), _families(replies), seed=seed)
-        for first, second in contrasts
-        if first == name and second in replies.replies
-    }
-    return detail | ({"less": less} if less else {})
+        detail["claims"] = {
+            part.value: sum(one.claimed(part) is not None for one in undirected) / len(undirected)
+            for part in CLAIMED
+        }
+    return detail
 
 
-def _families(replies: Replies) -> list[str]:
-    return [case.family for case in replies.cases]
-
-
-def claims_turned_round(forwards: Replies, backwards: Replies) -> dict[str, tuple[int, int]]:
-    """Return how many directions each variant claimed, and of how many the opposite too.
+def claims_turned_round(
+    forwards: Replies, backwards: Replies
+) -> dict[str, dict[str, tuple[int, int]]]:
+    """Return how many turns and slides each variant claimed, and of how many the opposite too.
 
     That a direction turns round with the clip speaks for a motion in it; one that a variant is
     merely inclined to claim stays as it is.
@@ -205,9 +202,12 @@ def claims_turned_round(forwards: Replies, backwards: Replies) -> dict[str, tupl
         backwards: What was said of the same clips in the same order, played backwards, perhaps
             asked in other words.
     """
-    counts = {}
-    for name in forwards.replies:
-        pairs = list(zip(forwards.motions(name), backwards.motions(name), strict=True))
-        claimed = [(one, other) for one, other in pairs if one in DIRECTED]
-        counts[name] = (len(claimed), sum(other == reverse(one) for one, other in claimed))
+    counts: dict[str, dict[str, tuple[int, int]]] = {}
+    for name, said in forwards.replies.items():
+        pairs = list(zip(said, backwards.replies[name], strict=True))
+        for part in CLAIMED:
+            ways = [(one.claimed(part), other.claimed(part)) for one, other in pairs]
+            claimed = [(one, other) for one, other in ways if one is not None]
+            turned = sum(other == reverse(one) for one, other in claimed)
+            counts.setdefault(name, {})[part.value] = (len(claimed), turned)
     return counts

@@ -1,4 +1,4 @@
-"""How firm the model's numbers are: formats, contact that vanishes, feature scales.
+"""How firm the model's numbers are: formats, and contact that vanishes.
 
 Rows of plain numbers; knows no pass mark.
 """
@@ -6,7 +6,6 @@ Rows of plain numbers; knows no pass mark.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import torch
 from torch import Tensor
@@ -23,22 +22,17 @@ from geotlm_lm.precision import FLOATS, GEOMETRY, PARTS, in_precision
 MASKS = tuple(10.0**-power for power in range(13))
 """Contact masks from full contact to 1e-12."""
 
-SCALES = (1e-4, 1e-2, 0.1, 0.5, 1.0, 2.0, 10.0, 1e2, 1e4)
-"""Factors on every token."""
-
 CLIPS = 20
-"""Clips whose answers are compared across number formats and scales."""
+"""Clips whose answers are compared across number formats."""
 
 Said = tuple[Motion | None, float]
 """The motion that an answer names, or None, and its probability."""
 
 
 def numerics_rows(run: Run) -> Iterator[Row]:
-    """Yield how firm pooling, number formats and feature scales are, in this order."""
-    cases = simulated_cases(run, CLIPS, 2)
+    """Yield how firm pooling and number formats are, in this order."""
     yield from contact_rows()
-    yield from format_rows(run.answerer, cases)
-    yield from scale_rows(run.answerer, cases)
+    yield from format_rows(run.answerer, simulated_cases(run, CLIPS, 2))
 
 
 def contact_rows(masks: Sequence[float] = MASKS) -> Iterator[Row]:
@@ -95,28 +89,6 @@ def _in_format(
     encoded = [changed.encode(case.clip) for case in cases]
     descriptors = [one.perception.geometry.descriptor[0].double() for one in encoded]
     return torch.stack(descriptors), [_said(changed, one) for one in encoded]
-
-
-def scale_rows(answerer: Answerer, cases: Sequence[Case]) -> Iterator[Row]:
-    """Yield what a factor on every token does, with the statistics as shipped and scaled along."""
-    shipped = answerer.bundle.model
-    tokens = [shipped.backbone.encode([case.clip]) for case in cases]
-    for factor in SCALES:
-        along = {
-            name: replace(old, mean=old.mean * factor, scale=old.scale * factor)
-            for name in ("global_standardiser", "patch_standardiser")
-            if (old := getattr(shipped, name))
-        }
-        for statistics, changed in (("as shipped", {}), ("scaled along", along)):
-            model, said = replace(shipped, **changed), []
-            for case, own in zip(cases, tokens, strict=True):
-                scaled = replace(
-                    own, global_token=own.global_token * factor, patches=own.patches * factor
-                )
-                said.append(_said(answerer, Encoded(case.clip, model.fuse(scaled), {})))
-            numbers = _counts(said, cases) | {"scale": factor}
-            error = 1 - numbers["right"] / len(cases)
-            yield Row(f"tokens times {factor:g}", statistics, len(cases), error, detail=numbers)
 
 
 def _said(answerer: Answerer, encoded: Encoded) -> Said:

@@ -57,10 +57,9 @@ def omission_rows(omissions: Iterable[Omission], repeats: int) -> Iterator[Row]:
 
 def model_omissions(run: Run) -> list[Omission]:
     """Return what is left out on the way to an answer about a simulated turn of four frames."""
-    (clip,), bundle = runtime_clips(run, 1), run.answerer.bundle
+    (clip,) = runtime_clips(run, 1)
     encode, ask = partial(run.answerer.encode, clip), run.answerer.ask
-    encoded, options = encode(), bundle.grammar.options_for("direction")
-    score = partial(bundle.speaker.score, encoded.perception.fused_token[0], QUESTION)
+    encoded = encode()
     words, refused = partial(ask, encoded, QUESTION), partial(ask, encoded, FOREIGN)
 
     def asked(views: Iterable[Encoded]) -> list[str]:
@@ -69,16 +68,11 @@ def model_omissions(run: Run) -> list[Omission]:
     def changed(full: list[str], lean: list[str]) -> dict[str, float]:
         return {"of answers changed": float(np.mean(np.not_equal(full, lean)))}
 
-    def farthest(full: list[float], lean: list[float]) -> dict[str, float]:
-        return {"nats": float(np.abs(np.subtract(full, lean)).max())}
-
     encodings = (lambda: asked(encode() for _ in QUESTIONS), lambda: asked(repeat(encode())))
-    prompts = (lambda: [score([one])[0] for one in options], lambda: score(options))
     return [
         Omission("encoding again", "three questions about one clip", *encodings, changed),
         Omission("the language model", "a rule answers", words, refused),
         Omission("evened images", "not asked how far", lambda: encode().equalised_motions, encode),
-        Omission("reading the prompt again", "ten answers scored", *prompts, farthest),
     ]
 
 

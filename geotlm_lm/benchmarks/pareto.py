@@ -2,58 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from statistics import mean
 
 from geotlm_lm.benchmarks import pareto_answers as answers
 from geotlm_lm.benchmarks.pareto_processes import command_rows
 from geotlm_lm.benchmarks.pareto_simulator import simulator_rows
-from geotlm_lm.benchmarks.rendering import markdown, number, save_figure
-from geotlm_lm.benchmarks.rows import Bench, Listing, Pivot, Row, Section, every
-
-LOOP_MS = 40.0
-"""A frame of a camera of 25 frames a second."""
-
-NEARLY = 0.01
-"""Errors this far apart count as the same."""
-
-
-def picks(rows: Sequence[Row]) -> Iterator[tuple[str, str, Row | None]]:
-    """Yield (use, rule, what to take) for a robot's loop and for a chat; None for nothing.
-
-    Over the sources of four frames, a method has its mean error and median, and its slowest p95.
-    """
-    four = [row for row in rows if row.case.endswith(answers.FOUR)]
-    methods = []
-    for name in dict.fromkeys(row.variant for row in four):
-        own = [row for row in four if row.variant == name]
-        error, ms = mean(row.error for row in own), mean(row.ms_p50 for row in own)
-        slowest = max(row.ms_p95 for row in own)
-        methods.append(Row("every source", name, len(own), error, ms_p50=ms, ms_p95=slowest))
-    near = f"the fastest within {NEARLY:g} of the least error"
-    in_time = [row for row in methods if row.ms_p95 < LOOP_MS]
-    speaking = [row for row in methods if row.variant.startswith(answers.WORDS)]
-    for use, rule, able in (
-        ("a robot's loop", f"{near} and a p95 below {LOOP_MS:g} ms", in_time),
-        ("a chat", f"{near} that answers in words", speaking),
-    ):
-        least = min((row.error for row in able), default=0.0)
-        good = [row for row in able if row.error <= least + NEARLY]
-        yield use, rule, min(good, key=lambda row: row.ms_p50, default=None)
-
-
-def picks_headline(rows: Sequence[Row]) -> str:
-    """Return what to take for a robot's loop and for a chat, and what it costs."""
-    lines = []
-    for use, rule, taken in picks(rows):
-        if taken is None:
-            lines.append([use, rule, "none", "-", "-"])
-        else:
-            times = f"{taken.ms_p50:.1f} / {taken.ms_p95:.1f}"
-            lines.append([use, rule, taken.variant, f"{taken.error:.3f}", times])
-    return markdown(["for", "rule", "take", "mean error", "ms, median / p95"], lines)
+from geotlm_lm.benchmarks.rendering import number, save_figure
+from geotlm_lm.benchmarks.rows import Bench, Listing, Row, Section, every
 
 
 def draw_fronts(cases: str, scale: str, rows: Sequence[Row], path: Path) -> None:
@@ -95,13 +52,6 @@ METHODS = Listing(
     }
 )
 COMMANDS = Listing(TIMED | {"MiB": lambda row: number(row.memory_mib, ".0f")})
-SIZES = Listing(
-    TIMED
-    | {
-        "parameters": lambda row: f"{row.detail['parameters']:,}",
-        "error": lambda row: number(row.error),
-    }
-)
 PRESETS = Listing(
     {
         "compared": lambda row: row.case,
@@ -115,7 +65,7 @@ PRESETS = Listing(
 PARETO = Bench(
     name="pareto",
     title="Error against run time and memory",
-    about="What a smaller error costs in time and memory, and what to take for which use.",
+    about="What a smaller error costs in time and memory.",
     sections=(
         Section(
             name="methods",
@@ -130,7 +80,6 @@ in both error and median time.""",
                 "Real recordings": (METHODS, lambda row: row.case.startswith("real")),
             },
             figure=partial(draw_fronts, answers.FOUR, "linear"),
-            headline=picks_headline,
         ),
         Section(
             name="stages",
@@ -140,27 +89,11 @@ in both error and median time.""",
             views={"": (Listing(TIMED), every)},
         ),
         Section(
-            name="batches",
-            title="Batches and threads",
-            about="Median milliseconds per clip; words are perceived and written token by token.",
-            run=answers.batch_rows,
-            views={"": (Pivot(lambda row: number(row.ms_p50, ".2f"), "at once", False), every)},
-        ),
-        Section(
             name="commands",
             title="Cold starts of the commands",
             about="Fresh processes on one thread, files cached; MiB is the most they ever held.",
             run=command_rows,
             views={"": (COMMANDS, every)},
-        ),
-        Section(
-            name="sizes",
-            title="Sizes of the language model",
-            about="""\
-Each is trained for the same few steps on one frozen perception: rows compare with each other only.
-Errors are means over the types of questions about everyday objects; times leave out perception.""",
-            run=answers.size_rows,
-            views={"": (SIZES, every)},
         ),
         Section(
             name="simulator",

@@ -48,10 +48,10 @@ def in_turn(ways: Mapping[str, Way], repeats: int) -> dict[str, list[Timed]]:
     return runs
 
 
-def timed_rows(case: str, ways: Mapping[str, Way], repeats: int, clips: int = 1) -> Iterator[Row]:
-    """Yield a row per way with its milliseconds per clip, where one run handles `clips` of them."""
+def timed_rows(case: str, ways: Mapping[str, Way], repeats: int) -> Iterator[Row]:
+    """Yield a row per way with its milliseconds."""
     for name, runs in in_turn(ways, repeats).items():
-        yield Row(case, name, repeats, **milliseconds([ms / clips for _, ms in runs]))
+        yield Row(case, name, repeats, **milliseconds([ms for _, ms in runs]))
 
 
 def command_rows(run: Run) -> Iterator[Row]:

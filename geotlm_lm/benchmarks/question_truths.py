@@ -1,8 +1,7 @@
 """What the right answer to a question is, for any motion and frame, and whether an answer is it.
 
 Works the truth out from labels and frames alone, apart from the rules that answer by them, so that
-a wrong rule is a wrong answer. A reader of motions without words (a probe, optical flow) is graded
-by the same truth: it is right where the motion it reads has the same answer.
+a wrong rule is a wrong answer.
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ from geotlm_lm.conversation.reasons import pattern_of
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED, SLIDES, Motion, mirror, motion_class, reverse
 from geotlm_lm.core.tolerance import within_tolerance
-from geotlm_lm.data.question_groups import CLAIMING
 from geotlm_lm.data.questions import QuestionAnswer
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.parse_answer import Slots
@@ -23,6 +21,9 @@ from geotlm_lm.language.parse_answer import Slots
 VERDICTS = {"negation": ("it is", "it is not"), "premise": ("it holds", "it does not")}
 VERDICTS |= dict.fromkeys(("verify", "contact", "moving"), ("yes", "no"))
 """Deciding words where the claim is true, and where it is not."""
+
+CLAIMING = frozenset({"verify", "negation", "premise"})
+"""Kinds whose questions claim a motion."""
 
 DECLINED = ("refusal", "comparison", "order")
 """Kinds that one clip cannot answer."""

@@ -56,7 +56,7 @@ As written, Eq. 5 shrinks a unit field under a faint mask; the exposed mass undo
 (*recovered*). A half without contact reads as a turn would, and *its mass*, 0, says so. By what the
 mask is the sigmoid of, which training changes, gradients stay bounded. Formats are held against
 float64, the descriptor's error in parts of its largest number; *geometry* is standardisation, DGR
-and probes. With every token multiplied nothing may change where statistics are scaled along."""
+and probes."""
 
 FILES_ABOUT = "Every format that is read, damaged: each must be read or refused in one sentence."
 
@@ -130,7 +130,6 @@ _SCENE_VIEWS = {
 _NUMERICS_VIEWS = {
     "Contact that vanishes": (_listing("mask", "", _CONTACT), _has("pooled")),
     "Number formats": (_listing("parts", "format", _ERROR, _RIGHT), _has("answers_changed")),
-    "Feature scales": (_listing("scale", "statistics", _RIGHT, _PROBABILITY), _has("scale")),
 }
 _FILE_VIEW = {"": (_listing("file", "damage", _details("d", *ENDS), _QUOTED), every)}
 

@@ -83,12 +83,7 @@ def paired_difference(
         second: Whether the second was.
         objects: The object of each clip.
         seed: Root of the resampling.
-
-    Raises:
-        ValueError: If the three do not have the same length.
     """
-    if not len(first) == len(second) == len(objects):
-        raise ValueError(f"lengths differ: {len(first)}, {len(second)}, {len(objects)}")
     gain = np.asarray(first, dtype=float) - np.asarray(second, dtype=float)
     if len(set(objects)) == 1:  # one object tells nothing of others
         return {"difference": float(gain.mean()), "low": -1.0, "high": 1.0}

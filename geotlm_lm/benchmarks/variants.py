@@ -1,4 +1,4 @@
-"""What is held side by side: the language model, the linear probes and classical optical flow.
+"""What is held side by side: the language model, the linear probes and two classical rivals.
 
 Binds the loaded model's parts to the form `judging` asks for; holds no numbers of its own.
 """
@@ -6,16 +6,20 @@ Binds the loaded model's parts to the form `judging` asks for; holds no numbers 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from geotlm_lm.benchmarks.judging import Reply, Variant, timed
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
-from geotlm_lm.data.questions import WORDINGS, questions_for
+from geotlm_lm.core.twist import Component
+from geotlm_lm.data.questions import as_typed, questions_for
+from geotlm_lm.data.templates import load_templates
+from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.recordings.idle import estimate_background
 
@@ -24,28 +28,25 @@ if TYPE_CHECKING:
 
 GENERATED = "words"
 GENERATED_UNSEEN = "words, unseen wordings"
-SCORED = "ten answers scored, of the task"
-SCORED_FREE = "ten answers scored"
 PROBE = "linear probe, of the task"
-PROBE_FREE = "linear probe"
 GLOBAL_PROBE = "linear probe without DGR, of the task"
 FLOW = "optical flow, of the task"
-"""Names of the rows; those "of the task" choose among the task's motions, the others among ten."""
+ALIGNMENT = "direct alignment, of the task"
+"""Names of the rows; those "of the task" choose among the task's motions, words among ten."""
+
+RIVALS = (FLOW, ALIGNMENT)
+"""What words may not be worse than."""
 
 QUESTION = "Which way is it moving?"
+"""Asked where any of the ten motions may come."""
 
-CONTRASTS = (
-    (GENERATED, PROBE),
-    (GENERATED, PROBE_FREE),
-    (GENERATED, FLOW),
-    (GENERATED_UNSEEN, GENERATED),
-    (PROBE, GLOBAL_PROBE),
-)
-"""Pairs whose difference every table reports."""
+VERBS = {ROTATIONS: ("turn", "turning"), SLIDES: ("slide", "sliding")}
+"""Motions of a task -> slots of the templates whose words name it."""
 
-ALL_MOTIONS = tuple(Motion)
+Told = tuple[Motion | None, tuple[Motion, ...]]
+"""The motion that is named, and every way that a turn or a slide is claimed to go."""
 
-Read = Callable[["Encoded", tuple[Motion, ...]], Motion | None]
+Read = Callable[["Encoded", tuple[Motion, ...]], Motion | Told | None]
 """Takes a perceived clip and the motions in question."""
 
 
@@ -61,18 +62,14 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
         answerer: The loaded model.
         seed: Root of the draw of question wordings.
     """
-    perceive = perceived_once(answerer)
-    model = answerer.bundle.model
+    perceive, model = perceived_once(answerer), answerer.bundle.model
 
-    # Every row has its own source, so that all rows of one share of wordings ask the same
-    # question about the same clip.
-    def words(wordings: WORDINGS) -> Read:
-        questions = direction_questions(seed, wordings)
-        return lambda encoded, among: motion_told(answerer.ask(encoded, questions()))
+    def words(question: Callable[[tuple[Motion, ...]], str]) -> Variant:
+        def ask(encoded: Encoded, among: tuple[Motion, ...]) -> Told:
+            answer = answerer.ask(encoded, question(among))
+            return motion_told(answer), ways_claimed(answer)
 
-    def scored() -> Read:
-        questions = direction_questions(seed, "seen")
-        return lambda encoded, among: most_probable(answerer.score(encoded, questions()), among)
+        return after_perceiving(perceive, ask)
 
     def probe(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
         return model.probe.predict(encoded.perception.fused_token, among)[0]
@@ -80,41 +77,60 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
     def global_probe(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
         return model.global_probe.predict(encoded.perception.global_token, among)[0]
 
-    def among_all(read: Read) -> Read:
-        return lambda encoded, among: read(encoded, ALL_MOTIONS)
-
     return {
-        GENERATED: after_perceiving(perceive, words("seen")),
-        GENERATED_UNSEEN: after_perceiving(perceive, words("held_out")),
-        SCORED: after_perceiving(perceive, scored()),
-        SCORED_FREE: after_perceiving(perceive, among_all(scored())),
+        GENERATED: words(question_for),
+        GENERATED_UNSEEN: words(unseen_wordings(seed)),
         PROBE: after_perceiving(perceive, probe),
-        PROBE_FREE: after_perceiving(perceive, among_all(probe)),
         GLOBAL_PROBE: after_perceiving(perceive, global_probe),
-        FLOW: timed(flow_on_the_guessed_gel),
+        FLOW: rival(RigidFlow().predict),
+        ALIGNMENT: rival(RigidAlignment().predict),
     }
 
 
-def flow_on_the_guessed_gel(clip: Clip, among: tuple[Motion, ...]) -> Motion:
-    """Return optical flow's choice, given the background the model would guess where none is known.
+def rival(predict: Callable[[Clip, tuple[Motion, ...]], Motion]) -> Variant:
+    """Return a rival, given the idle gel that the model would guess where none is known.
 
     Against the mean frame, which it takes otherwise, the ghosts of the other frames' imprints drown
     a small motion.
     """
-    background = clip.background
-    if background is None:
-        background = estimate_background(clip.frames)
-    return RigidFlow().predict(clip, among, background)
+
+    def on_gel(clip: Clip, among: tuple[Motion, ...]) -> Motion:
+        if clip.background is None:
+            clip = replace(clip, background=estimate_background(clip.frames))
+        return predict(clip, among)
+
+    return timed(on_gel)
 
 
-def direction_questions(seed: int, wordings: WORDINGS) -> Callable[[], str]:
-    """Return a source of open questions about direction, another wording at each call.
+def question_for(among: Sequence[Motion]) -> str:
+    """Return the open question about motions of a task: which way it turns, slides or moves."""
+    verbs = VERBS.get(tuple(among))
+    return f"Which way is it {verbs[1]}?" if verbs else QUESTION
+
+
+def unseen_wordings(seed: int) -> Callable[[tuple[Motion, ...]], str]:
+    """Return a source of open questions in wordings kept from training, another at each call.
 
     The label they are drawn for is always the same, so that no question can give the truth away.
+    Those about turns or slides put its verb where the wording takes any.
     """
-    rng = generator_for(seed, "wordings", wordings)
-    label = MotionLabel(Motion.CLOCKWISE)
-    return lambda: questions_for(label, rng, types=("T1",), wordings=wordings)[0].question
+    rng, templates = generator_for(seed, "wordings", "held_out"), load_templates()
+    label, held_out = MotionLabel(Motion.CLOCKWISE), templates.types["T1"].among("held_out")
+    texts = [one.text for one in held_out if "{object}" in one.text]
+
+    def question(among: tuple[Motion, ...]) -> str:
+        if among not in VERBS:
+            return questions_for(label, rng, types=("T1",), wordings="held_out")[0].question
+        verb, doing = ("{" + slot + "}" for slot in VERBS[among])
+        fitting = [
+            text.replace("{going}", doing).replace("{go}", verb)
+            for text in texts
+            if "{going}" in text or "{go}" in text
+        ]
+        text = fitting[int(rng.integers(len(fitting)))]
+        return as_typed(templates.fill(text, rng, held_out=True), templates, rng)
+
+    return question
 
 
 def motion_told(answer: Answer) -> Motion | None:
@@ -125,9 +141,18 @@ def motion_told(answer: Answer) -> Motion | None:
     return None if answer.direction is None else answer.frame.in_the_image(answer.direction)
 
 
-def most_probable(options: Mapping[str, float], among: tuple[Motion, ...]) -> Motion:
-    """Return the one of `among` with the largest probability; a missing one has none."""
-    return max(among, key=lambda motion: options.get(motion.value, 0.0))
+def ways_claimed(answer: Answer) -> tuple[Motion, ...]:
+    """Return the ways a turn and a slide are claimed to go, as the camera image shows them.
+
+    An answer that carries its `motion` claims what more probably counts there than not, another its
+    direction alone, and one that is withheld nothing.
+    """
+    motion = getattr(answer, "motion", None)
+    if motion is None or answer.abstained:
+        told = motion_told(answer)
+        return (told,) if told in DIRECTED else ()
+    counting = (one for one in (Component.TURN, Component.SLIDE) if motion.counts[one] >= 0.5)
+    return tuple(motion.ways[one] for one in counting)
 
 
 def after_perceiving(perceive: Callable[[Clip], Encoded], read: Read) -> Variant:
@@ -144,8 +169,9 @@ def after_perceiving(perceive: Callable[[Clip], Encoded], read: Read) -> Variant
             # Whoever refuses a clip has not named its motion; the others are still asked.
             return Reply(None, 1e3 * (time.perf_counter() - started))
         started = time.perf_counter()
-        motion = read(encoded, among)
+        told = read(encoded, among)
         took = 1e3 * (time.perf_counter() - started)
-        return Reply(motion, sum(encoded.timing_ms.values()) + took)
+        motion, claims = told if isinstance(told, tuple) else (told, None)
+        return Reply(motion, sum(encoded.timing_ms.values()) + took, claims)
 
     return whole

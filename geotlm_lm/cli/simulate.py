@@ -8,7 +8,14 @@ from typing import Annotated, Any, Literal
 import typer
 
 from geotlm_lm.cli.options import Force, Seed, path_option, require_new_file, require_writable
-from geotlm_lm.cli.simulate_clip import own_body, require_shape, simulate_one, write_clip
+from geotlm_lm.cli.simulate_clip import (
+    move_of,
+    own_body,
+    require_shape,
+    simulate_move,
+    simulate_one,
+    write_clip,
+)
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.threads import usable_cores
@@ -49,9 +56,35 @@ LabelsOnly = Annotated[
 ClipFile = Annotated[
     Path | None, path_option(help="Write one clip to this .npz instead of a data set.")
 ]
+Mixed = Annotated[
+    float | None,
+    typer.Option(
+        min=0.0,
+        max=1.0,
+        help="Share of the data set's clips that turn, slide and press at once. [default: 0]",
+    ),
+]
 MotionOf = Annotated[
     MotionName | None,
-    typer.Option(help="With --clip: what the object does. [default: clockwise]"),
+    typer.Option(
+        help="With --clip: what the object does, as a random hand does it. [default: clockwise]"
+    ),
+]
+Turn = Annotated[
+    float | None,
+    typer.Option(help="With --clip, instead of --motion: degrees turned, clockwise positive."),
+]
+SlideRight = Annotated[float | None, typer.Option(help="At once: mm slid to the right.")]
+SlideDown = Annotated[float | None, typer.Option(help="At once: mm slid down the image.")]
+Press = Annotated[float | None, typer.Option(help="At once: mm pressed in; negative lifts.")]
+PivotRight = Annotated[
+    float | None,
+    typer.Option(help="With --turn: its axis, mm to the right of where the contact's middle ends."),
+]
+PivotDown = Annotated[float | None, typer.Option(help="The same, mm below it.")]
+Depth = Annotated[
+    float | None,
+    typer.Option(help="With these: mm beyond first touch, half-way. [default: 0.6]"),
 ]
 ObjectName = Annotated[
     str | None,
@@ -77,6 +110,7 @@ def simulate(
     out: DataSet = None,
     count: Count = None,
     objects: Objects = None,
+    mixed: Mixed = None,
     workers: Workers = None,
     preset: Preset = "fast",
     drift: Drift = False,
@@ -84,6 +118,13 @@ def simulate(
     labels_only: LabelsOnly = False,
     clip: ClipFile = None,
     motion: MotionOf = None,
+    turn: Turn = None,
+    slide_right: SlideRight = None,
+    slide_down: SlideDown = None,
+    press: Press = None,
+    pivot_right: PivotRight = None,
+    pivot_down: PivotDown = None,
+    depth: Depth = None,
     object_name: ObjectName = None,
     height_map: HeightMap = None,
     mm_per_px: SampleSize = None,
@@ -93,32 +134,55 @@ def simulate(
 ) -> None:
     """Simulate touches: contact mechanics, optics, noise, and the truth about each clip.
 
-    Example: geotlm-lm simulate --clip clip.npz --motion clockwise --object key
+    Example: geotlm-lm simulate --clip clip.npz --turn 20 --slide-right 0.8 --press 0.1
     """
     if (out is None) == (clip is None):
         raise UsageError("Give one of --out (a data set) and --clip (a single clip).")
-    scenes = {"preset": preset, "with_drift": drift, "marker_share": float(markers), "seed": seed}
+    scenes = {"preset": preset, "with_drift": drift, "seed": seed}
+    moves = {"--turn": turn, "--slide-right": slide_right, "--slide-down": slide_down}
+    moves |= {"--press": press, "--pivot-right": pivot_right, "--pivot-down": pivot_down}
+    moves |= {"--depth": depth}
+    own = {"--height-map": height_map, "--mm-per-px": mm_per_px, "--relief-mm": relief_mm}
     if clip is not None:
-        others = {"--count": count, "--objects": objects, "--workers": workers}
+        others = {"--count": count, "--objects": objects, "--mixed": mixed, "--workers": workers}
         _refuse("--clip", others | {"--labels-only": labels_only or None})
-        if clip.suffix != ".npz":
-            raise UsageError(f"--clip {clip} was given, expected a name that ends in .npz.")
-        indenter = own_body(height_map, mm_per_px, relief_mm, object_name)
-        name = "key" if height_map is None else height_map.stem
-        if object_name is not None:
-            name = object_name
-        if indenter is None:
-            require_shape(name)  # told before the simulator is loaded
-        require_new_file(clip, "--clip", is_forced=force)
-        made = simulate_one(name, Motion(motion or "clockwise"), indenter=indenter, **scenes)
-        write_clip(clip, made)
+        if motion is not None:
+            _refuse("--motion", moves)
+        _write_clip(clip, force, motion, move_of(moves), object_name, own, markers, scenes)
         print(clip)
     else:
-        own = {"--height-map": height_map, "--mm-per-px": mm_per_px, "--relief-mm": relief_mm}
         named = {"--motion": motion, "--object": object_name, "--force": force or None}
-        _refuse("--out", named | own)
+        _refuse("--out", named | moves | own)
+        scenes |= {"marker_share": float(markers), "mixed_share": mixed or 0.0}
         _write_data_set(out, count or 100, objects or "training", workers, labels_only, scenes)
         print(out)
+
+
+def _write_clip(
+    clip: Path,
+    is_forced: bool,
+    motion: str | None,
+    move: dict[str, float],
+    object_name: str | None,
+    own: dict[str, Any],
+    is_marked: bool,
+    scenes: dict[str, Any],
+) -> None:
+    if clip.suffix != ".npz":
+        raise UsageError(f"--clip {clip} was given, expected a name that ends in .npz.")
+    indenter = own_body(*own.values(), object_name)
+    name = "key" if indenter is None else own["--height-map"].stem
+    if object_name is not None:
+        name = object_name
+    if indenter is None:
+        require_shape(name)  # told before the simulator is loaded
+    require_new_file(clip, "--clip", is_forced=is_forced)
+    scenes = scenes | {"indenter": indenter, "is_marked": is_marked}
+    if move:
+        made = simulate_move(name, move, **scenes)
+    else:
+        made = simulate_one(name, Motion(motion or "clockwise"), **scenes)
+    write_clip(clip, made)
 
 
 def _write_data_set(

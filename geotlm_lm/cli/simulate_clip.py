@@ -1,8 +1,9 @@
-"""A single simulated clip for `geotlm-lm simulate --clip`: the object, the scene, the file."""
+"""A single simulated clip for `geotlm-lm simulate --clip`: object, movement, scene, file."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -66,7 +67,7 @@ def simulate_one(
     preset: PresetName = "fast",
     with_drift: bool = False,
     indenter: Indenter | None = None,
-    marker_share: float = 0.0,
+    is_marked: bool = False,
 ) -> SimulatedClip:
     """Return one simulated clip of a built-in shape or of an `indenter` of one's own.
 
@@ -87,10 +88,75 @@ def simulate_one(
         object_name=object_name,
         motion=motion,
         indenter=indenter,
-        marker_share=marker_share,
+        marker_share=float(is_marked),
     )
     made = simulate_scenes([scene], seed=seed, preset=preset, with_drift=with_drift)
     return made[0]
+
+
+FIELDS = {
+    "--turn": "twist_deg",
+    "--slide-right": "slide_x_mm",
+    "--slide-down": "slide_y_mm",
+    "--press": "press_mm",
+    "--pivot-right": "pivot_x_mm",
+    "--pivot-down": "pivot_y_mm",
+    "--depth": "depth_mm",
+}
+"""Option -> the field of a `Touch` that it gives."""
+
+
+def move_of(options: Mapping[str, float | None]) -> dict[str, float]:
+    """Return what the options ask the object to do, by the fields of a `Touch`.
+
+    Args:
+        options: The names in `FIELDS` -> what was given; None for nothing.
+
+    Raises:
+        UsageError: If a number is outside its range, or says something of a turn there is not.
+    """
+    given = {name: value for name, value in options.items() if value is not None}
+    if not given:
+        return {}
+    from geotlm_lm.simulation.touch import require_in_range
+
+    for name, value in given.items():
+        require_in_range(FIELDS[name], value, name)
+    if not given.get("--turn") and (given.get("--pivot-right") or given.get("--pivot-down")):
+        raise UsageError(
+            "--pivot-right and --pivot-down say where the axis of a --turn lies; give one."
+        )
+    return {FIELDS[name]: value for name, value in given.items()}
+
+
+def simulate_move(
+    object_name: str,
+    move: Mapping[str, float],
+    seed: int,
+    *,
+    preset: PresetName = "fast",
+    with_drift: bool = False,
+    indenter: Indenter | None = None,
+    is_marked: bool = False,
+) -> SimulatedClip:
+    """Return one simulated clip of exactly this movement, seen by the measured GelSight Mini.
+
+    Args:
+        object_name: A built-in shape, or any name beside an `indenter`.
+        move: What `move_of` returned.
+        seed: Of the noise and of the idle gel.
+        preset: How finely and tightly the contact is solved.
+        with_drift: Whether the gel's drift is solved too.
+        indenter: A shape of one's own.
+        is_marked: Whether dots are printed on the gel.
+
+    Raises:
+        UsageError: If the press goes deeper than the gel takes, or there is no such shape.
+    """
+    from geotlm_lm.simulation.touch import Touch, simulate_touch
+
+    touch = Touch(object_name, **move, seed=seed, indenter=indenter, is_marked=is_marked)
+    return simulate_touch(touch, preset=preset, with_drift=with_drift)
 
 
 def write_clip(path: Path, made: SimulatedClip) -> None:

@@ -8,6 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.core.twist import COMPONENTS, Component
+from geotlm_lm.simulation.label import components_of
+from geotlm_lm.simulation.trace import READABLE_GREY
+
 FRAMES_IN_CARD = "`frames` uint8 (clips, 4, 224, 224, 3) RGB, `backgrounds` the idle gel,"
 
 LABELS_ONLY_IN_CARD = """\
@@ -24,13 +29,16 @@ def card_of(out: Path, count: int, wanted: dict[str, Any]) -> str:
         count: Clips in it.
         wanted: What `dataset.json` says of it.
     """
-    motions: dict[str, list[bool]] = {}
+    labels: list[MotionLabel] = []
     worst_um = 0.0
     for path in sorted(out.glob("shard-*.npz")):
         with np.load(path, allow_pickle=False) as stored:
             worst_um = max(worst_um, float(stored["penetration_um"].max()))
-            for values in json.loads(str(stored["labels"])):
-                motions.setdefault(values["motion"], []).append(values["is_readable"])
+            told = json.loads(str(stored["labels"]))
+        labels += [MotionLabel.from_dict(values) for values in told]
+    motions: dict[str, list[bool]] = {}
+    for label in labels:
+        motions.setdefault(label.motion.value, []).append(label.is_readable)
     rows = [
         f"| {name} | {len(seen)} | {1 - sum(seen) / len(seen):.3f} |"
         for name, seen in sorted(motions.items())
@@ -45,13 +53,16 @@ def card_of(out: Path, count: int, wanted: dict[str, Any]) -> str:
             "",
             f"{count} clips of {len(wanted['objects'])} bodies, seed {wanted['seed']}, preset",
             f"{wanted['preset']}, series {wanted['series']}, markers on the gel in a share of",
-            f"{wanted['marker_share']:g}, made by",
+            f"{wanted['marker_share']:g}, turn, slide and press mixed freely in a share of",
+            f"{wanted['mixed_share']:g}, made by",
             "`geotlm_lm.simulation`: a rigid body on a bonded elastic layer, seen by a camera",
             "under three coloured lights. Everything is simulated; nothing was recorded.",
             "",
             "| motion | clips | unreadable share |",
             "|---|---|---|",
             *rows,
+            "",
+            *_component_lines(labels),
             "",
             f"Largest penetration the contact solver left: {worst_um:.1f} micrometres.",
             "",
@@ -67,3 +78,31 @@ def card_of(out: Path, count: int, wanted: dict[str, Any]) -> str:
             "",
         ]
     )
+
+
+def _component_lines(labels: list[MotionLabel]) -> list[str]:
+    return [
+        "Whatever its name, a clip may turn, slide and press at once. A component that counts",
+        f"is readable where it alone can have changed the picture by {READABLE_GREY:g} greys.",
+        "",
+        "| component | counts | ambiguous | does not | readable share of those that count |",
+        "|---|---|---|---|---|",
+        *(_component_row(component, labels) for component in COMPONENTS),
+        "",
+        _together(labels),
+    ]
+
+
+def _component_row(component: Component, labels: list[MotionLabel]) -> str:
+    told = [components_of(label)[component] for label in labels]
+    visible = [one.is_visible for one in told if one.counts]
+    share = f"{np.mean(visible):.3f}" if visible else "-"
+    numbers = (sum(one.counts is kind for one in told) for kind in (True, None, False))
+    return f"| {component} | {' | '.join(map(str, numbers))} | {share} |"
+
+
+def _together(labels: list[MotionLabel]) -> str:
+    """Return how many clips hold how many components at once."""
+    held = [sum(one.counts is True for one in components_of(label).values()) for label in labels]
+    told = (f"{held.count(number)} of {number}" for number in range(len(COMPONENTS) + 1))
+    return f"Clips by the number of components that count: {', '.join(told)}."

@@ -35,7 +35,7 @@ from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.threads import one_thread_in_children
 from geotlm_lm.simulation.card import card_of
 from geotlm_lm.simulation.presets import PresetName, preset_named
-from geotlm_lm.simulation.randomise import MARKER_SHARE
+from geotlm_lm.simulation.randomise import MARKER_SHARE, MIXED_SHARE
 from geotlm_lm.simulation.series import SERIES_VERSION, simulate_series
 from geotlm_lm.simulation.simulate import SimulatedClip
 
@@ -65,6 +65,7 @@ def write_dataset(
     preset: PresetName = "fast",
     with_drift: bool = False,
     marker_share: float = MARKER_SHARE,
+    mixed_share: float = MIXED_SHARE,
     with_frames: bool = True,
     progress: Progress = silent,
 ) -> Path:
@@ -80,6 +81,7 @@ def write_dataset(
         preset: How finely and tightly the contact is solved.
         with_drift: Whether the gel's tangential displacement is part of the truth.
         marker_share: Share of clips on a gel with markers.
+        mixed_share: Share of clips that turn, slide and press at once, as they may.
         with_frames: Whether pictures are written beside labels and true fields.
         progress: Told after every shard how many clips are done.
 
@@ -97,6 +99,7 @@ def write_dataset(
         "preset": preset_named(preset).name,
         "with_drift": with_drift,
         "marker_share": marker_share,
+        "mixed_share": mixed_share,
         "with_frames": with_frames,
     }
     wanted = {"format": DATASET_FORMAT, "series": SERIES_VERSION} | options
@@ -138,6 +141,8 @@ def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
         raise UsageError(
             f"{out / 'dataset.json'} does not say what the folder holds; choose an empty folder."
         ) from error
+    # A folder that does not say has no mixed clips.
+    found = {"mixed_share": 0.0} | found
     if {name: found.get(name) for name in wanted} != wanted:
         raise UsageError(
             f"{out} holds another data set (seed {found.get('seed')}, expected "

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE, PATCH_SIDE
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionLabel
+from geotlm_lm.core.twist import COMPONENTS, Component, Twist, counts
 from geotlm_lm.simulation.scene import Scene
-from geotlm_lm.simulation.trace import Trace
+from geotlm_lm.simulation.trace import READABLE_GREY, Trace
 
 READABLE_CONTACT = 0.005
 """Share of the view that must be in contact for a motion to be read at all: one patch of 14x14."""
@@ -40,6 +43,45 @@ def label_for(
         radius_px=trace.radius_px,
         visible_grey=trace.visible_grey,
     )
+
+
+def twist_of(label: MotionLabel) -> Twist:
+    """Return the motion with all its components that a simulated clip's label tells.
+
+    Raises:
+        ValueError: If the label does not tell the travel of the contact, as recordings' do not.
+    """
+    if label.travel_px is None:
+        raise ValueError("a label without the travel of the contact tells no twist")
+    return Twist(label.rotation_deg, *label.travel_px, label.depth_change_mm)
+
+
+@dataclass(frozen=True)
+class ComponentTruth:
+    """What is true of one component of a clip's motion.
+
+    Args:
+        way: Name nearest to its direction.
+        counts: Whether it counts; None where that is ambiguous.
+        is_visible: Whether it alone can have changed the picture by more than noise does.
+    """
+
+    way: Motion
+    counts: bool | None
+    is_visible: bool
+
+
+def components_of(label: MotionLabel) -> dict[Component, ComponentTruth]:
+    """Return what a simulated clip's label tells of each component."""
+    twist = twist_of(label)
+    return {
+        component: ComponentTruth(
+            twist.way(component),
+            counts(component, twist.path(component, label.radius_px)),
+            grey >= READABLE_GREY,
+        )
+        for component, grey in zip(COMPONENTS, label.visible_grey, strict=True)
+    }
 
 
 def is_readable(

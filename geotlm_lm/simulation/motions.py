@@ -1,6 +1,7 @@
-"""Random paths: each of the ten motions, and turn, slide and press freely mixed.
+"""Paths: a turn, a slide and a press as they are asked for, and random ones.
 
-Knows no shape and no image.
+Random paths show each of the ten motions, or turn, slide and press freely mixed. Knows no shape
+and no image.
 """
 
 from __future__ import annotations
@@ -166,16 +167,58 @@ def mixed_path(
     return Path(*(tuple(float(value) for value in row) for row in (depth, x, y, turn)))
 
 
-def dominant_motion(path: Path) -> Motion:
+def path_of(
+    *,
+    turn_deg: float = 0.0,
+    right_mm: float = 0.0,
+    down_mm: float = 0.0,
+    inward_mm: float = 0.0,
+    depth_mm: float = 0.6,
+    pivot_mm: tuple[float, float] = (0.0, 0.0),
+    contact_mm: tuple[float, float] = (0.0, 0.0),
+) -> Path:
+    """Return the path that turns, slides and presses by as much, all at once and evenly.
+
+    The axis of the turn goes along with the slide. Half-way the contact is in the middle of the
+    view, provided it is where the object's centre is; the pose of the last frame does not depend
+    on `contact_mm`, so that it can be looked up there.
+
+    Args:
+        turn_deg: Total turn, clockwise positive.
+        right_mm: Slide to the right.
+        down_mm: Slide down the image.
+        inward_mm: Approach into the gel.
+        depth_mm: Approach beyond first touch half-way.
+        pivot_mm: Where the axis of the turn lies from the middle of the contact in the last frame,
+            (right, down). Beside the contact it carries that middle along, as well as the slide.
+        contact_mm: Where that middle lies from the object's centre in the last frame.
+
+    Raises:
+        ValueError: If a number is not finite or beyond what a path holds.
+    """
+    time = np.linspace(-1.0, 0.0, FRAME_COUNT)
+    turn, slide, arm = np.radians(turn_deg), complex(right_mm, down_mm), complex(*pivot_mm)
+    # x + iy turns clockwise by exp(i turn), y running down. The middle of the contact is carried
+    # by the slide and, about an axis beside it, by the turn.
+    last = (slide - arm + np.exp(-1j * turn) * arm) / 2
+    axis = last + complex(*contact_mm) + arm
+    centre = axis + slide * time + np.exp(1j * turn * time) * (last - axis)
+    rows = (depth_mm + inward_mm * (time + 0.5), centre.real, centre.imag, turn * (time + 0.5))
+    return Path(*(tuple(row.tolist()) for row in rows))
+
+
+def dominant_motion(path: Path, radius_mm: float = CONTACT_RADIUS_MM) -> Motion:
     """Return which of the ten names fits a path best, for what asks for one name.
 
-    Turn and travel are compared at `CONTACT_RADIUS_MM`; the label tells whether the greater one
-    dominates at the contact that was found.
+    Args:
+        path: Poses of the object; the travel is its centre's.
+        radius_mm: Of the contact, where turn and travel are compared; the label tells whether the
+            greater one dominates at the contact that was found.
     """
     x, y = path.x_mm[-1] - path.x_mm[0], path.y_mm[-1] - path.y_mm[0]
     turn = path.rotation_rad[-1] - path.rotation_rad[0]
     inward = path.depth_mm[-1] - path.depth_mm[0]
-    turned_mm, slid_mm = abs(turn) * CONTACT_RADIUS_MM, float(np.hypot(x, y))
+    turned_mm, slid_mm = abs(turn) * radius_mm, float(np.hypot(x, y))
     if max(turned_mm, slid_mm) < LEAST_PATH_MM:
         if abs(inward) < LEAST_PRESS_MM:
             return Motion.STILL

@@ -14,8 +14,16 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import GRID_SIDE
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.twist import Component, Twist
 from geotlm_lm.simulation.idle import idle_frame
-from geotlm_lm.simulation.label import label_for, patch_displacement, patch_means
+from geotlm_lm.simulation.label import (
+    ComponentTruth,
+    components_of,
+    label_for,
+    patch_displacement,
+    patch_means,
+    twist_of,
+)
 from geotlm_lm.simulation.markers import shade
 from geotlm_lm.simulation.normal_contact import SolverStatus
 from geotlm_lm.simulation.optics import lit, turned_lights
@@ -75,6 +83,16 @@ class SimulatedClip:
     def label(self) -> MotionLabel:
         """What the object does from the first frame to the last."""
         return self.label_until(len(self.scene.path) - 1)
+
+    @property
+    def twist(self) -> Twist:
+        """The same with all its components."""
+        return twist_of(self.label)
+
+    @property
+    def components(self) -> dict[Component, ComponentTruth]:
+        """What is true of turn, slide and press each."""
+        return components_of(self.label)
 
     def label_until(self, last: int) -> MotionLabel:
         """Return what the object does from the first frame to frame `last`."""

@@ -85,7 +85,7 @@ def test_exactly_the_four_functions_are_tools_typed_and_documented(use):
 def test_each_tool_answers_in_json(use, tmp_path):
     bright, dark = in_message(tmp_path, 150), in_message(tmp_path, 60)
     touch = {"object_name": "key", "depth_mm": 0.6, "twist_deg": 0.0, "slide_x_mm": 1.0}
-    touch |= {"slide_y_mm": 0.0, "thickness_mm": 4.0, "seed": 1}
+    touch |= {"slide_y_mm": 0.0, "press_mm": 0.1, "thickness_mm": 4.0, "seed": 1}
     told = use(
         ("ask", {"clip": bright, "question": "Which way?"}),
         ("evidence", {"clip": bright}),
@@ -108,7 +108,7 @@ def test_a_mistake_is_one_sentence(use, tmp_path):
         ("evidence", {"clip": clip[:-4000]}),
         (
             "simulate",
-            dict.fromkeys(("depth_mm", "twist_deg", "slide_x_mm", "slide_y_mm"), 0.5)
+            dict.fromkeys(("depth_mm", "twist_deg", "slide_x_mm", "slide_y_mm", "press_mm"), 0.5)
             | {"object_name": "unicorn", "thickness_mm": 4.0, "seed": 1},
         ),
     )

@@ -195,13 +195,13 @@ def test_an_answer_is_stopped_half_way(asking):
 def test_a_touch_is_simulated_and_asked_about(browser):
     browser.click("Simulate", "button[role=tab]")
     browser.click("Simulate and ask", "button.primary")
-    browser.wait_for(f"{TEXT}.includes('(wrong: it was clockwise)')")
+    browser.wait_for(f"{TEXT}.includes('(wrong: it was clockwise and right)')")
     pictures = "[...document.images].filter(i => i.offsetParent && i.naturalWidth > 100)"
     browser.wait_for(f"{pictures}.length > 2")
     browser.fill("Seed", "99999999999")  # beyond the greatest
     browser.click("Simulate and ask", "button.primary")
     browser.wait_for(f"{pictures}.length < 2 && {TEXT}.includes('seed is')", seconds=30)
-    assert "(wrong: it was clockwise)" not in browser.run(TEXT)
+    assert "(wrong: it was clockwise and right)" not in browser.run(TEXT)
 
 
 def test_a_recording_is_watched(browser, tmp_path):

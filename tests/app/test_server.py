@@ -47,7 +47,7 @@ def test_two_uploads_are_compared(client, tmp_path):
 
 
 def test_a_touch_is_simulated_and_judged(client):
-    facts = client.predict("key", 0.6, 0.0, 1.0, 0.0, 4.0, 1, api_name="/simulate")
+    facts = client.predict("key", 0.6, 0.0, 1.0, 0.0, 0.0, 4.0, 1, api_name="/simulate")
     assert facts["true_motion"] == "right"
     assert set(facts["error"]) == {"rotation_deg", "slide_x_px", "slide_y_px"}
 
@@ -66,9 +66,9 @@ def test_a_mistake_is_one_sentence_and_no_trace(client, tmp_path):
     assert "text.npy: is cut off or is no numpy file" in str(caught.value)
     assert "Traceback" not in str(caught.value)
     with pytest.raises(AppError, match="There is no shape 'unicorn'"):
-        client.predict("unicorn", 0.6, 0.0, 1.0, 0.0, 4.0, 1, api_name="/simulate")
+        client.predict("unicorn", 0.6, 0.0, 1.0, 0.0, 0.0, 4.0, 1, api_name="/simulate")
     with pytest.raises(AppError, match="seed was left empty; give a number"):
-        client.predict("key", 0.6, 0.0, 1.0, 0.0, 4.0, None, api_name="/simulate")
+        client.predict("key", 0.6, 0.0, 1.0, 0.0, 0.0, 4.0, None, api_name="/simulate")
 
 
 def test_clients_at_once_never_get_each_others_answers(address, tmp_path):

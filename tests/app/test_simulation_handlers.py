@@ -23,7 +23,7 @@ def test_the_truth_is_what_was_asked_for(made):
     true = made.facts["true"]
     assert true["rotation_deg"] == 0
     assert true["slide_x_px"] == pytest.approx(IMAGE_SIDE / 20.3, abs=0.01)
-    assert made.facts["true_motion"] == "right"
+    assert (made.facts["true_motion"], made.facts["true_ways"]) == ("right", ["right"])
     assert made.shown.views[-1] == "depth"
 
 
@@ -32,6 +32,19 @@ def test_a_slide_down_is_told_in_the_pixels_of_the_squashed_picture():
     # The view is as high as three quarters of its width, and squashed to a square.
     assert true["slide_y_px"] == pytest.approx(-IMAGE_SIDE / 15.2, abs=0.01)
     assert true["slide_x_px"] == 0
+
+
+def test_all_components_of_a_touch_are_true_at_once_and_each_is_a_right_answer():
+    touch = Touch("key", twist_deg=20.0, slide_x_mm=-0.8, press_mm=0.1, seed=1)
+    facts = simulate(FakeAnswerer(), touch).facts  # the fake answers "left"
+    assert facts["true"]["rotation_deg"] == pytest.approx(20, abs=0.01)
+    assert facts["true"]["slide_x_px"] == pytest.approx(-0.8 * IMAGE_SIDE / 20.3, abs=0.2)
+    assert facts["true"]["press_mm"] == pytest.approx(0.1)
+    assert facts["true_motion"] == "clockwise"
+    assert facts["true_ways"] == ["clockwise", "left"]
+    assert facts["counts"] == {"turn": True, "slide": True, "press": None}
+    assert facts["is_right"]
+    assert not simulate(FakeAnswerer(), replace(touch, slide_x_mm=0.0)).facts["is_right"]
 
 
 def test_both_which_way_and_how_far_are_answered():

@@ -9,14 +9,15 @@ import pytest
 from geotlm_lm.answering.amounts import Amount
 from geotlm_lm.benchmarks.amounts import (
     AMOUNTS,
-    FLOW,
     ODOMETER,
+    RIVALS,
     Moved,
     amount_rows,
-    flow_tells,
     known_amount,
+    rival_tells,
     scored,
 )
+from geotlm_lm.benchmarks.halves import half_of
 from geotlm_lm.benchmarks.rendering import tables
 from geotlm_lm.benchmarks.rows import Row, Run
 from geotlm_lm.core.clip import Clip
@@ -77,15 +78,16 @@ def test_a_row_tells_nearness_span_and_probability():
     assert found.detail["mean_probability"] == pytest.approx(0.7)
 
 
+@pytest.mark.parametrize("rival", RIVALS.values())
 @pytest.mark.parametrize("way", [(12.0, 0.0), (0.0, -9.0)])
-def test_flow_tells_a_slide_in_the_pixels_of_the_picture_it_was_given(way):
+def test_a_rival_tells_a_slide_in_the_pixels_of_the_picture_it_was_given(way, rival):
     rows, columns = CAMERA_PX
     taken = moved_clip(textured_imprint(3, rows, columns), [0, 0], [(0.0, 0.0), way], noise=0)
     square = (IMAGE_SIDE, IMAGE_SIDE)
     frames = [cv2.resize(frame, square, interpolation=cv2.INTER_AREA) for frame in taken.frames]
     squashed = Clip(np.stack(frames), background=cv2.resize(taken.background, square))
     for clip, height, width in ((taken, rows, columns), (squashed, *square)):
-        found = flow_tells(Moved(clip, "px", 1.0, Motion.LEFT, "caps"))
+        found = rival_tells(rival, Moved(clip, "px", 1.0, Motion.LEFT, "caps"))
         expected = np.hypot(way[0] * width / columns, way[1] * height / rows)
         assert found == pytest.approx(expected, rel=0.05)
 
@@ -104,13 +106,13 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_both_methods_are_told_of_every_source(folder):
+def test_every_method_is_told_of_every_source_and_half(folder):
     run = Run(is_quick=True, real=folder, answerer_given=answerer_saying(tiny_bundle(), {}))
     rows = [Row.from_dict(one.to_dict()) for one in amount_rows(run)]
     cases = list(dict.fromkeys(one.case for one in rows))
     assert cases[:2] == ["simulated rotation", "simulated sliding"]
-    assert len(cases) == 6
-    assert [one.variant for one in rows] == [ODOMETER, FLOW] * 6
-    assert {one.count for one in rows[8:]} == {2}  # one turn, one slide, both played backwards too
-    (text,) = tables(AMOUNTS, rows)
-    assert text.count("\n") == 1 + len(rows)
+    half = half_of("a")
+    assert cases[2:] == [f"real {folder.name}, {task}, {half}" for task in ("rotation", "sliding")]
+    assert [one.variant for one in rows] == [ODOMETER, *RIVALS] * 4
+    assert {one.count for one in rows[6:]} == {2}  # one turn, one slide, both played backwards too
+    assert sum(one.count("\n") - 1 for one in tables(AMOUNTS, rows) if one[0] == "|") == len(rows)

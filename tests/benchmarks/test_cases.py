@@ -10,7 +10,7 @@ from geotlm_lm.benchmarks.cases.recordings import (
     real_cases,
     without_idle_frame,
 )
-from geotlm_lm.benchmarks.cases.simulated import UNREADABLE, SimulatedCases
+from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
@@ -23,7 +23,7 @@ def fake_simulator(monkeypatch):
 
     numbers = []
 
-    def simulate_series(seed, count, *, objects, motions, unsteady_share, first_index=0):
+    def simulate_series(seed, count, *, objects, motions, first_index=0):
         for number in range(first_index, first_index + count):
             numbers.append(number)
             yield SimpleNamespace(
@@ -41,12 +41,6 @@ def test_unreadable_clips_are_replaced_and_counted(fake_simulator):
     assert len(list(cases)) == 20
     # Of the numbers 0..28 every third is unreadable: 2, 5, ..., 26.
     assert cases.unreadable == 9
-
-
-def test_unreadable_clips_can_be_had_too_and_do_not_count(fake_simulator):
-    cases = list(SimulatedCases("rotation", 20, seed=0, with_unreadable=True))
-    assert len(cases) == 29
-    assert [case.tags == UNREADABLE for case in cases] == [n % 3 == 2 for n in range(29)]
 
 
 def labelled_folder(folder, *directions):
@@ -128,13 +122,3 @@ def test_labels_of_several_tasks_are_asked_task_by_task(tmp_path):
     }
     assert (parts[" rotation"].among, parts[" sliding"].among) == (ROTATIONS, SLIDES)
     assert parts[" sliding"].recordings.skipped == {"up-left": 1}
-
-
-def test_an_unsteady_hand_is_asked_of_the_simulator(monkeypatch):
-    from geotlm_lm.simulation import series
-
-    asked = []
-    monkeypatch.setattr(series, "simulate_series", lambda *a, **given: asked.append(given) or [])
-    for is_unsteady in (False, True):
-        list(SimulatedCases("rotation", 3, seed=0, is_unsteady=is_unsteady))
-    assert [given["unsteady_share"] for given in asked] == [0.0, 1.0]

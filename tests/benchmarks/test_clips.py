@@ -1,3 +1,6 @@
+from collections import Counter
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -5,10 +8,12 @@ from geotlm_lm.benchmarks import variants
 from geotlm_lm.benchmarks.accuracy import clips_headline
 from geotlm_lm.benchmarks.cases import simulated
 from geotlm_lm.benchmarks.clips import clip_rows, left_out
+from geotlm_lm.benchmarks.halves import HALVES, half_of, is_reported
 from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.benchmarks.rows import Run
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.simulation import series
 from tests.benchmarks.fakes import ALL, FakeAnswerer
 from tests.benchmarks.test_variants import clip_of
 
@@ -44,39 +49,43 @@ def test_real_recordings_are_judged_both_ways_and_both_cuts(folder):
     # it does not see that a clip was turned.
     assert {case: own[variants.GENERATED].right for case, own in found.items()} == {
         f"real {name}, four frames": 0.5,
-        f"real {name}, four frames, forwards": 1.0,
-        f"real {name}, four frames, backwards": 0.0,
         f"real {name}, pairs": 0.5,
-        f"real {name}, pairs, forwards": 1.0,
-        f"real {name}, pairs, backwards": 0.0,
         f"real {name}, no idle frame": 0.5,
         f"real {name}, turned by a quarter": 0.0,
     }
     first = found[f"real {name}, four frames"]
     assert left_out(next(iter(first.values()))) == "1 labelled up-left"
-    assert {(a, b) for a, row in first.items() for b in row.detail.get("less", {})} == set(
-        variants.CONTRASTS
-    )
+    assert first[variants.GENERATED].detail["rival"]["name"] in variants.RIVALS
+
+
+def test_halves_are_judged_apart_and_never_in_one_row(folder):
+    with (folder / "windows.csv").open("a") as table:
+        table.write("clockwise.npy,1,8,clockwise\n")
+    run = Run(seed=1, clips=0, real=folder, answerer_given=FakeAnswerer())
+    own = [row for row in clip_rows(run, HALVES) if row.variant == variants.FLOW]
+    four = {row.case: row.count for row in own if "four frames" in row.case}
+    families = Counter({"clockwise": 2, "counterclockwise": 1})
+    expected = {half: 0 for half in HALVES}
+    for family, count in families.items():
+        expected[half_of(family)] += 2 * count
+    name = folder.name
+    assert four == {f"real {name}, four frames, {h}": n for h, n in expected.items() if n}
+    assert [row.case for row in own if is_reported(row)] == [
+        row.case for row in own if row.case.endswith(", report")
+    ]
 
 
 def test_clips_that_do_not_tell_their_motion_stay_out_of_the_scores(monkeypatch):
-    def right_and_wrong(self):
-        motion, other = self.among[:2]
-        yield Case(clip_of(motion), motion, "a", "a", {})
-        for said in (motion, other, motion):
-            self.unreadable += 1
-            yield Case(clip_of(said), motion, "a", "a", simulated.UNREADABLE)
+    def readable_and_not(*_, motions, **__):
+        for motion, is_readable in ((motions[0], True), (motions[1], False), (motions[0], True)):
+            label = MotionLabel(motion, is_readable=is_readable)
+            yield SimpleNamespace(clip=clip_of(motion), label=label, object_name="key")
 
-    monkeypatch.setattr(simulated.SimulatedCases, "__iter__", right_and_wrong)
-    found = judged(clips=1)
-    assert list(found) == [
-        f"simulated {task}{hand}"
-        for task in ("rotation", "sliding", "all")
-        for hand in ("", ", unsteady hand")
-    ]
+    monkeypatch.setattr(series, "simulate_series", readable_and_not)
+    found = judged(clips=2)
+    assert list(found) == [f"simulated {task}" for task in ("rotation", "sliding", "all")]
     row = found["simulated all"][variants.GENERATED]
-    assert (row.count, row.right) == (1, 1.0)
-    assert (row.detail["unreadable_left_out"], row.detail["unreadable_right"]) == (3, 2)
+    assert (row.count, row.right, row.detail["unreadable_left_out"]) == (2, 1.0, 1)
 
 
 def test_turns_and_slides_of_one_folder_are_asked_as_tasks(folder):
@@ -113,12 +122,15 @@ def test_clips_without_a_direction_are_asked_backwards_too(folder):
     untouched = found[f"real {name}, no visible contact"][variants.GENERATED]
     assert (untouched.count, untouched.detail["too_short_left_out"]) == (3, 1)
     assert set(found[f"real {name}, pressed in"][variants.FLOW].detail["recall"]) == {"press"}
-    held = found[f"semi-real {name}, held or pressed"]
-    assert set(held[variants.FLOW].detail["recall"]) == {"press", "release", "still"}
-    for row in held.values():
-        claimed, turned = row.detail["claims_of"]
-        assert claimed == round(row.detail["false_directions"] * row.count)
-        assert turned <= claimed
+    still, pressed = (
+        found[f"semi-real {name}, {held}"] for held in ("held still", "pressed or let go")
+    )
+    assert set(still[variants.FLOW].detail["recall"]) == {"still"}
+    assert set(pressed[variants.FLOW].detail["recall"]) == {"press", "release"}
+    for row in (*still.values(), *pressed.values()):
+        for part, (claimed, turned) in row.detail["turned_round"].items():
+            assert claimed == round(row.detail["claims"][part] * row.count)
+            assert turned <= claimed
 
 
 def test_data_sets_are_judged_and_said_about(folder, tmp_path):
@@ -145,7 +157,7 @@ def test_a_run_without_a_single_clip_is_refused_with_the_first_reason(tmp_path):
     )
 
 
-def test_the_first_page_shows_six_sets_by_words_probe_and_flow(monkeypatch):
+def test_the_first_page_shows_six_sets_by_words_probe_and_rivals(monkeypatch):
     def three(self):
         for motion in self.among[:3]:
             yield Case(clip_of(motion), motion, motion.value, motion.value, {})
@@ -153,7 +165,7 @@ def test_the_first_page_shows_six_sets_by_words_probe_and_flow(monkeypatch):
     monkeypatch.setattr(simulated.SimulatedCases, "__iter__", three)
     rows = [row for own in judged(clips=3).values() for row in own.values()]
     lines = clips_headline(rows).splitlines()
-    assert lines[0].count("|") == 6
+    assert lines[0].count("|") == 7
     assert [line.split("|")[1].strip() for line in lines[2:]] == [
         "simulated turns",
         "simulated slides",

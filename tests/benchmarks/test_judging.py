@@ -37,8 +37,8 @@ CASES = [case(CW, "cap"), case(CCW, "cap"), case(CW, "key"), case(CW, "key")]
 VARIANTS = {"oracle": oracle, "first": always_first, "silent": silent}
 
 
-def rows(variants=VARIANTS, cases=CASES, among=ROTATIONS, contrasts=()):
-    found = rows_of_replies("here", ask_all(variants, cases, among), contrasts)
+def rows(variants=VARIANTS, cases=CASES, among=ROTATIONS, words="", rivals=()):
+    found = rows_of_replies("here", ask_all(variants, cases, among), words, rivals)
     return {row.variant: row for row in found}
 
 
@@ -63,10 +63,12 @@ def test_silence_is_wrong_and_counted():
     assert (row.error, row.detail["unanswered"]) == (1.0, 4)
 
 
-def test_contrasts_compare_clip_by_clip():
-    found = rows(contrasts=[("oracle", "first")])
-    assert found["oracle"].detail["less"]["first"]["difference"] == 0.25
-    assert "less" not in found["first"].detail
+def test_words_are_held_against_the_better_rival():
+    found = rows(words="first", rivals=("silent", "oracle"))
+    told = found["first"].detail["rival"]
+    assert (told["name"], told["difference"], told["is_below"]) == ("oracle", -0.25, True)
+    assert "rival" not in found["oracle"].detail
+    assert not rows(words="oracle", rivals=("first",))["oracle"].detail["rival"]["is_below"]
 
 
 def test_resampling_keeps_families_together():
@@ -89,29 +91,33 @@ def test_replies_are_selected_by_tags():
     cases = [case(CW, fps="25", played="forwards"), case(CCW, fps="25", played="backwards")]
     replies = ask_all(VARIANTS, cases, ROTATIONS)
     assert [one.motion for one in replies.where(fps="25").cases] == [CW, CCW]
-    assert [one.motion for one in replies.without(played="forwards").cases] == [CCW]
     assert replies.where(fps="25", played="backwards").motions("first") == [CW]
 
 
-def test_false_directions_are_counted_on_clips_without_direction():
-    found = rows(cases=[*CASES, case(STILL)], among=tuple(Motion))
-    assert {name: row.detail["false_directions"] for name, row in found.items()} == {
-        "oracle": 0.0,
-        "first": 1.0,
-        "silent": 0.0,
+def test_turns_and_slides_are_counted_apart_on_clips_without_direction():
+    both = {"both": lambda clip, among: Reply(STILL, 1.0, (CW, Motion.LEFT))}
+    found = rows(VARIANTS | both, cases=[*CASES, case(STILL)], among=tuple(Motion))
+    assert {name: row.detail["claims"] for name, row in found.items()} == {
+        "oracle": {"turn": 0.0, "slide": 0.0},
+        "first": {"turn": 1.0, "slide": 0.0},
+        "silent": {"turn": 0.0, "slide": 0.0},
+        "both": {"turn": 1.0, "slide": 1.0},
     }
-    assert "false_directions" not in rows()["first"].detail
+    assert "claims" not in rows()["first"].detail
 
 
 def test_a_claim_counts_as_seen_where_it_turns_round_with_the_clip():
-    answers = iter([CW, CW, STILL, CCW, CW, CW])
+    left, right = Motion.LEFT, Motion.RIGHT
+    answers = iter([(CW, left), (CW,), (), (CCW, left), (CW, right), (CW,)])
     forwards, backwards = (
         ask_all(
-            {"m": lambda clip, among: Reply(next(answers), 1.0)}, [case(STILL)] * 3, tuple(Motion)
+            {"m": lambda clip, among: Reply(STILL, 1.0, next(answers))},
+            [case(STILL)] * 3,
+            tuple(Motion),
         )
         for _ in range(2)
     )
-    assert claims_turned_round(forwards, backwards) == {"m": (2, 1)}
+    assert claims_turned_round(forwards, backwards) == {"m": {"turn": (2, 1), "slide": (1, 0)}}
 
 
 def test_cases_are_read_one_at_a_time():

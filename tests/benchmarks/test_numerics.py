@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from geotlm_lm.benchmarks.judging import Case
-from geotlm_lm.benchmarks.numerics import MASKS, SCALES, contact_rows, format_rows, scale_rows
+from geotlm_lm.benchmarks.numerics import MASKS, contact_rows, format_rows
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.dgr.encoder import DGR
@@ -55,10 +55,3 @@ def test_coarser_formats_err_more(tiny_answerer, cases):
     errors = {row.variant: row.error for row in rows}
     assert 0 == errors["float64"] < errors["float32"] < errors["float16"] < errors["bfloat16"]
     assert errors["float32"] < 1e-4
-
-
-def test_statistics_that_are_scaled_along_take_a_scale_out_again(tiny_answerer, cases):
-    rows = list(scale_rows(tiny_answerer, cases))
-    said = [row.detail["probability"] or 0.0 for row in rows if row.variant == "scaled along"]
-    assert len(said) == len(SCALES) == len(rows) / 2
-    assert max(said) - min(said) < 1e-3

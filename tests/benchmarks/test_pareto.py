@@ -1,4 +1,4 @@
-"""Methods in turn, fronts, picks, and what fresh processes say; numbers by hand."""
+"""Methods in turn, fronts, and what fresh processes say; numbers by hand."""
 
 import itertools
 import subprocess
@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.benchmarks.judging import Case, Reply
-from geotlm_lm.benchmarks.pareto import PARETO, picks, picks_headline
+from geotlm_lm.benchmarks.pareto import PARETO
 from geotlm_lm.benchmarks.pareto_answers import (
     PRECISIONS,
     case_sets,
@@ -43,9 +43,8 @@ def test_ways_take_turns_and_the_first_round_is_not_counted():
     runs = in_turn({"a": lambda: log.append("a"), "b": lambda: log.append("b") or 5}, 2)
     assert "".join(log) == "ab" + "ba" + "ab"
     assert [result for result, ms in runs["b"] if ms >= 0] == [5, 5]
-    (row,) = timed_rows("case", {"a": lambda: sum(range(100_000))}, 3, clips=1)
-    (shared,) = timed_rows("case", {"a": lambda: sum(range(100_000))}, 3, clips=1_000)
-    assert shared.ms_p50 < row.ms_p50 / 10
+    (row,) = timed_rows("case", {"a": lambda: sum(range(100_000))}, 3)
+    assert row.ms_p50 > 0
 
 
 def test_methods_are_asked_clip_by_clip_and_timed_in_the_rounds_that_count():
@@ -85,7 +84,7 @@ ROWS = with_front(
     [
         row("optical flow, fast", 0.10, 5.0),
         row("linear probe", 0.025, 30.0, p95=38.0),
-        row("ten answers scored", 0.02, 36.0, p95=45.0),
+        row("another probe", 0.02, 36.0, p95=45.0),
         row("words", 0.005, 42.0, p95=60.0),
         row("words, int8", 0.01, 39.0, p95=50.0),
         row("words, bfloat16", 0.005, 60.0, p95=80.0),
@@ -100,25 +99,6 @@ def test_the_front_holds_what_nothing_beats_in_both():
 
     assert front(ROWS) == [one.variant for one in ROWS[:5]]
     assert front([row("a", 0.1, 5.0), row("b", 0.1, 5.0)]) == ["a", "b"]
-
-
-def test_each_use_gets_what_its_rule_says():
-    # The scored answers are too late for a loop.
-    assert {use: found.variant for use, _, found in picks(BOTH)} == {
-        "a robot's loop": "linear probe",
-        "a chat": "words, int8",
-    }
-    cells = [cell.strip() for cell in picks_headline(BOTH).splitlines()[2].strip("|").split("|")]
-    assert cells[2:] == ["linear probe", "0.025", "30.0 / 38.0"]
-
-
-def test_a_loop_keeps_its_time_on_every_source_or_there_is_none():
-    late = [row("steady", 0.1, 20.0), row("quick", 0.0, 5.0)]
-    late += [row("steady", 0.1, 20.0, "sliding"), row("quick", 0.0, 5.0, "sliding", p95=41.0)]
-    (_, _, loop), (_, _, chat) = picks(late)
-    assert loop.variant == "steady"
-    assert chat is None
-    assert " none " in picks_headline(late).splitlines()[-1]
 
 
 def test_the_methods_are_shown_in_a_table_and_drawn(tmp_path):

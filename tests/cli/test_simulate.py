@@ -30,6 +30,63 @@ def test_a_simulated_clip_is_a_readable_recording_with_its_label(tmp_path, capsy
     assert label["object"] == "key"
 
 
+def test_one_clip_turns_slides_and_presses_at_once_by_as_much_as_was_asked_for(tmp_path):
+    moves = ("--turn", 20, "--slide-right", 0.8, "--slide-down", -0.2, "--press", 0.1)
+    assert run("simulate", "--clip", tmp_path / "a.npz", *moves) == 0
+    pivot = ("--turn", -20, "--pivot-right", 3, "--depth", 0.8, "--markers", "--object", "coin")
+    assert run("simulate", "--clip", tmp_path / "b.npz", *pivot) == 0
+    labels = [json.loads(str(np.load(tmp_path / name)["label"])) for name in ("a.npz", "b.npz")]
+    twists = [
+        (
+            label["rotation_deg"],
+            *np.multiply(label["travel_px"], label["mm_per_px"]),
+            label["depth_change_mm"],
+        )
+        for label in labels
+    ]
+    assert twists[0] == pytest.approx((20, 0.8, -0.2, 0.1), abs=0.02)
+    # Counterclockwise about an axis to its right, level with it in the end: down and to the left.
+    angle = np.radians(20)
+    expected = (-20, 3 * np.cos(angle) - 3, 3 * np.sin(angle), 0)
+    assert twists[1] == pytest.approx(expected, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        (("--turn", 20, "--motion", "left"), "--turn cannot go with --motion; leave out"),
+        (("--turn", 61), "--turn is 61, expected -60 to 60."),
+        (("--turn", "nan"), "--turn is nan, expected -60 to 60."),
+        (("--slide-down", -5.5), "--slide-down is -5.5, expected -5 to 5."),
+        (("--press", 2, "--depth", 1), "A press by 2 mm about a depth of 1 mm goes from 0 to 2 mm"),
+        (("--pivot-down", 1, "--press", 0.3), "--pivot-right and --pivot-down say where the axis"),
+        (("--mixed", 0.5), "--mixed cannot go with --clip; leave out one of them."),
+    ],
+)
+def test_a_movement_that_cannot_be_made_is_told_in_a_sentence(tmp_path, capsys, options, sentence):
+    assert run("simulate", "--clip", tmp_path / "a.npz", *options) == 2
+    told = capsys.readouterr().err
+    assert told.startswith(sentence)
+    assert told.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_data_set_of_mixed_clips_says_what_counts_in_them(tmp_path, capsys):
+    asked = ("simulate", "--out", tmp_path, "--count", 12, "--preset", "draft", "--labels-only")
+    assert run(*asked, "--mixed", 1, "--workers", 1) == 0
+    assert json.loads((tmp_path / "dataset.json").read_text())["mixed_share"] == 1
+    card = (tmp_path / "README.md").read_text()
+    rows = [line.split(" | ") for line in card.splitlines()]
+    told = {row[0].strip("| "): row[1:4] for row in rows if len(row) == 5}
+    for component in ("turn", "slide", "press"):
+        assert sum(map(int, told[component])) == 12
+    assert int(told["turn"][0]) > 2
+    assert run(*asked) == 2
+    assert "holds another data set" in capsys.readouterr().err
+    run("simulate", "--out", tmp_path, "--turn", 3)
+    assert "--turn cannot go with --out" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("name", ["unicorn", ""])
 def test_an_unknown_shape_is_refused_with_the_known_ones(tmp_path, capsys, name):
     assert run("simulate", "--clip", tmp_path / "new" / "a.npz", "--object", name) == 2

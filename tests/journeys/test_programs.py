@@ -80,7 +80,7 @@ def test_every_promised_field_is_in_the_answer(address):
         "/ask": ((clip, "Which way?"), results.AnswerResult),
         "/evidence": ((clip,), results.EvidenceFields),
         "/compare": ((clip, clip), results.ComparisonResult),
-        "/simulate": (("key", 0.6, 15.0, 0.0, 0.0, 4.0, 0), results.SimulatedAnswer),
+        "/simulate": (("key", 0.6, 15.0, 0.4, 0.0, 0.1, 4.0, 0), results.SimulatedAnswer),
     }
     for name, (given, promised) in calls.items():
         assert set(client.predict(*given, api_name=name)) == set(promised.__annotations__)

@@ -68,7 +68,18 @@ def test_a_grown_data_set_keeps_its_clips_and_equals_one_written_at_once(tmp_pat
     assert contents(grown) == contents(whole)
 
 
-@pytest.mark.parametrize("other", [{"seed": 2}, {"preset": "good"}, {"marker_share": 1.0}])
+def test_a_folder_that_says_nothing_of_mixed_clips_has_none_and_is_continued(tmp_path):
+    write_dataset(tmp_path, 1, seed=1, objects=OBJECTS, preset="draft")
+    before, told = contents(tmp_path), tmp_path / "dataset.json"
+    about = json.loads(told.read_text())
+    told.write_text(json.dumps({name: about[name] for name in about if name != "mixed_share"}))
+    write_dataset(tmp_path, 1, seed=1, objects=OBJECTS, preset="draft")
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    "other", [{"seed": 2}, {"preset": "good"}, {"marker_share": 1.0}, {"mixed_share": 0.5}]
+)
 def test_a_folder_of_another_seed_or_setting_is_refused_and_kept(tmp_path, other):
     given = {"seed": 1, "objects": OBJECTS, "preset": "draft"}
     write_dataset(tmp_path, 1, **given)

@@ -1,8 +1,15 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.core.labels import Motion
-from geotlm_lm.simulation.label import is_readable, label_for, patch_displacement
+from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.core.twist import Component
+from geotlm_lm.simulation.label import (
+    components_of,
+    is_readable,
+    label_for,
+    patch_displacement,
+    twist_of,
+)
 from geotlm_lm.simulation.scene import Body, Optics, Path, Scene
 from geotlm_lm.simulation.trace import Trace
 
@@ -72,3 +79,26 @@ def test_a_label_tells_the_travel_both_ways_and_the_pixels_it_takes():
     assert (label.slide_x_mm, label.slide_y_mm) == pytest.approx((-0.3, 0.2))
     assert label.rotation_deg == pytest.approx(-np.degrees(0.2))
     assert label.slide_px == pytest.approx(5.0)  # 3 pixels of 0.1 mm across, 4 of 0.05 mm down
+
+
+def test_a_mirrored_label_tells_the_mirrored_twist_and_the_same_of_what_counts():
+    path = {"x_mm": (0.2, -0.1), "rotation_rad": (0.3, 0.1), "depth_mm": (0.4, 0.6)}
+    trace = Trace(travel_px=(-3.0, 4.0), radius_px=20.0, visible_grey=(9.0, 1.0, 0.0))
+    label = label_for(scene(**path), np.full(2, 0.1), trace)
+    assert twist_of(label.mirrored()) == twist_of(label).mirrored()
+    told, mirrored = components_of(label), components_of(label.mirrored())
+    assert [one.counts for one in told.values()] == [True, True, True]
+    assert [one.is_visible for one in told.values()] == [True, False, False]
+    ways = [
+        (one.way, other.way) for one, other in zip(told.values(), mirrored.values(), strict=True)
+    ]
+    assert ways[0] == (Motion.COUNTERCLOCKWISE, Motion.CLOCKWISE)
+    assert ways[1:] == [(Motion.DOWN, Motion.DOWN), (Motion.PRESS, Motion.PRESS)]
+
+
+def test_what_moves_the_imprint_by_less_than_noise_does_not_count():
+    label = MotionLabel(Motion.STILL, rotation_deg=2.0, travel_px=(0.5, 0.0), radius_px=10.0)
+    counting = {component: one.counts for component, one in components_of(label).items()}
+    assert counting == {Component.TURN: False, Component.SLIDE: None, Component.PRESS: False}
+    with pytest.raises(ValueError, match="tells no twist"):
+        twist_of(MotionLabel(Motion.LEFT, slide_x_mm=-1.0))

@@ -1,8 +1,12 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
-from geotlm_lm.simulation.motions import STEADY, UNSTEADY, random_path
+from geotlm_lm.simulation.motions import STEADY, UNSTEADY, path_of, random_path
+from geotlm_lm.simulation.scene import Body, Scene
+from geotlm_lm.simulation.trace import motion_at_contact
 
 DEPTHS = (0.3, 1.0)
 
@@ -96,3 +100,40 @@ def test_a_rotation_carries_its_middle_around_one_axis(motion):
         # What else it drifts, 0.15 of the turn's path at 2 mm, bends that circle by an eighth.
         arc = abs(path.rotation_rad[-1] - path.rotation_rad[0])
         assert off.max() <= 0.15 * 2.0 * arc * arc / 8 + 1e-6
+
+
+degrees, lengths = st.floats(-60, 60), st.floats(-5, 5)
+places = st.tuples(lengths, lengths)
+
+
+def carried(path, x_mm, y_mm):
+    """Return how far the point now at a place has come: degrees, right, down, inward."""
+    scene = Scene(Body("block"), path, Motion.STILL)
+    right, down, turn = motion_at_contact(scene, (x_mm, y_mm), len(path) - 1)
+    return np.degrees(turn), right, down, path.depth_mm[-1] - path.depth_mm[0]
+
+
+@given(turn=degrees, right=lengths, down=lengths, inward=lengths, contact=places)
+def test_the_middle_of_the_contact_does_what_was_asked(turn, right, down, inward, contact):
+    asked = {"turn_deg": turn, "right_mm": right, "down_mm": down, "inward_mm": inward}
+    path = path_of(**asked, contact_mm=contact)
+    middle = path.x_mm[-1] + contact[0], path.y_mm[-1] + contact[1]
+    assert carried(path, *middle) == pytest.approx((turn, right, down, inward), abs=1e-9)
+    mirrored = {**asked, "turn_deg": -turn, "right_mm": -right}
+    other = path_of(**mirrored, contact_mm=(-contact[0], contact[1]))
+    assert other.x_mm == pytest.approx([-x for x in path.x_mm])
+    assert other.y_mm == pytest.approx(path.y_mm)
+
+
+@given(turn=degrees, right=lengths, down=lengths, pivot=places, contact=places)
+def test_the_axis_beside_the_contact_is_carried_by_the_slide_alone(
+    turn, right, down, pivot, contact
+):
+    asked = {"turn_deg": turn, "right_mm": right, "down_mm": down, "contact_mm": contact}
+    path = path_of(**asked, pivot_mm=pivot)
+    x, y = (path.x_mm[-1] + contact[0], path.y_mm[-1] + contact[1])
+    axis = carried(path, x + pivot[0], y + pivot[1])
+    assert axis == pytest.approx((turn, right, down, 0), abs=1e-9)
+    # The contact's middle goes and comes by as much, about the middle of the view.
+    came = carried(path, x, y)
+    assert (path.x_mm[-1], path.y_mm[-1]) == pytest.approx((came[1] / 2, came[2] / 2), abs=1e-9)

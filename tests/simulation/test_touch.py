@@ -15,21 +15,38 @@ from geotlm_lm.simulation.touch import Touch, simulate_touch
         ({"twist_deg": -20.0, "slide_x_mm": 0.2}, Motion.COUNTERCLOCKWISE),
         ({"slide_x_mm": -1.0, "slide_y_mm": 0.4}, Motion.LEFT),
         ({"slide_y_mm": 1.0}, Motion.DOWN),
-        ({"slide_y_mm": -0.5, "twist_deg": 12.0}, Motion.UP),  # the turn's path is 0.42 mm
-        ({"slide_y_mm": 0.3, "twist_deg": -12.0}, Motion.COUNTERCLOCKWISE),
+        ({"object_name": "bead", "slide_y_mm": -0.5, "twist_deg": 12.0}, Motion.UP),
+        ({"object_name": "coin", "slide_y_mm": -0.5, "twist_deg": 12.0}, Motion.CLOCKWISE),
+        ({"press_mm": 0.3}, Motion.PRESS),
+        ({"press_mm": -1.4, "slide_y_mm": 0.02}, Motion.RELEASE),
         ({}, Motion.STILL),
         ({"depth_mm": -0.2, "twist_deg": 20.0}, Motion.NONE),
     ],
 )
-def test_a_touch_is_named_by_its_greater_path(numbers, motion):
+def test_a_touch_is_named_by_its_greater_path_at_its_own_contact(numbers, motion):
     assert Touch(**numbers).motion is motion
 
 
-def test_the_label_holds_the_numbers_asked_for():
-    made = simulate_touch(Touch("key", twist_deg=12.0, slide_x_mm=0.1, seed=3))
-    assert made.label.motion is Motion.CLOCKWISE
-    assert made.label.rotation_deg == pytest.approx(12.0)
-    assert made.label.slide_x_mm == pytest.approx(0.1)
+@pytest.mark.parametrize("name", ["key", "coin", "corner", "table_edge", "cable", "bead"])
+@pytest.mark.parametrize("move", [(20.0, 0.8, -0.2, 0.1), (-60.0, -5.0, 5.0, 0.8), (35.0, 0, 0, 0)])
+def test_the_label_holds_the_numbers_asked_for(name, move):
+    made = simulate_touch(Touch(name, 0.6, *move, seed=3), with_drift=False)
+    twist, size = made.twist, made.mm_per_px
+    found = (twist.turn_deg, twist.right_px * size[0], twist.down_px * size[1], twist.inward_mm)
+    assert found == pytest.approx(move, abs=0.02)
+    assert min(made.label.contact_fraction) > 0
+
+
+def test_a_turn_about_an_axis_beside_the_contact_carries_it_along():
+    # A quarter of a circle and no more: the axis is 4 mm below, so that its top goes right.
+    made = simulate_touch(Touch("coin", twist_deg=30.0, pivot_y_mm=4.0), with_drift=False)
+    right, down = made.twist.right_px * made.mm_per_px[0], made.twist.down_px * made.mm_per_px[1]
+    assert right == pytest.approx(4 * np.sin(np.radians(30)), abs=0.02)
+    assert down == pytest.approx(4 * (np.cos(np.radians(30)) - 1), abs=0.02)
+
+
+def test_a_touch_is_a_clip_with_its_drift():
+    made = simulate_touch(Touch("key", twist_deg=12.0, seed=3))
     assert made.clip.frames.shape == (4, 224, 224, 3)
     assert made.depth_mm.max() > 0.1
     assert made.drift_px is not None
@@ -45,7 +62,11 @@ def test_the_same_touch_is_the_same_clip_and_another_seed_another():
     ("numbers", "sentence"),
     [
         ({"object_name": "unicorn"}, "There is no shape 'unicorn', expected one of "),
-        ({"twist_deg": 90.0}, r"twist_deg is 90, expected -40 to 40\."),
+        ({"twist_deg": 90.0}, r"twist_deg is 90, expected -60 to 60\."),
+        (
+            {"press_mm": 2.0},
+            r"^A press by 2 mm about a depth of 0\.6 mm goes from -0\.4 to 1\.6 mm",
+        ),
         ({"depth_mm": float("nan")}, r"depth_mm is nan, expected -1 to 1\.5\."),
     ],
 )

@@ -10,11 +10,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from geotlm_lm.benchmarks.cases.recordings import smallest_task
 from geotlm_lm.benchmarks.cases.semi_real import as_image, read_touched
 from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, reverse
+from geotlm_lm.core.labels import Motion, reverse
 from geotlm_lm.data.touch_table import (
     FIRST_IDLE,
     SURELY_IDLE,
@@ -46,8 +47,7 @@ class WholeRecordings:
     @property
     def among(self) -> tuple[Motion, ...]:
         """The smallest task that holds every label."""
-        motions = {row.motion for row in self.rows}
-        return next(task for task in (ROTATIONS, SLIDES, DIRECTED) if motions <= set(task))
+        return smallest_task(row.motion for row in self.rows)
 
     def __len__(self) -> int:
         return len(self.rows)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -35,9 +35,7 @@ class RealCases:
     @property
     def among(self) -> tuple[Motion, ...]:
         """The smallest task that holds every label of the recordings."""
-        motions = {row.motion for row in self.recordings.rows}
-        tasks: Sequence[tuple[Motion, ...]] = (ROTATIONS, SLIDES, DIRECTED, tuple(Motion))
-        return next(task for task in tasks if motions <= set(task))
+        return smallest_task(row.motion for row in self.recordings.rows)
 
     def __len__(self) -> int:
         return 4 * len(self.recordings.rows)
@@ -72,6 +70,12 @@ class FourFrames:
         for window in self.recordings.windows(frames=("four",), backwards=True):
             (clip, motion), row = self.shown(window.clip, window.motion), window.row
             yield Case(clip, motion, row.object_id, row.object_family, {})
+
+
+def smallest_task(motions: Iterable[Motion]) -> tuple[Motion, ...]:
+    """Return the turns, the slides, both or all ten: the first that holds every motion."""
+    held = set(motions)
+    return next(x for x in (ROTATIONS, SLIDES, DIRECTED, tuple(Motion)) if held <= set(x))
 
 
 def without_idle_frame(clip: Clip, motion: Motion) -> tuple[Clip, Motion]:

@@ -111,7 +111,8 @@ class SemiRealHeld:
             )
             shown = (still, Motion.STILL), (pressed, Motion.PRESS)
             for clip, motion in (*shown, (pressed.reversed(), Motion.RELEASE)):
-                yield Case(clip, motion, row.object_id, row.object_family, {})
+                tags = {"held": "held still" if motion is Motion.STILL else "pressed or let go"}
+                yield Case(clip, motion, row.object_id, row.object_family, tags)
 
 
 def slide_path(

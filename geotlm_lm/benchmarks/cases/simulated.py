@@ -20,9 +20,6 @@ TASKS: dict[str, tuple[Motion, ...]] = {
 }
 """The simulated tasks: the paper's two, and all ten motions together."""
 
-UNREADABLE = {"readable": "no"}
-"""Tag of a clip whose images do not tell the motion its label names."""
-
 MOST_TRIES = 6
 """Scenes simulated per clip asked for, at most: a bound on a search, not an expected number."""
 
@@ -35,10 +32,6 @@ class SimulatedCases:
         task: One of `TASKS`.
         count: How many clips to give.
         seed: Root of the scenes.
-        is_unsteady: Whether the hand is `simulation.motions.UNSTEADY`: smaller turns and
-            slides, and more change of depth on the way.
-        with_unreadable: Also give the unreadable clips that come up on the way, tagged; they do not
-            count as asked for.
         unreadable: How many clips came up whose images do not tell the motion; filled while
             iterating.
     """
@@ -46,8 +39,6 @@ class SimulatedCases:
     task: str
     count: int
     seed: int
-    is_unsteady: bool = False
-    with_unreadable: bool = False
     unreadable: int = field(default=0)
 
     @property
@@ -55,15 +46,10 @@ class SimulatedCases:
         """The motions in question."""
         return TASKS[self.task]
 
-    @property
-    def title(self) -> str:
-        """What a report calls these clips."""
-        return f"simulated {self.task}" + (", unsteady hand" if self.is_unsteady else "")
-
     def __iter__(self) -> Iterator[Case]:
         for made in self.made():
-            name, tags = made.object_name, {} if made.label.is_readable else UNREADABLE
-            yield Case(made.clip, made.label.motion, name, name, tags)
+            name = made.object_name
+            yield Case(made.clip, made.label.motion, name, name, {})
 
     def made(self) -> Iterator[SimulatedClip]:
         """Yield the same clips with the whole truth about them."""
@@ -76,13 +62,12 @@ class SimulatedCases:
             MOST_TRIES * self.count,
             objects=EVERYDAY_OBJECTS,
             motions=self.among,
-            unsteady_share=float(self.is_unsteady),
         )
         for made in series:
-            is_readable = made.label.is_readable
-            self.unreadable += not is_readable
-            given += is_readable
-            if is_readable or self.with_unreadable:
-                yield made
+            if not made.label.is_readable:
+                self.unreadable += 1
+                continue
+            yield made
+            given += 1
             if given == self.count:
                 return
