@@ -74,12 +74,6 @@ def test_the_digest_tells_bundles_apart_by_weights_and_calibration(saved):
     assert one.digest() != two.digest()
 
 
-def test_every_file_of_a_bundle_can_be_read_by_everybody(saved):
-    folder, _ = saved
-    files = [path for path in folder.rglob("*") if path.is_file()]
-    assert {oct(path.stat().st_mode & 0o444) for path in files} == {"0o444"}
-
-
 def test_a_folder_without_a_bundle_is_refused(tmp_path):
     with pytest.raises(IncompatibleBundle) as caught:
         load_bundle(tmp_path)

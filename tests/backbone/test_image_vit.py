@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import pytest
 import torch
 
 from geotlm_lm.backbone.image_vit import ImageViT, ImageViTConfig, resized_positions, sinusoids
@@ -66,37 +65,6 @@ def test_layer_scale_is_a_gain_that_can_be_folded_into_the_layers_before_it():
     torch.testing.assert_close(plain(pixels, SENSORS), scaled(pixels, SENSORS))
 
 
-@pytest.mark.parametrize("index", [0, 1])
-def test_every_block_has_its_own_epsilon(index):
-    eps = [1e-5, 1e-6]
-    module, pixels = vit(), clips()
-    for norm in (module.blocks[index].norm1, module.blocks[index].norm2):
-        assert norm.eps == eps[index]
-    eps[index] = 1e-2
-    assert not torch.allclose(vit(block_eps=tuple(eps))(pixels, SENSORS), module(pixels, SENSORS))
-
-
-def test_outer_norm_and_projection_are_what_they_are_called():
-    module = vit()
-    tokens = module(clips(), SENSORS)
-    centred = tokens - tokens.mean(-1, keepdim=True)
-    normed = centred / (centred.square().mean(-1, keepdim=True) + 1e-6).sqrt()
-    normed = normed * module.norm.weight + module.norm.bias
-    torch.testing.assert_close(module.normed(tokens), normed)
-    torch.testing.assert_close(module.projected(tokens), normed @ module.projection.weight.T)
-    assert vit(norm_eps=None, projection=0).projected(tokens) is tokens
-
-
-def test_three_equal_frames_are_one_frame_under_the_kernels_sum_over_time():
-    # A tube read as (time, colour): a still clip is a picture under the summed kernel.
-    module = vit(patch=(3, 4, 5), grid=(1, 3, 4), registers=0)
-    image = clips()[:, :, 0]
-    found = module.patch(image[:, None].expand(-1, 3, -1, -1, -1))[:, :, 0]
-    kernel = module.patch.weight.sum(dim=1)
-    expected = torch.nn.functional.conv2d(image, kernel, module.patch.bias, stride=(4, 5))
-    torch.testing.assert_close(found, expected)
-
-
 def test_sinusoids_are_sines_then_cosines_of_time_then_row_then_column():
     table = sinusoids((2, 3, 4), 24).unflatten(0, (2, 3, 4))
     one = table[1, 2, 3]
@@ -108,13 +76,6 @@ def test_sinusoids_are_sines_then_cosines_of_time_then_row_then_column():
     assert sinusoids((1, 1, 1), 20).shape == (1, 20)
 
 
-def test_positions_of_their_own_grid_are_unchanged_and_of_another_refused():
-    module = vit()
-    torch.testing.assert_close(module.positions_for((2, 3, 4))[1], module.positions[1:])
-    with pytest.raises(ValueError, match=r"positions are of a grid \(2, 3, 4\)"):
-        module.positions_for((2, 4, 3))
-
-
 def test_resized_positions_keep_a_constant_and_a_ramp_along_its_axis():
     ramp = torch.arange(8.0)[:, None].expand(8, 8).flatten()
     table = torch.stack([torch.full((64,), 3.0), ramp], dim=1)
@@ -122,8 +83,3 @@ def test_resized_positions_keep_a_constant_and_a_ramp_along_its_axis():
     torch.testing.assert_close(found[..., 0], torch.full((4, 16), 3.0))
     # Half-pixel centres: row r of 4 lies at 2 r + 0.5 of 8, away from the border.
     torch.testing.assert_close(found[1:3, :, 1], torch.tensor([[2.5], [4.5]]).expand(2, 16))
-
-
-def test_an_encoder_with_sensor_tokens_asks_for_the_sensor():
-    with pytest.raises(ValueError, match="say which sensor took each clip"):
-        vit()(clips())

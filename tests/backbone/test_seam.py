@@ -74,19 +74,6 @@ def test_dgr_reads_the_tokens_of_every_encoder(encoder):
     assert (tokens.global_token + geometry.feature).shape == (2, encoder.width)
 
 
-def test_an_encoder_has_nothing_that_learns_and_leaves_evaluation_mode_alone(encoder):
-    assert not any(parameter.requires_grad for parameter in encoder.module.parameters())
-    assert not encoder.module.training
-    assert not encoder.encode([clip()]).patches.requires_grad
-
-
-def test_what_is_told_of_an_encoder_is_plain_json(encoder):
-    told = encoder.describe()
-    assert told["encoder"] == encoder.adapter.name
-    assert told["patch_tokens"] == list(encoder.patch_shape)
-    assert ("heads" in told) == (encoder.adapter.name != "unit")
-
-
 def test_dgr_on_a_768_wide_encoder_has_the_papers_parameters():
     assert sum(parameter.numel() for parameter in DGR(768).parameters()) == 13_827
     assert sum(p.numel() for p in DGR(768, 768).parameters()) == 13_827

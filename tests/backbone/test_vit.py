@@ -2,7 +2,6 @@
 
 import torch
 
-from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.vit import NORM_EPS, Block, ViT, ViTConfig
 
 CONFIG = ViTConfig(input_dim=7, width=24, depth=2, heads=3, grid_side=5)
@@ -67,12 +66,3 @@ def test_a_batch_equals_its_clips_one_by_one():
         alone = model(inputs[index : index + 1])
         torch.testing.assert_close(together.patches[index], alone.patches[0])
         torch.testing.assert_close(together.global_token[index], alone.global_token[0])
-
-
-def test_a_frozen_backbone_has_no_parameter_that_learns():
-    backbone = FrozenBackbone(ViT(CONFIG).initialise(torch.Generator().manual_seed(0)))
-    assert not any(parameter.requires_grad for parameter in backbone.vit.parameters())
-    tokens = backbone.encode_inputs(torch.randn(40, 2, 5, 5, 7))
-    assert tokens.patches.shape == (40, 2, 5, 5, 24)
-    assert tokens.global_token.shape == (40, 24)
-    assert not tokens.patches.requires_grad

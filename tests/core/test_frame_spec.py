@@ -189,18 +189,3 @@ def test_a_field_that_is_none_of_its_values_is_refused_with_those_that_are(field
         f"{field} was {value!r}, expected {expected}; give one of these as it is written here, or "
         f"leave {field} out."
     )
-
-
-@pytest.mark.parametrize("value", ["0.06", True, [0.06], 1j])
-def test_a_size_that_is_no_number_is_refused(value):
-    with pytest.raises(UsageError) as caught:
-        FrameSpec(mm_per_px=value)
-    assert str(caught.value) == (
-        f"mm_per_px was {value!r}, expected a number from 0.001 to 2 or None; give the millimetres "
-        f"of gel that a pixel is wide, or leave mm_per_px out."
-    )
-
-
-def test_any_number_is_a_size():
-    for value in (1, np.float32(0.06), np.float64(0.06)):
-        assert FrameSpec(mm_per_px=value).mm_per_px == value

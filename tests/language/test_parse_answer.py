@@ -44,8 +44,3 @@ def test_a_broken_file_says_what_to_do(tmp_path, text):
     (tmp_path / "answers.json").write_text(text)
     with pytest.raises(IncompatibleBundle, match="save or download the model again"):
         AnswerGrammar.load(tmp_path / "answers.json")
-
-
-def test_an_unknown_unit_is_refused():
-    with pytest.raises(ValueError, match="unknown unit 'inch'"):
-        Slots.from_dict({"kind": "magnitude", "unit": "inch"})

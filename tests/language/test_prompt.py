@@ -2,8 +2,8 @@ import re
 
 import pytest
 
-from geotlm_lm.core.errors import IncompatibleBundle, UsageError
-from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS, PromptEncoder
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS
 
 
 def test_a_prompt_is_the_prefix_the_question_and_the_turn_of_the_assistant(speaker):
@@ -55,8 +55,3 @@ def test_every_answer_of_the_templates_fits_its_room(speaker):
         for text in kind.answers
     )
     assert longest <= MAX_ANSWER_TOKENS
-
-
-def test_an_empty_folder_says_what_to_do(tmp_path):
-    with pytest.raises(IncompatibleBundle, match="save or download the model again"):
-        PromptEncoder.load(tmp_path, max_tokens=104)

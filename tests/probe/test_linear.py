@@ -36,24 +36,6 @@ def test_probabilities_follow_the_order_asked_and_the_odds_of_the_logits(identit
     assert found[0].tolist() == pytest.approx([odds / (1 + odds), 1 / (1 + odds)])
 
 
-def test_weights_survive_the_state_dict(identity_probe):
-    again = LinearProbe(3, LABELS)
-    again.load_state_dict(identity_probe.state_dict())
-    tokens = torch.randn(4, 3, generator=torch.Generator().manual_seed(0))
-    assert torch.equal(again(tokens), identity_probe(tokens))
-
-
 def test_an_unknown_motion_is_refused_by_name(identity_probe):
     with pytest.raises(ValueError, match="'press'"):
         identity_probe.predict(torch.zeros(1, 3), (Motion.PRESS,))
-
-
-def test_nothing_asked_is_refused(identity_probe):
-    with pytest.raises(ValueError, match="nothing"):
-        identity_probe.probabilities(torch.zeros(1, 3), ())
-
-
-@pytest.mark.parametrize("labels", [(Motion.LEFT,), (Motion.LEFT, Motion.LEFT)])
-def test_a_probe_tells_at_least_two_motions_apart(labels):
-    with pytest.raises(ValueError, match="two different motions"):
-        LinearProbe(3, labels)

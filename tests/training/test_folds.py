@@ -91,13 +91,6 @@ def test_the_best_validation_epoch_is_kept_and_not_the_last(monkeypatch):
     assert three.best_epoch == 1
 
 
-def test_parameters_count_the_probe_and_the_parts_there_are():
-    # Width 6: W_s 14, W_m 7, W_o 15 x 6, probe 7 x 6.
-    assert trained(Recipe(), epochs=1).parameters == 42
-    assert trained(Recipe(DGRParts()), epochs=1).parameters == 42 + 14 + 7 + 90
-    assert trained(Recipe(DGRParts(mask=False)), epochs=1).parameters == 42 + 14 + 90
-
-
 def test_the_seed_decides_and_a_row_of_four_motions_names_only_those():
     slides = token_set(240, 3, among=SLIDES)
     runs = [
@@ -122,31 +115,6 @@ def test_read_outs_of_the_truth_give_displacement_and_contact_back():
     assert (told - true).square().mean().sqrt() < 0.25 * true.square().mean().sqrt()
     assert found.mask[touched].min() > 0.8
     assert found.mask[~touched].max() < 0.2
-
-
-def test_patches_without_contact_do_not_shape_the_shear():
-    fold = standardise_fold(DATA, FOLD)
-    loud = fold.train.shear_change + 99.0 * (fold.train.contact == 0)[..., None]
-    own, other = (AblatedDGR(6, 6, DGRParts()) for _ in range(2))
-    initialise_from_truth(own, fold.train)
-    initialise_from_truth(other, replace(fold.train, shear_change=loud))
-    assert torch.equal(own.to_shear.weight, other.to_shear.weight)
-
-
-@pytest.mark.usefixtures("fast")
-def test_dgr_adds_to_what_the_global_token_carries_and_takes_nothing_away():
-    noise = torch.Generator().manual_seed(1)
-    told = torch.randn(DATA.tokens.global_token.shape, generator=noise) * 0.1
-    for row, index in enumerate(DATA.motions.tolist()):
-        told[row, DIRECTED.index(ALL_MOTIONS[index])] += 2
-    dumb = Tokens(told, torch.randn(DATA.tokens.patches.shape, generator=noise))
-    data = replace(DATA, tokens=dumb)
-    assert right(trained(Recipe(DGRParts()), data=data, epochs=25)) > 0.9
-
-
-def test_the_kept_weights_are_those_of_the_best_epoch(monkeypatch):
-    monkeypatch.setattr(folds._Reader, "score", lambda self, part: (1.0, 0.0))
-    assert trained(Recipe(), epochs=9) == trained(Recipe(), epochs=1)
 
 
 def test_rates_are_the_papers():

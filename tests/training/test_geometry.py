@@ -7,7 +7,6 @@ import pytest
 import torch
 
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.core.errors import UsageError
 from geotlm_lm.training import geometry
 from geotlm_lm.training.dense_targets import DenseHeads
 from geotlm_lm.training.geometry import better_mode, train_geometry, train_global_probe
@@ -72,20 +71,6 @@ def test_a_batch_without_a_readable_clip_leaves_finite_weights(tmp_path, mode):
     probe = train_global_probe(train, train, model.global_standardiser, epochs=1, seed=0)
     for module in (model.dgr, model.probe, probe):
         assert all(bool(torch.isfinite(value).all()) for value in module.parameters())
-
-
-def test_a_checkpoint_of_other_tokens_is_refused(tmp_path):
-    def run(seed):
-        train, path = token_set(30, seed), tmp_path / "dgr.pt"
-        return trained(train, token_set(12, 1), mode="paper", epochs=1, seed=0, path=path)
-
-    run(seed=0)
-    with pytest.raises(UsageError) as caught:
-        run(seed=5)
-    assert str(caught.value) == (
-        f"{tmp_path / 'dgr.pt'}: was trained on the tokens of another backbone or other clips; "
-        f"delete it to start over."
-    )
 
 
 def test_the_same_seed_gives_the_same_geometry_and_resumes_to_it(tmp_path):

@@ -119,31 +119,6 @@ def test_half_a_line_that_a_kill_left_is_encoded_again(anytouch2, tmp_path):
     assert again.labels == whole.labels
 
 
-def test_finished_tokens_are_read_and_not_made_again(anytouch2, tmp_path, monkeypatch):
-    made = encode_examples(anytouch2, tmp_path, WANTED, seed=1)
-    monkeypatch.setattr(ReleasedEncoder, "encode", None)
-    found = encode_examples(anytouch2, tmp_path, WANTED, seed=1)
-    assert torch.equal(found.tokens.global_token, made.tokens.global_token)
-    assert (len(found), set(found.objects) <= set(WANTED.objects)) == (WANTED.count, True)
-
-
-def test_stored_tokens_are_the_encoders_own_of_the_same_clips(anytouch2, tmp_path):
-    from geotlm_lm.core.seeding import generator_for
-    from geotlm_lm.training.recording_forms import as_recorded
-
-    stored = encode_examples(anytouch2, tmp_path, WANTED, seed=1)
-    seed = int(generator_for(1, "encoded", "check").integers(2**62))
-    index = BATCH + 1
-    (one,) = WANTED.simulated(seed, index, 1)
-    recorded = as_recorded(one, generator_for(seed, "form", index))
-    tokens = anytouch2.encode([recorded.clip])
-    assert stored.labels[index].motion == recorded.label.motion
-    torch.testing.assert_close(stored.tokens.global_token[index], tokens.global_token[0])
-    torch.testing.assert_close(
-        stored.tokens.patches[index].float(), tokens.patches[0], rtol=2e-3, atol=2e-3
-    )
-
-
 @pytest.mark.parametrize("change", ["encoder", "seed"])
 def test_a_folder_of_another_run_is_refused(change, anytouch2, finished, tmp_path):
     out = finished[0]
@@ -153,21 +128,4 @@ def test_a_folder_of_another_run_is_refused(change, anytouch2, finished, tmp_pat
     assert str(caught.value) == (
         f"{out} holds a run of another encoder, preset, seed or version of this program; give an "
         f"empty folder by --run-folder, or continue the run as it began."
-    )
-
-
-def test_tokens_beyond_half_precision_are_refused(anytouch2, tmp_path, monkeypatch):
-    encode = ReleasedEncoder.encode
-
-    def large(self, clips):
-        tokens = encode(self, clips)
-        tokens.patches[0, 0, 0, 0, 0] = 1e6
-        return tokens
-
-    monkeypatch.setattr(ReleasedEncoder, "encode", large)
-    with pytest.raises(UsageError) as caught:
-        encode_examples(anytouch2, tmp_path, WANTED, seed=1)
-    assert str(caught.value) == (
-        "AnyTouch 2: tokens up to 1e+06 were found, expected below 65504; the file's weights are "
-        "not those of a trained encoder."
     )

@@ -1,5 +1,4 @@
 import numpy as np
-import pytest
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
@@ -55,11 +54,6 @@ def test_a_touch_faded_below_the_noise_is_told_to_be_unreadable():
         assert (clip.frames > IDLE).any()
 
 
-@pytest.mark.parametrize("motion", [Motion.STILL, Motion.NONE])
-def test_stillness_can_be_told_however_faint(motion):
-    assert all(told.is_readable for _, told in drawn(motion, 0.0))
-
-
 def test_hardly_any_damage_is_worse_than_what_is_still_answered():
     """A clip that would be refused teaches nothing; drifts and dim frames nearly are."""
     refused = 0
@@ -71,16 +65,3 @@ def test_hardly_any_damage_is_worse_than_what_is_still_answered():
             except UnreadableClip:
                 refused += 1
     assert refused <= 0.03 * 4 * 50
-
-
-@pytest.mark.parametrize(("is_varied", "changes"), [(True, True), (False, False)])
-def test_only_varied_sets_are_damaged(is_varied, changes, monkeypatch):
-    calls = []
-
-    def spy(simulated, rng, *, damaged_share):
-        calls.append(damaged_share)
-
-    monkeypatch.setattr("geotlm_lm.training.examples.as_recorded", spy)
-    wanted = ExampleSet("check", 1, TRAINING_OBJECTS[:1], is_varied=is_varied)
-    wanted.recorded(None, np.random.default_rng(0))
-    assert (calls[0] > 0) == changes

@@ -123,19 +123,6 @@ def test_the_loss_is_that_of_the_answer_tokens_alone(tokens):
     assert loss == pytest.approx(expected, rel=1e-5)
 
 
-def test_the_rate_rises_in_a_line_and_falls_to_a_tenth():
-    config = LanguageTraining(steps=1000, warmup=100, learning_rate=1.0)
-    assert learning_rate_at(49, config) == pytest.approx(0.5)
-    assert learning_rate_at(100, config) == pytest.approx(1.0)
-    assert learning_rate_at(550, config) == pytest.approx(0.55)
-    assert learning_rate_at(1000, config) == pytest.approx(0.1)
-
-
-def test_tokens_and_labels_must_match(tokens, tmp_path):
-    with pytest.raises(ValueError, match=r"\(40, 12\) fused tokens for 39 labels"):
-        train_language(tokens, LABELS[:-1], config=CONFIG, folder=tmp_path)
-
-
 def test_the_rate_falls_to_nothing_in_a_cooldown_of_a_ninth():
     config = LanguageTraining(steps=900, warmup=100)
     assert config.all_steps == 1000
@@ -154,11 +141,6 @@ def test_presses_are_asked_about_twice_as_often_as_turns():
     chosen = draw_clips(shares, config, step=0)
     assert np.bincount(chosen) / 4000 == pytest.approx([0.2, 0.2, 0.2, 0.4], abs=0.03)
     assert not np.array_equal(chosen, draw_clips(shares, config, step=1))
-
-
-def test_noise_changes_what_is_learned(tokens, straight, tmp_path):
-    quiet = train_language(tokens, LABELS, config=replace(CONFIG, noise=0.0), folder=tmp_path)
-    assert not same(weights(quiet), straight)
 
 
 def label(**truth):

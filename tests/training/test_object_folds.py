@@ -38,35 +38,9 @@ def test_every_row_is_tested_exactly_once_over_the_folds(folds):
     assert sorted(np.concatenate([fold.test for fold in folds])) == list(range(len(OBJECTS)))
 
 
-def test_folds_hold_nearly_equal_numbers_of_objects():
-    assert sorted(len(fold.held_out) for fold in object_folds(OBJECTS, 5, seed=0)) == [
-        2,
-        2,
-        2,
-        2,
-        3,
-    ]
-
-
-def test_leaving_one_out_holds_out_each_object_in_turn():
-    held = [fold.held_out for fold in leave_one_object_out(OBJECTS, seed=0)]
-    assert held == [(f"object {number}",) for number in range(11)]
-
-
-def test_the_seed_decides_the_folds():
-    first, again, other = (object_folds(OBJECTS, 5, seed=seed) for seed in (1, 1, 2))
-    assert [fold.held_out for fold in first] == [fold.held_out for fold in again]
-    assert [fold.held_out for fold in first] != [fold.held_out for fold in other]
-
-
 @pytest.mark.parametrize(
     ("objects", "count"), [(["a", "b"], 2), (list("abc"), 4), (list("abc"), 1)]
 )
 def test_too_few_objects_are_refused(objects, count):
     with pytest.raises(ValueError, match="three disjoint parts need"):
         object_folds(objects, count, seed=0)
-
-
-def test_a_fold_that_leaves_one_object_for_two_parts_is_refused():
-    with pytest.raises(ValueError, match="fewer than two objects"):
-        object_folds(["a", "b", "c"], 2, seed=0)

@@ -151,10 +151,3 @@ def test_no_object_is_in_two_of_training_validation_and_test():
     assert unseen == set(EVERYDAY_OBJECTS)
     assert not trained & kept
     assert not (trained | kept) & unseen
-
-
-def test_clips_of_objects_kept_for_another_set_are_refused(finished):
-    folder = finished / "examples"
-    wanted = examples.ExampleSet("validation", 20, objects=("ball",))
-    with pytest.raises(UsageError, match="the validation clips touch .*, expected only objects"):
-        examples.read_examples(folder, wanted)
