@@ -9,10 +9,9 @@ from typing import Literal
 
 import numpy as np
 
-from geotlm_lm.answering import Answerer, deciding_word
+from geotlm_lm.answering import Answerer
 from geotlm_lm.answering.amounts import Amount
-from geotlm_lm.answering.measured_amounts import measured_amount
-from geotlm_lm.answering.model_query import ModelReply
+from geotlm_lm.answering.measured_motion import measured
 from geotlm_lm.benchmarks.cases.recordings import real_cases
 from geotlm_lm.benchmarks.cases.semi_real import SemiRealSlides
 from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
@@ -24,10 +23,10 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.tolerance import within_tolerance
+from geotlm_lm.core.twist import Component
 from geotlm_lm.data.labelled_recordings import LabelledRecordings, WindowRow
 from geotlm_lm.data.question_contents import amount_of
 from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
-from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.probe.rigid_flow import RigidFlow
 
 ABOUT = """\
@@ -127,9 +126,8 @@ def known_amount(row: WindowRow, unit: Unit) -> float | None:
 
 def odometer_tells(answerer: Answerer, moved: Moved) -> Amount:
     """Return what the odometer tells of a clip whose kind of motion is given."""
-    slots = Slots("magnitude", unit=moved.unit)
-    heard = ModelReply(slots, "", {deciding_word(slots): 1.0})
-    return measured_amount(answerer.bundle, answerer.encode(moved.clip), heard, FrameSpec())
+    component = Component.TURN if moved.unit == "deg" else Component.SLIDE
+    return measured(answerer.encode(moved.clip), component, FrameSpec()).amount()
 
 
 def flow_tells(moved: Moved) -> float:

@@ -140,8 +140,7 @@ def blind_view(touches: Sequence[Touched]) -> Encoded:
     tokens = ("global_token", "fused_token", "inputs")
     means = {key: mean([getattr(one, key) for one in seen]) for key in tokens}
     perception = replace(own, geometry=replace(own.geometry, **parts), **means)
-    equalised = mean([one.encoded.equalised_motions for one in touches])
-    return replace(touched.encoded, perception=perception, given_equalised_motions=equalised)
+    return replace(touched.encoded, perception=perception)
 
 
 def ask_every_type(
