@@ -185,7 +185,7 @@ def _signed(
 def _slides(mean: Twist, covariance: Floats) -> dict[Motion, float]:
     """Return how probable it is that it slides each of four ways."""
     length = mean.slide_px
-    along = np.array([mean.right_px, mean.down_px]) / max(length, 1e-9)
+    along = np.array([mean.right_px, mean.down_px]) / length if length > 0 else np.array([1.0, 0.0])
     across = np.array([-along[1], along[0]])
     deviation = math.sqrt(float(along @ covariance @ along))
     far = 1 - NormalDist(length, max(deviation, 1e-3)).cdf((STILL_PX + COUNTING_PX) / 2)

@@ -40,7 +40,7 @@ from geotlm_lm.conversation.image_rotation import unclear_rotation
 from geotlm_lm.conversation.indirect_questions import embedded_question
 from geotlm_lm.conversation.kinds import asked_kind
 from geotlm_lm.conversation.motion_answers import ALWAYS_RULE_KINDS, CAMERA
-from geotlm_lm.conversation.motion_claims import without_adverbs
+from geotlm_lm.conversation.motion_claims import weighs_kinds, without_adverbs
 from geotlm_lm.conversation.motion_questions import canonical_motion_question
 from geotlm_lm.conversation.negation_wording import with_explicit_negation
 from geotlm_lm.conversation.option_meanings import initials_spelt_out
@@ -176,6 +176,8 @@ def _answer_through_other_questions(
     """Return the answer to what asks, in other words, for answers to one question or to two."""
     if asks_alternatives(asked):
         return with_alternatives(answer_question(bundle, encoded, OPEN_QUESTION, frame))
+    if weighs_kinds(asked):
+        return answer_question(bundle, encoded, OPEN_QUESTION, frame)
     if (limited := _answerable_part(asked)) is not None:
         rest, limit = limited
         answer = answer_question(bundle, encoded, rest, frame)

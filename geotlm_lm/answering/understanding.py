@@ -61,6 +61,8 @@ def understood_kind(
         heard: The model's reply.
     """
     slots, told = heard.slots, asked_kind(question)
+    if told is not None and told not in bundle.grammar.kinds:
+        return told
     if is_ruled_out(question, slots and slots.kind):
         if told is not None and told not in _SEVERAL:
             return told

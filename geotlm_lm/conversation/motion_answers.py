@@ -177,7 +177,8 @@ def _heard_claim(asked: RuleInput, main: Motion) -> frozenset[Motion] | None:
         return frozenset({named})
     # A "no" to words that name no motion may be one to words that the model does not know.
     is_read = motions_named(asked.question) or nearly_named(asked.question)
-    return frozenset(Motion) - {named} if named == main and is_read else None
+    is_as_seen = named == asked.motion == main
+    return frozenset(Motion) - {named} if is_as_seen and is_read else None
 
 
 def _judged_half(felt: Felt, frame: FrameSpec, half: Half, claims: frozenset[Motion]) -> RuleAnswer:
@@ -233,7 +234,7 @@ def _choice(asked: RuleInput) -> RuleAnswer:
         return opened
     # Of letters that offer one motion the first stands for all: they are one answer.
     letters = {motion: letter for letter, motion in reversed(offered.items())}
-    shares = {one: felt.words[one.value] for one in letters}
+    shares = {one: felt.words[one.value] for one in reversed(letters)}
     total = sum(shares.values())
     options = {f"{letters[one]}) {one.value}": share / total for one, share in shares.items()}
     told = tell(felt, frame, {COMPONENT_OF[true[0]]} if true[0] in COMPONENT_OF else ())
@@ -268,12 +269,11 @@ def _class(asked: RuleInput) -> RuleAnswer:
     ways = list(map(felt.way, felt.components)) or [felt.main]
     kinds, offered = [motion_class(way) for way in ways], offered_kinds(asked.question)
     told = [kind for kind in kinds if offered is None or kind in offered]
-    if not told:
-        return replace(_opened(felt, frame, ()), text=f"None of these: {tell(felt, frame).text}.")
     names = [decapitalised(KIND_SENTENCES[kind][:-1]) for kind in told]
     text = f"{capitalised(' and '.join(names))}."
-    sure = min(shares[kind.value] for kind in told)
-    is_plain = len(told) == 1
+    if not told:
+        told, text = kinds, f"None of these: {tell(felt, frame).text}."
+    sure, is_plain = min(shares[kind.value] for kind in told), len(names) == 1
     return RuleAnswer(text, None, frame, shares, told[0].value, sure, is_plain=is_plain)
 
 
