@@ -22,7 +22,7 @@ LEFT_EVIDENCE = load_templates().grammar().sentence(Slots("evidence", Motion.LEF
         (
             "What makes you think so?",
             "I cannot tell that from touch.",
-            "Both halves go left together",
+            "Both halves go left",
         ),
         ("Did it budge?", "I cannot tell that from touch.", "Yes, it is moving."),
         ("Did it budge?", "Yes, something is touching the gel.", "Yes, it is moving."),

@@ -133,7 +133,8 @@ def test_all_that_counts_is_told_the_larger_first_with_amounts(bundle):
     for asked in ("What happens?", "Which way is it moving?"):
         answer = answerer.ask(encoded, asked)
         assert answer.text == (
-            "It turns clockwise, about 20 degrees, and slides left, about 8 px, in the camera image."
+            "It turns clockwise, about 20 degrees, and slides left, about 8 px, "
+            "in the camera image."
         )
         assert (answer.direction, answer.told_by) == (Motion.CLOCKWISE, "rule")
     far = answerer.ask(encoded, "How far did it go?")
