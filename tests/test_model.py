@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.backbone.view import View
-from geotlm_lm.core.geometry import filled_size
+from geotlm_lm.core.geometry import FLOW_SCALE_PX, filled_size
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import contact_centre, rigid_motion
 

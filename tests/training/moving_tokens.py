@@ -2,8 +2,8 @@
 
 import torch
 
-from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.training.geometry import ALL_MOTIONS, TokenSet
 

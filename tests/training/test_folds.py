@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES
 from geotlm_lm.dgr.ablations import AblatedDGR, DGRParts
 from geotlm_lm.training import folds
