@@ -9,9 +9,11 @@ import torch
 from safetensors.torch import load_file, save_file
 
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
-from geotlm_lm.checkpoint import Calibration, load_bundle, save_bundle
+from geotlm_lm.checkpoint import Calibration, load_bundle, reading_of, save_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import IncompatibleBundle
+from geotlm_lm.motion.measured import measured
+from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.training.language import LanguageTraining, new_speaker
 from tests.tiny_bundle import WIDTH, tiny_bundle
 
@@ -29,15 +31,23 @@ def clip():
     return Clip(frames, background=np.full((32, 40, 3), 105, np.uint8))
 
 
+def reading(bundle, seen):
+    motions = torch.from_numpy(np.stack([one.numbers() for one in seen.motions]))
+    found = measured(seen.inputs, motions, seen.geometry, seen.fused_token)
+    return reading_of(seen.fused_token, bundle.motion(found)).detach()
+
+
 def test_a_loaded_bundle_perceives_and_speaks_as_the_saved_one(saved):
     folder, bundle = saved
     loaded = load_bundle(folder)
     before, after = bundle.model.perceive([clip()]), loaded.model.perceive([clip()])
     # Weights are stored in half precision: 2^-11 relative, a few layers deep.
     torch.testing.assert_close(after.fused_token, before.fused_token, atol=2e-2, rtol=2e-2)
-    token = before.fused_token.detach()
+    read, read_again = reading(bundle, before), reading(loaded, after)
+    assert read.shape == (1, WIDTH + BELIEF_NUMBERS)
+    torch.testing.assert_close(read_again, read, atol=2e-2, rtol=2e-2)
     question = "Which way does it turn?"
-    assert loaded.speaker.generate(token, [question]) == bundle.speaker.generate(token, [question])
+    assert loaded.speaker.generate(read, [question]) == bundle.speaker.generate(read, [question])
     assert loaded.grammar == bundle.grammar
     assert loaded.calibration == bundle.calibration
     assert loaded.provenance == {"command": "test"}
@@ -86,7 +96,7 @@ def test_another_format_is_refused(saved, tmp_path):
     with pytest.raises(IncompatibleBundle) as caught:
         load_bundle(tmp_path)
     assert str(caught.value) == (
-        f"{tmp_path}: the bundle has format 99, this version reads 4; train it again or install "
+        f"{tmp_path}: the bundle has format 99, this version reads 5; train it again or install "
         f"the matching geotlm-lm."
     )
 
@@ -147,6 +157,6 @@ def test_a_language_model_of_another_width_is_refused(saved, tmp_path):
     with pytest.raises(IncompatibleBundle) as caught:
         load_bundle(tmp_path / "bundle")
     assert str(caught.value) == (
-        f"{tmp_path / 'bundle'}: language reads fused tokens of width 5, perception.safetensors "
-        f"gives width {WIDTH}; copy the bundle again."
+        f"{tmp_path / 'bundle'}: language reads 5 numbers of a clip, perception.safetensors "
+        f"gives {WIDTH + BELIEF_NUMBERS}; copy the bundle again."
     )

@@ -3,6 +3,7 @@
 import torch
 
 from geotlm_lm.backbone.frozen import FrozenBackbone
+from geotlm_lm.backbone.motions import MOTIONS_SHAPE
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.vit import ViT, ViTConfig
 from geotlm_lm.checkpoint import Bundle, Calibration
@@ -11,7 +12,8 @@ from geotlm_lm.data.templates import load_templates
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.language.decoder import LanguageSize
 from geotlm_lm.model import GeoTLM
-from geotlm_lm.odometry.odometer import Odometer
+from geotlm_lm.motion.measured import measured
+from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.training.language import LanguageTraining, new_speaker
@@ -36,8 +38,19 @@ def _tiny_bundle(calibration, generator):
         global_probe=LinearProbe(WIDTH, list(Motion)),
     )
     size = LanguageSize(width=16, layers=1, heads=2, mlp=16)
-    fused_tokens = torch.randn(9, WIDTH, generator=generator)
-    speaker = new_speaker(fused_tokens, LanguageTraining(size=size))
+    readings = torch.randn(9, WIDTH + BELIEF_NUMBERS, generator=generator)
+    speaker = new_speaker(readings, LanguageTraining(size=size))
     calibration = calibration or Calibration(temperature=2.0, contact_threshold=0.0)
     grammar = load_templates().grammar()
-    return Bundle(model, Odometer().eval(), speaker, grammar, calibration, {"command": "test"})
+    motion = untrained_motion(model.dgr)
+    return Bundle(model, motion, speaker, grammar, calibration, {"command": "test"})
+
+
+@torch.no_grad()
+def untrained_motion(dgr):
+    """A network that believes what is measured; what it has yet to learn starts at random."""
+    patches, inputs = torch.zeros(1, 2, 14, 14, WIDTH), torch.zeros(1, 2, 14, 14, PATCH_INPUT_DIM)
+    motions, token = torch.zeros(1, *MOTIONS_SHAPE), torch.zeros(1, WIDTH)
+    network = MotionNetwork(measured(inputs, motions, dgr(patches), token).hints.shape[1])
+    network.start_at_measured()
+    return network.eval()

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor
+from torch.nn.functional import interpolate
 
 from geotlm_lm.backbone.motions import MOTION_NUMBERS
 from geotlm_lm.backbone.stem import LOCAL_AT, MAGNIFICATION_AT, RELIEF_AT, RESIDUAL_DIM
@@ -139,7 +140,7 @@ def _whole(inputs: Tensor, geometry: Geometry, side: Tensor, radius: Tensor) -> 
     """Return what the whole view tells of contact, pressing and sureness, (b, n)."""
     bins = inputs.mean(dim=(2, 3))
     contrast = inputs[..., :RESIDUAL_DIM].abs().mean(dim=(2, 3, 4))
-    mask = geometry.mask.float()[:, None, :, :, None]
+    mask = _on_grid_of(inputs, geometry.mask.float())[:, None, :, :, None]
     touched = (inputs[..., RELIEF_AT : RELIEF_AT + 1] * mask).mean(dim=(2, 3, 4))
     mass = geometry.region_mass[:, REGIONS.index("global")].float()[:, None]
     growth = contrast[:, 1:].add(0.02).log() - contrast[:, :1].add(0.02).log()
@@ -165,18 +166,25 @@ def _whole(inputs: Tensor, geometry: Geometry, side: Tensor, radius: Tensor) -> 
 def _divergence(inputs: Tensor, geometry: Geometry) -> Tensor:
     """Return how much what lies beyond the rigid motion, and the shear, spread from the middle."""
     mask = geometry.mask.float()
+    local = inputs[:, 1, :, :, LOCAL_AT : LOCAL_AT + 2]
+    fields = [(local, _on_grid_of(inputs, mask)), (geometry.shear_change.float(), mask)]
+    return torch.stack([_outward(*one) for one in fields], dim=1)
+
+
+def _outward(field: Tensor, mask: Tensor) -> Tensor:
     rows, columns = mask.shape[1:]
     x = (torch.arange(columns) - (columns - 1) / 2) / columns
     y = (torch.arange(rows) - (rows - 1) / 2) / rows
-    fields = [inputs[:, 1, :, :, LOCAL_AT : LOCAL_AT + 2], geometry.shear_change.float()]
     total = mask.sum(dim=(1, 2)).clamp(min=1e-6)
-    return torch.stack(
-        [
-            ((field[..., 0] * x + field[..., 1] * y[:, None]) * mask).sum(dim=(1, 2)) / total
-            for field in fields
-        ],
-        dim=1,
-    )
+    return ((field[..., 0] * x + field[..., 1] * y[:, None]) * mask).sum(dim=(1, 2)) / total
+
+
+def _on_grid_of(inputs: Tensor, mask: Tensor) -> Tensor:
+    """Return a mask on the stem's own grid; that of a released encoder may be another."""
+    size = inputs.shape[2:4]
+    if mask.shape[1:] == size:
+        return mask
+    return interpolate(mask[:, None], size, mode="bilinear").squeeze(1)
 
 
 def rigid_motions(

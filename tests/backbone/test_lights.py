@@ -13,15 +13,16 @@ from geotlm_lm.backbone.lights import (
     turned_by_a_half,
     turned_by_a_quarter,
 )
+from geotlm_lm.backbone.relief import RELIEF_SIDE
 
-SIDE = 112
+SIDE = RELIEF_SIDE
 
 
 def relief():
     """A twisted bump: its mirror image is another one."""
     y, x = np.mgrid[:SIDE, :SIDE] - (SIDE - 1) / 2
-    bar = np.exp(-((x - y) ** 2) / 100 - (x + y) ** 2 / 1500)
-    return 100 * (bar + 0.7 * np.exp(-((x - 20) ** 2 + (y - 5) ** 2) / 60)).astype(np.float32)
+    bar = np.exp(-((x - y) ** 2) / 25 - (x + y) ** 2 / 375)
+    return 100 * (bar + 0.7 * np.exp(-((x - 10) ** 2 + (y - 2.5) ** 2) / 15)).astype(np.float32)
 
 
 def shaded(depth, aspect=1.0):
@@ -68,7 +69,7 @@ def test_a_grey_picture_and_one_of_one_colour_tell_no_lights_apart(colours):
 
 def test_a_grey_picture_gets_the_colours_of_slopes_towards_one_light():
     y, x = np.mgrid[:SIDE, :SIDE] - (SIDE - 1) / 2
-    ridge = 100 * np.exp(-((x - y) ** 2) / 200)  # falls towards the upper right and lower left
+    ridge = 100 * np.exp(-((x - y) ** 2) / 50)  # falls towards the upper right and lower left
     slope_y, slope_x = (-one for one in np.gradient(ridge))
     grey = SHADE_GREY * (slope_x - slope_y) / 2**0.5
     seen = np.repeat(grey[..., None], 3, axis=-1).astype(np.float32)

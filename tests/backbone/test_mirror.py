@@ -11,11 +11,9 @@ import torch
 
 from geotlm_lm.backbone import imprint
 from geotlm_lm.backbone.mirror import Mirror, mirrored_field, mirrored_inputs
-from geotlm_lm.backbone.stem import CELLS, FLOW_CHANNELS, measure_clip
+from geotlm_lm.backbone.stem import measure_clip
 from geotlm_lm.simulation.series import simulate_series
 from tests.backbone.test_stem import moving_clip
-
-FLOWS = [3 * CELLS**2 + start + place for start in (0, FLOW_CHANNELS) for place in (0, 1)]
 
 
 def seen(clip):
@@ -54,12 +52,9 @@ def usual_lights(monkeypatch):
 def test_turned_over_inputs_are_those_of_the_turned_over_clip(clips, mirror):
     expected = seen(turned_over(clips[mirror], mirror))
     found = mirrored_inputs(seen(clips[mirror]), mirror)
-    error, size = ((one).abs().mean(dim=(0, 1, 2, 3)) for one in (found - expected, expected))
-    share = error / (size + 1e-3)
-    # Neither the flow's search nor the alignment's is quite symmetric.
-    assert share[FLOWS].max() < 0.35
-    share[FLOWS] = 0
-    assert share.max() < 0.05
+    error, size = (one.abs().mean(dim=(0, 1, 2, 3)) for one in (found - expected, expected))
+    # Of the strongest two fifths of the gradients ties are taken in another order.
+    assert (error / (size + 1e-3)).max() < 0.01
 
 
 @pytest.mark.parametrize("mirror", Mirror)

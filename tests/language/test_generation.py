@@ -10,6 +10,7 @@ from geotlm_lm.core.errors import IncompatibleBundle
 from geotlm_lm.language import weights
 from geotlm_lm.language.generation import Speaker
 from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS
+from geotlm_lm.language.slots import SLOTS
 
 QUESTIONS = [
     "which way?",
@@ -86,6 +87,41 @@ def test_saved_and_loaded_it_says_and_scores_the_same(speaker, fused_tokens, tmp
     )
     one, two = (s.score(fused_tokens[0], QUESTIONS[0], OPTIONS) for s in (speaker, loaded))
     np.testing.assert_array_equal(one, two)
+    felt, felt_again = (s.feel(fused_tokens) for s in (speaker, loaded))
+    assert all(torch.equal(felt_again[slot], shares) for slot, shares in felt.items())
+
+
+def test_the_words_that_may_fill_a_slot_exclude_each_other(speaker, fused_tokens):
+    felt = speaker.feel(fused_tokens)
+    assert {slot: tuple(shares.shape) for slot, shares in felt.items()} == {
+        slot: (len(fused_tokens), len(words)) for slot, words in SLOTS.items()
+    }
+    for shares in felt.values():
+        torch.testing.assert_close(shares.exp().sum(dim=1), torch.ones(len(fused_tokens)))
+        assert shares.std(dim=0).max() > 0.01  # another clip feels otherwise
+
+
+def test_what_is_felt_of_a_clip_depends_on_no_other_clip_and_on_no_question(speaker, fused_tokens):
+    together = speaker.feel(fused_tokens[:5])
+    speaker.generate(fused_tokens[:2], QUESTIONS[:2])
+    alone = speaker.feel(fused_tokens[3:4])
+    for slot, shares in alone.items():
+        torch.testing.assert_close(together[slot][3:4], shares, atol=1e-5, rtol=1e-5)
+    slots = speaker.prompts.slot_prompt[-len(SLOTS) :]
+    assert speaker.prompts.slot_prompt[: -len(SLOTS)] == [speaker.prompts.tactile_id] * 3
+    assert not set(slots) & set(speaker.prompts.prompt("<turn> <slide> <press> or <contact>?"))
+
+
+def test_each_slot_is_what_plain_reading_of_its_place_gives(speaker, fused_tokens):
+    model, prompts = speaker.model, speaker.prompts
+    ids = torch.tensor([prompts.slot_prompt])
+    with torch.no_grad():
+        embedded = model.embed(ids, model.projector(fused_tokens[:1]))
+        hidden, _ = model.decoder(embedded, torch.arange(ids.shape[1])[None])
+        logits = model.logits(hidden)[0]
+    felt = speaker.feel(fused_tokens[:1])
+    for place, (slot, words) in enumerate(prompts.slot_words.items(), start=ids.shape[1] - 4):
+        torch.testing.assert_close(felt[slot][0], logits[place, words].log_softmax(-1))
 
 
 def test_a_processor_of_another_model_is_refused_in_one_sentence(speaker, tmp_path):
@@ -117,6 +153,8 @@ def test_answering_needs_no_transformers(speaker, tmp_path):
 def test_what_is_no_token_of_the_model_is_refused(speaker, token, said):
     with pytest.raises(ValueError, match=said):
         speaker.generate(token, ["which way?"])
+    with pytest.raises(ValueError, match=said):
+        speaker.feel(token)
 
 
 def test_another_format_names_both_numbers(speaker, tmp_path):

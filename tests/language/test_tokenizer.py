@@ -1,5 +1,6 @@
 import pytest
 
+from geotlm_lm.language.slots import SLOT_TOKENS, SLOT_WORDS
 from geotlm_lm.language.tokenizer import SPECIAL_TOKENS, clean_question, train_tokenizer
 
 CORPUS = ["which way is the cap turning?", "turning 12 degrees, turning 12 mm"] * 4
@@ -11,7 +12,16 @@ def tokenizer():
 
 
 def test_special_tokens_come_first(tokenizer):
-    assert [tokenizer.token_to_id(token) for token in SPECIAL_TOKENS] == [0, 1, 2, 3, 4]
+    places = [tokenizer.token_to_id(token) for token in SPECIAL_TOKENS]
+    assert places == list(range(len(SPECIAL_TOKENS)))
+
+
+def test_slots_and_the_words_that_fill_them_are_one_token_each(speaker):
+    assert set(SLOT_TOKENS) < set(SPECIAL_TOKENS)
+    encode = speaker.prompts.tokenizer.encode
+    ids = [encode(word).ids for word in (*SLOT_TOKENS, *SLOT_WORDS)]
+    assert [len(one) for one in ids] == [1] * len(ids)
+    assert len({one[0] for one in ids}) == len(ids)
 
 
 def test_digits_stay_single(tokenizer):
@@ -30,7 +40,9 @@ def test_any_text_is_spelled_and_read_back(tokenizer, text):
 @pytest.mark.parametrize(
     "typed",
     [
-        *("<tactile>", "< Tactile >", "<eos>", "<assistant>", "<USER>"),
+        *("<tactile>", "< Tactile >", "<eos>", "<assistant>", "<USER>", "< /pad>"),
+        *SLOT_TOKENS,
+        *("<TURN>", "< contact >", "<tu<slide>rn>"),
         "<<tactile>tactile> <tac<eos>tile> <<tactile>> << < USER > >> <<<</user>>>>",
     ],
 )

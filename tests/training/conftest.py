@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.backbone.contrast_equalisation import EQUALISED_SHAPE
+from geotlm_lm.backbone.motions import MOTIONS_SHAPE
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.training.examples import Examples
@@ -20,7 +20,7 @@ def tiny_examples():
     motions = list(Motion) * 2
     return Examples(
         inputs=random(2, 14, 14, PATCH_INPUT_DIM),
-        equalised_motions=random(*EQUALISED_SHAPE),
+        motions=random(*MOTIONS_SHAPE),
         displacement_px=random(2, 14, 14, 2),
         contact=(random(2, 14, 14) > 0.5).astype(np.float16),
         depth_mm=random(2, 14, 14),

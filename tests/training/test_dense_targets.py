@@ -9,8 +9,9 @@ import torch
 
 from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionClass, MotionLabel
+from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.training import dense_targets
+from geotlm_lm.training.component_truth import component_truth
 from geotlm_lm.training.dense_targets import DenseHeads, DenseTruth, dense_loss
 
 
@@ -26,7 +27,7 @@ def random_case():
         contact=(random(3, 2, 14, 14) > 0.5).float(),
         depth=random(3, 2, 14, 14),
         counts_motion=torch.tensor([1.0, 1.0, 0.0]),
-        kind=torch.tensor([0, 1, dense_targets.UNSEEN]),
+        components=torch.tensor([[1.0, 0.0, 0.0, 0.0, 1.0], [math.nan] * 5, [0.0] * 5]),
         amount=torch.tensor([[8.0, math.nan], [math.nan, 0.5], [math.nan, math.nan]]),
         magnification=torch.tensor([0.0, 0.3, 0.8]),
     )
@@ -58,45 +59,55 @@ def test_the_global_target_carries_no_direction():
     assert torch.equal(summary, dense_targets._summary(turned))
 
 
-def test_the_kind_asked_of_the_global_token_is_the_same_for_every_direction():
-    for label in (MotionLabel(motion) for motion in Motion):
-        assert dense_targets._kind(label) == dense_targets._kind(label.mirrored())
-    asked = {motion: dense_targets._kind(MotionLabel(motion)) for motion in Motion}
-    assert len({asked[motion] for motion in ROTATIONS}) == 1
-    assert len({asked[motion] for motion in SLIDES}) == 1
-    assert len(set(asked.values())) == len(MotionClass)
+def wanted(label):
+    return [
+        None if math.isnan(one) else one for one in dense_targets._wanted(component_truth(label))
+    ]
 
 
-def test_the_kind_of_a_motion_that_leaves_no_trace_is_not_asked():
-    assert dense_targets._kind(MotionLabel(Motion.PRESS, is_readable=False)) == dense_targets.UNSEEN
+def sizes(label):
+    found = dense_targets._amounts(component_truth(label))
+    return [None if math.isnan(one) else one for one in found]
+
+
+MOVING = MotionLabel(
+    Motion.STILL,
+    rotation_deg=-8.0,
+    depth_change_mm=-0.4,
+    travel_px=(3.0, -4.0),
+    radius_px=20.0,
+    visible_grey=(9.0, 9.0, 9.0),
+)
+
+
+def test_what_is_asked_of_the_global_token_is_the_same_for_every_way_it_turns_or_slides():
+    assert wanted(MOVING) == wanted(MOVING.mirrored()) == [1.0, 1.0, 0.0, 1.0, 1.0]
+    assert sizes(MOVING) == sizes(MOVING.mirrored()) == [8.0, 5.0]
+    # Whether it goes in or out is no way in the image.
+    assert wanted(replace(MOVING, depth_change_mm=0.4))[2:4] == [1.0, 0.0]
+    assert wanted(replace(MOVING, motion=Motion.NONE)) == [0.0] * 5
+
+
+def test_what_is_ambiguous_or_leaves_no_trace_is_not_asked():
+    dim = replace(MOVING, visible_grey=(9.0, 0.5, 0.5))
+    assert (wanted(dim), sizes(dim)) == ([1.0, None, None, None, 1.0], [8.0, None])
+    barely = replace(MOVING, travel_px=(0.7, 0.0), depth_change_mm=0.0)
+    assert wanted(barely) == [1.0, None, 0.0, 0.0, 1.0]
+    assert sizes(replace(MOVING, motion=Motion.NONE)) == [None, None]
+
+
+def test_components_that_are_not_asked_teach_nothing():
     tokens, heads, truth = random_case()
-    unseen = replace(truth, kind=torch.full_like(truth.kind, dense_targets.UNSEEN))
+    unseen = replace(truth, components=torch.full_like(truth.components, math.nan))
     dense_loss(tokens, heads, unseen).backward()
-    assert heads.kind.weight.grad.abs().max() == 0
+    assert heads.components.weight.grad.abs().max() == 0
     assert heads.summary.weight.grad.abs().max() > 0
     dense_loss(tokens, heads, truth).backward()
-    assert heads.kind.weight.grad.abs().max() > 0
-
-
-def test_the_amount_asked_of_the_global_token_is_that_of_turns_and_slides_whatever_their_way():
-    turn = MotionLabel(Motion.COUNTERCLOCKWISE, rotation_deg=-8.0)
-    slide = MotionLabel(Motion.UP, slide_x_mm=0.3, slide_y_mm=-0.4)
-    turned, slid = (dense_targets._amounts(label) for label in (turn, slide))
-    assert (turned[0], math.isnan(turned[1])) == (8.0, True)
-    assert (math.isnan(slid[0]), slid[1]) == (True, pytest.approx(0.5))
-    for label in (turn, slide):
-        same = dense_targets._amounts(label.mirrored())
-        assert str(same) == str(dense_targets._amounts(label))
-    unasked = (
-        replace(turn, is_readable=False),
-        MotionLabel(Motion.PRESS),
-        MotionLabel(Motion.NONE),
-    )
-    assert all(math.isnan(one) for label in unasked for one in dense_targets._amounts(label))
+    assert heads.components.weight.grad.abs().max() > 0
 
 
 def test_amounts_told_right_cost_nothing_and_those_that_are_not_asked_never_do():
-    true = torch.tensor([[8.0, math.nan], [math.nan, 0.4]])
+    true = torch.tensor([[8.0, math.nan], [math.nan, 4.0]])
     told = torch.tensor([[math.log(3.0), 5.0], [-5.0, math.log(2.0)]])
     assert dense_targets.amount_loss(told, true).item() == pytest.approx(0, abs=1e-6)
     assert dense_targets.amount_loss(told + 0.5, true).item() == pytest.approx(0.45)
@@ -106,7 +117,7 @@ def test_amounts_told_right_cost_nothing_and_those_that_are_not_asked_never_do()
     assert torch.equal(told.grad, torch.zeros_like(told))
 
 
-def test_displacement_is_read_out_in_the_unit_in_which_the_stem_tells_flow():
+def test_displacement_is_read_out_in_the_unit_in_which_the_stem_tells_it():
     tokens, heads, truth = random_case()
     one_way = torch.tensor([1.0, -2.0])
     truth = replace(truth, displacement=(one_way * FLOW_SCALE_PX).expand(3, 2, 14, 14, 2))

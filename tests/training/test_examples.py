@@ -48,7 +48,7 @@ def test_sets_are_read_one_behind_the_other_each_as_long_as_asked_for(tmp_path):
     assert [len(both), *map(len, parts)] == [12, 6, 6]
     assert both.labels == parts[0].labels + parts[1].labels
     assert both.objects == parts[0].objects + parts[1].objects
-    for name in ("inputs", "displacement_px", "contact", "depth_mm"):
+    for name in ("inputs", "motions", "displacement_px", "contact", "depth_mm"):
         joined = np.concatenate([getattr(part, name) for part in parts])
         assert np.array_equal(getattr(both, name), joined)
 
@@ -56,7 +56,7 @@ def test_sets_are_read_one_behind_the_other_each_as_long_as_asked_for(tmp_path):
 @pytest.mark.usefixtures("_small_chunks")
 def test_as_many_examples_turn_as_slide(tmp_path, monkeypatch):
     monkeypatch.setattr(examples, "CHUNK_CLIPS", 12)
-    wanted = ExampleSet("check", 12, TRAINING_OBJECTS[:3])
+    wanted = ExampleSet("check", 12, TRAINING_OBJECTS[:3], is_varied=False)
     simulate_examples(tmp_path, [wanted], seed=5, workers=1)
     motions = [label.motion for label in read_examples(tmp_path, wanted).labels]
     assert sum(motion in ROTATIONS for motion in motions) == 4

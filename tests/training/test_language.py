@@ -1,4 +1,5 @@
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -8,11 +9,17 @@ from torch.nn.functional import cross_entropy
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.language.decoder import LanguageSize
+from geotlm_lm.language.slots import SLOTS
 from geotlm_lm.training.language import (
+    SILENT_SHARE,
+    UNASKED,
     LanguageTraining,
+    _disturbed,
     answer_loss,
     draw_clips,
     drawing_shares,
+    felt_loss,
+    felt_words,
     learning_rate_at,
     new_speaker,
     train_language,
@@ -136,7 +143,7 @@ def test_the_rate_falls_to_nothing_in_a_cooldown_of_a_ninth():
     assert max(rates) == pytest.approx(config.learning_rate)
     assert rates[900] == pytest.approx(0.1 * config.learning_rate)
     assert rates[999] == pytest.approx(0.001 * config.learning_rate)
-    assert all(later < earlier for earlier, later in zip(rates[900:], rates[901:], strict=False))
+    assert all(later < earlier for earlier, later in pairwise(rates[900:]))
 
 
 def test_presses_are_asked_about_twice_as_often_as_turns():
@@ -152,3 +159,80 @@ def test_presses_are_asked_about_twice_as_often_as_turns():
 def test_noise_changes_what_is_learned(tokens, straight, tmp_path):
     quiet = train_language(tokens, LABELS, config=replace(CONFIG, noise=0.0), folder=tmp_path)
     assert not same(weights(quiet), straight)
+
+
+def label(**truth):
+    made = {"contact_fraction": (0.1,), "radius_px": 20.0, "visible_grey": (9.0, 9.0, 9.0)}
+    return MotionLabel(Motion.STILL, **made | truth)
+
+
+def test_felt_words_are_those_of_every_component_at_once():
+    labels = [
+        label(rotation_deg=8.0, travel_px=(-5.0, 4.0), depth_change_mm=-0.3),
+        label(rotation_deg=-8.0, travel_px=(0.7, 0.0)),  # neither slides nor does not
+        label(rotation_deg=8.0, visible_grey=(0.5, 9.0, 9.0)),  # turns unseen
+        label(travel_px=(0.0, 5.0), contact_fraction=(0.0,)),
+    ]
+    told = [
+        [
+            None if place == UNASKED else words[place]
+            for place, words in zip(row, SLOTS.values(), strict=True)
+        ]
+        for row in felt_words(labels).tolist()
+    ]
+    assert told == [
+        ["clockwise", "left", "release", "yes"],
+        ["counterclockwise", None, "none", "yes"],
+        [None, "none", "none", "yes"],
+        ["none", "none", "none", "no"],
+    ]
+
+
+def test_some_readings_are_disturbed_to_the_fused_token_alone(tokens):
+    config, many = replace(CONFIG, motion_width=5), tokens.repeat(50, 1)
+    model = new_speaker(tokens, config).model
+    plain = model.projector.standardise(many)
+    token = _disturbed(model, many, config, 0, "noise")
+    is_silent = (token[:, -5:] == 0).all(dim=1)
+    assert float(is_silent.float().mean()) == pytest.approx(SILENT_SHARE, abs=0.03)
+    # What tells of the motion is noisy in itself; the fused token gets noise in every row.
+    assert torch.equal(token[~is_silent, -5:], plain[~is_silent, -5:])
+    assert float((token - plain)[:, :-5].std()) == pytest.approx(config.noise, rel=0.03)
+
+
+def test_slots_are_learned_from_the_whole_reading_and_from_the_fused_token_alone():
+    rng = np.random.default_rng(0)
+    labels = [
+        label(rotation_deg=float(turn), travel_px=tuple(way), depth_change_mm=float(press))
+        for turn, way, press in zip(
+            rng.choice([-9, 0, 9], 300),
+            rng.choice([-6.0, 0.0, 6.0], (300, 2)) * (1.0, 0.7),
+            rng.choice([-0.4, 0, 0.4], 300),
+            strict=True,
+        )
+    ]
+    words = felt_words(labels)
+    told = torch.cat([torch.eye(5)[words[:, place]] for place in range(4)], dim=1)
+    readings = torch.cat([told, told], dim=1)
+    config = replace(CONFIG, motion_width=20)
+    speaker = new_speaker(readings, config)
+    optimiser = torch.optim.AdamW(speaker.model.parameters(), lr=3e-3)
+    for step in range(60):
+        loss = felt_loss(speaker, _disturbed(speaker.model, readings, config, step, "felt"), words)
+        optimiser.zero_grad()
+        loss.backward()
+        optimiser.step()
+    silent = readings.clone()
+    silent[:, -20:] = speaker.model.projector.mean[-20:]
+    for seen, least in ((readings, 0.98), (silent, 0.95)):
+        for place, shares in enumerate(speaker.feel(seen).values()):
+            assert (shares.argmax(dim=1) == words[:, place]).float().mean() > least
+
+
+def test_slots_of_which_nothing_is_asked_teach_nothing(tokens):
+    speaker = new_speaker(tokens, CONFIG)
+    words = torch.full((len(tokens), len(SLOTS)), UNASKED)
+    felt_loss(speaker, speaker.model.projector.standardise(tokens), words).backward()
+    grads = [one.grad for one in speaker.model.parameters() if one.grad is not None]
+    assert grads
+    assert all(bool((one == 0).all()) for one in grads)

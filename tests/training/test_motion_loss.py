@@ -1,5 +1,7 @@
 """Expected values: losses worked out by hand for constant fields."""
 
+from dataclasses import replace
+
 import pytest
 import torch
 
@@ -46,14 +48,25 @@ def test_nothing_touched_costs_nothing():
     assert float(loss) == 0
 
 
+TURNING = MotionLabel(
+    Motion.CLOCKWISE, rotation_deg=8.0, radius_px=20.0, visible_grey=(9.0, 9.0, 9.0)
+)
+PRESSING = replace(TURNING, motion=Motion.PRESS, rotation_deg=0.0, depth_change_mm=0.4)
+
+
 @pytest.mark.parametrize(
     ("label", "expected"),
     [
-        (MotionLabel(Motion.CLOCKWISE), True),
+        (TURNING, True),
+        (replace(TURNING, depth_change_mm=0.4, travel_px=(5.0, 0.0)), True),
         (MotionLabel(Motion.STILL), True),
-        (MotionLabel(Motion.PRESS), False),
-        (MotionLabel(Motion.RELEASE), False),
-        (MotionLabel(Motion.LEFT, is_readable=False), False),
+        (MotionLabel(Motion.NONE), True),
+        # The imprint of a press spreads, although its object stays.
+        (PRESSING, False),
+        (replace(PRESSING, depth_change_mm=-0.4), False),
+        # What slides unseen beside a turn would be asked too.
+        (replace(TURNING, travel_px=(5.0, 0.0), visible_grey=(9.0, 0.5, 9.0)), False),
+        (replace(TURNING, visible_grey=(0.5, 9.0, 9.0)), False),
     ],
 )
 def test_which_clips_have_a_displacement_to_learn(label, expected):

@@ -7,8 +7,17 @@ import torch
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
-from geotlm_lm.odometry.movement import MOVEMENT_DIM
-from geotlm_lm.training.scoring import ClipSet, score_bundle, true_option_likelihoods
+from geotlm_lm.language.slots import SLOTS
+from geotlm_lm.motion.measured import CANDIDATES, Measured
+from geotlm_lm.motion.network import BELIEF_NUMBERS
+from geotlm_lm.training.language import UNASKED, felt_words
+from geotlm_lm.training.scoring import (
+    ClipSet,
+    felt_likelihoods,
+    felt_scores,
+    score_bundle,
+    true_option_likelihoods,
+)
 from tests.tiny_bundle import WIDTH, tiny_bundle
 
 MOTIONS = (*DIRECTED, Motion.STILL, Motion.NONE)
@@ -34,8 +43,12 @@ def clips(contact_share=0.5, unreadable=0):
     tokens = torch.zeros(len(labels), WIDTH)
     tokens[:, 0] = torch.tensor([float(list(Motion).index(one)) for one in MOTIONS])
     share = np.full(len(labels), contact_share)
-    moved = torch.zeros(len(labels), MOVEMENT_DIM)
-    return ClipSet(tokens, tokens, share, moved, labels, ["ball"] * len(labels))
+    return ClipSet(tokens, tokens, share, still(len(labels)), labels, ["ball"] * len(labels))
+
+
+def still(count):
+    hints = len(tiny_bundle().motion.mean)
+    return Measured(torch.zeros(count, CANDIDATES, 3), torch.ones(count), torch.zeros(count, hints))
 
 
 @pytest.fixture(scope="module")
@@ -93,3 +106,56 @@ def test_calibration_reads_the_likelihood_of_the_true_answer(bundle):
     likelihoods, truths = true_option_likelihoods(saying(bundle, truth_of), clips(), seed=0)
     assert likelihoods.shape == (len(MOTIONS), len(Motion))
     assert (likelihoods[np.arange(len(truths)), truths] == 0.0).all()
+
+
+MIXED = [
+    MotionLabel(Motion.STILL, radius_px=20.0, visible_grey=(9.0,) * 3, **one)
+    for one in (
+        {"rotation_deg": 8.0, "travel_px": (-5.0, 1.0)},
+        {"rotation_deg": -8.0, "depth_change_mm": 0.4},
+        {"travel_px": (0.7, 0.0), "depth_change_mm": -0.4},
+    )
+]
+
+
+class Feeling:
+    """Fills the slots as it is told, three to one, but of a silent reading with their last word."""
+
+    def __init__(self, words, model):
+        self.words, self.model = words, model
+
+    def feel(self, readings):
+        is_silent = (
+            readings[:, -BELIEF_NUMBERS:] == self.model.projector.mean[-BELIEF_NUMBERS:]
+        ).all()
+        felt = {}
+        for place, (slot, among) in enumerate(SLOTS.items()):
+            said = torch.full((len(readings), len(among)), 1.0)
+            chosen = [len(among) - 1] * len(readings) if is_silent else self.words[:, place]
+            said[range(len(readings)), chosen] = 3.0
+            felt[slot] = (said / said.sum(dim=1, keepdim=True)).log()
+        return felt
+
+
+def test_words_at_the_slots_are_scored_where_something_is_asked():
+    bundle, count = tiny_bundle(), len(MIXED)
+    tokens = torch.zeros(count, WIDTH)
+    seen = ClipSet(tokens, tokens, np.ones(count), still(count), MIXED, ["ball"] * count)
+    words = felt_words(MIXED)
+    assert (words == UNASKED).nonzero().tolist() == [[2, 1]]
+    said = words.clamp(min=0)
+    said[0, 0] = SLOTS["turn"].index("none")
+    bundle.speaker = Feeling(said, bundle.speaker.model)
+    assert felt_scores(bundle, seen) == {
+        "turn": pytest.approx(2 / 3),
+        "slide": 1.0,
+        "press": 1.0,
+        "contact": 1.0,
+    }
+    # By the fused token alone everything is "none", and nothing is touched.
+    silent = felt_scores(bundle, seen, is_silent=True)
+    assert list(silent.values()) == pytest.approx([1 / 3, 1 / 2, 1 / 3, 0.0])
+    likelihoods, truths = felt_likelihoods(bundle, seen)
+    assert likelihoods.shape == (4 * count - 1, max(map(len, SLOTS.values())))
+    assert np.exp(likelihoods).sum(axis=1) == pytest.approx(1.0)
+    assert (likelihoods.argmax(axis=1) == truths).mean() == pytest.approx(10 / 11)

@@ -5,22 +5,23 @@ import re
 import shutil
 from dataclasses import replace
 from functools import partial
-from operator import attrgetter
 
 import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.checkpoint import load_bundle
+from geotlm_lm.checkpoint import load_bundle, reading_of
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import ROTATIONS, SLIDES
 from geotlm_lm.language.decoder import LanguageSize
+from geotlm_lm.language.slots import SLOTS
+from geotlm_lm.motion.measured import measured
+from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
-from geotlm_lm.training import config, examples, language, odometry, train
+from geotlm_lm.training import config, examples, language, train
 from geotlm_lm.training.examples import read_examples
 from geotlm_lm.training.language import LanguageTraining
-from geotlm_lm.training.retraining import retrain_odometer
 from tests.training.in_process import InProcess
 
 TINY = replace(
@@ -60,14 +61,22 @@ def finished(tmp_path_factory):
     return out
 
 
+def reading_of_clip(bundle, clip):
+    seen = bundle.model.perceive([clip])
+    motions = torch.from_numpy(seen.motions[0].numbers())[None]
+    found = measured(seen.inputs, motions, seen.geometry, seen.fused_token)
+    return reading_of(seen.fused_token, bundle.motion(found))
+
+
 def test_the_folder_is_a_bundle_that_answers(finished):
     bundle = load_bundle(finished / "bundle")
     frames = np.random.default_rng(0).integers(90, 120, (4, 32, 40, 3)).astype(np.uint8)
     clip = Clip(frames, background=np.full((32, 40, 3), 105, np.uint8))
-    token = bundle.model.perceive([clip]).fused_token
-    assert token.shape == (1, TINY.backbone_width)
-    assert isinstance(bundle.speaker.generate(token, ["Which way?"])[0], str)
-    assert bundle.calibration.temperature > 0
+    reading = reading_of_clip(bundle, clip)
+    assert reading.shape == (1, TINY.backbone_width + BELIEF_NUMBERS)
+    assert isinstance(bundle.speaker.generate(reading, ["Which way?"])[0], str)
+    assert set(bundle.speaker.feel(reading)) == set(SLOTS)
+    assert min(bundle.calibration.temperature, bundle.calibration.felt_temperature) > 0
     assert set(bundle.provenance["dgr_validation_accuracy"]) == {"paper", "grounded"}
 
 
@@ -81,10 +90,12 @@ def test_the_card_tells_the_scores_and_the_command_that_made_them(finished):
     assert scores["sliding"]["clips"] == sum(motion in SLIDES for motion in motions)
     assert scores["unreadable_clips"] == 20 - len(motions)
     assert {name.split()[1] for name in scores["by_type"]} == {"seen", "held_out"}
+    assert set(scores["felt"]) == set(scores["felt by the fused token alone"]) == set(SLOTS)
     card = (finished / "bundle" / "README.md").read_text()
     command = "geotlm-lm train --preset tiny --seed 3 --workers 1 --out RUN_FOLDER"
     assert f"`{command}`" in card
     assert f"| rotation | {scores['rotation']['clips']} |" in card
+    assert f"| turn | {scores['mixed']['turn way, number']} |" in card
 
 
 def test_an_interrupted_run_is_continued_to_the_same_bytes(finished, tmp_path, monkeypatch):
@@ -147,29 +158,3 @@ def test_clips_of_objects_kept_for_another_set_are_refused(finished):
     wanted = examples.ExampleSet("validation", 20, objects=("ball",))
     with pytest.raises(UsageError, match="the validation clips touch .*, expected only objects"):
         examples.read_examples(folder, wanted)
-
-
-def test_only_the_odometer_of_a_bundle_is_trained_anew(finished, tmp_path, monkeypatch):
-    shutil.copytree(finished / "examples", tmp_path / "examples")
-    monkeypatch.setattr(odometry, "EPOCHS", odometry.EPOCHS + 1)
-    folder = retrain_odometer(finished / "bundle", tmp_path, seed=3, workers=1)
-    before, after = load_bundle(finished / "bundle"), load_bundle(folder)
-    for kept in ("model.backbone.vit", "model.dgr", "model.probe", "speaker.model"):
-        once, again = (attrgetter(kept)(one).state_dict() for one in (before, after))
-        assert all(torch.equal(again[name], value) for name, value in once.items()), kept
-    weights = "layers.0.weight"
-    assert not torch.equal(*(one.odometer.state_dict()[weights] for one in (before, after)))
-    card = " ".join((folder / "README.md").read_text().split())
-    command = "geotlm-lm train --keep BUNDLE --seed 3 --workers 1 --out RUN_FOLDER"
-    assert f"trained anew by `{command}`" in card
-    assert "`geotlm-lm train --preset tiny --seed 3 --workers 1 --out RUN_FOLDER`" in card
-
-
-def test_a_bundle_that_does_not_say_its_preset_is_not_trained_anew(finished, tmp_path):
-    shutil.copytree(finished / "bundle", tmp_path / "bundle")
-    path = tmp_path / "bundle" / "config.json"
-    config = json.loads(path.read_text())
-    del config["provenance"]["preset"]
-    path.write_text(json.dumps(config))
-    with pytest.raises(UsageError, match="does not say by which preset it was trained"):
-        retrain_odometer(tmp_path / "bundle", tmp_path / "run", seed=0, workers=1)

@@ -1,0 +1,94 @@
+"""Laws of a Belief: what mirrors and reversal do, and that its parts agree."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import COMPONENTS, WAYS, Component, Twist
+from geotlm_lm.motion.belief import Belief
+
+SHARES = st.floats(0, 1)
+
+
+@st.composite
+def beliefs(draw):
+    twist = Twist(*(draw(st.floats(-30, 30)) for _ in range(4)))
+    factor = np.array([[draw(st.floats(-2, 2)) for _ in range(4)] for _ in range(4)])
+    ways = {}
+    for component in COMPONENTS:
+        weights = [draw(st.floats(0.01, 1)) for _ in WAYS[component]]
+        counts = draw(SHARES) / sum(weights)
+        ways |= {w: share * counts for w, share in zip(WAYS[component], weights, strict=True)}
+    readable = {component: draw(st.booleans()) for component in COMPONENTS}
+    return Belief(twist, factor @ factor.T, ways, draw(SHARES), draw(st.floats(4, 60)), readable)
+
+
+def all_of(belief):
+    return belief.mean, belief.covariance.tolist(), dict(belief.ways), belief.readable
+
+
+SEEN = (Belief.mirrored, Belief.reversed)
+
+
+@given(beliefs(), st.sampled_from(SEEN))
+def test_seen_twice_the_other_way_it_is_what_it_was(belief, way):
+    assert all_of(way(way(belief))) == all_of(belief)
+
+
+@given(beliefs())
+def test_mirror_and_reversal_may_come_in_either_order(belief):
+    assert all_of(belief.mirrored().reversed()) == all_of(belief.reversed().mirrored())
+
+
+@given(beliefs(), st.sampled_from(SEEN), st.sampled_from(COMPONENTS))
+def test_neither_changes_how_far_a_component_goes_nor_how_surely(belief, way, component):
+    other = way(belief)
+    for told in (Belief.amount, Belief.deviation, Belief.path):
+        assert told(other, component) == pytest.approx(told(belief, component), abs=1e-9)
+    assert other.counts(component) == pytest.approx(belief.counts(component))
+    assert other.by_size() == belief.by_size()
+
+
+@given(beliefs(), st.sampled_from(COMPONENTS))
+def test_shares_of_the_ways_sum_to_one_and_the_likeliest_is_told(belief, component):
+    shares = [belief.share(way, component) for way in WAYS[component]]
+    assert sum(shares) == pytest.approx(1.0)
+    assert belief.share(belief.way(component), component) == max(shares)
+
+
+def believed(twist, covariance=None, **counts):
+    ways = {way: 0.0 for ways in WAYS.values() for way in ways}
+    ways |= {Motion(way): share for way, share in counts.items()}
+    covariance = np.eye(4) if covariance is None else covariance
+    return Belief(twist, covariance, ways, 1.0, 20.0, dict.fromkeys(COMPONENTS, True))
+
+
+def test_mirrored_left_goes_right_and_reversed_a_press_lets_go():
+    belief = believed(Twist(5.0, -3.0, 1.0, 0.2), left=0.7, clockwise=0.6, press=0.5)
+    flipped, back = belief.mirrored(), belief.reversed()
+    assert flipped.mean == Twist(-5.0, 3.0, 1.0, 0.2)
+    assert [flipped.way(one) for one in COMPONENTS] == [
+        Motion.COUNTERCLOCKWISE,
+        Motion.RIGHT,
+        Motion.PRESS,
+    ]
+    assert (back.mean.inward_mm, back.way(Component.PRESS)) == (-0.2, Motion.RELEASE)
+
+
+def test_a_slides_spread_is_that_along_its_way():
+    covariance = np.diag([1.0, 4.0, 0.25, 1.0])
+    along = [(3.0, 0.0, 2.0), (0.0, -2.0, 0.5), (0.0, 0.0, 2.0), (1.0, 1.0, math.sqrt(2.125))]
+    for right, down, spread in along:
+        belief = believed(Twist(0.0, right, down), covariance)
+        assert belief.deviation(Component.SLIDE) == pytest.approx(spread)
+
+
+def test_the_component_that_moves_the_imprint_farther_comes_first():
+    turn_first = believed(Twist(20.0, 3.0), clockwise=0.9, right=0.9, press=0.4)
+    assert turn_first.by_size() == [Component.TURN, Component.SLIDE]
+    press_first = believed(Twist(2.0, 0.0, 3.0, 0.5), clockwise=0.9, down=0.9, press=0.9)
+    assert press_first.by_size() == [Component.PRESS, Component.SLIDE, Component.TURN]

@@ -1,0 +1,129 @@
+"""The network that believes: what its loss asks, and that it learns which measurement to trust."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.motion.measured import CANDIDATES, Measured
+from geotlm_lm.motion.network import MotionNetwork
+from geotlm_lm.training import motion
+from geotlm_lm.training.motion import Truths, motion_network_loss, motion_scores, train_motion
+
+RADIUS = 20.0
+
+
+def label(turn_deg=0.0, right=0.0, down=0.0, inward=0.0, **changes):
+    made = MotionLabel(
+        Motion.STILL,
+        rotation_deg=turn_deg,
+        depth_change_mm=inward,
+        contact_fraction=(0.1,) * 4,
+        travel_px=(right, down),
+        radius_px=RADIUS,
+        visible_grey=(9.0, 9.0, 9.0),
+    )
+    return replace(made, **changes)
+
+
+def clips(count, seed=0):
+    """Clips whose relief tells the motion, but for a tenth; what the residual tells is noise."""
+    rng = np.random.default_rng(seed)
+    twists = rng.normal(size=(count, 4)) * (12.0, 5.0, 5.0, 0.3)
+    twists[rng.random((count, 4)) < 0.3] = 0.0
+    labels = [label(*one) for one in twists]
+    true = np.stack([np.radians(twists[:, 0]) * RADIUS, twists[:, 1], twists[:, 2]], axis=1)
+    paths = rng.normal(size=(count, CANDIDATES, 3)) * 4
+    paths[:, 2:4] = true[:, None] * rng.normal(1.0, 0.1, (count, 1, 3))
+    hints = [paths.reshape(count, -1), np.log(np.abs(paths).reshape(count, -1) + 0.1)]
+    inward = twists[:, 3:]
+    hints = np.concatenate([*hints, inward, np.log(np.abs(inward) + 0.02)], axis=1)
+    paths, hints = (torch.from_numpy(one.astype(np.float32)) for one in (paths, hints))
+    return Measured(paths, torch.full((count,), RADIUS), hints), labels
+
+
+@pytest.fixture(scope="module")
+def learned():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(motion, "EPOCHS", 12)
+        return train_motion(*clips(4000), seed=0)
+
+
+def test_it_learns_which_measurement_to_trust(learned):
+    seen, labels = clips(600, seed=1)
+    untrained = MotionNetwork(seen.hints.shape[1]).eval()
+    untrained.start_at_measured()
+    with torch.no_grad():
+        before = motion_scores(untrained(seen), labels)
+    after = motion_scores(learned(seen), labels)
+    for name in ("turn way", "slide way", "press way", "both ways"):
+        assert after[name] > max(0.95, before[name]), name
+    for name in ("turn counts", "slide counts", "press counts"):
+        assert after[name] > max(0.9, before[name]), name
+    for name in ("turn amount", "slide amount"):
+        assert after[name] > max(0.75, before[name]), name
+    # Spans of nine in ten.
+    assert all(0.75 < after[f"{one} span"] < 0.99 for one in ("turn", "slide"))
+
+
+def test_the_same_seed_gives_the_same_network_and_leaves_the_global_one_alone(monkeypatch):
+    monkeypatch.setattr(motion, "EPOCHS", 1)
+    before = torch.random.get_rng_state()
+    first, again = (train_motion(*clips(200), seed=3).state_dict() for _ in range(2))
+    assert torch.equal(torch.random.get_rng_state(), before)
+    assert all(torch.equal(again[name], value) for name, value in first.items())
+
+
+def test_amounts_are_asked_where_they_can_be_read_or_do_not_count():
+    dim = (9.0, 0.5, 9.0)
+    asked = [label(10.0, 3.0), label(10.0, 3.0, visible_grey=dim), label(visible_grey=dim)]
+    asked.append(label(10.0, 3.0, motion=Motion.NONE))
+    truths = Truths.of(asked)
+    assert truths.turn_rad[:3].tolist() == pytest.approx([math.radians(10)] * 2 + [0.0])
+    assert truths.slide_px[0].tolist() == [3.0, 0.0]
+    assert truths.slide_px[:, 0].isnan().tolist() == [False, True, False, True]
+    assert truths.readable[:, 1].nan_to_num(-1).tolist() == [1.0, 0.0, -1.0, -1.0]
+    assert truths.counts[:, 1].nan_to_num(-1).tolist() == [1.0, -1.0, 0.0, 0.0]
+    assert truths.contact.tolist() == [1.0, 1.0, 1.0, 0.0]
+
+
+def test_where_nothing_is_asked_nothing_is_learned_and_nothing_breaks():
+    seen, labels = clips(8)
+    network = MotionNetwork(seen.hints.shape[1])
+    nothing = Truths(*(value * torch.nan for value in vars(Truths.of(labels)).values()))
+    loss = motion_network_loss(network(seen), nothing)
+    loss.backward()
+    assert loss.item() == 0
+    assert all(not one.grad.any() for one in network.parameters())
+
+
+def test_the_loss_is_least_at_the_truth_told_as_surely_as_it_is_right():
+    seen, _ = clips(1)
+    network = MotionNetwork(seen.hints.shape[1]).eval().requires_grad_(False)
+    truths = Truths.of([label(10.0, 3.0, -4.0, 0.5)])
+    path = torch.tensor([[math.radians(10.0) * RADIUS, 3.0, -4.0]])
+    right = replace(
+        network(seen), path=path, inward_mm=torch.tensor([0.5]), counts=torch.full((1, 3), 3.0)
+    )
+    right = replace(right, deviation=torch.full((1, 4), 0.3), press_in=torch.tensor([3.0]))
+    least = motion_network_loss(right, truths)
+    worse = [
+        replace(right, path=path * torch.tensor([-1.0, 1.0, 1.0])),
+        replace(right, path=path * torch.tensor([1.0, -1.0, 1.0])),
+        replace(right, inward_mm=-right.inward_mm),
+        replace(right, press_in=-right.press_in),
+        replace(right, counts=-right.counts),
+        replace(right, deviation=right.deviation * 9),
+    ]
+    assert all(motion_network_loss(one, truths) > least for one in worse)
+
+
+def test_an_untouched_gel_is_scored_by_the_turn_alone_that_it_does_not_make():
+    seen, _ = clips(2)
+    network = MotionNetwork(seen.hints.shape[1]).eval().requires_grad_(False)
+    told = replace(network(seen), counts=torch.tensor([[-1.0, 1.0, 1.0], [1.0, 1.0, 1.0]]))
+    scores = motion_scores(told, [label(motion=Motion.NONE)] * 2)
+    assert scores == {"turn counts": 0.5, "turn counts, number": 2}
