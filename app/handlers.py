@@ -108,7 +108,6 @@ def _open(shown: LoadedClip | None) -> LoadedClip:
 def _reply(answerer: Answerer, shown: LoadedClip, answer: Any) -> Reply:
     is_sure_of_something = not answer.abstained and answer.options
     told = f"  ({100 * answer.confidence:.0f} % sure)" if is_sure_of_something else ""
-    told += "" if answer.lean is None else f" {answer.lean.text}"
     details = answer.to_dict()
     timing = details.get("timing_ms", {}) | shown.opinions["timing_ms"]
     return Reply(
@@ -126,8 +125,7 @@ def _reply(answerer: Answerer, shown: LoadedClip, answer: Any) -> Reply:
 
 def _notes(answer: Any, shown: LoadedClip) -> str:
     """Return what is to be known of the answer: neither of the clip, nor said in it already."""
-    said = {*shown.encoded.clip.notes, *([] if answer.lean is None else [answer.lean.text])}
-    return "\n".join(f"- {note}" for note in answer.notes if note not in said)
+    return "\n".join(f"- {note}" for note in answer.notes if note not in shown.encoded.clip.notes)
 
 
 def _in_the_image(answer: Any) -> Motion | None:

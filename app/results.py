@@ -40,14 +40,6 @@ class Amount(TypedDict):
     high: float
 
 
-class Lean(TypedDict):
-    """Which way it turns, or slides, if it does, and its share among the motions of that kind."""
-
-    direction: Motion
-    share: float
-    text: str
-
-
 class AnswerResult(TypedDict):
     """An answer, its probability, the frame it is told in, and what it rests on."""
 
@@ -55,7 +47,7 @@ class AnswerResult(TypedDict):
     direction: Motion | None
     decided: str | None
     amount: Amount | None
-    lean: Lean | None
+    motion: dict[str, Any] | None
     confidence: float
     abstained: bool
     told_by: Literal["model", "rule"]

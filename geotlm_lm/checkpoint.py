@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -71,6 +71,14 @@ class Calibration:
         scaled = np.asarray(log_likelihoods, dtype=np.float64) / (self.temperature * doubt)
         likelihoods = np.exp(scaled - scaled.max(axis=-1, keepdims=True))
         return likelihoods / likelihoods.sum(axis=-1, keepdims=True)
+
+    def felt(
+        self, log_likelihoods: NDArray[np.floating], *, doubt: float = 1.0
+    ) -> NDArray[np.float64]:
+        """Return the same of the words at a slot."""
+        return replace(self, temperature=self.felt_temperature).probabilities(
+            log_likelihoods, doubt=doubt
+        )
 
     def withholds(self, claim: Motion | None, contact_share: float) -> bool:
         """Tell whether a direction is claimed of a clip that shows too little contact for one."""

@@ -6,17 +6,15 @@ token was made of. What follows exactly from a motion, a frame of reference, a t
 is derived by the rules of `conversation`.
 """
 
+from geotlm_lm.answering.abstention import LEAST_SURE
 from geotlm_lm.answering.answer import (
     Answer,
-    Encoded,
-    Lean,
     deciding_word,
     evidence,
-    four_frames_with_background,
 )
 from geotlm_lm.answering.answer_assembly import NOT_UNDERSTOOD
 from geotlm_lm.answering.answerer import Answerer, Why
-from geotlm_lm.answering.model_query import LEAST_SURE
+from geotlm_lm.answering.encoded import Encoded, four_frames_with_background
 from geotlm_lm.answering.multi_clip import Comparison, Order
 from geotlm_lm.answering.session import Session, Turn
 from geotlm_lm.conversation.question import OPEN_QUESTION, check_question
@@ -29,7 +27,6 @@ __all__ = [
     "Answerer",
     "Comparison",
     "Encoded",
-    "Lean",
     "Order",
     "Session",
     "Turn",

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from geotlm_lm.answering.answer import Answer, Encoded, evidence
-from geotlm_lm.answering.model_query import NEVER_ABSTAINED_KINDS, is_uncertain
+from geotlm_lm.answering.answer import Answer, evidence
+from geotlm_lm.answering.encoded import Encoded
+from geotlm_lm.answering.measured_motion import MeasuredMotion
 from geotlm_lm.checkpoint import Bundle
-from geotlm_lm.conversation.motion_answers import RuleAnswer
+from geotlm_lm.conversation.felt import AT_REST
+from geotlm_lm.conversation.rule_answers import RuleAnswer
 from geotlm_lm.conversation.wording import confidence_level
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, MotionClass
-from geotlm_lm.language.parse_answer import Slots
 
 UNRECOGNISED = (
     "I cannot tell: the gel has changed by more than noise, but I recognise no touch in it; press "
@@ -30,6 +31,13 @@ NOTHING_CHANGES = (
 """Said in place of "it is still" and "nothing touches" where the idle gel is a guess. Of 111 idle
 starts of real recordings without their idle frame 96 were told as a still touch, 79 of them at 0.9
 or more, and 106 as touching."""
+
+LEAST_SURE = 0.5
+"""Probability below which an answer is withheld: it would more likely be wrong than right."""
+
+NEVER_ABSTAINED_KINDS = frozenset({"evidence", "confidence", "refusal"})
+"""Kinds whose answers are told whatever their probability: who asks for the confidence is told
+it."""
 
 NEXT_LIKELIEST = "Next likeliest"
 LIKELIER = "Likelier by the probabilities"
@@ -66,31 +74,32 @@ def neutral_answer(
 
 
 def answer_or_abstain(
-    bundle: Bundle, encoded: Encoded, told: RuleAnswer, slots: Slots, timing_ms: dict[str, float]
+    bundle: Bundle, encoded: Encoded, told: RuleAnswer, kind: str, timing_ms: dict[str, float]
 ) -> Answer:
     """Return the answer, or an abstention where contact or certainty is too small."""
     text, direction, abstained = told.text, told.direction, told.is_refusal
-    sure, notes = told.options.get(told.decided, 0.0), ()
-    if bundle.calibration.withholds(slots.direction, encoded.contact_share):
+    notes = ()
+    if bundle.calibration.withholds(direction, encoded.contact_share):
         text = too_little_contact("name a direction", encoded.contact_share)
         direction, abstained = None, True
-    elif lacks_reference(encoded, slots):
+    elif lacks_reference(encoded, told, kind):
         text, direction, abstained = NOTHING_CHANGES, None, True
-    elif contradicts_gel_change(encoded, slots):
+    elif contradicts_gel_change(encoded, told, kind):
         text, direction, abstained = UNRECOGNISED, None, True
-    elif not abstained and slots.kind not in NEVER_ABSTAINED_KINDS:
+    elif not abstained and kind not in NEVER_ABSTAINED_KINDS:
         notes = _likeliest_other(told)
-        if is_uncertain(slots.kind, told.decided, told.options):
-            text, direction, abstained = tentative_text(text, sure), None, True
-    answer = neutral_answer(encoded, text, slots.kind, told.frame, timing_ms)
+        if told.confidence < LEAST_SURE:
+            text, direction, abstained = tentative_text(text, told.confidence), None, True
+    answer = neutral_answer(encoded, text, kind, told.frame, timing_ms)
     return replace(
         answer,
         direction=direction,
-        confidence=0.0 if abstained else sure,
+        confidence=0.0 if abstained else told.confidence,
         abstained=abstained,
         options=told.options,
         decided=None if abstained else told.decided,
         notes=(*answer.notes, *notes),
+        motion=MeasuredMotion.of(encoded, told.frame),
     )
 
 
@@ -100,10 +109,10 @@ def shows_contact(bundle: Bundle, encoded: Encoded) -> bool:
     return is_enough and not encoded.is_untouched
 
 
-def contradicts_gel_change(encoded: Encoded, slots: Slots) -> bool:
+def contradicts_gel_change(encoded: Encoded, told: RuleAnswer, kind: str) -> bool:
     """Tell whether an answer says "nothing touches" although the gel changed."""
-    is_denied = slots.kind == "contact" and slots.verdict is False
-    is_named = slots.direction is Motion.NONE or slots.motion_class is MotionClass.NONE
+    is_denied = kind == "contact" and told.decided == "no"
+    is_named = told.direction is Motion.NONE or told.decided == MotionClass.NONE.value
     return encoded.is_changed and (is_denied or is_named)
 
 
@@ -112,18 +121,14 @@ def tentative_text(text: str, sure: float) -> str:
     return f"I cannot tell for sure, {sure:.0%}: {text}"
 
 
-def lacks_reference(encoded: Encoded, slots: Slots) -> bool:
+def lacks_reference(encoded: Encoded, told: RuleAnswer, kind: str) -> bool:
     """Tell whether an answer judges contact without a reference image of the idle gel.
 
     Whether anything moves may be told all the same: nothing does.
     """
-    if not encoded.is_static or slots.kind == "moving":
+    if not encoded.is_static or kind == "moving":
         return False
-    at_rest = slots.direction in (Motion.STILL, Motion.NONE)
-    return at_rest or slots.kind == "contact" or slots.motion_class in _AT_REST
-
-
-_AT_REST = (MotionClass.STILL, MotionClass.NONE)
+    return kind == "contact" or told.direction in AT_REST or told.decided in AT_REST
 
 
 def too_little_contact(what: str, share: float) -> str:
@@ -133,8 +138,12 @@ def too_little_contact(what: str, share: float) -> str:
 
 def _likeliest_other(told: RuleAnswer) -> tuple[str, ...]:
     """Return a note on what else it may be, where the answer is not nearly certain."""
-    sure = told.options.get(told.decided, 0.0)
-    rest = {word: share for word, share in told.options.items() if word != told.decided}
+    sure, is_of_motions = told.confidence, set(told.options) <= set(Motion)
+    rest = {
+        word: share
+        for word, share in told.options.items()
+        if word != told.decided and not (is_of_motions and share >= LEAST_SURE)
+    }
     word = max(rest, key=rest.get, default=None)
     if word is None or confidence_level(sure) == "high" or rest[word] < NOTEWORTHY:
         return ()

@@ -23,7 +23,8 @@ def with_alternatives(answer: Answer) -> Answer:
     if not answer.options:
         return answer
     told = answer.decided or max(answer.options, key=answer.options.get)
-    rest = {word: share for word, share in answer.options.items() if word != told}
+    # What holds beside the one told is no alternative to it.
+    rest = {word: share for word, share in answer.options.items() if share < 0.5 and word != told}
     likeliest = sorted(rest, key=rest.get, reverse=True)[:AT_MOST]
     others = [
         f"{motion_phrase(Motion(word))} {share:.2g}%"
@@ -31,5 +32,5 @@ def with_alternatives(answer: Answer) -> Answer:
         if (share := 100 * rest[word]) >= 100 * LEAST_TOLD
     ]
     said = f"Next likeliest: {', '.join(others)}." if others else NOTHING_ELSE
-    share = answer.options[told]
+    share = answer.confidence or answer.options[told]
     return replace(answer, text=f"{answer.text} That is {share:.0%} probable. {said}")

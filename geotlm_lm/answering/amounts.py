@@ -1,29 +1,19 @@
-"""Choose one amount and its 90 % interval from the odometer's distribution over amounts.
-
-The odometer weighs a few dozen amounts, each standing for those nearest to it. Which single one is
-likeliest says little where three neighbours are nearly as likely; what is told is the amount that
-is most probably right within its tolerance, and the span that holds nine tenths of the
-probability.
-"""
+"""An amount that is told: its value, the span it lies in nine times in ten, and how sure it is."""
 
 from __future__ import annotations
 
 import math
 import re
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
 
-SPAN_SHARE = 0.9
-"""Probability of the span, of all amounts in its unit."""
-
-POINTS_A_CELL = 8
-"""Amounts that stand for all of those in a cell, which is half of a tolerance wide."""
+SPAN_DEVIATIONS = 1.645
+"""Deviations either side that hold nine tenths of a bell."""
 
 _WORD = re.compile(r"([\d.]+) (deg|px|mm)")
 NAMES = {
@@ -31,11 +21,12 @@ NAMES = {
     "px": ("pixel", "pixels", "sliding"),
     "mm": ("millimetre", "millimetres", "sliding"),
 }
+_SHORT = {"deg": ("degree", "degrees"), "px": ("px", "px"), "mm": ("mm", "mm")}
 
 
 @dataclass(frozen=True)
 class Amount:
-    """A rotation or slide between the first and the last frame, or per second.
+    """A turn, slide or press between the first and the last frame, or per second.
 
     Args:
         value: The amount told, in `unit`.
@@ -43,7 +34,8 @@ class Amount:
         low: Lower end of the span that holds nine tenths of the probability.
         high: Its upper end.
         probability: That the value is off by no more than an answer may be: 2 degrees, 2 pixels of
-            a 224-pixel image, or a fifth.
+            a 224-pixel image, 0.2 mm of a press, or a fifth.
+        doing: What goes so far: "turning", "sliding" or "pressing in".
     """
 
     value: float
@@ -51,11 +43,18 @@ class Amount:
     low: float
     high: float
     probability: float
+    doing: str = ""
 
     @property
     def word(self) -> str:
         """The amount as a word, such as "15 deg": the deciding one of how far it went."""
         return f"{self.value:g} {self.unit}"
+
+    @property
+    def phrase(self) -> str:
+        """The amount within a sentence: "about 12 degrees"."""
+        one, many = _SHORT[self.unit]
+        return f"about {_written(self.value)} {one if self.value == 1 else many}"
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON values; the probability is the answer's confidence."""
@@ -72,7 +71,7 @@ class Amount:
         one, many, moving = NAMES[unit]
         what = one if self.value == 1 else many
         told = f"About {_written(self.value)} {what}"
-        told += " per second on average" if rest else f" of {moving}"
+        told += " per second on average" if rest else f" of {self.doing or moving}"
         told += where and f" {where}"
         return f"{told}, likely {_written(self.low)} to {_written(self.high)}."
 
@@ -95,52 +94,46 @@ def amount_in(word: str | None) -> tuple[float, str] | None:
     return None if said is None else (float(said[1]), said[2])
 
 
-def best_amount(
-    amounts: tuple[float, ...], shares: NDArray[np.floating], unit: str, tolerance: float
-) -> Amount:
-    """Return the amount most likely to be right within its tolerance, and its interval.
+@dataclass(frozen=True)
+class Measure:
+    """A measured length or angle as a bell.
 
     Args:
-        amounts: Rising; each stands for all that are nearer to it than to its neighbours.
-        shares: Probability of each; they sum to 1.
-        unit: Of them.
-        tolerance: Least error that still counts as right, in `unit`; a fifth of the amount does.
+        mean: In `unit`, not negative.
+        deviation: Of it, likewise.
+        unit: "deg", "px" of the recording's frames, or "mm".
+        tolerance: Least error of an answer that still counts as right, in `unit`.
+        doing: What goes so far.
     """
-    # What is told is a multiple of a power of ten that is no coarser than the tolerance.
-    decimals = -math.floor(math.log10(tolerance))
-    step = 10.0**-decimals
-    told, hits, edges = _cells(amounts, step, tolerance)
-    hit = hits @ shares
-    best = np.flatnonzero(hit >= hit.max() - 1e-9)
-    # Of several that are right as often the one in the middle is told.
-    place = best[len(best) // 2]
-    tail = (1 - SPAN_SHARE) / 2
-    low, high = np.interp([tail, 1 - tail], np.concatenate([[0], shares.cumsum()]), edges)
-    value = round(float(told[place]), decimals)
-    # Rounded outwards, so that the span still holds its share; what is told lies in it.
-    low = min(round(math.floor(low / step + 1e-9) * step, decimals), value)
-    high = max(round(math.ceil(high / step - 1e-9) * step, decimals), value)
-    return Amount(value, unit, low, high, float(hit[place]))
 
+    mean: float
+    deviation: float
+    unit: str
+    tolerance: float
+    doing: str
 
-@lru_cache(maxsize=8)
-def _cells(
-    amounts: tuple[float, ...], step: float, tolerance: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return what may be told, how much of each amount's cell that is right of, and the cells.
+    @property
+    def bell(self) -> NormalDist:
+        """Its distribution; what is below 0 stands for next to nothing."""
+        return NormalDist(self.mean, max(self.deviation, 1e-6))
 
-    Returns:
-        Amounts that may be told (told,), shares in [0, 1] (told, amounts), edges (amounts + 1,).
-    """
-    centres = np.array(amounts)
-    middles = (centres[1:] + centres[:-1]) / 2
-    first, last = max(2 * centres[0] - middles[0], 0.0), 2 * centres[-1] - middles[-1]
-    edges = np.concatenate([[first], middles, [last]])
-    told = np.arange(1, math.ceil(last / step) + 1) * step
-    inside = (np.arange(POINTS_A_CELL) + 0.5) / POINTS_A_CELL
-    true = edges[:-1, None] + np.diff(edges)[:, None] * inside
-    allowed = np.maximum(tolerance, RELATIVE_TOLERANCE * true) + 1e-9
-    return told, (np.abs(told[:, None, None] - true) <= allowed).mean(axis=-1), edges
+    def amount(self) -> Amount:
+        """Return what is told of it: rounded no coarser than the tolerance, the span outwards."""
+        decimals = -math.floor(math.log10(self.tolerance))
+        value = round(self.mean, decimals)
+        if value <= 0:  # less than a step: to one digit, which is not nothing
+            value = float(f"{max(self.mean, 10.0 ** -(decimals + 1)):.1g}")
+        step, far = 10.0**-decimals, SPAN_DEVIATIONS * self.deviation
+        low = math.floor(max(self.mean - far, 0.0) / step + 1e-9) * step
+        high = math.ceil((self.mean + far) / step - 1e-9) * step
+        low, high = min(round(low, decimals), value), max(round(high, decimals), value)
+        return Amount(value, self.unit, low, high, self.right_within(value), self.doing)
+
+    def right_within(self, value: float) -> float:
+        """Return how probable it is that a value is right within the tolerance, or a fifth."""
+        low = min(value - self.tolerance, value / (1 + RELATIVE_TOLERANCE))
+        high = max(value + self.tolerance, value / (1 - RELATIVE_TOLERANCE))
+        return self.bell.cdf(high) - self.bell.cdf(low)
 
 
 def _two_digits(value: float) -> float:

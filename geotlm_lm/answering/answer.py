@@ -1,31 +1,20 @@
-"""Data classes of what goes in and comes out of an answer; runs no model."""
+"""What comes out of an answer; runs no model."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import asdict, dataclass, field, replace
-from functools import cached_property
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
-import torch
-from torch import Tensor
-
 from geotlm_lm.answering.amounts import Amount
-from geotlm_lm.backbone.contrast_equalisation import equalised_motions
-from geotlm_lm.backbone.stem import StemMeasurement, measure_clip
-from geotlm_lm.backbone.view import View
+from geotlm_lm.answering.encoded import Encoded
+from geotlm_lm.answering.measured_motion import MeasuredMotion
 from geotlm_lm.conversation.motion_answers import VERDICTS
-from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.geometry import FRAME_COUNT, REGIONS
+from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.core.labels import Motion, MotionClass
 from geotlm_lm.language.parse_answer import Slots
-from geotlm_lm.model import Perception, contact_centre
-from geotlm_lm.recordings.choose import choose_frames
-from geotlm_lm.recordings.idle import estimate_background
-
-MIN_TIMED_FRAMES = 3
-"""Different frames a speed needs."""
+from geotlm_lm.model import contact_centre
 
 _VERDICT_WORDS = dict.fromkeys(("contact", "moving"), ("yes", "no")) | {
     kind: words for kind, (_, _, *words) in VERDICTS.items()
@@ -35,124 +24,6 @@ _VERDICT_WORDS = dict.fromkeys(("contact", "moving"), ("yes", "no")) | {
 KIND_OF_UNIT = {"deg": MotionClass.ROTATION.value, "px": MotionClass.SLIDE.value}
 """Unit of what is measured -> the deciding word of an answer that says there is such an amount."""
 
-CUT_OFF_DOUBT = 1.5
-"""Of an imprint of which a part is out of the image. Of 66 simulated clips of training objects,
-moved to the border until they were cut off, 0.79 were told right at a mean probability of 0.90;
-1.5 times the temperature makes that 0.78."""
-
-FAINT_DOUBT = 1.5
-"""Of what hardly changes the gel. Of 110 simulated clips faded so far to a tenth or a twentieth of
-their contrast 71 are told, 0.77 of them right at a mean probability of 0.76; without the doubt 86,
-0.79 of them right at 0.86."""
-
-
-@dataclass(frozen=True, eq=False)
-class Encoded:
-    """A clip the model has perceived; every question about it starts here.
-
-    Args:
-        clip: The four frames that were used, with the background they were compared with.
-        perception: Tokens and geometry, batch of one.
-        timing_ms: Milliseconds of each stage that ran.
-        is_untouched: Whether every frame differs from the background by less than any touch does;
-            what is perceived is then the background itself.
-        is_changed: Whether some frame differs from the idle gel by more than noise, codecs and
-            lamps make it: that nothing touches may then not be claimed. Not known, and False, where
-            the background is a guess.
-        is_faint: Whether some frame differs by more than noise, but no more than codecs and lamps
-            may make it; likewise.
-        is_cut_off: Whether the border of the image cuts through the imprint; likewise.
-        is_static: Whether the background is a guess and no frame differs from the first by more
-            than an untouched gel may: a touch held still and no touch then look alike.
-        is_part: Whether the frames used were chosen inside a longer recording, or inside the span
-            that was asked for: how far it went in the whole is then not known.
-        given_equalised_motions: How its contrast-equalised images are taken to have moved,
-            (1, *EQUALISED_SHAPE); None where that is measured, once, when first asked for.
-    """
-
-    clip: Clip
-    perception: Perception
-    timing_ms: dict[str, float]
-    is_untouched: bool = False
-    is_changed: bool = False
-    is_faint: bool = False
-    is_cut_off: bool = False
-    is_static: bool = False
-    is_part: bool = False
-    given_equalised_motions: Tensor | None = None
-
-    @property
-    def view(self) -> View | None:
-        """The square of the image that the geometry's grid covers; None where it is no square."""
-        return self.perception.views[0]
-
-    @cached_property
-    def stem_inputs(self) -> Tensor:
-        """What the stem makes of the clip, whichever backbone perceived it."""
-        inputs = self.perception.inputs
-        return torch.from_numpy(self._stem_measurement.inputs[None]) if inputs is None else inputs
-
-    @cached_property
-    def equalised_motions(self) -> Tensor:
-        """How the contrast-equalised images move; measured only where an amount is asked for."""
-        if self.given_equalised_motions is not None:
-            return self.given_equalised_motions
-        traces = self.perception.alignment_images
-        return torch.from_numpy(
-            equalised_motions(traces[0] if traces else self._stem_measurement.alignment_images)[
-                None
-            ]
-        )
-
-    @cached_property
-    def _stem_measurement(self) -> StemMeasurement:
-        return measure_clip(self.clip)
-
-    @property
-    def doubt(self) -> float:
-        """What multiplies the temperature of every probability."""
-        return max(CUT_OFF_DOUBT if self.is_cut_off else 1.0, FAINT_DOUBT if self.is_faint else 1.0)
-
-    @property
-    def contact_share(self) -> float:
-        """Mean of the contact mask over the view, in [0, 1]."""
-        return float(self.perception.geometry.region_mass[0, REGIONS.index("global")])
-
-    @property
-    def seconds(self) -> float | None:
-        """Time from the first to the last frame used; None without a frame rate.
-
-        Two frames alone give none either: they may be any two of a longer motion.
-        """
-        numbers = self.clip.frame_numbers
-        if self.clip.fps is None or len(set(numbers)) < MIN_TIMED_FRAMES:
-            return None
-        return (max(numbers) - min(numbers)) / self.clip.fps
-
-
-@dataclass(frozen=True)
-class Lean:
-    """The most likely direction, given that the presumed kind of motion occurs.
-
-    Args:
-        direction: The likeliest motion of that kind, in the answer's frame.
-        share: Its share of the probability that all motions of that kind have, the geometric mean
-            of the language model's and the linear probe's.
-        text: The sentence, also among the answer's notes.
-    """
-
-    direction: Motion
-    share: float
-    text: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON values."""
-        return {
-            "direction": self.direction.value,
-            "share": round(self.share, 4),
-            "text": self.text,
-        }
-
 
 @dataclass(frozen=True)
 class Answer:
@@ -160,14 +31,15 @@ class Answer:
 
     Args:
         text: The sentence.
-        direction: The motion it claims, in `frame`; None when the question asks something else or
-            the model abstains.
-        confidence: Probability of the answer among those of its kind, of an amount that it is right
-            within its tolerance, in [0, 1]; the temperature was fitted on open questions about
-            direction. 0 when the model abstains.
+        direction: The motion it claims, in `frame`: of the component that is asked about, of an
+            open question the larger; None when the question asks something else or the model
+            abstains.
+        confidence: Probability of the least sure thing it says, of an amount that it is right
+            within its tolerance, in [0, 1]. 0 when the model abstains.
         abstained: Whether the model declines to say.
         frame: The frame of reference every direction is told in.
-        options: Probability of each answer that was possible, by its deciding word.
+        options: Probability of each answer that was possible, by its deciding word. Several motions
+            may hold at once: theirs need not sum to 1.
         evidence: Contact share, the view the grid covers (pixels of a 224-pixel image), and per
             region of it the learned shear change (x right, y down, unitless) and contact mass.
         timing_ms: Milliseconds of each stage that ran; a stage that is missing did not run.
@@ -182,8 +54,9 @@ class Answer:
             the model read or stands for what it could not say.
         amount: How far or how fast, with the span it lies in nine times in ten; None when the
             question asks something else or there is no such amount.
-        lean: Which way it turns, or slides, if it does: told where an open question takes that for
-            granted and the answer names another motion; None where nothing leans.
+        motion: Every component at once, in the camera image, whatever was asked: how far it goes,
+            with spans, whether it counts, and whether the picture tells; None where no motion was
+            asked about.
     """
 
     text: str
@@ -200,7 +73,7 @@ class Answer:
     decided: str | None = None
     told_by: Literal["model", "rule"] = "rule"
     amount: Amount | None = None
-    lean: Lean | None = None
+    motion: MeasuredMotion | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON values."""
@@ -209,7 +82,7 @@ class Answer:
             "direction": None if self.direction is None else self.direction.value,
             "decided": self.decided,
             "amount": None if self.amount is None else self.amount.to_dict(),
-            "lean": None if self.lean is None else self.lean.to_dict(),
+            "motion": None if self.motion is None else self.motion.to_dict(),
             "confidence": round(self.confidence, 4),
             "abstained": self.abstained,
             "told_by": self.told_by,
@@ -221,24 +94,6 @@ class Answer:
             "frames_used": list(self.frames_used),
             "notes": list(self.notes),
         }
-
-
-def four_frames_with_background(clip: Clip) -> Clip:
-    """Return the four frames that show the motion, beside the idle gel, known or estimated.
-
-    Args:
-        clip: A recording of two frames or more.
-    """
-    return with_background(choose_frames(clip, FRAME_COUNT))
-
-
-def with_background(clip: Clip) -> Clip:
-    """Return a clip of a few frames beside its idle gel, estimated where it is not known."""
-    if clip.background is None:
-        clip = replace(clip, background=estimate_background(clip.frames)).with_note(
-            "Background: estimated from the frames; give an idle frame for a surer answer."
-        )
-    return clip
 
 
 def deciding_word(slots: Slots) -> str:

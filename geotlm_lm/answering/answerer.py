@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from geotlm_lm.answering.abstention import contradicts_gel_change
-from geotlm_lm.answering.answer import Answer, Encoded, with_background
+from geotlm_lm.answering.answer import Answer
 from geotlm_lm.answering.answer_assembly import is_camera_frame
 from geotlm_lm.answering.argument_checks import (
     require_answer,
@@ -18,7 +18,10 @@ from geotlm_lm.answering.argument_checks import (
     require_frame,
     require_kind,
 )
+from geotlm_lm.answering.belief_of_clip import belief_of, felt_words
 from geotlm_lm.answering.clip_comparison import compare_clips
+from geotlm_lm.answering.encoded import Encoded, with_background
+from geotlm_lm.answering.measured_motion import felt_of
 from geotlm_lm.answering.model_query import EVIDENCE_QUESTION, query_model, score
 from geotlm_lm.answering.multi_clip import Comparison, Order, order_of_motions
 from geotlm_lm.answering.question_routing import answer_question
@@ -32,7 +35,6 @@ from geotlm_lm.conversation.wording import decapitalised, frame_summary
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.labels import Motion
 from geotlm_lm.recordings.choose import choose_frames
 from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static
@@ -134,7 +136,17 @@ class Answerer:
             is_cut_off=cut_off,
             is_static=static,
             is_part=is_part,
+            believe=partial(belief_of, self.bundle),
+            feel=partial(felt_words, self.bundle),
         )
+
+    def _believing(self, encoded: Encoded) -> Encoded:
+        """Return a clip that somebody else has perceived with what makes its belief."""
+        require_encoded(encoded)
+        if encoded.believe is not None:
+            return encoded
+        believe, feel = (partial(make, self.bundle) for make in (belief_of, felt_words))
+        return replace(encoded, believe=believe, feel=feel)
 
     def session(self, encoded: Encoded, frame: FrameSpec = CAMERA) -> Session:
         """Return a conversation about a clip, which remembers its turns and the frame.
@@ -166,7 +178,7 @@ class Answerer:
             UsageError: If the question is empty or too long.
             TypeError: If the clip is not encoded, the question no text, or the frame none.
         """
-        require_encoded(encoded)
+        encoded = self._believing(encoded)
         require_frame(frame)
         question = check_question(question)
         return answer_question(self.bundle, encoded, question, frame, listen)
@@ -210,10 +222,10 @@ class Answerer:
             UsageError: If the question is empty or too long.
             TypeError: If a clip is not encoded, the question no text, or the frame none.
         """
-        require_encoded(first, second)
+        clips = (self._believing(first), self._believing(second))
         require_frame(frame)
         question = check_question(question)
-        return compare_clips(self.bundle, (first, second), question, frame)
+        return compare_clips(self.bundle, clips, question, frame)
 
     def order(self, parts: Sequence[Encoded], *, frame: FrameSpec = CAMERA) -> Order:
         """Tell the motions of `parts`, clips of one recording in the order of time.
@@ -230,30 +242,32 @@ class Answerer:
         """Return the reasons for `answer`: by rule from the geometry, and in the model's words.
 
         A model trained for evidence says where the halves go, what adds up and what it concludes;
-        the rules say beside it what was measured, and whether one speaks against the answer. Words
-        that the answer itself had to withhold are not said here either.
+        the rules say beside it what was measured of every component, amounts and spans, and whether
+        one speaks against the answer. Words that conclude another motion than what is felt are not
+        said.
 
         Raises:
             TypeError: If the clip is not encoded, or the answer is none about one clip.
         """
-        require_encoded(encoded)
+        encoded = self._believing(encoded)
         require_answer(answer)
         claim = None if answer.kind in _CLAIM_ANOTHER_MOTION else answer.direction
         motion = None if claim is None else answer.frame.in_the_image(claim)
-        place, *measured, conclusion = reasoning_steps(
+        place, *steps, conclusion = reasoning_steps(
             answer.evidence, answer.text, motion, is_as_seen=is_camera_frame(answer.frame)
         )
         frame = f"The answer is told in this frame: {frame_summary(answer.frame)}."
-        own = () if answer.abstained else self._own_reasons(encoded, motion)
+        measured = [] if answer.motion is None else [answer.motion.sentence()]
+        own = () if answer.abstained else self._own_reasons(encoded)
         if not own:
             source = "by rule, from the geometry the model read; not in its own words"
-            return Why((place, *measured, frame, conclusion), source)
-        measured[0] = f"Measured: {decapitalised(measured[0])}"
+            return Why((place, *steps, *measured, frame, conclusion), source)
+        steps[0] = f"Measured: {decapitalised(steps[0])}"
         many = "sentence 2" if len(own) == 1 else f"sentences 2 to {len(own) + 1}"
         source = f"{many} in the model's words, the others by rule from the geometry it read"
-        return Why((place, *own, *measured, frame, conclusion), source)
+        return Why((place, *own, *steps, *measured, frame, conclusion), source)
 
-    def _own_reasons(self, encoded: Encoded, motion: Motion | None) -> tuple[str, ...]:
+    def _own_reasons(self, encoded: Encoded) -> tuple[str, ...]:
         """Return the model's own sentences of evidence; none where it has none that may be told."""
         if "evidence" not in self.bundle.grammar.kinds:
             return ()
@@ -262,12 +276,9 @@ class Answerer:
             return ()
         if self.bundle.calibration.withholds(heard.slots.direction, encoded.contact_share):
             return ()
-        if contradicts_gel_change(encoded, heard.slots):
+        if heard.slots.direction not in felt_of(self.bundle, encoded).state:
             return ()
-        *steps, last = (f"{step.removesuffix('.')}." for step in heard.text.split(". "))
-        if motion is not None and heard.slots.direction is not motion:
-            last += " This speaks against the answer: the model is not of one mind."
-        return (*steps, last)
+        return tuple(f"{step.removesuffix('.')}." for step in heard.text.split(". "))
 
 
 CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from geotlm_lm.answering.answer import Answer, Encoded
+from geotlm_lm.answering.answer import Answer
+from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from geotlm_lm.answering.answer import Encoded
+from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.schema import answer_schema
 from geotlm_lm.conversation.motion_answers import CAMERA
 from geotlm_lm.core.atomic import only_writer, replacing

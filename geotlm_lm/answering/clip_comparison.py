@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 
-from geotlm_lm.answering.answer import Answer, Encoded
-from geotlm_lm.answering.answer_assembly import UNTRAINED
-from geotlm_lm.answering.measured_amounts import measured_amount
-from geotlm_lm.answering.model_query import AMOUNT_QUESTION, RATE_QUESTION, query_model
+from geotlm_lm.answering.amount_answers import told_amount
+from geotlm_lm.answering.answer import Answer
+from geotlm_lm.answering.encoded import Encoded
+from geotlm_lm.answering.measured_motion import felt_of
+from geotlm_lm.answering.model_query import AMOUNT_QUESTION, RATE_QUESTION
 from geotlm_lm.answering.multi_clip import (
     Comparison,
     answer_about_each,
@@ -17,6 +18,7 @@ from geotlm_lm.answering.multi_clip import (
     asks_amount,
     compare_amounts,
     compare_directions,
+    of_one_component,
 )
 from geotlm_lm.answering.pair_verdicts import (
     judge_amounts,
@@ -29,10 +31,10 @@ from geotlm_lm.answering.pair_verdicts import (
     judge_transformed,
 )
 from geotlm_lm.answering.question_routing import answer_question
-from geotlm_lm.answering.single_direction import with_amount_of
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.clip_names import clips_by_number
 from geotlm_lm.conversation.english import ENGLISH_ONLY, is_english
+from geotlm_lm.conversation.felt import Felt
 from geotlm_lm.conversation.frame_facts import read_facts
 from geotlm_lm.conversation.future_questions import NO_PREDICTION, asks_future_motion
 from geotlm_lm.conversation.image_rotation import unclear_rotation
@@ -58,6 +60,7 @@ from geotlm_lm.conversation.two_clip_questions import (
 )
 from geotlm_lm.conversation.unanswerable import never_answered_reply, unanswerable_reply
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.twist import COMPONENT_OF
 from geotlm_lm.language.parse_answer import Slots
 
 COMPARED_KINDS = (
@@ -83,17 +86,21 @@ def compare_clips(
     asked = canonical_two_clip_question(asked) or asked
     if asks_from_object(asked):
         frame = replace(frame, viewpoint="object")
-    answers = [answer_question(bundle, one, OPEN_QUESTION, frame) for one in clips]
+    felts = [felt_of(bundle, one, frame).seen(frame.tell) for one in clips]
+    answers = [
+        of_one_component(answer_question(bundle, one, OPEN_QUESTION, frame), felt, asked)
+        for one, felt in zip(clips, felts, strict=True)
+    ]
     if (declined := _declined(bundle, question, asked)) is not None:
         return Comparison(declined, "unknown", 0.0, True, *answers)
-    if (decided := _verdict_on_pair(bundle, clips, asked, frame, answers)) is not None:
+    if (decided := _verdict_on_pair(clips, felts, asked, frame, answers)) is not None:
         return decided
     if (one := asks_of_one(asked)) is not None:
         which, of_it = one
         answer = answer_question(bundle, clips[which], of_it or OPEN_QUESTION, frame)
         return answer_about_one(which, answer, answers)
     if asks_amount(asked):
-        return _compare_amounts(bundle, clips, asked, frame, answers)
+        return _compare_amounts(clips, asked, frame, answers)
     if (kind := asks_each_amount(asked)) is not None:
         of_each = RATE_QUESTION if kind == "rate" else AMOUNT_QUESTION
         return answer_about_each(
@@ -106,8 +113,8 @@ def compare_clips(
 
 
 def _verdict_on_pair(
-    bundle: Bundle,
     clips: Sequence[Encoded],
+    felts: Sequence[Felt],
     asked: str,
     frame: FrameSpec,
     answers: Sequence[Answer],
@@ -122,21 +129,21 @@ def _verdict_on_pair(
     if (is_one_kind := claims_same_kind(asked)) is not None:
         return judge_kind(is_one_kind, answers)
     if asks_inverse(asked):
-        return judge_inverse(_compare_amounts(bundle, clips, asked, frame, answers), answers)
+        return judge_inverse(_compare_amounts(clips, asked, frame, answers), answers)
     if (kind := asks_same_amount(asked)) is not None:
         is_speed = kind == "rate"
-        amounts = _compare_amounts(bundle, clips, asked, frame, answers, is_speed=is_speed)
+        amounts = _compare_amounts(clips, asked, frame, answers, is_speed=is_speed)
         return judge_amounts(amounts, "similar")
     if asks_amount(asked):
         subject = claimed_subject(asked)
         if subject is None:
             return None
-        amounts = _compare_amounts(bundle, clips, asked, frame, answers)
+        amounts = _compare_amounts(clips, asked, frame, answers)
         return judge_amounts(amounts, ("first", "second")[subject])
     if (each := claimed_each(asked)) is not None:
-        return judge_each(each, answers)
+        return judge_each(each, felts, answers)
     share = claimed_count(asked)
-    return None if share is None else judge_count(share, answers)
+    return None if share is None else judge_count(share, felts, answers)
 
 
 def _judge_of(claimed: str) -> Callable[[Sequence[Answer]], Comparison] | None:
@@ -162,7 +169,6 @@ def _declined(bundle: Bundle, question: str, asked: str) -> str | None:
 
 
 def _compare_amounts(
-    bundle: Bundle,
     clips: Sequence[Encoded],
     question: str,
     frame: FrameSpec,
@@ -170,16 +176,11 @@ def _compare_amounts(
     *,
     is_speed: bool = False,
 ) -> Comparison:
-    if "magnitude" not in bundle.grammar.kinds:
-        return Comparison(UNTRAINED["magnitude"], "unknown", 0.0, True, *answers)
-    heard = [
-        with_amount_of(
-            query_model(bundle, one, AMOUNT_QUESTION), "magnitude", open_.direction, open_.options
-        )
-        for one, open_ in zip(clips, answers, strict=True)
-    ]
     found = [
-        measured_amount(bundle, one, said, frame) for one, said in zip(clips, heard, strict=True)
+        told_amount(one, COMPONENT_OF[said.direction], frame)
+        if said.direction in COMPONENT_OF
+        else None
+        for one, said in zip(clips, answers, strict=True)
     ]
     sizes = {one.clip.frames.shape[1:3] for one in clips}
     seconds = [one.seconds for one in clips]

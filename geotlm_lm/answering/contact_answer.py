@@ -6,7 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 from geotlm_lm.answering.abstention import neutral_answer, shows_contact, too_little_contact
-from geotlm_lm.answering.answer import Answer, Encoded, evidence
+from geotlm_lm.answering.answer import Answer, evidence
+from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.contact_location import place_in_picture
 from geotlm_lm.conversation.motion_answers import CAMERA

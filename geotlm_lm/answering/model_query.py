@@ -1,48 +1,36 @@
-"""Query the language model once: its sentence, and the probability of each answer of its kind."""
+"""Query the language model once: how it understands a question, and its sentence."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
-from functools import cache
 
 import numpy as np
 
-from geotlm_lm.answering.answer import Answer, Encoded, deciding_word, offered_letters
+from geotlm_lm.answering.answer import Answer, deciding_word, offered_letters
+from geotlm_lm.answering.belief_of_clip import reading
+from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.kinds import asked_kind, asks_direction
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
-from geotlm_lm.recordings.touch import UNTOUCHED_PROBABILITY
 
 AMOUNT_QUESTION = "How far did it go?"
-MOVING_QUESTION = "Is it moving at all?"
 RATE_QUESTION = "How fast did it go?"
 EVIDENCE_QUESTION = "Which half moves which way?"
 
-LEAST_SURE = 0.5
-"""Probability below which an answer is withheld: it would more likely be wrong than right."""
-
-NEVER_ABSTAINED_KINDS = frozenset({"evidence", "confidence", "refusal"})
-"""Kinds whose answers are told whatever their probability: signs are one of many near alike, and
-who asks for the confidence is told it."""
-
-Scores = Callable[[str], dict[str, float]]
-"""Takes a kind of answer, returns the probability of each by its deciding word."""
-
-TextListener = Callable[[str, Scores], None]
-"""Told the words so far, and where to learn how likely they are."""
+TextListener = Callable[[str], None]
+"""Told the words so far."""
 
 
 @dataclass(frozen=True)
 class ModelReply:
-    """The model's reply: its sentence, its meaning and the probabilities.
+    """The model's reply: its sentence and its meaning.
 
     Args:
         slots: What its words claim; None where they are none of the answers.
         text: Its words.
-        options: Probability of every answer of that kind, by its deciding word.
         timing_ms: Milliseconds of each stage.
         is_by_rule: These are not words the model wrote: nothing touches the gel, or they are the
             likeliest of the answers that the question's words allow.
@@ -50,7 +38,6 @@ class ModelReply:
 
     slots: Slots | None
     text: str
-    options: dict[str, float]
     timing_ms: dict[str, float] = field(default_factory=dict)
     is_by_rule: bool = False
 
@@ -61,12 +48,12 @@ def query_model(
     question: str,
     listen: TextListener | None = None,
 ) -> ModelReply:
-    """Return the model's sentence and the probabilities of all answers of its kind.
+    """Return the model's sentence.
 
     Where nothing touches, an open question about direction needs no model to be answered; any other
     question does, to be understood. Where the words tell the kind of answer and nobody listens, all
     answers of that kind are weighed first: what would be written is one of them nearly always, and
-    then need not be written token by token. No kind is weighed twice.
+    then need not be written token by token.
 
     Args:
         bundle: The model.
@@ -77,53 +64,28 @@ def query_model(
     if encoded.is_untouched and asks_direction(question):
         slots = Slots("direction", Motion.NONE)
         text = bundle.grammar.sentence(slots)
-        options = {Motion.NONE.value: UNTOUCHED_PROBABILITY}
         if listen is not None:
-            listen(text, lambda _: options)
-        return ModelReply(slots, text, options, is_by_rule=True)
+            listen(text)
+        return ModelReply(slots, text, is_by_rule=True)
     timing: dict[str, float] = {}
-
-    @cache
-    def weighed(kind: str) -> tuple[dict[str, float], str | None]:
-        started = time.perf_counter()
-        found = _weigh(bundle, encoded, question, kind)
-        timing["score"] = timing.get("score", 0.0) + 1e3 * (time.perf_counter() - started)
-        return found
-
     kind = "direction" if asks_direction(question) else asked_kind(question)
     if listen is None and kind in bundle.grammar.kinds:
-        options, text = weighed(kind)
+        started = time.perf_counter()
+        text = _weigh(bundle, encoded, question, kind)[1]
+        timing["score"] = 1e3 * (time.perf_counter() - started)
         if text is not None:
-            return ModelReply(bundle.grammar.parse(text), text, options, timing)
-    told = {}
-    if listen is not None:
-        told["listen"] = lambda text: listen(text, lambda kind: weighed(kind)[0])
-    started, weighing = time.perf_counter(), timing.get("score", 0.0)
-    text = bundle.speaker.generate(encoded.perception.fused_token, [question], **told)[0]
-    weighing = timing.get("score", 0.0) - weighing  # what a listener asked for meanwhile
-    timing["generate"] = 1e3 * (time.perf_counter() - started) - weighing
-    slots = bundle.grammar.parse(text)
-    options, _ = weighed(slots.kind if slots else "direction")
-    return ModelReply(slots, text, options, timing)
+            return ModelReply(bundle.grammar.parse(text), text, timing)
+    started = time.perf_counter()
+    told = {} if listen is None else {"listen": listen}
+    text = bundle.speaker.generate(reading(encoded)[None], [question], **told)[0]
+    timing["generate"] = 1e3 * (time.perf_counter() - started)
+    return ModelReply(bundle.grammar.parse(text), text, timing)
 
 
 def summed_timings(*passes: ModelReply | Answer) -> dict[str, float]:
     """Return the milliseconds of each stage, summed over several replies."""
     stages = {stage for one in passes for stage in one.timing_ms}
     return {stage: sum(one.timing_ms.get(stage, 0.0) for one in passes) for stage in stages}
-
-
-def is_uncertain(kind: str | None, word: str | None, options: Mapping[str, float]) -> bool:
-    """Tell whether an answer is withheld for its low probability.
-
-    Args:
-        kind: What it is an answer to.
-        word: Its deciding word.
-        options: Probability of every answer of its kind; empty where none was worked out.
-    """
-    return (
-        bool(options) and kind not in NEVER_ABSTAINED_KINDS and options.get(word, 0.0) < LEAST_SURE
-    )
 
 
 def query_likeliest(
@@ -139,12 +101,10 @@ def query_likeliest(
     """
     started = time.perf_counter()
     sentences = [text for kind in sorted(kinds) for text in bundle.grammar.options_for(kind)]
-    likelihoods = bundle.speaker.score(encoded.perception.fused_token[0], question, sentences)
+    likelihoods = bundle.speaker.score(reading(encoded), question, sentences)
     text = sentences[int(np.argmax(likelihoods))]
-    slots = bundle.grammar.parse(text)
-    options = score(bundle, encoded, question, slots.kind)
     timing = {"score": 1e3 * (time.perf_counter() - started)}
-    return ModelReply(slots, text, options, timing, is_by_rule=True)
+    return ModelReply(bundle.grammar.parse(text), text, timing, is_by_rule=True)
 
 
 def score(bundle: Bundle, encoded: Encoded, question: str, kind: str) -> dict[str, float]:
@@ -160,7 +120,7 @@ def _weigh(
     sentences = grammar.options_for(kind)
     if kind == "choice" and (offered := offered_letters(question)):
         sentences = [s for s in sentences if grammar.parse(s).letter in offered]
-    weighed = bundle.speaker.weigh(encoded.perception.fused_token[0], question, sentences)
+    weighed = bundle.speaker.weigh(reading(encoded), question, sentences)
     probabilities = bundle.calibration.probabilities(weighed.log_probabilities, doubt=encoded.doubt)
     options: dict[str, float] = {}
     for sentence, probability in zip(sentences, probabilities, strict=True):

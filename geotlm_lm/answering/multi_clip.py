@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from geotlm_lm.answering.abstention import tentative_text
+from geotlm_lm.answering.abstention import LEAST_SURE, tentative_text
 from geotlm_lm.answering.amounts import Amount
 from geotlm_lm.answering.answer import Answer
-from geotlm_lm.answering.model_query import LEAST_SURE
+from geotlm_lm.conversation.felt import Felt
+from geotlm_lm.conversation.motion_answers import asked_components
 from geotlm_lm.conversation.motion_claims import presumed_class
 from geotlm_lm.conversation.wording import direction_clause, frame_phrase, motion_phrase
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class, reverse
+from geotlm_lm.core.twist import COMPONENT_OF
 
 Relation = Literal["same", "opposite", "different", "first", "second", "similar", "unknown"]
 
@@ -163,7 +165,7 @@ def compare_amounts(
     if any(one is None for one in found):
         return refuse("I cannot compare them: not both of them turn or slide.")
     if found[0].unit != found[1].unit:
-        return refuse("I cannot compare them: one turns, the other slides.")
+        return refuse("I cannot compare them: they move in different ways.")
     if found[0].unit != "deg" and not is_same_size:
         return refuse("I cannot compare how far they slide: their frames differ in size.")
     amounts, unit = [one.value for one in found], found[0].unit
@@ -180,6 +182,26 @@ def compare_amounts(
     is_first = (amounts[0] > amounts[1]) != bool({*_LESS, *_SLOWER} & _words(question))
     which: Relation = "first" if is_first else "second"
     return Comparison(f"The {which}: {sizes}.", which, confidence, False, *answers, which)
+
+
+def of_one_component(answer: Answer, felt: Felt, question: str) -> Answer:
+    """Return an open answer as one motion alone: of the component that a question is about.
+
+    Where it asks of none the larger motion is compared. Its options then exclude each other.
+
+    Args:
+        answer: To the open question.
+        felt: What is felt, as the answer's frame names it.
+        question: About two clips.
+    """
+    if answer.direction is None:
+        return answer
+    asked = [one for one in asked_components(question) if one in felt.components]
+    main = felt.way(asked[0]) if asked else felt.main
+    only = felt if main not in COMPONENT_OF else felt.only(COMPONENT_OF[main])
+    total = sum(only.words.values())
+    options = {word: share / total for word, share in only.words.items()}
+    return replace(answer, direction=main, options=options)
 
 
 def answer_about_one(which: int, answer: Answer, answers: Sequence[Answer]) -> Comparison:

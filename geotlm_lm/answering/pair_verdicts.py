@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-from geotlm_lm.answering.abstention import tentative_text
+from geotlm_lm.answering.abstention import LEAST_SURE, tentative_text
 from geotlm_lm.answering.answer import Answer
-from geotlm_lm.answering.model_query import LEAST_SURE
 from geotlm_lm.answering.multi_clip import (
     Comparison,
     both_directions,
@@ -15,6 +14,7 @@ from geotlm_lm.answering.multi_clip import (
     pair_probabilities,
     why_not_comparable,
 )
+from geotlm_lm.conversation.felt import Felt, claim_of, subjects_of
 from geotlm_lm.conversation.two_clip_claims import Change, Of, RelationClaim, ShareClaim
 from geotlm_lm.conversation.wording import decapitalised
 from geotlm_lm.core.labels import Motion, mirror, motion_class, reverse
@@ -108,30 +108,27 @@ def judge_kind(is_one_kind: bool, answers: Sequence[Answer]) -> Comparison:
     return _told(_yes_or_no(is_same == is_one_kind), share, answers, ", by kind: ")
 
 
-def judge_count(claim: ShareClaim, answers: Sequence[Answer]) -> Comparison:
+def judge_count(claim: ShareClaim, felts: Sequence[Felt], answers: Sequence[Answer]) -> Comparison:
     """Judge which of two clips, or how many of them, show the claimed motion."""
+    shows, odds = _shows(felts, [claim.motions] * 2)
+    answers = _about(claim.motions, felts, answers)
     if claim.of == "which":
-        word = _WHICH[_shows(answers, claim.motions)]
-        shares = _shares_of(claim.motions, answers)
-        return _told(word, shares[word], answers)
-    is_so = _HOLDS[claim.of](*_shows(answers, claim.motions))
-    share = sum(
-        p
-        for (one, other), p in pair_probabilities(answers).items()
-        if _HOLDS[claim.of](one in claim.motions, other in claim.motions) == is_so
-    )
+        word = _WHICH[shows]
+        share = sum(share for pair, share in odds.items() if _WHICH[pair] == word)
+        return _told(word, share, answers)
+    is_so = _HOLDS[claim.of](*shows)
+    share = sum(share for pair, share in odds.items() if _HOLDS[claim.of](*pair) == is_so)
     return _told(_yes_or_no(is_so), share, answers)
 
 
-def judge_each(claims: Sequence[Collection[Motion]], answers: Sequence[Answer]) -> Comparison:
+def judge_each(
+    claims: Sequence[frozenset[Motion]], felts: Sequence[Felt], answers: Sequence[Answer]
+) -> Comparison:
     """Judge a claim on the first clip together with one on the second."""
-    is_so = all(one.direction in claim for one, claim in zip(answers, claims, strict=True))
-    share = sum(
-        p
-        for pair, p in pair_probabilities(answers).items()
-        if all(motion in claim for motion, claim in zip(pair, claims, strict=True)) == is_so
-    )
-    return _told(_yes_or_no(is_so), share, answers)
+    shows, odds = _shows(felts, claims)
+    is_so, both = all(shows), odds[True, True]
+    answers = _about(frozenset().union(*claims), felts, answers)
+    return _told(_yes_or_no(is_so), both if is_so else 1.0 - both, answers)
 
 
 def judge_amounts(compared: Comparison, claimed: str) -> Comparison:
@@ -197,16 +194,32 @@ def _told(word: str, share: float, answers: Sequence[Answer], joined: str = ": "
     return Comparison(text, relation, share, False, *answers, word)
 
 
-def _shows(answers: Sequence[Answer], motions: Collection[Motion]) -> tuple[bool, bool]:
-    one, other = (answer.direction in motions for answer in answers)
-    return one, other
+def _shows(
+    felts: Sequence[Felt], claims: Sequence[frozenset[Motion]]
+) -> tuple[tuple[bool, bool], dict[tuple[bool, bool], float]]:
+    """Return whether each clip shows what is claimed of it, and how probable each pair is."""
+    judged = [(claim_of(motions), felt) for motions, felt in zip(claims, felts, strict=True)]
+    one, other = (claim(felt.state) for claim, felt in judged)
+    p, q = (felt.probability(claim) for claim, felt in judged)
+    odds = {
+        (a, b): (p if a else 1.0 - p) * (q if b else 1.0 - q)
+        for a in (True, False)
+        for b in (True, False)
+    }
+    return (one, other), odds
 
 
-def _shares_of(motions: Collection[Motion], answers: Sequence[Answer]) -> dict[str, float]:
-    shares = dict.fromkeys(_WHICH.values(), 0.0)
-    for (one, other), share in pair_probabilities(answers).items():
-        shares[_WHICH[one in motions, other in motions]] += share
-    return shares
+def _about(
+    motions: frozenset[Motion], felts: Sequence[Felt], answers: Sequence[Answer]
+) -> list[Answer]:
+    """Return the answers with the way of the component that is claimed, where it counts."""
+    subjects = subjects_of(motions)
+    found = []
+    for felt, answer in zip(felts, answers, strict=True):
+        ways = [felt.way(one) for one in felt.components if one in subjects]
+        is_told = answer.direction is not None and ways
+        found.append(replace(answer, direction=ways[0]) if is_told else answer)
+    return found
 
 
 def _yes_or_no(is_so: bool) -> str:

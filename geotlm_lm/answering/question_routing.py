@@ -10,23 +10,17 @@ from dataclasses import replace
 
 from geotlm_lm.answering.abstention import neutral_answer
 from geotlm_lm.answering.alternatives import with_alternatives
-from geotlm_lm.answering.amount_verdicts import judge_amount_claim
-from geotlm_lm.answering.answer import Answer, Encoded
-from geotlm_lm.answering.answer_assembly import (
-    UNTRAINED,
-    answer_by_rule,
-    answer_in_words,
-    from_open_question,
-)
-from geotlm_lm.answering.conditional_direction import with_conditional_direction
-from geotlm_lm.answering.consistency_check import kind_by_rule
+from geotlm_lm.answering.amount_answers import answer_amount, judge_amount_claim
+from geotlm_lm.answering.answer import Answer
+from geotlm_lm.answering.answer_assembly import answer_by_rule, answer_in_words
 from geotlm_lm.answering.contact_answer import answer_contact_location
+from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.merging import merge_answers
-from geotlm_lm.answering.presumed_amounts import with_amount
 from geotlm_lm.answering.streaming import Listener, StableWords
+from geotlm_lm.answering.understanding import kind_by_rule
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.alternatives import asks_alternatives
-from geotlm_lm.conversation.amount_questions import canonical_amount_question
+from geotlm_lm.conversation.amount_questions import asks_depth, canonical_amount_question
 from geotlm_lm.conversation.canonical_wording import SLIP_IS_A_SLIDE, in_canonical_words, names_slip
 from geotlm_lm.conversation.clock_words import without_clocks
 from geotlm_lm.conversation.compound_questions import split_questions
@@ -45,8 +39,8 @@ from geotlm_lm.conversation.future_questions import NO_PREDICTION, asks_future_m
 from geotlm_lm.conversation.image_rotation import unclear_rotation
 from geotlm_lm.conversation.indirect_questions import embedded_question
 from geotlm_lm.conversation.kinds import asked_kind
-from geotlm_lm.conversation.motion_answers import CAMERA
-from geotlm_lm.conversation.motion_claims import asks_both_kinds, without_adverbs
+from geotlm_lm.conversation.motion_answers import ALWAYS_RULE_KINDS, CAMERA
+from geotlm_lm.conversation.motion_claims import weighs_kinds, without_adverbs
 from geotlm_lm.conversation.motion_questions import canonical_motion_question
 from geotlm_lm.conversation.negation_wording import with_explicit_negation
 from geotlm_lm.conversation.option_meanings import initials_spelt_out
@@ -77,7 +71,6 @@ from geotlm_lm.conversation.statements import TURN_TOLD_AFTER, UNREAD, is_unread
 from geotlm_lm.conversation.text_normalisation import normalised_text
 from geotlm_lm.conversation.thread_words import canonical_thread_question
 from geotlm_lm.conversation.unanswerable import (
-    ONE_KIND,
     asks_place,
     never_answered_reply,
     unanswerable_reply,
@@ -133,16 +126,14 @@ def answer_question(
         answer = _answer_without_model(bundle, encoded, asked, frame)
     if answer is not None:
         return answer
-    kind, read = asked_kind(asked), kind_by_rule(asked)
-    if read is not None:
-        answer = from_open_question(bundle, encoded, asked, read, frame)
-    elif kind is not None and kind not in bundle.grammar.kinds:
+    kind = kind_by_rule(asked)
+    if kind is None and (told := asked_kind(asked)) in ALWAYS_RULE_KINDS:
+        kind = told
+    if kind is not None:
         answer = answer_by_rule(bundle, encoded, asked, kind, frame)
     else:
         words = listen and StableWords(bundle, encoded, asked, frame, listen)
         answer = answer_in_words(bundle, encoded, asked, frame, words)
-    answer = with_amount(bundle, encoded, asked, answer)
-    answer = with_conditional_direction(bundle, encoded, asked, answer)
     return _with_sign_convention(stated.rest, asked, answer)
 
 
@@ -185,6 +176,8 @@ def _answer_through_other_questions(
     """Return the answer to what asks, in other words, for answers to one question or to two."""
     if asks_alternatives(asked):
         return with_alternatives(answer_question(bundle, encoded, OPEN_QUESTION, frame))
+    if weighs_kinds(asked):
+        return answer_question(bundle, encoded, OPEN_QUESTION, frame)
     if (limited := _answerable_part(asked)) is not None:
         rest, limit = limited
         answer = answer_question(bundle, encoded, rest, frame)
@@ -201,7 +194,7 @@ def _is_partial(limit: str, answer: Answer) -> bool:
     """Tell whether an answer is less than was asked for; one without a way is the same anywhere."""
     if limit == OF_THE_END:
         return answer.decided == "yes"
-    return limit == ONE_KIND or (answer.direction in DIRECTED and answer.kind not in _WITHOUT_WAY)
+    return answer.direction in DIRECTED and answer.kind not in _WITHOUT_WAY
 
 
 _WITHOUT_WAY = ("magnitude", "rate", "moving", "contact", "class", "confidence")
@@ -215,8 +208,6 @@ def _answerable_part(asked: str) -> tuple[str, str] | None:
     """
     if (another := unknown_frame_request(asked)) is not None:
         return another
-    if asks_both_kinds(asked):
-        return OPEN_QUESTION, ONE_KIND
     going = asked_whether_over(asked)
     return None if going is None else (going, OF_THE_END)
 
@@ -256,6 +247,8 @@ def _answer_without_model(
             encoded, f"I tell directions in this frame: {frame_summary(frame)}.", "frame", frame
         )
         return replace(said, abstained=False, confidence=1.0)
+    if asks_depth(asked):
+        return answer_amount(bundle, encoded, asked, "magnitude", frame)
     if asks_which_moves(asked):
         return neutral_answer(encoded, RELATIVE, "refusal", frame)
     kind = asked_kind(asked)
@@ -268,9 +261,6 @@ def _answer_without_model(
     if claim is None:
         is_unread = claims_unread_amount(asked)
         return neutral_answer(encoded, UNJUDGED, "magnitude", frame) if is_unread else None
-    asks_for = "rate" if claim.is_speed else "magnitude"
-    if asks_for not in bundle.grammar.kinds:
-        return neutral_answer(encoded, UNTRAINED[asks_for], asks_for, frame)
     return judge_amount_claim(bundle, encoded, asked, claim, frame)
 
 

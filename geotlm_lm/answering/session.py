@@ -12,8 +12,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
-from geotlm_lm.answering.answer import Answer, Encoded
+from geotlm_lm.answering.answer import Answer
 from geotlm_lm.answering.argument_checks import require_encoded, require_frame
+from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.multi_clip import Comparison, Order
 from geotlm_lm.answering.streaming import Listener, answer_pieces
 from geotlm_lm.conversation.alternatives import asks_alternatives

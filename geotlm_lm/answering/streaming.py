@@ -14,34 +14,11 @@ from queue import SimpleQueue
 from threading import Thread
 from typing import Any
 
-from geotlm_lm.answering.abstention import contradicts_gel_change, lacks_reference
-from geotlm_lm.answering.answer import Encoded, deciding_word
-from geotlm_lm.answering.answer_assembly import NEEDS_MORE, is_camera_frame
-from geotlm_lm.answering.consistency_check import (
-    CHECKED_KINDS,
-    answers_unanswerable,
-    contradicts_itself,
-    contradicts_open_answer,
-    ignores_moving_question,
-    kind_from_open_answer,
-)
-from geotlm_lm.answering.model_query import (
-    NEVER_ABSTAINED_KINDS,
-    Scores,
-    is_uncertain,
-    query_model,
-)
-from geotlm_lm.answering.single_direction import (
-    AMOUNT_KINDS,
-    is_of_other_motion,
-    open_answer_motion,
-)
+from geotlm_lm.answering.answer_assembly import answer_heard
+from geotlm_lm.answering.encoded import Encoded
+from geotlm_lm.answering.model_query import ModelReply
 from geotlm_lm.checkpoint import Bundle
-from geotlm_lm.conversation.kinds import is_ruled_out
-from geotlm_lm.conversation.motion_answers import ALWAYS_RULE_KINDS, RULE_KINDS
-from geotlm_lm.conversation.question import OPEN_QUESTION
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.language.parse_answer import Slots
 
 Listener = Callable[[str], None]
 """Told each piece of an answer's words."""
@@ -62,64 +39,27 @@ class StableWords:
         self, bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, tell: Listener
     ) -> None:
         self._tell, self._told = tell, ""
-        self._question, self._frame = question, frame
-        self._opened = cache(lambda: query_model(bundle, encoded, OPEN_QUESTION))
-        self._stands = {
-            sentence: slots if is_final_wording(bundle, encoded, question, frame, slots) else None
-            for kind in bundle.grammar.kinds
-            for sentence in bundle.grammar.options_for(kind)
-            for slots in [bundle.grammar.parse(sentence)]
-        }
+        grammar = bundle.grammar
+        self._possible = [one for kind in grammar.kinds for one in grammar.options_for(kind)]
 
-    def __call__(self, text: str, scores: Scores) -> None:
-        """Take the text so far, and where to learn how likely it is."""
-        possible = [slots for sentence, slots in self._stands.items() if sentence.startswith(text)]
-        if not possible or not all(possible) or len(text) <= len(self._told):
-            return
-        if len({slots.kind for slots in possible}) > 1:
-            return  # to weigh the answers of several kinds takes longer than the next word
-        if any(self._denies_the_open_answer(slots) for slots in possible):
-            return
-        if not any(_is_withheld(slots, scores) for slots in possible):
+        @cache
+        def stands(sentence: str) -> bool:
+            heard = ModelReply(grammar.parse(sentence), sentence)
+            answer = answer_heard(bundle, encoded, question, frame, heard)
+            return answer.text == sentence and answer.told_by == "model"
+
+        self._stands = stands
+
+    def __call__(self, text: str) -> None:
+        """Take the text so far."""
+        self._possible = [one for one in self._possible if one.startswith(text)]
+        if (
+            len(text) > len(self._told)
+            and self._possible
+            and all(map(self._stands, self._possible))
+        ):
             self._tell(text[len(self._told) :])
             self._told = text
-
-    def _denies_the_open_answer(self, slots: Slots) -> bool:
-        if slots.kind in AMOUNT_KINDS:
-            return is_of_other_motion(slots, open_answer_motion(self._opened()))
-        if slots.kind not in CHECKED_KINDS:
-            return False
-        return contradicts_open_answer(slots, self._opened().slots, self._question, self._frame)
-
-
-def _is_withheld(slots: Slots, scores: Scores) -> bool:
-    if slots.kind in NEVER_ABSTAINED_KINDS:
-        return False
-    return is_uncertain(slots.kind, deciding_word(slots), scores(slots.kind))
-
-
-def is_final_wording(
-    bundle: Bundle, encoded: Encoded, question: str, frame: FrameSpec, slots: Slots
-) -> bool:
-    """Tell whether the model's sentence with these slots becomes the answer unchanged."""
-    if is_ruled_out(question, slots.kind) or answers_unanswerable(slots, question):
-        return False
-    if slots.kind in NEEDS_MORE or slots.kind in ALWAYS_RULE_KINDS:
-        return False
-    if (
-        ignores_moving_question(slots, question)
-        or kind_from_open_answer(slots, question) is not None
-    ):
-        return False
-    if contradicts_gel_change(encoded, slots) or lacks_reference(encoded, slots):
-        return False
-    if contradicts_itself(slots, question):
-        return False
-    if slots.kind in RULE_KINDS and not is_camera_frame(frame):
-        return False
-    if slots.unit is not None:
-        return False
-    return not bundle.calibration.withholds(slots.direction, encoded.contact_share)
 
 
 def answer_pieces(ask: Callable[[Listener], Any]) -> Iterator[Any]:

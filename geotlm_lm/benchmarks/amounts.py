@@ -1,4 +1,4 @@
-"""How far: amounts the odometer tells beside two rivals', on clips whose amounts are known."""
+"""How far: amounts that are believed beside two rivals', on clips whose amounts are known."""
 
 from __future__ import annotations
 
@@ -10,10 +10,9 @@ from typing import Literal
 
 import numpy as np
 
-from geotlm_lm.answering import Answerer, deciding_word
+from geotlm_lm.answering import Answerer
 from geotlm_lm.answering.amounts import Amount
-from geotlm_lm.answering.measured_amounts import measured_amount
-from geotlm_lm.answering.model_query import ModelReply
+from geotlm_lm.answering.measured_motion import measured
 from geotlm_lm.benchmarks.cases.recordings import real_cases
 from geotlm_lm.benchmarks.cases.semi_real import SemiRealSlides
 from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
@@ -32,23 +31,23 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.tolerance import within_tolerance
+from geotlm_lm.core.twist import Component
 from geotlm_lm.data.labelled_recordings import LabelledRecordings, WindowRow
 from geotlm_lm.data.question_contents import amount_of
 from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
-from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 
 ABOUT = """\
 The kind of motion is given; only how far it went from the first to the last frame is asked. An
 amount is right if it is off by 2 degrees, 2 pixels of a 224-pixel image, or a fifth of the true
-one, at most; *off by* is relative to the true one. The odometer also tells a span meant to hold
+one, at most; *off by* is relative to the true one. The belief also tells a span meant to hold
 nine tenths of the true amounts, and how probable its amount is right. Simulated and semi-real
 amounts are exact. Those of real windows were measured from the images: where two measurements
 differ by more than the tolerance the window is left out, and on gels with markers they are how far
 the markers went, which lag behind the object. Intervals resample families of objects."""
 
-CLIPS, ODOMETER = 300, "odometer"
+CLIPS, BELIEF = 300, "belief"
 
 RIVALS = {"optical flow": RigidFlow(), "direct alignment": RigidAlignment()}
 
@@ -81,12 +80,12 @@ class Moved:
 
 
 def amount_rows(run: Run) -> Iterator[Row]:
-    """Yield a row of the odometer and of each rival for each source of clips."""
+    """Yield a row of the belief and of each rival for each source of clips."""
     for title, clips in sources(run):
         run.progress(f"how far, {title}", 0, 1)
         told: dict[str, list[tuple[Moved, Amount | float]]] = {}
         for one in clips:
-            told.setdefault(ODOMETER, []).append((one, odometer_tells(run.answerer, one)))
+            told.setdefault(BELIEF, []).append((one, belief_tells(run.answerer, one)))
             for name, rival in RIVALS.items():
                 told.setdefault(name, []).append((one, rival_tells(rival, one)))
         for method, pairs in told.items():
@@ -142,11 +141,10 @@ def known_amount(row: WindowRow, unit: Unit) -> float | None:
     return first if agree else None
 
 
-def odometer_tells(answerer: Answerer, moved: Moved) -> Amount:
-    """Return what the odometer tells of a clip whose kind of motion is given."""
-    slots = Slots("magnitude", unit=moved.unit)
-    heard = ModelReply(slots, "", {deciding_word(slots): 1.0})
-    return measured_amount(answerer.bundle, answerer.encode(moved.clip), heard, FrameSpec())
+def belief_tells(answerer: Answerer, moved: Moved) -> Amount:
+    """Return what is believed of a clip whose kind of motion is given."""
+    component = Component.TURN if moved.unit == "deg" else Component.SLIDE
+    return measured(answerer.encode(moved.clip), component, FrameSpec()).amount()
 
 
 def rival_tells(rival: RigidFlow | RigidAlignment, moved: Moved) -> float:
@@ -163,7 +161,7 @@ def rival_tells(rival: RigidFlow | RigidAlignment, moved: Moved) -> float:
 def scored(
     case: str, variant: str, pairs: Sequence[tuple[Moved, Amount | float]], seed: int
 ) -> Row:
-    """Return how near told amounts are to the true ones; the odometer's also say how sure."""
+    """Return how near told amounts are to the true ones; the belief's also say how sure."""
     values = [told if isinstance(told, float) else told.value for _, told in pairs]
     right = [one.is_right(value) for (one, _), value in zip(pairs, values, strict=True)]
     off_by = np.abs(np.array(values) / [one.amount for one, _ in pairs] - 1)

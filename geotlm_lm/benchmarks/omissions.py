@@ -72,7 +72,7 @@ def model_omissions(run: Run) -> list[Omission]:
     return [
         Omission("encoding again", "three questions about one clip", *encodings, changed),
         Omission("the language model", "a rule answers", words, refused),
-        Omission("evened images", "not asked how far", lambda: encode().equalised_motions, encode),
+        Omission("the belief", "not asked how it moves", lambda: encode().belief, encode),
     ]
 
 

@@ -141,7 +141,7 @@ def _words(answerer: Any, watcher: Any, event: MotionEvent, question: str | None
         answer = answerer.ask(answerer.encode(clip), question)
     except UnreadableClip as error:
         return f"I cannot read this motion's frames: {error}"
-    return answer.text if answer.lean is None else f"{answer.text} {answer.lean.text}"
+    return answer.text
 
 
 def _tell(event: MotionEvent, as_json: bool, words: str | None) -> None:

@@ -62,11 +62,17 @@ _ASKED = (
 _RANGE = _PHRASES.pattern("RANGE")
 _YAW = _PHRASES.pattern("YAW")
 _COUNTS = _PHRASES.pattern("COUNTS")
+_DEPTH = _PHRASES.pattern("DEPTH")
 
 
 def asks_range(question: str) -> bool:
     """Tell whether a whole text asks for the uncertainty of an amount: "error bars?"."""
     return bool(_RANGE.fullmatch(without_openers(question)))
+
+
+def asks_depth(question: str) -> bool:
+    """Tell whether a whole text asks how deep it presses in, or how far it lifts off."""
+    return bool(_DEPTH.fullmatch(without_openers(question)))
 
 
 def canonical_amount_question(question: str) -> str | None:

@@ -8,15 +8,18 @@ claim: the models are trained on those.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from geotlm_lm.conversation.axis_claims import claimed_axis
-from geotlm_lm.conversation.motion_claims import CLASS_NAMES
+from geotlm_lm.conversation.felt import State, claim_of, subjects_of
+from geotlm_lm.conversation.motion_claims import CLASS_NAMES, asks_both_kinds, asks_yes_or_no
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.option_labels import labelled
 from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import without_openers
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionClass, motion_class
+from geotlm_lm.core.twist import Component
 
 _PHRASES = Phrases("compound_claims")
 EVERY = frozenset(Motion)
@@ -48,35 +51,46 @@ class CompoundClaim:
     """What a yes-or-no question claims.
 
     Args:
-        motions: Of which a yes is true.
+        clauses: The motions of each clause; all of them are claimed.
         is_denied: Whether it is said of something that it is not so.
+        is_false: Whether it is claimed that the clauses are not all true.
     """
 
-    motions: frozenset[Motion]
-    is_denied: bool
+    clauses: tuple[frozenset[Motion], ...]
+    is_denied: bool = False
+    is_false: bool = False
+
+    def holds(self, state: State) -> bool:
+        """Tell whether the claim is true of a state."""
+        return all(claim_of(one)(state) for one in self.clauses) != self.is_false
+
+    @property
+    def subjects(self) -> frozenset[Component]:
+        """The components it is about; none where it is about rest or contact."""
+        return frozenset().union(*map(subjects_of, self.clauses))
 
 
 def compound_claim(question: str) -> CompoundClaim | None:
     """Parse what a question claims as a whole; None where other rules, or the model, do."""
+    if asks_both_kinds(question):
+        return CompoundClaim((of_kind(MotionClass.ROTATION), of_kind(MotionClass.SLIDE)))
     text = without_openers(question).strip(" ?.!")
     if len(labelled(question.upper(), bool)) > 1:
         return None
     text = _CLOSERS.sub("", without_openers(_SAID_BEFORE.sub("", text, count=1)))
     if (noted := _NOTED_OR_NOT.fullmatch(text)) is not None:
-        return CompoundClaim(_of_noun(noted["noun"]), is_denied=False)
+        return CompoundClaim((_of_noun(noted["noun"]),))
     while (shorter := _TAGS.sub("", text)) != text:
         text = shorter
     if (noted := _KIND_NOTED.fullmatch(text)) is not None:
-        return CompoundClaim(
-            _of_noun(noted["any"] or noted["seen"] or noted["short"]), is_denied=False
-        )
+        return CompoundClaim((_of_noun(noted["any"] or noted["seen"] or noted["short"]),))
     if _OF_AN_AXIS.fullmatch(text) and (axis := claimed_axis(text)):
-        return CompoundClaim(axis, is_denied=False)
+        return CompoundClaim((axis,))
     false = _SAID_TO_BE_FALSE.match(text)
     if false is None:
         return _of_clauses(_SAID.sub("", text, count=1) if _SAID.match(text) else text)
     said = _of_clauses(text[false.end() :], is_judged=True)
-    return None if said is None else CompoundClaim(EVERY - said.motions, is_denied=True)
+    return said and CompoundClaim(said.clauses, is_denied=True, is_false=True)
 
 
 def claimed_set(text: str) -> frozenset[Motion] | None:
@@ -118,13 +132,20 @@ def _of_clauses(text: str, *, is_judged: bool = False) -> CompoundClaim | None:
     denied = [part for part in parts if _DENIAL.search(part)]
     if not all(sets):
         return None
-    if not (denied or during or is_judged):
+    if not (denied or during or is_judged or _are_of_several(text, sets)):
         return None
     if len(parts) == 1 and not is_judged and not _denies_a_kind(text):
         return None
-    if denied and not frozenset.intersection(*sets):
+    if denied and not frozenset.intersection(*sets) and not all(map(subjects_of, sets)):
         return None  # "pressed but not moving?": pressed is then no motion
-    return CompoundClaim(frozenset.intersection(*sets), is_denied=bool(denied))
+    return CompoundClaim(tuple(sets), is_denied=bool(denied))
+
+
+def _are_of_several(text: str, clauses: Sequence[frozenset[Motion]]) -> bool:
+    """Tell whether it is asked if several components go at once: "is it turning and sliding?"."""
+    subjects = [subjects_of(one) for one in clauses]
+    is_each_another = len(frozenset().union(*subjects)) == sum(map(len, subjects))
+    return len(clauses) > 1 and all(subjects) and is_each_another and asks_yes_or_no(text)
 
 
 def _denies_a_kind(text: str) -> bool:

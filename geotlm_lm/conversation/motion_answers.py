@@ -1,24 +1,19 @@
-"""Derive the answer to a question from the motion that the model perceived, in its frame.
+"""Derive the answer to a question from what is felt of each component, in a frame.
 
 Why rules: seen from the other side, told for the sensor, mirrored, played backwards, undone and
 tightened are exact functions of the motion in the camera image and of the frame. A network could
 only learn them approximately, would need the frame in its prompt, and every new fact would double
-its questions. So the model says two things, which sort of question this is and which motion it
-felt, both in one closed sentence ("Mirror image of: left in the camera image."), and what is told
-is derived here. The same rules serve a model that was trained on open questions alone: whoever asks
-it supplies the sort of question.
-
-A yes or no depends on the frame through the claim in the question. In the camera image the model's
-own verdict stands unless it denies the motion told with it; in any other frame the claim is read
-from the question by rule, and where that fails the direction is told without a verdict.
+its questions. What is felt is one value per clip, so that the answers to an open question, a claim,
+its denial and a choice never contradict each other.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from geotlm_lm.conversation.compound_claims import compound_claim
+from geotlm_lm.conversation.felt import AT_REST, Claim, Felt, claim_of, subjects_of
 from geotlm_lm.conversation.half_directions import Half, asked_half, claimed_half, direction_of_half
 from geotlm_lm.conversation.hypothetical_changes import (
     claimed_inverse,
@@ -27,37 +22,42 @@ from geotlm_lm.conversation.hypothetical_changes import (
 )
 from geotlm_lm.conversation.kind_choices import offered_kinds
 from geotlm_lm.conversation.likelihood_questions import likelihood_subject
-from geotlm_lm.conversation.motion_claims import claimed_motions, offered_options
-from geotlm_lm.conversation.motion_names import motions_named
+from geotlm_lm.conversation.motion_claims import claimed_motions, offered_options, presumed_class
+from geotlm_lm.conversation.motion_names import motions_named, nearly_named
 from geotlm_lm.conversation.option_meanings import (
     OptionSets,
     offers_neither,
     option_sets,
     true_option,
 )
-from geotlm_lm.conversation.rule_answers import RuleAnswer, RuleInput, directed_answer
+from geotlm_lm.conversation.rule_answers import RuleAnswer, RuleInput
+from geotlm_lm.conversation.telling import Told, doing, tell
 from geotlm_lm.conversation.thread_answers import thread_answer
 from geotlm_lm.conversation.wording import (
     KIND_SENTENCES,
+    capitalised,
     confidence_level,
     decapitalised,
     direction_clause,
-    direction_sentence,
     frame_phrase,
-    motion_phrase,
 )
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import (
-    DIRECTED,
-    Motion,
-    motion_class,
-)
+from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, motion_class
+from geotlm_lm.core.twist import COMPONENT_OF, Component
 
 CAMERA = FrameSpec()
 
+_COMPONENT = {MotionClass.ROTATION: Component.TURN, MotionClass.SLIDE: Component.SLIDE}
+
+
+def asked_components(question: str) -> tuple[Component, ...]:
+    """Return the component whose way a question asks for; none where it asks for any."""
+    presumed = presumed_class(question)
+    return () if presumed is None else (_COMPONENT[presumed],)
+
 
 def answer_from_motion(felt: RuleInput) -> RuleAnswer:
-    """Return the answer to `felt.question` that follows from the motion and the frame.
+    """Return the answer to `felt.question` that follows from what is felt and the frame.
 
     Raises:
         KeyError: If no rule answers this kind of question.
@@ -65,60 +65,74 @@ def answer_from_motion(felt: RuleInput) -> RuleAnswer:
     return _RULES[felt.kind](felt)
 
 
-def _open(felt: RuleInput) -> RuleAnswer:
-    half = asked_half(felt.question) if felt.kind == "direction" else None
-    if half is not None and direction_of_half(half, felt.frame.tell(felt.motion)) is not None:
-        return _half(felt, half)
-    return directed_answer(felt, felt.frame, lambda told: direction_sentence(told, felt.frame))
+def _open(asked: RuleInput) -> RuleAnswer:
+    half = asked_half(asked.question) if asked.kind == "direction" else None
+    felt = asked.felt.seen(asked.frame.tell)
+    if half is not None and felt.main in DIRECTED:
+        return _half(felt, asked.frame, half)
+    return _opened(felt, asked.frame, asked_components(asked.question))
 
 
-def _half(felt: RuleInput, half: Half) -> RuleAnswer:
-    """Tell which way one half goes."""
-    frame, options = felt.frame, {}
-    for motion, probability in felt.probabilities.items():
-        told = frame.tell(motion)
-        word = (direction_of_half(half, told) or told).value
-        options[word] = options.get(word, 0.0) + probability
-    told = frame.tell(felt.motion)
-    way = direction_of_half(half, told).value
+def _opened(felt: Felt, frame: FrameSpec, components: Sequence[Component]) -> RuleAnswer:
+    told = tell(felt, frame, components)
+    text = f"{capitalised(told.text)}."
+    return _answer(told, text, frame, felt.words, told.direction.value)
+
+
+def _answer(
+    told: Told, text: str, frame: FrameSpec, options: Mapping[str, float], decided: str
+) -> RuleAnswer:
     return RuleAnswer(
-        f"The {half} half goes {way}, {frame_phrase(frame)}.", told, frame, options, way
+        text,
+        told.direction,
+        frame,
+        dict(options),
+        decided,
+        told.confidence,
+        is_plain=told.is_plain,
+        component=told.component,
     )
 
 
-def _changed(felt: RuleInput) -> RuleAnswer:
+def _half(felt: Felt, frame: FrameSpec, half: Half) -> RuleAnswer:
+    """Tell which way one half goes in the larger motion."""
+    only = felt.only(COMPONENT_OF[felt.main])
+    options: dict[str, float] = {}
+    for word, probability in only.words.items():
+        way = (direction_of_half(half, Motion(word)) or Motion(word)).value
+        options[way] = options.get(way, 0.0) + probability
+    way = direction_of_half(half, felt.main).value
+    text = f"The {half} half goes {way}, {frame_phrase(frame)}."
+    return RuleAnswer(text, felt.main, frame, options, way, options[way])
+
+
+def _changed(asked: RuleInput) -> RuleAnswer:
     """Tell the motion of a clip that the question supposes changed, or whose motion undoes it."""
-    changes = supposed_changes(felt.question, felt.kind)
-    frame, ends = changes.frame(felt.frame), changes.in_words()
-
-    def text(told: Motion) -> str:
-        said = _undoing(told, frame) if "undo" in changes.names else direction_sentence(told, frame)
-        return f"{said[:-1]}{ends}."
-
-    told = directed_answer(felt, frame, text, changes.of)
-    if "undo" in changes.names:
-        claims = {claimed_inverse(felt.question)} - {None}
+    changes = supposed_changes(asked.question, asked.kind)
+    frame, ends = changes.frame(asked.frame), changes.in_words()
+    felt = asked.felt.seen(lambda motion: frame.tell(changes.of(motion)))
+    is_undone = "undo" in changes.names
+    told = tell(felt, frame, () if is_undone else asked_components(asked.question))
+    if is_undone:
+        told = replace(told, text=_undoing(felt, frame))
+        claims = frozenset({claimed_inverse(asked.question)} - {None})
     else:
-        claims = claims_on_changed_clip(felt.question)
+        claims = claims_on_changed_clip(asked.question)
+        told = tell(felt, frame, subjects_of(claims)) if claims else told
+    text = f"{told.text}{ends}."
     if not claims:
-        return told
-    share = min(sum(told.options.get(motion.value, 0.0) for motion in claims), 1.0)
-    word = "yes" if told.direction in claims else "no"
-    return replace(
-        told,
-        text=f"{word.capitalize()}, {decapitalised(told.text)}",
-        options={"yes": share, "no": 1.0 - share},
-        decided=word,
-    )
+        return _answer(told, capitalised(text), frame, felt.words, told.direction.value)
+    return _verdict(felt, frame, told, [claim_of(claims)], ("Yes, {}", "No, {}", "yes", "no"), text)
 
 
-def _undoing(told: Motion, frame: FrameSpec) -> str:
-    if told in (Motion.STILL, Motion.NONE):
-        return f"There is nothing to undo: {direction_clause(told, frame)}."
-    if told not in DIRECTED:
-        return f"{motion_phrase(told).capitalize()} undoes it."
-    who = "Moving the sensor" if frame.actor == "sensor" else "Moving"
-    return f"{who} {told.value} undoes it, {frame_phrase(frame)}."
+def _undoing(felt: Felt, frame: FrameSpec) -> str:
+    if not felt.components:
+        return f"there is nothing to undo: {direction_clause(felt.main, frame)}"
+    of = "the sensor" if frame.actor == "sensor" else ""
+    text = doing(felt, felt.components, of)
+    text += f"{',' * (',' in text)} undoes it"
+    directed = felt.state & set(DIRECTED)
+    return f"{text}, {frame_phrase(frame)}" if directed else text
 
 
 VERDICTS = {
@@ -130,112 +144,173 @@ VERDICTS = {
 the question says, denied or not, where it does not, and their deciding words."""
 
 
-def _judged(felt: RuleInput) -> RuleAnswer:
-    """Compare the claim in the question with the motion, both in the frame."""
-    frame, is_claim = felt.frame, felt.kind == "verify"
-    whole = compound_claim(felt.question) if is_claim else None
-    half = claimed_half(felt.question) if is_claim and whole is None else None
-    read = whole or half
-    claims = read.motions if read else claimed_motions(felt.question)
-    if claims is None and felt.verdict is not None and felt.verdict != (felt.kind == "negation"):
-        claims = {felt.motion}  # the model found the claim true of the camera image
+def _judged(asked: RuleInput) -> RuleAnswer:
+    """Compare the claim in the question with what is felt, both in the frame."""
+    frame, is_claim = asked.frame, asked.kind == "verify"
+    felt = asked.felt.seen(frame.tell)
+    whole = compound_claim(asked.question) if is_claim else None
+    if whole is not None:
+        told = tell(felt, frame, whole.subjects)
+        verdict = _verdict(felt, frame, told, [whole.holds], VERDICTS["verify"])
+        if whole.is_denied:
+            so = "Yes, that is so" if verdict.decided == "yes" else "No, that is not so"
+            return replace(verdict, text=f"{so}: {told.text}.", is_plain=False)
+        return verdict
+    half = claimed_half(asked.question) if is_claim else None
+    if half is not None:
+        return _judged_half(felt, frame, half.half, half.motions)
+    claims = claimed_motions(asked.question)
+    if claims is None and asked.verdict is not None:
+        claims = _heard_claim(asked, felt.main)
     if claims is None:
-        return _open(felt)
-    true = [motion for motion in Motion if frame.tell(motion) in claims]
-    verdict = _verdict(felt, felt.motion in true, true)
-    told = direction_clause(frame.tell(felt.motion), frame)
-    if whole is not None and whole.is_denied:
-        so = "Yes, that is so" if verdict.decided == "yes" else "No, that is not so"
-        return replace(verdict, text=f"{so}: {told}.")
-    way = half and direction_of_half(half.half, frame.tell(felt.motion))
-    if way:
-        word = verdict.decided.capitalize()
-        return replace(verdict, text=f"{word}, the {half.half} half goes {way.value}: {told}.")
-    return verdict
+        return _open(asked)
+    told = tell(felt, frame, subjects_of(claims))
+    return _verdict(felt, frame, told, [claim_of(claims)], VERDICTS[asked.kind])
 
 
-def _verdict(felt: RuleInput, is_true: bool, claims: Sequence[Motion]) -> RuleAnswer:
-    """Return yes or no and the motion; `claims` are those, in the image, of which yes is true."""
-    yes, no, *words = VERDICTS[felt.kind]
-    told = felt.frame.tell(felt.motion)
-    share = sum(felt.probabilities.get(motion, 0.0) for motion in claims)
-    text = (yes if is_true else no).format(direction_clause(told, felt.frame))
+def _heard_claim(asked: RuleInput, main: Motion) -> frozenset[Motion] | None:
+    """Return the claim that only the model has read, as far as its verdict tells of it."""
+    if asked.motion is None:
+        return None
+    named = asked.frame.tell(asked.motion)
+    if asked.verdict != (asked.kind == "negation"):
+        return frozenset({named})
+    # A "no" to words that name no motion may be one to words that the model does not know.
+    is_read = motions_named(asked.question) or nearly_named(asked.question)
+    is_as_seen = named == asked.motion == main
+    return frozenset(Motion) - {named} if is_as_seen and is_read else None
+
+
+def _judged_half(felt: Felt, frame: FrameSpec, half: Half, claims: frozenset[Motion]) -> RuleAnswer:
+    only = felt.only(COMPONENT_OF[felt.main]) if felt.components else felt
+    told = tell(only, frame)
+    verdict = _verdict(only, frame, told, [claim_of(claims)], VERDICTS["verify"])
+    way = direction_of_half(half, only.main)
+    if way is None:
+        return verdict
+    text = f"{verdict.decided.capitalize()}, the {half} half goes {way.value}: {told.text}."
+    return replace(verdict, text=text)
+
+
+def _verdict(
+    felt: Felt,
+    frame: FrameSpec,
+    told: Told,
+    claims: Sequence[Claim],
+    said: tuple[str, str, str, str],
+    text: str | None = None,
+) -> RuleAnswer:
+    """Return yes or no and the motion; a "no" is as sure as the least sure thing it says."""
+    yes, no, *words = said
+
+    def holds(state: frozenset[Motion]) -> bool:
+        return all(claim(state) for claim in claims)
+
+    is_true, share = holds(felt.state), felt.probability(holds)
     options = {words[0]: share, words[1]: 1.0 - share}
-    return RuleAnswer(text, told, felt.frame, options, words[0] if is_true else words[1])
+    word = words[0] if is_true else words[1]
+    direction = felt.main if told.is_doubtful else told.direction
+    return _answer(
+        replace(told, direction=direction, confidence=min(told.confidence, options[word])),
+        (yes if is_true else no).format(told.text if text is None else text),
+        frame,
+        options,
+        word,
+    )
 
 
-def _choice(felt: RuleInput) -> RuleAnswer:
-    frame = felt.frame
-    if (sets := option_sets(felt.question)) is not None:
-        return _choice_of_sets(felt, sets)
-    if offers_neither(felt.question):
-        return _or_neither(felt)
-    offered = offered_options(felt.question)
-    told = frame.tell(felt.motion)
-    shares = {m: 0.0 for m in offered.values()}
-    for motion, probability in felt.probabilities.items():
-        if frame.tell(motion) in shares:
-            shares[frame.tell(motion)] += probability
+def _choice(asked: RuleInput) -> RuleAnswer:
+    frame, felt = asked.frame, asked.felt.seen(asked.frame.tell)
+    if (sets := option_sets(asked.question)) is not None:
+        return _choice_of_sets(asked, felt, sets)
+    offered = offered_options(asked.question)
+    among = frozenset(offered.values()) or frozenset(motions_named(asked.question))
+    subjects = subjects_of(among)
+    opened = _opened(felt, frame, subjects)
+    true = [one for one in (*map(felt.way, felt.components), *felt.state) if one in among]
+    if offers_neither(asked.question) and not true:
+        return replace(opened, text=f"Neither: {decapitalised(opened.text)}", is_plain=False)
+    if not offered or not true:
+        return opened
     # Of letters that offer one motion the first stands for all: they are one answer.
     letters = {motion: letter for letter, motion in reversed(offered.items())}
-    letter, total = letters.get(told), sum(shares.values())
-    if letter is None or not total:
-        return _open(felt)
-    options = {f"{letters[m]}) {m.value}": share / total for m, share in shares.items()}
-    text = f"{direction_sentence(told, frame)[:-1]}, option {letter}."
-    return RuleAnswer(text, told, frame, options, f"{letter}) {told.value}")
+    shares = {one: felt.words[one.value] for one in reversed(letters)}
+    total = sum(shares.values())
+    options = {f"{letters[one]}) {one.value}": share / total for one, share in shares.items()}
+    told = tell(felt, frame, {COMPONENT_OF[true[0]]} if true[0] in COMPONENT_OF else ())
+    word = f"{letters[true[0]]}) {true[0].value}"
+    text = f"{capitalised(told.text)}, option {letters[true[0]]}."
+    return replace(_answer(told, text, frame, options, word), confidence=options[word])
 
 
-def _choice_of_sets(felt: RuleInput, sets: OptionSets) -> RuleAnswer:
-    """Tell the option that is true of the motion, where options say more or less than one."""
-    frame, options = felt.frame, {}
-    for motion, probability in felt.probabilities.items():
-        label = true_option(sets, frame.tell(motion))
-        if label is not None:
-            word = f"{label}) {sets[label][0]}"
-            options[word] = options.get(word, 0.0) + probability
-    told = frame.tell(felt.motion)
-    label = true_option(sets, told)
+def _choice_of_sets(asked: RuleInput, felt: Felt, sets: OptionSets) -> RuleAnswer:
+    """Tell the option that is true of what is felt, where options say more or less than one."""
+    label = true_option(sets, felt.state)
+    subjects = frozenset().union(*(subjects_of(motions) for _, motions in sets.values()))
+    told = tell(felt, asked.frame, subjects)
     if label is None:
-        return _open(felt)
-    text = f"{direction_sentence(told, frame)[:-1]}, option {label}."
-    return RuleAnswer(text, told, frame, options, f"{label}) {sets[label][0]}")
+        return _opened(felt, asked.frame, subjects)
+    options = {
+        f"{one}) {words}": felt.probability(claim_of(motions))
+        for one, (words, motions) in sets.items()
+    }
+    word = f"{label}) {sets[label][0]}"
+    text = f"{capitalised(told.text)}, option {label}."
+    sure = min(told.confidence, options[word])
+    return replace(_answer(told, text, asked.frame, options, word), confidence=sure)
 
 
-def _or_neither(felt: RuleInput) -> RuleAnswer:
-    """Tell the motion, and that it is none of those offered if so."""
-    told = _open(felt)
-    if told.direction in motions_named(felt.question):
-        return told
-    return replace(told, text=f"Neither: {direction_clause(told.direction, felt.frame)}.")
-
-
-def _class(felt: RuleInput) -> RuleAnswer:
+def _class(asked: RuleInput) -> RuleAnswer:
+    frame, felt = asked.frame, asked.felt.seen(asked.frame.tell)
     shares: dict[str, float] = {}
-    for motion, probability in felt.probabilities.items():
-        word = motion_class(motion).value
-        shares[word] = shares.get(word, 0.0) + probability
-    kind, offered = motion_class(felt.motion), offered_kinds(felt.question)
-    text = KIND_SENTENCES[kind]
-    if offered is not None and kind not in offered:
-        text = f"None of these: {direction_clause(felt.frame.tell(felt.motion), felt.frame)}."
-    return RuleAnswer(text, None, felt.frame, shares, kind.value)
+    for motion, probability in felt.words.items():
+        word = motion_class(Motion(motion)).value
+        shares[word] = min(shares.get(word, 0.0) + probability, 1.0)
+    ways = list(map(felt.way, felt.components)) or [felt.main]
+    kinds, offered = [motion_class(way) for way in ways], offered_kinds(asked.question)
+    told = [kind for kind in kinds if offered is None or kind in offered]
+    names = [decapitalised(KIND_SENTENCES[kind][:-1]) for kind in told]
+    text = f"{capitalised(' and '.join(names))}."
+    if not told:
+        told, text = kinds, f"None of these: {tell(felt, frame).text}."
+    sure, is_plain = min(shares[kind.value] for kind in told), len(names) == 1
+    return RuleAnswer(text, None, frame, shares, told[0].value, sure, is_plain=is_plain)
 
 
-def _confidence(felt: RuleInput) -> RuleAnswer:
-    told = felt.frame.tell(felt.motion)
-    claims = likelihood_subject(felt.question)
+def _moving(asked: RuleInput) -> RuleAnswer:
+    moves = claim_of(frozenset(Motion) - AT_REST)
+    is_so, share = moves(asked.felt.state), asked.felt.probability(moves)
+    untouched = Motion.NONE in asked.felt.state
+    text = "No, there is no contact." if untouched else "No, it is still."
+    return _yes_or_no(asked, is_so, share, "Yes, it is moving." if is_so else text)
+
+
+def _contact(asked: RuleInput) -> RuleAnswer:
+    touches = Motion.NONE not in asked.felt.state
+    share = asked.felt.probability(lambda state: Motion.NONE not in state)
+    text = "Yes, something is" if touches else "No, nothing is"
+    return _yes_or_no(asked, touches, share, f"{text} touching the gel.")
+
+
+def _yes_or_no(asked: RuleInput, is_so: bool, share: float, text: str) -> RuleAnswer:
+    options = {"yes": share, "no": 1.0 - share}
+    word = "yes" if is_so else "no"
+    direction = None if is_so else asked.felt.main
+    return RuleAnswer(text, direction, asked.frame, options, word, options[word], is_plain=True)
+
+
+def _confidence(asked: RuleInput) -> RuleAnswer:
+    frame, felt = asked.frame, asked.felt.seen(asked.frame.tell)
+    claims = likelihood_subject(asked.question)
     if claims is not None:
-        is_true = told in claims
-        shares = felt.probabilities.items()
-        share = min(sum(odds for motion, odds in shares if felt.frame.tell(motion) in claims), 1.0)
-        text = f"The probability of that is {share:.0%}: {direction_clause(told, felt.frame)}."
-        options = {"yes": share, "no": 1.0 - share}
-        return RuleAnswer(text, told, felt.frame, options, "yes" if is_true else "no")
-    share = felt.probabilities.get(felt.motion, 0.0)
-    level, clause = confidence_level(share), direction_clause(told, felt.frame)
-    text = f"My confidence is {level}: {share:.0%} that {clause}."
-    return directed_answer(felt, felt.frame, lambda _: text)
+        told = tell(felt, frame, subjects_of(claims))
+        claim = claim_of(claims)
+        text = f"The probability of that is {felt.probability(claim):.0%}: {told.text}."
+        return _verdict(felt, frame, told, [claim], ("{}", "{}", "yes", "no"), text)
+    told = tell(felt, frame)
+    level = confidence_level(told.confidence)
+    text = f"My confidence is {level}: {told.confidence:.0%} that {told.text}."
+    return _answer(told, text, frame, felt.words, told.direction.value)
 
 
 _RULES: dict[str, Callable[[RuleInput], RuleAnswer]] = {
@@ -243,6 +318,8 @@ _RULES: dict[str, Callable[[RuleInput], RuleAnswer]] = {
     "verify": _judged,
     "choice": _choice,
     "class": _class,
+    "contact": _contact,
+    "moving": _moving,
     "negation": _judged,
     "premise": _judged,
     "viewpoint": _changed,
@@ -255,7 +332,16 @@ _RULES: dict[str, Callable[[RuleInput], RuleAnswer]] = {
 }
 
 RULE_KINDS = frozenset(_RULES)
-"""Kinds whose answer the rules can derive from a motion."""
+"""Kinds whose answer the rules derive from what is felt."""
 
-ALWAYS_RULE_KINDS = RULE_KINDS - {"direction", "verify", "choice", "class", "negation", "premise"}
-"""Kinds the rules derive even in the camera image; of the others the model's own words stand."""
+ALWAYS_RULE_KINDS = RULE_KINDS - {
+    "direction",
+    "verify",
+    "choice",
+    "class",
+    "contact",
+    "moving",
+    "negation",
+    "premise",
+}
+"""Kinds whose sentence is never the model's own."""

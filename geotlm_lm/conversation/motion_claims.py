@@ -137,13 +137,24 @@ def claims_motion(text: str) -> bool:
 
 
 _BOTH = _PHRASES.pattern("BOTH")
+_WEIGHED = _PHRASES.pattern("WEIGHED")
 
 
 def asks_both_kinds(text: str) -> bool:
     """Tell whether `text` asks if it turns and slides at once."""
     text = normalised_text(text)
+    return bool(_BOTH.search(text)) and not _WEIGHED.search(text) and _names_two_kinds(text)
+
+
+def weighs_kinds(text: str) -> bool:
+    """Tell whether `text` asks if it turns more than it slides, or the other way round."""
+    text = normalised_text(text)
+    return bool(_WEIGHED.search(text)) and _names_two_kinds(text)
+
+
+def _names_two_kinds(text: str) -> bool:
     kinds = {kind for kind, words in CLASS_NAMES if re.search(words, text)}
-    return len(kinds) == 2 and bool(_BOTH.search(text)) and not motions_named(text)
+    return len(kinds) == 2 and not motions_named(text)
 
 
 def offered_options(question: str) -> dict[str, Motion]:

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping
 
 from geotlm_lm.conversation.compound_claims import EVERY, claimed_set
+from geotlm_lm.conversation.felt import State, claim_of
 from geotlm_lm.conversation.motion_names import motions_named
 from geotlm_lm.conversation.option_labels import labelled, without_tail
 from geotlm_lm.conversation.phrases import Phrases
@@ -49,9 +50,9 @@ def _means(option: str) -> frozenset[Motion] | None:
     return frozenset() if _REST.fullmatch(words) else claimed_set(words)
 
 
-def true_option(sets: OptionSets, motion: Motion) -> str | None:
-    """Return the label of the narrowest option that is true of `motion`; None if none is."""
-    true = [label for label, (_, motions) in sets.items() if motion in motions]
+def true_option(sets: OptionSets, state: State) -> str | None:
+    """Return the label of the narrowest option that is true of a state; None if none is."""
+    true = [label for label, (_, motions) in sets.items() if claim_of(motions)(state)]
     return min(true, key=lambda label: len(sets[label][1]), default=None)
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from geotlm_lm.conversation.felt import Felt
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import Component
 
 
 @dataclass(frozen=True)
@@ -15,19 +16,19 @@ class RuleInput:
 
     Args:
         kind: The sort of question.
-        motion: What the model felt, in the camera image.
+        felt: What is felt, in the camera image.
         question: As it was asked, without facts about the frame.
         frame: In which to answer.
-        probabilities: Of every motion, in the camera image.
         verdict: What the model itself said of a claim; None where it was not asked.
+        motion: What it told with that, in the camera image.
     """
 
     kind: str
-    motion: Motion
+    felt: Felt
     question: str
     frame: FrameSpec
-    probabilities: Mapping[Motion, float]
     verdict: bool | None = None
+    motion: Motion | None = None
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,10 @@ class RuleAnswer:
         frame: The frame of reference it is told in.
         options: Probability of each possible answer, by its deciding word.
         decided: The deciding word of this one.
+        confidence: Probability of the least sure thing that it says.
         is_refusal: Whether it declines to say.
+        is_plain: Whether the model's own sentence, of one motion, may stand for it.
+        component: What it tells the amount of; None where it tells none.
     """
 
     text: str
@@ -48,20 +52,7 @@ class RuleAnswer:
     frame: FrameSpec
     options: dict[str, float]
     decided: str
+    confidence: float
     is_refusal: bool = False
-
-
-def directed_answer(
-    felt: RuleInput, frame: FrameSpec, text: Callable[[Motion], str], change: Callable = lambda m: m
-) -> RuleAnswer:
-    """Return an answer that names one motion: `change` of the perceived one, in `frame`."""
-
-    def tell(motion: Motion) -> Motion:
-        return frame.tell(change(motion))
-
-    told = tell(felt.motion)
-    options: dict[str, float] = {}
-    for motion, probability in felt.probabilities.items():
-        word = tell(motion).value
-        options[word] = options.get(word, 0.0) + probability
-    return RuleAnswer(text(told), told, frame, options, told.value)
+    is_plain: bool = False
+    component: Component | None = None

@@ -6,8 +6,11 @@ from dataclasses import replace
 
 from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.rule_answers import RuleAnswer, RuleInput
-from geotlm_lm.conversation.wording import direction_clause, frame_phrase
-from geotlm_lm.core.labels import ROTATIONS, SLIDES
+from geotlm_lm.conversation.telling import tell
+from geotlm_lm.conversation.wording import frame_phrase
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import ROTATIONS
+from geotlm_lm.core.twist import Component
 
 _PHRASES = Phrases("thread_answers")
 _MISSING = {
@@ -17,50 +20,55 @@ _MISSING = {
 _WOULD = _PHRASES.pattern("WOULD")
 
 
-def thread_answer(felt: RuleInput) -> RuleAnswer:
+def thread_answer(asked: RuleInput) -> RuleAnswer:
     """Answer whether a thread tightens, or which turn would tighten it; name missing facts."""
-    frame = felt.frame
-    wanted = _WOULD.search(felt.question.lower())
-    if not wanted and felt.motion not in (*ROTATIONS, *SLIDES):
-        return _neither(felt, direction_clause(felt.motion, frame))
+    frame, felt = asked.frame, asked.felt
+    wanted = _WOULD.search(asked.question.lower())
+    turns, slides = (one in felt.components for one in (Component.TURN, Component.SLIDE))
+    if not wanted and not turns and not slides:
+        return _neither(asked)
     if frame.contact_side == "side":
-        return _no_thread(felt, "gripped at its side, a turn shows as a slide")
-    if not wanted and felt.motion in SLIDES:
-        return _neither(felt, direction_clause(frame.tell(felt.motion), frame))
+        return _no_thread(asked, "gripped at its side, a turn shows as a slide")
+    if not wanted and not turns:
+        return _neither(asked)
     if not wanted and frame.actor == "sensor":
-        return _neither(felt, "the sensor moved, not the object")
+        return _neither(asked, "the sensor moved, not the object")
     missing = " and ".join(_MISSING[fact] for fact in frame.missing_for_thread())
     if missing:
-        return _no_thread(felt, f"tell me {missing}")
+        return _no_thread(asked, f"tell me {missing}")
     seen = replace(frame, actor="object")
     if wanted:
-        tightens = wanted[1] == "tight"
-        turn = next(motion for motion in ROTATIONS if seen.tightens(motion) == tightens)
-        told = seen.tell(turn)
-        verb = "tightens" if tightens else "loosens"
-        text = f"{told.value.capitalize()} {verb} it, {frame_phrase(seen)}."
-        return RuleAnswer(text, told, seen, {verb: 1.0}, verb)
-    tightens = bool(seen.tightens(felt.motion))
+        return _would(seen, tightens=wanted[1] == "tight")
+    turn = felt.way(Component.TURN)
     options = {
-        word: sum(felt.probabilities.get(m, 0.0) for m in ROTATIONS if seen.tightens(m) == is_tight)
+        word: sum(felt.ways.get(way, 0.0) for way in ROTATIONS if seen.tightens(way) == is_tight)
         for word, is_tight in (("tightens", True), ("loosens", False))
     }
-    verb = "tightens" if tightens else "loosens"
-    told = seen.tell(felt.motion)
+    verb, told = "tightens" if seen.tightens(turn) else "loosens", seen.tell(turn)
     facts = f"{frame.thread}-hand thread touched at its {frame.contact_side}"
-    return RuleAnswer(
-        f"It {verb}: {told.value} {frame_phrase(seen)}, {facts}.", told, seen, options, verb
-    )
+    text = f"It {verb}: {told.value} {frame_phrase(seen)}, {facts}."
+    return RuleAnswer(text, told, seen, options, verb, options[verb], component=Component.TURN)
 
 
-def _neither(felt: RuleInput, reason: str) -> RuleAnswer:
-    share = sum(p for motion, p in felt.probabilities.items() if motion not in ROTATIONS)
-    share = 1.0 if felt.frame.actor == "sensor" else share
-    text = f"Neither tighter nor looser: {reason}."
-    told = felt.frame.tell(felt.motion)
-    return RuleAnswer(text, told, felt.frame, {"neither": share}, "neither")
+def _would(frame: FrameSpec, *, tightens: bool) -> RuleAnswer:
+    """Tell which turn would tighten, or loosen, a thread."""
+    told = frame.tell(next(turn for turn in ROTATIONS if frame.tightens(turn) == tightens))
+    verb = "tightens" if tightens else "loosens"
+    text = f"{told.value.capitalize()} {verb} it, {frame_phrase(frame)}."
+    return RuleAnswer(text, told, frame, {verb: 1.0}, verb, 1.0)
 
 
-def _no_thread(felt: RuleInput, reason: str) -> RuleAnswer:
+def _neither(asked: RuleInput, reason: str | None = None) -> RuleAnswer:
+    felt = asked.felt.seen(asked.frame.tell)
+    told = tell(felt, asked.frame, (Component.TURN,))
+    share = 1.0 - felt.counts(Component.TURN)
+    if reason is not None:
+        share, told = 1.0, replace(told, text=reason, confidence=1.0)
+    text, sure = f"Neither tighter nor looser: {told.text}.", min(share, told.confidence)
+    direction = felt.main if told.is_doubtful else told.direction
+    return RuleAnswer(text, direction, asked.frame, {"neither": share}, "neither", sure)
+
+
+def _no_thread(asked: RuleInput, reason: str) -> RuleAnswer:
     text = f"I cannot tell tightening from loosening: {reason}."
-    return RuleAnswer(text, None, felt.frame, {}, "unknown", is_refusal=True)
+    return RuleAnswer(text, None, asked.frame, {}, "unknown", 0.0, is_refusal=True)

@@ -39,8 +39,6 @@ _SETS = "I tell which way it turns in the camera image, not what that sets."
 ONE_MOTION = "I see one motion per clip; give me the parts as clips of their own, in order."
 """Said where parts of a clip are asked for."""
 
-ONE_KIND = "I tell the one motion that shows most, not whether a lesser one goes with it."
-
 _NEAREST = "I tell the nearest of left, right, up and down, and no angle between them."
 _AXIS = (
     "I tell turns as drawn in the camera image, not by a sign: clockwise there is positive about "

@@ -30,6 +30,7 @@ class Belief:
         radius_px: Radius of the contact, at which a turn's path is measured.
         readable: Whether the picture tells each component at all: an edge hides its travel along
             itself, a smooth ball its turn.
+        numbers: All of it as the language model reads it; empty where no model made it.
     """
 
     mean: Twist
@@ -38,6 +39,7 @@ class Belief:
     contact: float
     radius_px: float
     readable: Mapping[Component, bool]
+    numbers: tuple[float, ...] = ()
 
     def counts(self, component: Component) -> float:
         """Return the probability that a component counts."""

@@ -8,7 +8,7 @@ of the motion each finds, how far off it may be, and which components count.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -183,17 +183,20 @@ class MotionNetwork(nn.Module):
         )
 
 
-def belief_of(beliefs: Beliefs, place: int = 0) -> Belief:
-    """Return what is believed of one clip as a value to answer from."""
-    path, deviation = (one[place].double().numpy() for one in (beliefs.path, beliefs.deviation))
-    radius = float(beliefs.radius_px[place])
-    to_degrees = math.degrees(1 / radius)
-    scale = np.array([to_degrees, 1.0, 1.0, 1.0])
-    counts = beliefs.counts[place].sigmoid().double().tolist()
-    clockwise = float(beliefs.sense()[place].sigmoid())
-    inward = float(beliefs.press_in[place].sigmoid())
-    right, down, left, up = beliefs.quarters()[place].double().tolist()
-    turn, slide, press = counts
+def belief_of_one(beliefs: Beliefs, place: int = 0, *, doubt: float = 1.0) -> Belief:
+    """Return what is believed of one clip as a value to answer from.
+
+    Args:
+        beliefs: Of b clips.
+        place: Which of them.
+        doubt: What widens the spread and flattens the probabilities.
+    """
+    one = Beliefs(*(value[place : place + 1] for value in vars(beliefs).values()))
+    numbers = tuple(one.vector()[0].tolist())
+    one = replace(one, deviation=one.deviation * doubt)
+    turn, slide, press = (one.counts[0] / doubt).sigmoid().double().tolist()
+    clockwise, inward = float(one.sense().sigmoid()), float((one.press_in / doubt).sigmoid())
+    right, down, left, up = one.quarters()[0].double().tolist()
     ways = {
         Motion.CLOCKWISE: turn * clockwise,
         Motion.COUNTERCLOCKWISE: turn * (1 - clockwise),
@@ -204,12 +207,16 @@ def belief_of(beliefs: Beliefs, place: int = 0) -> Belief:
         Motion.PRESS: press * inward,
         Motion.RELEASE: press * (1 - inward),
     }
-    readable = beliefs.readable[place].sigmoid() >= READABLE
+    radius = float(one.radius_px)
+    to_degrees = math.degrees(1 / radius)
+    path, deviation = (each[0].double().numpy() for each in (one.path, one.deviation))
+    readable = one.readable[0].sigmoid() >= READABLE
     return Belief(
-        mean=Twist(path[0] * to_degrees, path[1], path[2], float(beliefs.inward_mm[place])),
-        covariance=np.diag((deviation * scale) ** 2),
+        mean=Twist(path[0] * to_degrees, path[1], path[2], float(one.inward_mm)),
+        covariance=np.diag((deviation * (to_degrees, 1.0, 1.0, 1.0)) ** 2),
         ways=ways,
-        contact=float(beliefs.contact[place].sigmoid()),
+        contact=float((one.contact / doubt).sigmoid()),
         radius_px=radius,
         readable=dict(zip(Component, readable.tolist(), strict=True)),
+        numbers=numbers,
     )

@@ -1,18 +1,19 @@
-"""A speaker and an odometer that say what a test wrote down, around a model of random weights."""
+"""A speaker and a belief that say what a test wrote down, around a model of random weights."""
 
+from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
-import torch
 
 from geotlm_lm.answering import OPEN_QUESTION, Answerer
-from geotlm_lm.answering.model_query import AMOUNT_QUESTION, RATE_QUESTION
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import COMPONENT_OF, WAYS, Component, Twist
 from geotlm_lm.language.generation import ScoredAnswers
 from geotlm_lm.language.parse_answer import AnswerGrammar, Slots
-from geotlm_lm.odometry.odometer import AMOUNTS, amounts
+from geotlm_lm.motion.belief import Belief
 
 FIRST_KINDS = ("direction", "verify", "choice", "class", "contact", "moving", "refusal")
 
@@ -58,18 +59,66 @@ class Scripted:
         return self.sentences.get(question, self.sentences.get("*"))
 
 
-class Measuring:
-    """An odometer that measures the same of every clip, sure of the amount nearest to it."""
+def believed(*ways, share=0.97, contact=None, deg=12.0, px=14.0, mm=0.5, spread=0.05):
+    """A belief that these ways count, the larger first, and no other; a word of rest is none.
 
-    def __init__(self, **measures):
-        self.measures = {"deg": 12.0, "px": 14.0} | measures
+    Args:
+        share: Probability of each, the rest being that it does not count.
+        contact: Probability of contact; None makes it that of a touch, or of none for "none".
+        deg: How far a turn goes; a lesser turn or slide beside another goes half as far.
+        px: How far a slide goes, pixels of the 224-pixel image.
+        mm: How deep a press goes.
+        spread: Deviation of each amount, relative to it.
+    """
+    ways = [Motion(way) for way in ways]
+    shares = {way: 0.0 for ways_ in WAYS.values() for way in ways_}
+    parts = {"turn_deg": 0.0, "right_px": 0.0, "down_px": 0.0, "inward_mm": 0.0}
+    for place, way in enumerate(one for one in ways if one in COMPONENT_OF):
+        shares[way] = share
+        half = 1.0 if place == 0 else 0.4
+        far = {Component.TURN: deg, Component.SLIDE: px, Component.PRESS: mm}[COMPONENT_OF[way]]
+        name, sign = _PART[way]
+        parts[name] = sign * half * far
+    spreads = [max(spread * abs(part), 1e-3) ** 2 for part in parts.values()]
+    touching = contact if contact is not None else float(Motion.NONE not in ways)
+    readable = dict.fromkeys(Component, True)
+    return Belief(Twist(**parts), np.diag(spreads), shares, touching, 60.0, readable)
 
-    def read(self, movement, unit):
-        nearest = (amounts(unit) - self.measures[unit]).abs().argmin()
-        return torch.eye(AMOUNTS)[nearest].expand(len(movement), -1)
 
-    def state_dict(self):
-        return {}
+_PART = {
+    Motion.CLOCKWISE: ("turn_deg", 1),
+    Motion.COUNTERCLOCKWISE: ("turn_deg", -1),
+    Motion.RIGHT: ("right_px", 1),
+    Motion.LEFT: ("right_px", -1),
+    Motion.DOWN: ("down_px", 1),
+    Motion.UP: ("down_px", -1),
+    Motion.PRESS: ("inward_mm", 1),
+    Motion.RELEASE: ("inward_mm", -1),
+}
+
+
+class Believing(Answerer):
+    """An answerer that believes the same of every clip that anything touches."""
+
+    def __init__(self, bundle, belief):
+        super().__init__(bundle)
+        self.belief, self.given = belief, []
+
+    def encode(self, clip, *, span=None):
+        return self._scripted(super().encode(clip, span=span))
+
+    def _believing(self, encoded):
+        super()._believing(encoded)
+        is_own = any(getattr(encoded.believe, "args", (None,))[0] is one for one in self.given)
+        return encoded if is_own else self._scripted(encoded)
+
+    def _scripted(self, encoded):
+        self.given.append(self.belief)
+        return replace(encoded, believe=partial(_scripted, self.belief), feel=None)
+
+
+def _scripted(belief, encoded):
+    return believed("none") if encoded.is_untouched else belief
 
 
 def first_kinds_of(grammar):
@@ -78,29 +127,34 @@ def first_kinds_of(grammar):
     return AnswerGrammar({text: grammar.parse(text) for text in sentences})
 
 
-def answerer_saying(bundle, sentences, *, grammar=None, measures=None, **calibration):
-    """An answerer whose model says `sentences`, by question; "*" stands for any."""
-    grammar, odometer = grammar or bundle.grammar, Measuring(**measures or {})
+def answerer_saying(bundle, sentences, *, grammar=None, belief=None, **calibration):
+    """An answerer whose model says `sentences`, by question; "*" stands for any.
+
+    What it believes is the motion that it says when asked openly, where nothing else is given.
+    """
+    grammar = grammar or bundle.grammar
+    if belief is None:
+        opened = (grammar.parse(sentences.get(asked, "")) for asked in (OPEN_QUESTION, "*"))
+        said = [one.direction for one in opened if one and one.direction]
+        belief = believed(said[0] if said else Motion.LEFT)
     speaker, calibration = Scripted(sentences), Calibration(**calibration)
-    return Answerer(type(bundle)(bundle.model, odometer, speaker, grammar, calibration, {}))
+    changed = replace(bundle, speaker=speaker, grammar=grammar, calibration=calibration)
+    return Believing(changed, belief)
 
 
-def feeling(bundle, motion, **calibration):
-    """An answerer trained on the first kinds, which feels `motion` whatever it is asked."""
+def feeling(bundle, *ways, belief=None, **calibration):
+    """An answerer trained on the first kinds, which says and feels `ways` whatever it is asked."""
     grammar = first_kinds_of(bundle.grammar)
-    said = grammar.sentence(Slots("direction", Motion(motion)))
-    return answerer_saying(bundle, {"*": said, OPEN_QUESTION: said}, grammar=grammar, **calibration)
+    said = grammar.sentence(Slots("direction", Motion(ways[0])))
+    belief = belief or believed(*ways)
+    sentences = {"*": said, OPEN_QUESTION: said}
+    return answerer_saying(bundle, sentences, grammar=grammar, belief=belief, **calibration)
 
 
-def measuring(bundle, motion, unit, **measures):
-    """An answerer that tells `motion` when asked openly and measures an amount of `unit`."""
-    said = {
-        "*": bundle.grammar.sentence(Slots("direction", motion)),
-        "how far?": (amount := bundle.grammar.sentence(Slots("magnitude", unit=unit))),
-        AMOUNT_QUESTION: amount,
-        RATE_QUESTION: bundle.grammar.sentence(Slots("rate", unit=unit)),
-    }
-    return answerer_saying(bundle, said, measures=measures, temperature=0.1)
+def measuring(bundle, motion, **amounts):
+    """An answerer that tells `motion` when asked openly and believes that it goes so far."""
+    said = {"*": bundle.grammar.sentence(Slots("direction", Motion(motion)))}
+    return answerer_saying(bundle, said, belief=believed(motion, **amounts))
 
 
 def recording(frames=4, fps=None, seed=1, size=(48, 64)):

@@ -1,42 +1,42 @@
 """The next likeliest answer, named beside a doubtful one."""
 
-import numpy as np
+from dataclasses import replace
+
 import pytest
 
-from tests.answering.scripted import answerer_saying, recording
+from geotlm_lm.core.labels import Motion
+from tests.answering.scripted import answerer_saying, believed, recording
+
+
+def asked(bundle, question, belief):
+    answerer = answerer_saying(bundle, {"*": "A rotation."}, belief=belief)
+    encoded = answerer.encode(recording())
+    answer = answerer.ask(encoded, question)
+    return answer, answer.notes[len(encoded.clip.notes) :]
+
+
+def turning(clockwise, counterclockwise):
+    belief = believed("clockwise")
+    ways = {Motion.CLOCKWISE: clockwise, Motion.COUNTERCLOCKWISE: counterclockwise}
+    return replace(belief, ways={**belief.ways, **ways})
 
 
 def test_a_doubtful_answer_comes_with_the_next_likeliest(bundle):
-    answerer = answerer_saying(bundle, {"*": "It is pressing in."})
-    answerer.bundle.speaker.likes = "Clockwise, in the camera image."
-    answer = answerer.ask(answerer.encode(recording()), "Which way?")
-    assert answer.abstained
-    assert answer.notes[-1] == "Next likeliest, at 34%: clockwise."
+    answer, notes = asked(bundle, "Which way does it turn?", turning(0.6, 0.3))
+    assert answer.direction is Motion.CLOCKWISE
+    assert notes == ("Next likeliest, at 30%: counterclockwise.",)
 
 
-def test_another_answer_that_is_likelier_than_the_words_is_not_called_the_next(bundle):
-    answerer = answerer_saying(bundle, {"*": "It is pressing in."})
-    # The words are written, the answers weighed: here the words are one of nine unlikely ones.
-    weighs = {one: -3.4 for one in answerer.bundle.grammar.options_for("direction")}
-    weighs["Clockwise, in the camera image."] = -1.1
-    answerer.bundle.speaker.score = lambda token, question, options: np.array(
-        [weighs[one] for one in options]
+def test_what_is_more_likely_wrong_than_right_is_withheld(bundle):
+    answer, notes = asked(bundle, "Which way does it turn?", turning(0.45, 0.4))
+    assert answer.text.startswith("I cannot tell for sure, 45%: It turns clockwise, about 12")
+    assert (answer.abstained, answer.direction, answer.decided) == (True, None, None)
+    assert notes == ("Next likeliest, at 40%: counterclockwise.",)
+
+
+@pytest.mark.parametrize("ways", [("press",), ("clockwise", "left")])
+def test_what_goes_on_besides_is_no_other_answer(bundle, ways):
+    assert asked(bundle, "Which way?", believed(*ways, share=0.8))[1] in (
+        (),
+        ("Next likeliest, at 20%: still.",),
     )
-    answer = answerer.ask(answerer.encode(recording()), "Which way?")
-    assert answer.text == "I cannot tell for sure, 5%: It is pressing in."
-    assert answer.notes[-1] == "Likelier by the probabilities, at 53%: clockwise."
-
-
-@pytest.mark.parametrize(
-    ("question", "said", "temperature"),
-    [
-        ("Which way?", "It is pressing in.", 0.1),  # sure
-        ("Which way?", "It is pressing in.", 1.0),  # the others are all as unlikely
-        ("How far?", "No distance: it is pressing in.", 0.5),  # of six kinds
-        ("What does it cost?", "I cannot tell that from touch.", 1.0),
-    ],
-)
-def test_no_other_answer_is_named_where_none_stands_out(bundle, question, said, temperature):
-    answerer = answerer_saying(bundle, {"*": said}, temperature=temperature)
-    encoded = answerer.encode(recording())
-    assert answerer.ask(encoded, question).notes == encoded.clip.notes

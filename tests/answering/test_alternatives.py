@@ -20,14 +20,15 @@ def told(bundle):
 
 def test_the_likeliest_others_are_told_in_their_order(told):
     options = {"left": 0.9, "press": 0.06, "up": 0.03, "down": 0.006, "still": 0.001}
-    answer = with_alternatives(replace(told, options=options, decided="left"))
+    answer = with_alternatives(replace(told, options=options, decided="left", confidence=0.9))
     end = "That is 90% probable. Next likeliest: pressing in 6%, up 3%, down 0.6%."
     assert answer.text == f"{told.text} {end}"
     assert answer.options == options
 
 
 def test_what_would_be_told_as_nothing_is_left_out(told):
-    answer = with_alternatives(replace(told, options={"left": 0.997, "up": 0.003}, decided="left"))
+    options = {"left": 0.997, "up": 0.003}
+    answer = with_alternatives(replace(told, options=options, decided="left", confidence=0.997))
     assert answer.text.endswith(f"That is 100% probable. {NOTHING_ELSE}")
 
 
@@ -42,6 +43,6 @@ def test_they_are_told_in_the_frame_of_the_answer(bundle):
     encoded = answerer.encode(recording())
     plain = answerer.ask(encoded, "What else could it be?")
     mirrored = answerer.ask(encoded, "What else could it be?", frame=FrameSpec(image_mirrored=True))
-    assert mirrored.text.startswith("Right, in the camera image with the mirror undone. That is")
-    assert plain.text.startswith("Left, in the camera image. That is")
+    assert mirrored.text.startswith("It slides right, about ")
+    assert plain.text.startswith("Left, in the camera image. That is 97% probable.")
     assert plain.text.count("%") <= AT_MOST + 2

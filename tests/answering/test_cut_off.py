@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from geotlm_lm.answering.answer import CUT_OFF_DOUBT
+from geotlm_lm.answering.encoded import CUT_OFF_DOUBT
 from tests.answering.scripted import feeling, recording
 
 QUESTION = "Which way is it moving?"

@@ -3,23 +3,27 @@
 import pytest
 
 from geotlm_lm.answering import OPEN_QUESTION
-from geotlm_lm.answering.model_query import AMOUNT_QUESTION, EVIDENCE_QUESTION, MOVING_QUESTION
+from geotlm_lm.answering.model_query import EVIDENCE_QUESTION
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.parse_answer import Slots
 from tests.answering.scripted import answerer_saying, recording
 
-CLOCKWISE_EVIDENCE = load_templates().grammar().sentence(Slots("evidence", Motion.CLOCKWISE))
+LEFT_EVIDENCE = load_templates().grammar().sentence(Slots("evidence", Motion.LEFT))
 
 
 @pytest.mark.parametrize(
     ("question", "said", "text"),
     [
         # Derived from the motion, which the open question gives.
-        ("And mirrored?", "Left, in the camera image.", "Right, in the camera image, if the clip"),
+        ("And mirrored?", "Left, in the camera image.", "It slides right, about "),
         ("Does it come loose?", "Yes, left in the camera image.", "Neither tighter nor looser: "),
         # Asked again in words the model knows.
-        ("What makes you think so?", "I cannot tell that from touch.", "The upper half goes right"),
+        (
+            "What makes you think so?",
+            "I cannot tell that from touch.",
+            "Both halves go left",
+        ),
         ("Did it budge?", "I cannot tell that from touch.", "Yes, it is moving."),
         ("Did it budge?", "Yes, something is touching the gel.", "Yes, it is moving."),
         # What touch cannot tell, whatever the model makes of it.
@@ -29,32 +33,16 @@ CLOCKWISE_EVIDENCE = load_templates().grammar().sentence(Slots("evidence", Motio
         (
             "What does the camera see?",
             "Played backwards from: left in the camera image.",
-            "Left, in the came",
+            "It slides left, about",
         ),
     ],
 )
 def test_where_words_and_model_disagree_on_what_is_asked_the_words_count(
     bundle, question, said, text
 ):
-    known = {
-        OPEN_QUESTION: "Left, in the camera image.",
-        EVIDENCE_QUESTION: CLOCKWISE_EVIDENCE,
-        MOVING_QUESTION: "Yes, it is moving.",
-    }
-    answerer = answerer_saying(bundle, known | {question: said}, temperature=0.1)
+    known = {OPEN_QUESTION: "Left, in the camera image.", EVIDENCE_QUESTION: LEFT_EVIDENCE}
+    answerer = answerer_saying(bundle, known | {question: said})
     answerer.bundle.speaker.likes = "Left, in the camera image."
     answer = answerer.ask(answerer.encode(recording()), question)
     assert answer.text.startswith(text)
-    assert answer.told_by == "rule"
-
-
-def test_an_amount_in_new_words_is_asked_for_again_in_words_the_model_knows(bundle):
-    known = {
-        "*": "I cannot tell that from touch.",
-        OPEN_QUESTION: "Clockwise, in the camera image.",
-        AMOUNT_QUESTION: "An amount of turning, as measured.",
-    }
-    answerer = answerer_saying(bundle, known, temperature=0.1)
-    answer = answerer.ask(answerer.encode(recording()), "How many degrees, about?")
-    assert answer.text.startswith("About 13 degrees of turning")
     assert answer.told_by == "rule"

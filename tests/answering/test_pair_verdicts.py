@@ -15,11 +15,14 @@ from geotlm_lm.answering.pair_verdicts import (
     judge_relation,
     judge_transformed,
 )
+from geotlm_lm.conversation.felt import Felt
 from geotlm_lm.conversation.two_clip_claims import (
     claimed_count,
     claimed_relation,
     supposed_transform,
 )
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import COMPONENT_OF
 from tests.answering import test_multi_clip as by_hand
 from tests.answering.test_multi_clip import WITHHELD, measured
 
@@ -30,6 +33,19 @@ def answer(motion, share=0.8):
     if motion not in ("still", "none"):
         return said
     return replace(said, options={motion: share, "up": 1.0 - share})
+
+
+def felt(motion, share=0.9):
+    """What is felt of one motion alone."""
+    motion = Motion(motion)
+    contact = 1.0 - share if motion is Motion.NONE else 1.0
+    return Felt({motion: share} if motion in COMPONENT_OF else {}, contact)
+
+
+def judged(question, one, other):
+    """Return the verdict on a count, of motions and their probabilities."""
+    answers = (answer(*one), answer(*other))
+    return judge_count(claimed_count(question), (felt(*one), felt(*other)), answers)
 
 
 @pytest.mark.parametrize(
@@ -47,23 +63,22 @@ def answer(motion, share=0.8):
     ],
 )
 def test_it_is_decided_which_clips_go_so(question, one, other, decided, begins):
-    told = judge_count(claimed_count(question), (answer(one, 0.9), answer(other, 0.9)))
+    told = judged(question, (one, 0.9), (other, 0.9))
     assert (told.decided, told.abstained) == (decided, False)
     assert told.text.startswith(begins)
     assert 0.5 < told.confidence <= 1.0
 
 
 def test_the_probability_of_a_verdict_is_that_of_both_clips():
-    pair = (answer("clockwise", 0.9), answer("clockwise", 0.8))
-    assert judge_count(claimed_count("Do both turn clockwise?"), pair).confidence == pytest.approx(
-        0.72
-    )
-    either = judge_count(claimed_count("Does either turn clockwise?"), pair)
+    pair = (("clockwise", 0.9), ("clockwise", 0.8))
+    assert judged("Do both turn clockwise?", *pair).confidence == pytest.approx(0.72)
+    either = judged("Does either turn clockwise?", *pair)
     assert either.confidence == pytest.approx(0.98)
 
 
 def test_a_verdict_is_withheld_where_a_direction_is():
-    told = judge_count(claimed_count("Do both slide?"), (answer("left"), WITHHELD))
+    felts = (felt("left"), felt("left"))
+    told = judge_count(claimed_count("Do both slide?"), felts, (answer("left"), WITHHELD))
     assert (told.decided, told.abstained, told.relation) == (None, True, "unknown")
 
 

@@ -6,17 +6,13 @@ import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.answering import OPEN_QUESTION
-from geotlm_lm.answering.answer import Encoded
-from geotlm_lm.answering.model_query import AMOUNT_QUESTION
+from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import filled_size
-from geotlm_lm.core.labels import Motion
 from geotlm_lm.dgr.encoder import DGR
-from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.model import Perception
-from tests.answering.scripted import answerer_saying, measuring, recording
+from tests.answering.scripted import answerer_saying, believed, measuring, recording
 
 
 def test_where_the_contact_is_is_read_off_the_mask(bundle):
@@ -36,29 +32,32 @@ def test_facts_that_were_read_before_a_turn_that_lacks_something_hold(bundle):
 
 
 @pytest.mark.parametrize("said", ["A slide.", "A rotation."])
-def test_the_kind_of_motion_is_that_of_the_open_answer(bundle, said):
-    opened = bundle.grammar.sentence(Slots("direction", Motion.CLOCKWISE))
-    answerer = answerer_saying(bundle, {"*": said, OPEN_QUESTION: opened})
-    answer = answerer.ask(answerer.encode(recording()), "What kind of motion is it?")
-    assert (answer.text, answer.decided) == ("A rotation.", "rotation")
+def test_the_kind_of_motion_is_what_is_felt(bundle, said):
+    for ways, text in (
+        (("clockwise",), "A rotation."),
+        (("left", "press"), "A slide and a press."),
+    ):
+        answerer = answerer_saying(bundle, {"*": said}, belief=believed(*ways))
+        answer = answerer.ask(answerer.encode(recording()), "What kind of motion is it?")
+        assert answer.text == text
 
 
 def test_an_amount_says_between_which_frames_of_a_longer_recording_it_is(bundle):
-    answerer = measuring(bundle, Motion.CLOCKWISE, "deg", deg=12.0)
+    answerer, asked = measuring(bundle, "clockwise", deg=13.0), "How far did it go?"
     long = answerer.encode(recording(frames=30))
     first, *_, last = long.clip.frame_numbers
     assert (first, last) != (0, 29)
-    told = answerer.ask(long, AMOUNT_QUESTION).text
+    told = answerer.ask(long, asked).text
     assert told.startswith(f"About 13 degrees of turning between frames {first} and {last}, likely")
     for whole in (recording(), recording(frames=2)):
-        told = answerer.ask(answerer.encode(whole), AMOUNT_QUESTION).text
+        told = answerer.ask(answerer.encode(whole), asked).text
         assert told.startswith("About 13 degrees of turning, likely ")
-    asked = answerer.encode(recording(frames=30), span=(3, 9))
-    assert "between frames" not in answerer.ask(asked, AMOUNT_QUESTION).text
+    part = answerer.encode(recording(frames=30), span=(3, 9))
+    assert "between frames" not in answerer.ask(part, asked).text
 
 
 def test_a_claim_in_pixels_is_judged_in_pixels_whatever_their_size(bundle):
-    answerer = measuring(bundle, Motion.LEFT, "px", px=14.0)
+    answerer = measuring(bundle, "left", px=14.0)
     answer = answerer.ask(
         answerer.encode(recording()), "Did it slide more than 1 px?", frame=FrameSpec(mm_per_px=0.1)
     )

@@ -9,8 +9,8 @@ from geotlm_lm import answer_schema
 from geotlm_lm.answering import Answerer
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.language.parse_answer import KINDS, Slots
-from tests.answering.scripted import answerer_saying, feeling, recording
+from geotlm_lm.language.parse_answer import KINDS
+from tests.answering.scripted import answerer_saying, feeling, measuring, recording
 
 SCHEMA = answer_schema()
 is_valid = Draft202012Validator(SCHEMA).is_valid
@@ -67,6 +67,7 @@ def test_an_answer_withheld_for_want_of_contact_follows_the_schema(bundle, encod
         {"surplus": 1},
         {"kind": "nonsense"},
         {"notes": [3]},
+        {"motion": {"turn": 3}},
     ],
 )
 def test_a_broken_answer_is_refused(bundle, encoded, broken):
@@ -80,8 +81,8 @@ def test_the_schema_names_every_motion_kind_and_fact():
     assert set(SCHEMA["$defs"]["frame"]["required"]) == set(FrameSpec().to_dict())
 
 
-def test_an_amount_is_a_deciding_word_with_its_unit(bundle, encoded):
-    said = bundle.grammar.sentence(Slots("magnitude", unit="deg"))
-    answer = answerer_saying(bundle, {"*": said}, temperature=0.1).ask(encoded, "How far?")
+def test_an_amount_is_a_deciding_word_with_its_unit(bundle):
+    answer = measuring(bundle, "clockwise", deg=13.0)
+    answer = answer.ask(answer.encode(recording()), "How far?")
     assert answer.decided == "13 deg"
     assert is_valid(as_json(answer))

@@ -2,7 +2,6 @@
 
 import pytest
 
-from geotlm_lm.answering import OPEN_QUESTION
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from tests.answering.scripted import answerer_saying, feeling, measuring, recording
@@ -22,12 +21,12 @@ def test_doubt_runs_no_model(session):
 
 
 def test_a_refusal_is_repeated_as_it_is(session):
-    refusal = session.ask("By how much?")
+    refusal = session.ask("Compare the two clips.")
     assert session.ask("Really?") == refusal
 
 
 def test_now_asks_the_question_before_of_a_new_clip(session):
-    first = session.ask("Does it turn clockwise?")
+    first = session.ask("Is it turning clockwise?")
     session.add_clip(session.answerer.encode(recording(seed=2)))
     assert session.ask("And now?").decided == first.decided == "yes"
 
@@ -65,7 +64,7 @@ def test_doubt_after_a_fact_is_about_the_answer_before_it(session):
 
 
 def test_two_clips_are_compared_and_told_in_order(bundle):
-    answerer = feeling(bundle, "clockwise", temperature=0.1)
+    answerer = feeling(bundle, "clockwise", contact_threshold=0.0)
     session = answerer.session(answerer.encode(recording()))
     assert session.ask("Do they turn the same way?").abstained
     session.add_clip(session.answerer.encode(recording(seed=2)))
@@ -95,14 +94,6 @@ def test_two_sessions_share_nothing(bundle):
     assert other.history == []
 
 
-def test_a_trained_model_hears_what_is_asked_and_then_the_open_question(bundle):
-    said = {"*": "Played backwards from: left in the camera image."}
-    answerer = answerer_saying(bundle, said)
-    session = answerer.session(answerer.encode(recording()))
-    assert session.ask("And played backwards?").direction is Motion.RIGHT
-    assert answerer.bundle.speaker.heard == ["And played backwards?", OPEN_QUESTION]
-
-
 @pytest.mark.parametrize("again", ["Are you sure?", "Say that again?", "Really?"])
 def test_an_answer_said_again_after_another_clip_names_the_clip_before(session, again):
     session.ask("Which way?")
@@ -128,7 +119,7 @@ def test_where_after_a_contact_asks_for_its_place(bundle):
 
 @pytest.mark.parametrize("asked", ["How far did it turn?", "How fast is it turning?"])
 def test_the_range_is_that_of_the_amount_told_last(bundle, asked):
-    answerer = measuring(bundle, Motion.CLOCKWISE, "deg")
+    answerer = measuring(bundle, "clockwise")
     session = answerer.session(answerer.encode(recording(fps=30)))
     told = session.ask(asked)
     assert told.amount is not None

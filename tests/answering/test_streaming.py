@@ -11,7 +11,7 @@ from geotlm_lm.answering.streaming import answer_pieces
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.language.parse_answer import KINDS
-from tests.answering.scripted import answerer_saying, feeling, recording
+from tests.answering.scripted import answerer_saying, believed, feeling, recording
 
 QUESTION = "A) left B) right C) up?"
 FRAMES = [
@@ -57,14 +57,12 @@ def test_own_words_come_in_pieces_and_those_of_a_rule_in_one(bundle, encoded, ki
     assert (len(words) > 3) == parts
 
 
-def test_a_direction_that_is_doubtful_is_never_begun(bundle, encoded):
-    # The words say left, the probabilities leave less than half for it.
-    answerer = feeling(bundle, "left")
-    answerer.bundle.speaker.likes = "Right, in the camera image."
-    words, answer = streamed(answerer, encoded, "Which way?")
+@pytest.mark.parametrize("felt", ["right", "left"])
+def test_words_are_only_begun_where_they_say_what_is_decided(bundle, encoded, felt):
+    answerer = feeling(bundle, "left", belief=believed(felt, share=0.45 if felt == "left" else 1.0))
+    words, answer = streamed(answerer, answerer.encode(encoded.clip), "Which way?")
     assert words == [answer.text]
-    assert answer.text == "I cannot tell for sure, 38%: Left, in the camera image."
-    assert (answer.direction, answer.decided, answer.abstained) == (None, None, True)
+    assert answer.told_by == "rule"
 
 
 def test_words_that_are_no_answer_are_told_apart_by_the_answer(bundle, encoded):

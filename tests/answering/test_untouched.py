@@ -8,10 +8,11 @@ import pytest
 
 from geotlm_lm.answering import Answerer
 from geotlm_lm.answering.abstention import UNRECOGNISED
-from geotlm_lm.answering.answer import FAINT_DOUBT
+from geotlm_lm.answering.encoded import FAINT_DOUBT
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
-from tests.answering.scripted import answerer_saying, feeling, recording
+from geotlm_lm.core.twist import Component
+from tests.answering.scripted import answerer_saying, believed, feeling, recording
 
 IDLE = np.add.outer(np.linspace(90, 140, 120), np.zeros((160, 3))).astype(np.uint8)
 
@@ -40,7 +41,7 @@ def test_an_open_question_is_answered_without_the_language_model(bundle):
     assert answerer.bundle.speaker.heard == []
     assert list(answer.timing_ms) == ["choose", "touch", "encode", "total"]
     mirrored = answerer.ask(answerer.encode(untouched()), "And mirrored?")
-    assert mirrored.text == "Nothing is touching the gel, if the clip is mirrored."
+    assert mirrored.text == "The gel is untouched, if the clip is mirrored."
     assert answerer.bundle.speaker.heard == []
 
 
@@ -98,7 +99,7 @@ def test_a_yes_or_no_is_left_to_the_model(bundle, question):
     ],
 )
 def test_nothing_touches_is_not_claimed_of_a_gel_that_changed(bundle, question, sentence):
-    answerer = answerer_saying(bundle, {"*": sentence})
+    answerer = answerer_saying(bundle, {"*": sentence}, belief=believed("none"))
     encoded = answerer.encode(faintly_touched())
     assert encoded.is_changed
     assert not encoded.is_untouched
@@ -110,18 +111,14 @@ def test_nothing_touches_is_not_claimed_of_a_gel_that_changed(bundle, question, 
     assert "".join(words) == last.text == UNRECOGNISED
 
 
-def test_what_an_idle_gel_may_do_now_and_then_is_told_with_less_certainty(bundle):
-    answerer = answerer_saying(bundle, {"*": "Nothing is touching the gel."})
-    encoded = answerer.encode(faintly_touched(grey=1.5))
+def test_what_an_idle_gel_may_do_now_and_then_is_doubtful(bundle):
+    encoded = Answerer(bundle).encode(faintly_touched(grey=1.5))
     assert (encoded.is_faint, encoded.is_changed, encoded.is_untouched) == (True, False, False)
     assert encoded.doubt == FAINT_DOUBT
     assert not encoded.is_cut_off
-    answer = answerer.ask(encoded, "Which way is it moving?")
-    sure = answerer.ask(replace(encoded, is_faint=False), "Which way is it moving?")
-    # The scripted model is hardly more than half sure of what it says.
-    assert answer.text.endswith("Nothing is touching the gel.")
-    assert sure.direction is Motion.NONE
-    assert answer.options["none"] < sure.options["none"]
+    sure = replace(encoded, is_faint=False).belief
+    spread = encoded.belief.deviation(Component.TURN) / sure.deviation(Component.TURN)
+    assert spread == pytest.approx(FAINT_DOUBT)
 
 
 def test_any_other_claim_about_a_faint_touch_is_told(bundle):
@@ -150,7 +147,8 @@ def test_against_a_guessed_background_no_change_is_beyond_noise(bundle):
 )
 def test_contact_is_not_judged_where_nothing_shows_the_untouched_gel(bundle, question, said):
     shown = recording().frames[0]
-    answerer = answerer_saying(bundle, {"*": said}, temperature=0.1)
+    felt = "none" if "othing" in said else "still"
+    answerer = answerer_saying(bundle, {"*": said}, belief=believed(felt))
     encoded = answerer.encode(Clip(np.stack([shown] * 4)))
     answer = answerer.ask(encoded, question)
     assert answer.abstained
@@ -162,7 +160,7 @@ def test_contact_is_not_judged_where_nothing_shows_the_untouched_gel(bundle, que
 
 
 def test_that_nothing_moves_is_told_without_an_idle_frame_too(bundle):
-    answerer = answerer_saying(bundle, {"*": "No, it is still."}, temperature=0.1)
+    answerer = answerer_saying(bundle, {"*": "No, it is still."}, belief=believed("still"))
     encoded = answerer.encode(Clip(np.stack([recording().frames[0]] * 4)))
     answer = answerer.ask(encoded, "Is it moving?")
     assert (answer.text, answer.abstained) == ("No, it is still.", False)

@@ -6,7 +6,7 @@ from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
-from tests.answering.scripted import answerer_saying, feeling, recording
+from tests.answering.scripted import answerer_saying, believed, feeling, recording
 
 
 def test_reasons_end_in_the_answer_and_say_whose_words_they_are(bundle):
@@ -24,11 +24,11 @@ def test_reasons_of_an_answer_in_another_frame_say_where_their_own_ways_are_seen
     answerer = feeling(bundle, "clockwise")
     encoded = answerer.encode(recording())
     answer = answerer.ask(encoded, "Which way?", frame=FrameSpec(image_mirrored=True))
-    _, measured, sums, frame, conclusion = answerer.why(encoded, answer).steps
+    _, measured, sums, _, frame, conclusion = answerer.why(encoded, answer).steps
     assert measured.startswith("In the camera image the whole contact ")
     assert "wise in the camera image" in sums
     assert frame.startswith("The answer is told in this frame: camera image with the mirror undone")
-    assert conclusion.startswith("Therefore: Counterclockwise, ")
+    assert conclusion.startswith("Therefore: It turns counterclockwise, ")
 
 
 def test_reasons_of_an_answer_told_for_an_image_turned_back_are_those_of_the_image(bundle):
@@ -39,7 +39,7 @@ def test_reasons_of_an_answer_told_for_an_image_turned_back_are_those_of_the_ima
         answerer.why(encoded, answerer.ask(encoded, "Which way?", frame=frame)).steps
         for frame in (FrameSpec(), turned)
     )
-    assert told[-1].startswith("Therefore: Down, in the camera image turned back")
+    assert told[-1].startswith("Therefore: It slides down, about ")
     against = ["this speaks against the conclusion" in steps[2] for steps in (as_seen, told)]
     assert against[0] == against[1]
 
@@ -55,23 +55,22 @@ def test_reasons_of_a_confidence_are_those_of_the_direction_it_is_about(bundle):
     assert steps[1][-1].startswith("Therefore: My confidence is ")
 
 
-@pytest.mark.parametrize("felt", [Motion.CLOCKWISE, Motion.LEFT])
-def test_reasons_of_a_model_trained_for_evidence_are_in_its_words_beside_what_was_measured(
-    bundle, felt
-):
-    said = bundle.grammar.sentence(Slots("evidence", felt))
-    answerer = answerer_saying(bundle, {"*": said, "Which way?": "Clockwise, in the camera image."})
+@pytest.mark.parametrize("said", [Motion.CLOCKWISE, Motion.LEFT])
+def test_a_model_trained_for_evidence_gives_reasons_in_its_words_where_it_feels_so(bundle, said):
+    sentence = bundle.grammar.sentence(Slots("evidence", said))
+    belief = believed("clockwise", "press", mm=0.4)
+    answerer = answerer_saying(bundle, {"*": sentence}, belief=belief)
     encoded = answerer.encode(recording())
     why = answerer.why(encoded, answerer.ask(encoded, "Which way?"))
-    place, *own, measured, sums, frame, conclusion = why.steps
-    against = " This speaks against the answer: the model is not of one mind."
-    assert place.startswith("Contact fills ")
-    assert " ".join(own) == said + (against if felt is Motion.LEFT else "")
-    assert measured.startswith("Measured: the whole contact ")
-    assert sums.startswith("The common shift cancels in the differences of the halves")
-    assert frame.startswith("The answer is told in this frame: ")
-    assert conclusion == "Therefore: Clockwise, in the camera image."
-    assert why.source.startswith("sentences 2 to 4 in the model's words, the others by rule")
+    assert why.steps[0].startswith("Contact fills ")
+    assert why.steps[-3] == (
+        "Measured from the first frame to the last: a turn clockwise of about 12 degrees, likely "
+        "11 to 13; a slide left of about 0.01 px, likely 0 to 0.1; a growth of the contact of "
+        "about 0.2 mm, likely 0.1 to 0.2."
+    )
+    assert why.steps[-1].startswith("Therefore: It turns clockwise, about 12 degrees, and presses")
+    assert (sentence in " ".join(why.steps)) == (said is Motion.CLOCKWISE)
+    assert why.source.startswith("sentences 2 to 4 in") == (said is Motion.CLOCKWISE)
 
 
 def test_reasons_of_an_answer_that_was_withheld_conclude_nothing_in_the_models_words(bundle):
@@ -82,5 +81,5 @@ def test_reasons_of_an_answer_that_was_withheld_conclude_nothing_in_the_models_w
     answer = answerer.ask(encoded, "Which way?")
     assert answer.abstained
     why = answerer.why(encoded, answer)
-    assert not any("clockwise" in step for step in why.steps)
+    assert not any(said.split(".")[0] in step for step in why.steps)
     assert why.source == "by rule, from the geometry the model read; not in its own words"

@@ -8,11 +8,11 @@ import numpy as np
 import torch
 
 from geotlm_lm import FrameSpec, Motion
-from geotlm_lm.answering import Encoded, Lean, evidence
-from geotlm_lm.answering.answer import with_background
+from geotlm_lm.answering import Encoded, evidence
+from geotlm_lm.answering.encoded import with_background
 from geotlm_lm.answering.multi_clip import compare_directions
 from geotlm_lm.answering.session import Session
-from geotlm_lm.backbone.stem import ALIGNED_AT, PATCH_INPUT_DIM
+from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.view import View
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.conversation.motion_answers import CAMERA
@@ -20,7 +20,7 @@ from geotlm_lm.core.labels import reverse
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
 from geotlm_lm.recordings.choose import choose_frames
-from tests.answering.scripted import Measuring
+from tests.answering.scripted import believed
 
 
 class FakeProbe:
@@ -31,9 +31,7 @@ class FakeProbe:
         return odds
 
 
-TURNING = "Which way is it turning round?"
 NOTE = "The next likeliest is that it stays."
-LEAN = Lean(Motion.CLOCKWISE, 0.9, "If it turns at all, it goes clockwise.")
 
 
 @dataclass(frozen=True)
@@ -46,7 +44,6 @@ class FakeAnswer:
     abstained: bool
     confidence: float = 0.97
     kind: str = "direction"
-    lean: Lean | None = None
     notes: tuple[str, ...] = ()
 
     @property
@@ -76,7 +73,6 @@ class FakeAnswerer:
 
     bundle = SimpleNamespace(
         model=SimpleNamespace(probe=FakeProbe()),
-        odometer=Measuring(),
         calibration=Calibration(contact_threshold=0.005),
     )
 
@@ -88,10 +84,10 @@ class FakeAnswerer:
             geometry = DGR(4).pool(torch.zeros(1, 2, 14, 14, 2), field, mask)
         token = torch.zeros(1, 4)
         inputs = torch.zeros(1, 2, 14, 14, PATCH_INPUT_DIM)
-        inputs[..., :48] = 1
-        inputs[:, 1, :, :, ALIGNED_AT] = 1
         perception = Perception(token, geometry, token, (View(),), inputs)
-        return Encoded(with_background(choose_frames(clip, span=span)), perception, {"encode": 1.0})
+        clip = with_background(choose_frames(clip, span=span))
+        belief = believed("right")
+        return Encoded(clip, perception, {"encode": 1.0}, believe=lambda _: belief)
 
     def session(self, encoded):
         return Session(self, encoded)
@@ -107,10 +103,7 @@ class FakeAnswerer:
         answer = FakeAnswer(
             text, None if is_silent else direction, frame, evidence(encoded), question, is_silent
         )
-        answer = replace(answer, notes=(*encoded.clip.notes, NOTE))
-        if question == TURNING:
-            answer = replace(answer, lean=LEAN, notes=(*answer.notes, LEAN.text))
-        return answer
+        return replace(answer, notes=(*encoded.clip.notes, NOTE))
 
     def compare(self, first, second):
         return compare_directions(*(self.ask(one, "Which way?") for one in (first, second)))

@@ -11,7 +11,7 @@ from app.clip_loading import load_clip, perceive
 from geotlm_lm import MAX_QUESTION_CHARACTERS, FrameSpec, GeoTLMError, Motion
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import MissingDependency
-from tests.app.fakes import NOTE, TURNING, FakeAnswerer
+from tests.app.fakes import NOTE, FakeAnswerer
 
 
 def saved(folder, name="clip.npy", top=200):
@@ -39,21 +39,11 @@ def test_an_answer_is_shown_with_its_probabilities(path):
     assert reply.probabilities == {"right": 0.97, "left": 0.03}
 
 
-def test_what_an_answer_leans_to_stands_behind_it(path):
-    answerer = FakeAnswerer()
-    shown = load_clip(answerer, path)
-    reply = handlers.ask(answerer, shown, TURNING)
-    assert reply.sentence.endswith(".  (97 % sure) If it turns at all, it goes clockwise.")
-    *_, streamed = handlers.converse(answerer, shown, TURNING, {})
-    assert streamed.sentence == reply.sentence
-
-
 def test_an_answers_own_notes_are_shown_beside_it(path):
     answerer = FakeAnswerer()
     shown = load_clip(answerer, path)
     assert shown.encoded.clip.notes  # those are told beside the clip
     assert handlers.ask(answerer, shown, "Which way?").notes == f"- {NOTE}"
-    assert handlers.ask(answerer, shown, TURNING).notes == f"- {NOTE}"
 
 
 def test_programs_are_told_how_long_a_question_may_be():

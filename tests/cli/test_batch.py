@@ -46,7 +46,7 @@ def test_rows_are_written_and_counted(invoke, tmp_path):
     assert "answered: 1 of 1 clips" in result.stderr
     rows = [json.loads(line) for line in out.read_text().splitlines()]
     assert rows[0]["answer"]["direction"] == "up"
-    assert rows[1]["answer"]["abstained"]
+    assert rows[1]["answer"]["amount"]["unit"] == "px"
 
 
 def test_what_is_no_recording_is_named(invoke, tmp_path):

@@ -45,7 +45,7 @@ def talk(monkeypatch, capsys, bundle, clip_path):
 
 def test_each_line_is_answered_on_a_line_of_its_own(talk):
     out, err = talk("which way?", "", "are you sure?")
-    assert out == [DIRECTION, f"I am not sure of it, but it is the likeliest, 55%: {DIRECTION}"]
+    assert out == [DIRECTION, f"I stay with it, 97%: {DIRECTION}"]
     assert all(line.startswith("note: ") for line in err)
 
 
@@ -56,7 +56,7 @@ def test_the_frame_is_set_told_and_reset(talk):
     assert out == [
         "Frame: camera image, looking out of the sensor, object relative to sensor.",
         "Frame: camera image, seen from the object, object relative to sensor.",
-        "Counterclockwise, seen from the object's side.",
+        "It turns counterclockwise, about 12 degrees, seen from the object's side.",
         "Frame: camera image, looking out of the sensor, object relative to sensor.",
         DIRECTION,
     ]

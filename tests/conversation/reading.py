@@ -8,7 +8,7 @@ from enum import Enum
 from typing import Any
 
 from geotlm_lm.answering import question_routing
-from geotlm_lm.answering.consistency_check import kind_by_rule
+from geotlm_lm.answering.understanding import kind_by_rule
 from geotlm_lm.conversation.alternatives import asks_alternatives
 from geotlm_lm.conversation.axis_claims import asks_components, claimed_axis
 from geotlm_lm.conversation.compound_claims import compound_claim

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion, mirror, reverse, turn_by_quarter
-from tests.answering.scripted import feeling, recording
+from geotlm_lm.core.twist import COMPONENT_OF, WAYS, Component
+from tests.answering.scripted import believed, feeling, recording
 
 drawn = settings(derandomize=True, max_examples=60, deadline=None, database=None)
 
@@ -52,6 +53,16 @@ frames = st.builds(
 )
 
 
+@st.composite
+def _states(draw):
+    """Up to three ways that count, the larger first, of one component each."""
+    ways = [draw(st.sampled_from(WAYS[one])) for one in draw(st.permutations(list(Component)))]
+    return tuple(ways[: draw(st.integers(1, 3))])
+
+
+states = _states()
+
+
 class Feelings:
     """A clip and, by motion, the answerer that feels it."""
 
@@ -66,9 +77,27 @@ class Feelings:
         return self.answerers[motion].session(self.encoded)
 
 
+class Mixtures:
+    """A clip and, by the ways that count, the answerer that feels them."""
+
+    def __init__(self, bundle):
+        self.answerer = feeling(bundle, "left")
+        self.encoded = self.answerer.encode(recording())
+
+    def ask(self, ways, question, frame=CAMERA):
+        self.answerer.belief = believed(*ways)
+        encoded = replace(self.encoded, believe=None)
+        return self.answerer.ask(encoded, question, frame=frame)
+
+
 @pytest.fixture(scope="session")
 def feelings(bundle):
     return Feelings(bundle)
+
+
+@pytest.fixture(scope="session")
+def feels(bundle):
+    return Mixtures(bundle)
 
 
 @given(motions, motions, frames)
@@ -199,14 +228,45 @@ KINDS = (
 )
 
 
-@given(st.sampled_from(list(Motion)), st.sampled_from(KINDS), frames)
+@given(states, st.sampled_from(KINDS), frames)
 @drawn
-def test_the_probabilities_of_an_answer_sum_to_one(feelings, felt, question, frame):
-    answer = feelings.ask(felt, question, frame)
+def test_yes_and_no_sum_to_one_and_no_answer_is_surer_than_what_it_says(feels, felt, asked, frame):
+    answer = feels.ask(felt, asked, frame)
     assert all(0.0 <= share <= 1.0 + 1e-9 for share in answer.options.values())
-    assert sum(answer.options.values()) == pytest.approx(1.0)
-    if not answer.abstained:
-        assert answer.confidence == pytest.approx(answer.options[answer.decided])
+    if "yes" in answer.options or "it is" in answer.options:
+        assert sum(answer.options.values()) == pytest.approx(1.0)
+    if not answer.abstained and answer.decided in answer.options:
+        assert answer.confidence <= answer.options[answer.decided] + 1e-9
+
+
+@given(states, frames, st.sampled_from(list(CLAIMED)))
+@drawn
+def test_a_claim_its_denial_and_the_open_answer_never_contradict(feels, felt, frame, claim):
+    opened = feels.ask(felt, "Which way is it moving?", frame)
+    claimed = feels.ask(felt, f"Is it {CLAIMED[claim]}?", frame)
+    denied = feels.ask(felt, f"Is it not {CLAIMED[claim]}?", frame)
+    goes = {frame.tell(way) for way in felt}
+    assert claimed.decided == _word(claim in goes)
+    assert denied.decided == ("it is" if claim in goes else "it is not")
+    assert (claim.value in _told(opened.text)) == (claim in goes)
+    assert opened.direction == frame.tell(felt[0])
+    kind = "turning" if claim in ROTATIONS else "sliding"
+    asked = feels.ask(felt, f"Which way is it {kind}?", frame)
+    is_asked = [way for way in goes if COMPONENT_OF[way] is COMPONENT_OF[claim]]
+    assert asked.direction == (is_asked[0] if is_asked else opened.direction)
+
+
+@given(states, frames)
+@drawn
+def test_a_belief_mirrored_or_reversed_mirrors_or_reverses_every_answer(feels, felt, frame):
+    for question in ("Which way does it move?", "Which way is it turning?", "Is it turning left?"):
+        for change, supposed in ((mirror, "mirrored"), (reverse, "played backwards")):
+            other = tuple(map(change, felt))
+            told, seen = feels.ask(felt, question, frame), feels.ask(other, question, frame)
+            if not question.startswith("Is"):
+                supposes = feels.ask(felt, f"If it were {supposed}, {question.lower()}", frame)
+                assert supposes.direction == seen.direction
+            assert told.confidence == pytest.approx(seen.confidence)
 
 
 @given(
@@ -242,6 +302,12 @@ def test_a_denied_kind_swaps_yes_and_no(feelings, felt, frame, named):
     denied = feelings.ask(felt, f"Is it true that it does not {verb}?", frame)
     assert {claimed.decided, denied.decided} == {"yes", "no"}
     assert denied.options["yes"] == pytest.approx(claimed.options["no"])
+
+
+def _told(text):
+    """The ways that an open answer tells, without the frame's words."""
+    text = text.partition(" in the camera")[0].partition(" seen from")[0]
+    return {word.strip(",.") for word in text.lower().split()}
 
 
 def _word(is_so):

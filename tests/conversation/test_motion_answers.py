@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from geotlm_lm.conversation.felt import Felt
 from geotlm_lm.conversation.motion_answers import CAMERA, RuleInput, answer_from_motion
 from geotlm_lm.conversation.wording import AT_REST, direction_clause, direction_sentence
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -25,12 +26,9 @@ SCREW = FrameSpec(thread="right", contact_side="head")
 
 
 def felt(kind, motion=CW, frame=CAMERA, question="", share=0.9, verdict=None):
-    """The motion with `share`, its opposite with most of the rest."""
-    rest = (1 - share) / 2
-    shares = {motion: share, reverse(motion): rest, Motion.NONE: rest}
-    if len(shares) < 3:
-        shares = {motion: share, Motion.LEFT: 1 - share}
-    return answer_from_motion(RuleInput(kind, motion, question, frame, shares, verdict))
+    """The motion with `share`, its opposite with half of the rest."""
+    ways = {motion: share, reverse(motion): (1 - share) / 2}
+    return answer_from_motion(RuleInput(kind, Felt(ways, 1.0), question, frame, verdict, motion))
 
 
 @pytest.mark.parametrize("motion", DIRECTED)
@@ -48,12 +46,12 @@ def test_the_chance_that_it_tightens_is_that_of_the_turn():
 
 def test_a_claim_in_unknown_words_is_the_one_the_model_found_true():
     told = felt("verify", CW, OBJECT_SIDE, "righty tighty?", verdict=True)
-    assert told.text == "No, it goes counterclockwise seen from the object's side."
+    assert told.text == "Yes, it turns counterclockwise seen from the object's side."
 
 
 def test_a_claim_nobody_understood_gets_the_direction_and_no_verdict():
     told = felt("verify", CW, OBJECT_SIDE, "righty tighty?", verdict=False)
-    assert told.text == "Counterclockwise, seen from the object's side."
+    assert told.text == "It turns counterclockwise seen from the object's side."
 
 
 def test_letters_of_one_motion_are_one_answer():
@@ -65,7 +63,9 @@ def test_letters_of_one_motion_are_one_answer():
 
 def test_a_choice_without_the_motion_gets_the_direction_alone():
     told = felt("choice", CW, OBJECT_SIDE, "A) up B) left")
-    assert told.text == "Counterclockwise, seen from the object's side."
+    assert told.text == (
+        "It does not slide; it turns counterclockwise seen from the object's side."
+    )
 
 
 def test_rest_is_told_in_the_words_of_the_templates():

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from geotlm_lm.conversation.felt import Felt
 from geotlm_lm.conversation.motion_answers import RuleInput, answer_from_motion
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import ROTATIONS, Motion
@@ -12,9 +13,7 @@ SCREW = FrameSpec(thread="right", contact_side="head")
 
 
 def told(question, motion, frame):
-    return answer_from_motion(
-        RuleInput("thread", motion, question, frame, {Motion.STILL: 0.1, motion: 0.9})
-    )
+    return answer_from_motion(RuleInput("thread", Felt({motion: 0.9}, 1.0), question, frame))
 
 
 @pytest.mark.parametrize("question", ["What would tighten it?", "Which way loosens it?"])
