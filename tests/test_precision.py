@@ -1,5 +1,7 @@
 """Other number formats: they answer, leave the bundle alone, and are told apart by their digest."""
 
+from dataclasses import astuple
+
 import numpy as np
 import pytest
 
@@ -18,8 +20,14 @@ from tests.answering.scripted import recording
 def test_every_format_answers_and_leaves_the_bundle_alone(bundle, precision):
     before = bundle.digest()
     changed = Answerer(in_precision(bundle, precision))
-    answer = changed.ask(changed.encode(recording()), "Which way does it move?")
+    encoded, exact = changed.encode(recording()), Answerer(bundle).encode(recording())
+    answer = changed.ask(encoded, "Is it turning clockwise?")
     assert sum(answer.options.values()) == pytest.approx(1.0, abs=1e-3)
+    moved, expected = (astuple(one.belief.mean) for one in (encoded, exact))
+    assert moved == pytest.approx(expected, abs=0.02)
+    assert [encoded.felt[0][way] for way in exact.felt[0]] == pytest.approx(
+        list(exact.felt[0].values()), abs=0.02
+    )
     assert bundle.digest() == before
 
 
