@@ -274,7 +274,10 @@ def _class(asked: RuleInput) -> RuleAnswer:
     if not told:
         told, text = kinds, f"None of these: {tell(felt, frame).text}."
     sure, is_plain = min(shares[kind.value] for kind in told), len(names) == 1
-    return RuleAnswer(text, None, frame, shares, told[0].value, sure, is_plain=is_plain)
+    word = told[0].value
+    return RuleAnswer(
+        text, None, frame, shares, word, sure, is_plain=is_plain, motion_class=told[0]
+    )
 
 
 def _moving(asked: RuleInput) -> RuleAnswer:
@@ -295,8 +298,10 @@ def _contact(asked: RuleInput) -> RuleAnswer:
 def _yes_or_no(asked: RuleInput, is_so: bool, share: float, text: str) -> RuleAnswer:
     options = {"yes": share, "no": 1.0 - share}
     word = "yes" if is_so else "no"
-    direction = None if is_so else asked.felt.main
-    return RuleAnswer(text, direction, asked.frame, options, word, options[word], is_plain=True)
+    kind = None if is_so or asked.kind == "contact" else motion_class(asked.felt.main)
+    return RuleAnswer(
+        text, None, asked.frame, options, word, options[word], is_plain=True, motion_class=kind
+    )
 
 
 def _confidence(asked: RuleInput) -> RuleAnswer:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from geotlm_lm.conversation.felt import Felt
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import Motion, MotionClass
 from geotlm_lm.core.twist import Component
 
 
@@ -45,6 +45,7 @@ class RuleAnswer:
         is_refusal: Whether it declines to say.
         is_plain: Whether the model's own sentence, of one motion, may stand for it.
         component: What it tells the amount of; None where it tells none.
+        motion_class: The kind of motion it names without a way; None where it names none.
     """
 
     text: str
@@ -56,3 +57,4 @@ class RuleAnswer:
     is_refusal: bool = False
     is_plain: bool = False
     component: Component | None = None
+    motion_class: MotionClass | None = None
