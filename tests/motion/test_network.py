@@ -14,7 +14,7 @@ from geotlm_lm.motion.network import (
     GREEN_DIRECT,
     START_WEIGHT,
     MotionNetwork,
-    belief_of,
+    belief_of_one,
 )
 
 HINTS = 7
@@ -92,7 +92,7 @@ def test_a_slide_is_surer_of_its_quarter_the_farther_it_goes(trained):
 def test_a_belief_says_what_the_network_told(trained):
     told = trained(found())
     for place in range(6):
-        belief, radius = belief_of(told, place), float(told.radius_px[place])
+        belief, radius = belief_of_one(told, place), float(told.radius_px[place])
         counts = told.counts[place].sigmoid().tolist()
         assert [belief.counts(one) for one in COMPONENTS] == pytest.approx(counts)
         assert all(0 <= share <= 1 for share in belief.ways.values())
