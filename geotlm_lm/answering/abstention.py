@@ -112,7 +112,7 @@ def shows_contact(bundle: Bundle, encoded: Encoded) -> bool:
 def contradicts_gel_change(encoded: Encoded, told: RuleAnswer, kind: str) -> bool:
     """Tell whether an answer says "nothing touches" although the gel changed."""
     is_denied = kind == "contact" and told.decided == "no"
-    is_named = told.direction is Motion.NONE or told.decided == MotionClass.NONE.value
+    is_named = told.direction is Motion.NONE or told.motion_class is MotionClass.NONE
     return encoded.is_changed and (is_denied or is_named)
 
 
@@ -128,7 +128,8 @@ def lacks_reference(encoded: Encoded, told: RuleAnswer, kind: str) -> bool:
     """
     if not encoded.is_static or kind == "moving":
         return False
-    return kind == "contact" or told.direction in AT_REST or told.decided in AT_REST
+    at_rest = told.motion_class in (MotionClass.STILL, MotionClass.NONE)
+    return kind == "contact" or told.direction in AT_REST or at_rest
 
 
 def too_little_contact(what: str, share: float) -> str:

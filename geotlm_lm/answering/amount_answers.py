@@ -31,7 +31,7 @@ from geotlm_lm.conversation.wording import capitalised, decapitalised, direction
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import SLIDES, Motion, MotionClass, motion_class
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
-from geotlm_lm.core.twist import COMPONENTS, WAYS, Component
+from geotlm_lm.core.twist import WAYS, Component
 
 AMOUNT_KINDS = ("magnitude", "rate")
 """Kinds of amounts."""
@@ -52,6 +52,9 @@ NO_TIME = "I cannot tell the speed: it takes 3 frames and a frame rate; give it 
 
 _CLASS = {Component.TURN: MotionClass.ROTATION, Component.SLIDE: MotionClass.SLIDE}
 _CLASS |= {Component.PRESS: MotionClass.PRESS}
+_DISTANCES = (Component.TURN, Component.SLIDE)
+"""What goes a distance in the image; how deep a press goes is told where that is asked."""
+
 _UNIT_OF = {"deg": Component.TURN, "px": Component.SLIDE, "mm": Component.SLIDE}
 _DENIALS = {True: "Yes, that is so: ", False: "No, that is not so: "}
 """Before the amount, where a question denies one: a bare "no" could be read either way."""
@@ -87,7 +90,7 @@ def answer_amount(
         return neutral_answer(encoded, NO_TIME, kind, frame, timing)
     felt = felt_of(bundle, encoded, frame).seen(frame.tell)
     asked = _asked(question)
-    going = [one for one in felt.components if one in (asked or COMPONENTS)]
+    going = [one for one in felt.components if one in (asked or _DISTANCES)]
     answer = neutral_answer(encoded, "", kind, frame, timing)
     answer = replace(
         answer, options=_options(felt), motion=MeasuredMotion.of(encoded, frame), abstained=False
@@ -119,14 +122,17 @@ def _no_amount(
 ) -> Answer:
     """Return that there is no such amount, and what there is instead."""
     told = tell(felt, answer.frame, asked)
-    text, slots = f"No distance: {told.text}.", heard and heard.slots
+    answer = replace(answer, direction=told.direction)
+    what = "No distance" if answer.kind == "magnitude" else "No speed to tell"
+    text, slots = f"{what}: {told.text}.", heard and heard.slots
     if asked:
         text = f"{capitalised(told.text)}."
     elif slots and slots.kind == answer.kind and slots.direction == told.direction:
         text = heard.text
         answer = replace(answer, told_by="rule" if heard.is_by_rule else "model")
     if told.confidence < LEAST_SURE:
-        return replace(answer, text=tentative_text(text, told.confidence), abstained=True)
+        text = tentative_text(text, told.confidence)
+        return replace(answer, text=text, abstained=True, direction=None)
     decided = motion_class(told.direction).value if asked else told.direction.value
     return replace(answer, text=text, confidence=told.confidence, decided=decided)
 

@@ -120,7 +120,8 @@ def _says(heard: ModelReply, told: RuleAnswer, kind: str, frame: FrameSpec) -> b
         return False
     if told.direction is not None and not is_camera_frame(frame):
         return False
-    is_same_way = slots.direction is None or slots.direction == told.direction
+    is_same_way = slots.direction in (None, told.direction)
+    is_same_way = is_same_way and slots.motion_class in (None, told.motion_class)
     return is_same_way and deciding_word(slots) == told.decided
 
 

@@ -16,7 +16,7 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import camera_size, filled_size
 from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.core.tolerance import TOLERANCES
-from geotlm_lm.core.twist import COMPONENTS, Component
+from geotlm_lm.core.twist import COMPONENTS, WAYS, Component
 from geotlm_lm.motion.belief import PX_PER_MM
 
 ASLANT = 1 / 3
@@ -108,15 +108,16 @@ class MeasuredMotion:
     def of(cls, encoded: Encoded, frame: FrameSpec) -> MeasuredMotion:
         """Return what is believed of a clip; `frame` tells the size of a pixel, if anybody does."""
         belief, (right, down) = encoded.belief, travel(encoded, frame)
+        ways, contact = encoded.felt
         measures = [measured(encoded, one, frame) for one in COMPONENTS]
         return cls(
             *measures,
             right=float(right),
             down=float(down),
-            counts={one: belief.counts(one) for one in COMPONENTS},
-            ways={one: belief.way(one) for one in COMPONENTS},
+            counts={one: float(sum(ways[way] for way in WAYS[one])) for one in COMPONENTS},
+            ways={one: max(WAYS[one], key=ways.__getitem__) for one in COMPONENTS},
             readable={one: belief.readable[one] for one in COMPONENTS},
-            contact=belief.contact,
+            contact=contact,
         )
 
     def measure(self, component: Component) -> Measure:

@@ -9,9 +9,10 @@ its denial and a choice never contradict each other.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from geotlm_lm.conversation.choice_answers import choice_answer, class_answer
 from geotlm_lm.conversation.compound_claims import compound_claim
 from geotlm_lm.conversation.felt import AT_REST, Claim, Felt, claim_of, subjects_of
 from geotlm_lm.conversation.half_directions import Half, asked_half, claimed_half, direction_of_half
@@ -20,24 +21,15 @@ from geotlm_lm.conversation.hypothetical_changes import (
     claims_on_changed_clip,
     supposed_changes,
 )
-from geotlm_lm.conversation.kind_choices import offered_kinds
 from geotlm_lm.conversation.likelihood_questions import likelihood_subject
-from geotlm_lm.conversation.motion_claims import claimed_motions, offered_options, presumed_class
+from geotlm_lm.conversation.motion_claims import claimed_motions, presumed_class
 from geotlm_lm.conversation.motion_names import motions_named, nearly_named
-from geotlm_lm.conversation.option_meanings import (
-    OptionSets,
-    offers_neither,
-    option_sets,
-    true_option,
-)
-from geotlm_lm.conversation.rule_answers import RuleAnswer, RuleInput
+from geotlm_lm.conversation.rule_answers import RuleAnswer, RuleInput, answer_told, open_answer
 from geotlm_lm.conversation.telling import Told, doing, tell
 from geotlm_lm.conversation.thread_answers import thread_answer
 from geotlm_lm.conversation.wording import (
-    KIND_SENTENCES,
     capitalised,
     confidence_level,
-    decapitalised,
     direction_clause,
     frame_phrase,
 )
@@ -70,28 +62,7 @@ def _open(asked: RuleInput) -> RuleAnswer:
     felt = asked.felt.seen(asked.frame.tell)
     if half is not None and felt.main in DIRECTED:
         return _half(felt, asked.frame, half)
-    return _opened(felt, asked.frame, asked_components(asked.question))
-
-
-def _opened(felt: Felt, frame: FrameSpec, components: Sequence[Component]) -> RuleAnswer:
-    told = tell(felt, frame, components)
-    text = f"{capitalised(told.text)}."
-    return _answer(told, text, frame, felt.words, told.direction.value)
-
-
-def _answer(
-    told: Told, text: str, frame: FrameSpec, options: Mapping[str, float], decided: str
-) -> RuleAnswer:
-    return RuleAnswer(
-        text,
-        told.direction,
-        frame,
-        dict(options),
-        decided,
-        told.confidence,
-        is_plain=told.is_plain,
-        component=told.component,
-    )
+    return open_answer(felt, asked.frame, asked_components(asked.question))
 
 
 def _half(felt: Felt, frame: FrameSpec, half: Half) -> RuleAnswer:
@@ -121,7 +92,7 @@ def _changed(asked: RuleInput) -> RuleAnswer:
         told = tell(felt, frame, subjects_of(claims)) if claims else told
     text = f"{told.text}{ends}."
     if not claims:
-        return _answer(told, capitalised(text), frame, felt.words, told.direction.value)
+        return answer_told(told, capitalised(text), frame, felt.words, told.direction.value)
     return _verdict(felt, frame, told, [claim_of(claims)], ("Yes, {}", "No, {}", "yes", "no"), text)
 
 
@@ -210,71 +181,13 @@ def _verdict(
     options = {words[0]: share, words[1]: 1.0 - share}
     word = words[0] if is_true else words[1]
     direction = felt.main if told.is_doubtful else told.direction
-    return _answer(
+    return answer_told(
         replace(told, direction=direction, confidence=min(told.confidence, options[word])),
         (yes if is_true else no).format(told.text if text is None else text),
         frame,
         options,
         word,
     )
-
-
-def _choice(asked: RuleInput) -> RuleAnswer:
-    frame, felt = asked.frame, asked.felt.seen(asked.frame.tell)
-    if (sets := option_sets(asked.question)) is not None:
-        return _choice_of_sets(asked, felt, sets)
-    offered = offered_options(asked.question)
-    among = frozenset(offered.values()) or frozenset(motions_named(asked.question))
-    subjects = subjects_of(among)
-    opened = _opened(felt, frame, subjects)
-    true = [one for one in (*map(felt.way, felt.components), *felt.state) if one in among]
-    if offers_neither(asked.question) and not true:
-        return replace(opened, text=f"Neither: {decapitalised(opened.text)}", is_plain=False)
-    if not offered or not true:
-        return opened
-    # Of letters that offer one motion the first stands for all: they are one answer.
-    letters = {motion: letter for letter, motion in reversed(offered.items())}
-    shares = {one: felt.words[one.value] for one in reversed(letters)}
-    total = sum(shares.values())
-    options = {f"{letters[one]}) {one.value}": share / total for one, share in shares.items()}
-    told = tell(felt, frame, {COMPONENT_OF[true[0]]} if true[0] in COMPONENT_OF else ())
-    word = f"{letters[true[0]]}) {true[0].value}"
-    text = f"{capitalised(told.text)}, option {letters[true[0]]}."
-    return replace(_answer(told, text, frame, options, word), confidence=options[word])
-
-
-def _choice_of_sets(asked: RuleInput, felt: Felt, sets: OptionSets) -> RuleAnswer:
-    """Tell the option that is true of what is felt, where options say more or less than one."""
-    label = true_option(sets, felt.state)
-    subjects = frozenset().union(*(subjects_of(motions) for _, motions in sets.values()))
-    told = tell(felt, asked.frame, subjects)
-    if label is None:
-        return _opened(felt, asked.frame, subjects)
-    options = {
-        f"{one}) {words}": felt.probability(claim_of(motions))
-        for one, (words, motions) in sets.items()
-    }
-    word = f"{label}) {sets[label][0]}"
-    text = f"{capitalised(told.text)}, option {label}."
-    sure = min(told.confidence, options[word])
-    return replace(_answer(told, text, asked.frame, options, word), confidence=sure)
-
-
-def _class(asked: RuleInput) -> RuleAnswer:
-    frame, felt = asked.frame, asked.felt.seen(asked.frame.tell)
-    shares: dict[str, float] = {}
-    for motion, probability in felt.words.items():
-        word = motion_class(Motion(motion)).value
-        shares[word] = min(shares.get(word, 0.0) + probability, 1.0)
-    ways = list(map(felt.way, felt.components)) or [felt.main]
-    kinds, offered = [motion_class(way) for way in ways], offered_kinds(asked.question)
-    told = [kind for kind in kinds if offered is None or kind in offered]
-    names = [decapitalised(KIND_SENTENCES[kind][:-1]) for kind in told]
-    text = f"{capitalised(' and '.join(names))}."
-    if not told:
-        told, text = kinds, f"None of these: {tell(felt, frame).text}."
-    sure, is_plain = min(shares[kind.value] for kind in told), len(names) == 1
-    return RuleAnswer(text, None, frame, shares, told[0].value, sure, is_plain=is_plain)
 
 
 def _moving(asked: RuleInput) -> RuleAnswer:
@@ -295,8 +208,10 @@ def _contact(asked: RuleInput) -> RuleAnswer:
 def _yes_or_no(asked: RuleInput, is_so: bool, share: float, text: str) -> RuleAnswer:
     options = {"yes": share, "no": 1.0 - share}
     word = "yes" if is_so else "no"
-    direction = None if is_so else asked.felt.main
-    return RuleAnswer(text, direction, asked.frame, options, word, options[word], is_plain=True)
+    kind = None if is_so or asked.kind == "contact" else motion_class(asked.felt.main)
+    return RuleAnswer(
+        text, None, asked.frame, options, word, options[word], is_plain=True, motion_class=kind
+    )
 
 
 def _confidence(asked: RuleInput) -> RuleAnswer:
@@ -310,14 +225,14 @@ def _confidence(asked: RuleInput) -> RuleAnswer:
     told = tell(felt, frame)
     level = confidence_level(told.confidence)
     text = f"My confidence is {level}: {told.confidence:.0%} that {told.text}."
-    return _answer(told, text, frame, felt.words, told.direction.value)
+    return answer_told(told, text, frame, felt.words, told.direction.value)
 
 
 _RULES: dict[str, Callable[[RuleInput], RuleAnswer]] = {
     "direction": _open,
     "verify": _judged,
-    "choice": _choice,
-    "class": _class,
+    "choice": choice_answer,
+    "class": class_answer,
     "contact": _contact,
     "moving": _moving,
     "negation": _judged,

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from geotlm_lm.conversation.felt import Felt
+from geotlm_lm.conversation.telling import Told, tell
+from geotlm_lm.conversation.wording import capitalised
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import Motion, MotionClass
 from geotlm_lm.core.twist import Component
 
 
@@ -45,6 +48,7 @@ class RuleAnswer:
         is_refusal: Whether it declines to say.
         is_plain: Whether the model's own sentence, of one motion, may stand for it.
         component: What it tells the amount of; None where it tells none.
+        motion_class: The kind of motion it names without a way; None where it names none.
     """
 
     text: str
@@ -56,3 +60,26 @@ class RuleAnswer:
     is_refusal: bool = False
     is_plain: bool = False
     component: Component | None = None
+    motion_class: MotionClass | None = None
+
+
+def answer_told(
+    told: Told, text: str, frame: FrameSpec, options: Mapping[str, float], decided: str
+) -> RuleAnswer:
+    """Return an answer that says a clause on the motion, in a sentence of its own."""
+    return RuleAnswer(
+        text,
+        told.direction,
+        frame,
+        dict(options),
+        decided,
+        told.confidence,
+        is_plain=told.is_plain,
+        component=told.component,
+    )
+
+
+def open_answer(felt: Felt, frame: FrameSpec, components: Collection[Component] = ()) -> RuleAnswer:
+    """Return what is felt, named as `frame` does, of components or, without any, of all."""
+    told = tell(felt, frame, components)
+    return answer_told(told, f"{capitalised(told.text)}.", frame, felt.words, told.direction.value)

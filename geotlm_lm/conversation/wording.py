@@ -5,14 +5,6 @@ from __future__ import annotations
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass
 
-AT_REST = {
-    Motion.PRESS: "It is pressing in.",
-    Motion.RELEASE: "It is lifting off.",
-    Motion.STILL: "It is still: touching but not moving.",
-    Motion.NONE: "Nothing is touching the gel.",
-}
-"""What is said of motions without a direction; the same in every frame."""
-
 KIND_SENTENCES = {
     MotionClass.ROTATION: "A rotation.",
     MotionClass.SLIDE: "A slide.",
@@ -54,15 +46,6 @@ def frame_phrase(frame: FrameSpec) -> str:
 def motion_phrase(motion: Motion) -> str:
     """Return a motion as a phrase without frame: "clockwise", "pressing in"."""
     return motion.value if motion in DIRECTED else _GERUNDS[motion]
-
-
-def direction_sentence(told: Motion, frame: FrameSpec) -> str:
-    """Return a motion, `told` as `frame` names it, as a sentence with its frame."""
-    if told not in DIRECTED:
-        return AT_REST[told]
-    if frame.actor == "sensor":
-        return f"The sensor goes {told.value}, {frame_phrase(frame)}."
-    return f"{told.value.capitalize()}, {frame_phrase(frame)}."
 
 
 def direction_clause(told: Motion, frame: FrameSpec) -> str:

@@ -81,7 +81,7 @@ DEFAULT = TrainingPreset(
     pretraining_batch=32,
     geometry_epochs=30,
     geometry_clips=8_000,
-    language_steps=6_000,
+    language_steps=3_000,
     language_batch=64,
 )
 

@@ -20,7 +20,7 @@ from geotlm_lm.motion.measured import Measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.training.calibration_error import expected_calibration_error
-from geotlm_lm.training.language import UNASKED, felt_words
+from geotlm_lm.training.felt import UNASKED, felt_words
 
 OPEN_TYPE = "T1"
 

@@ -13,9 +13,8 @@ import cv2
 import numpy as np
 import torch
 
-from geotlm_lm.backbone.frozen import ENCODE_BATCH, FrozenBackbone
+from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
-from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, reading_of, save_bundle
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
@@ -25,7 +24,6 @@ from geotlm_lm.core.record import commit, machine
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.generation import Speaker
 from geotlm_lm.model import GeoTLM
-from geotlm_lm.motion.measured import Measured, measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
@@ -43,16 +41,14 @@ from geotlm_lm.training.examples import (
     simulate_examples,
 )
 from geotlm_lm.training.geometry import (
-    ALL_MOTIONS,
     GeometryModel,
-    TokenSet,
     better_mode,
     train_geometry,
     train_global_probe,
 )
 from geotlm_lm.training.language import LanguageTraining, train_language
 from geotlm_lm.training.motion import motion_scores, train_motion
-from geotlm_lm.training.motion_loss import counts_motion
+from geotlm_lm.training.perceiving import perceive_examples, token_set
 from geotlm_lm.training.pretraining import PRETRAINING_VERSION, pretrain
 from geotlm_lm.training.run_clock import clock
 from geotlm_lm.training.scoring import (
@@ -159,28 +155,6 @@ def example_sets(settings: TrainingPreset) -> dict[str, ExampleSet]:
     return {one.stage: one for one in sets}
 
 
-def perceive_examples(model: GeoTLM, examples: Examples, progress: Progress = silent) -> ClipSet:
-    """Return tokens, contact share and what is measured of every example."""
-    fused, plain, contact, found = [], [], [], []
-    for start in range(0, len(examples), ENCODE_BATCH):
-        inputs = torch.from_numpy(examples.inputs[start : start + ENCODE_BATCH])
-        perception = model.fuse(model.backbone.encode_inputs(inputs))
-        fused.append(perception.fused_token)
-        plain.append(perception.global_token)
-        contact.append(perception.geometry.region_mass[:, -1])
-        motions = torch.from_numpy(examples.motions[start : start + ENCODE_BATCH])
-        found.append(measured(inputs, motions, perception.geometry, perception.fused_token))
-        progress("perceive", min(start + ENCODE_BATCH, len(examples)), len(examples))
-    return ClipSet(
-        fused_tokens=torch.cat(fused),
-        global_tokens=torch.cat(plain),
-        contact_share=torch.cat(contact).numpy(),
-        measured=Measured.joined(found),
-        labels=examples.labels,
-        objects=examples.objects,
-    )
-
-
 def about_examples(settings: TrainingPreset, seed: int) -> dict[str, Any]:
     """Return what the examples of a run depend on."""
     about = {"preset": settings.to_dict(), "seed": seed}
@@ -218,8 +192,8 @@ def _train_perception(
 
     The drawn shear field of `paper` follows no true displacement, so that it has to be better.
     """
-    train_set = _token_set(backbone, learned, settings.fresh_clips, progress)
-    validation_set = _token_set(backbone, validation, len(validation), progress)
+    train_set = token_set(backbone, learned, settings.fresh_clips, progress)
+    validation_set = token_set(backbone, validation, len(validation), progress)
     trained: dict[str, GeometryModel] = {
         mode: train_geometry(
             train_set,
@@ -251,29 +225,6 @@ def _train_perception(
         global_probe=global_probe.eval().requires_grad_(False),
     )
     return model, accuracies
-
-
-def _token_set(
-    backbone: FrozenBackbone, examples: Examples, count: int, progress: Progress
-) -> TokenSet:
-    """Encode the first `count` examples; tokens stay in half precision to fit in memory."""
-    count = min(count, len(examples))
-    parts = []
-    for start in range(0, count, ENCODE_BATCH):
-        rows = slice(start, min(start + ENCODE_BATCH, count))
-        tokens = backbone.encode_inputs(torch.from_numpy(examples.inputs[rows]))
-        parts.append((tokens.global_token, tokens.patches.half()))
-        progress("encode", rows.stop, count)
-    displacement = torch.from_numpy(examples.displacement_px[:count])
-    labels = examples.labels[:count]
-    return TokenSet(
-        tokens=Tokens(*(torch.cat(column) for column in zip(*parts, strict=True))),
-        shear_change=displacement[:, 1] - displacement[:, 0],
-        contact=torch.from_numpy(examples.contact[:count]).float().mean(dim=1),
-        motions=torch.tensor([ALL_MOTIONS.index(label.motion) for label in labels]),
-        is_readable=torch.tensor([label.is_readable for label in labels]),
-        counts_motion=torch.tensor([counts_motion(label) for label in labels]),
-    )
 
 
 def train_speaker(

@@ -27,7 +27,7 @@ from geotlm_lm.core.labels import DIRECTED, Motion, MotionLabel, mirror, reverse
 from geotlm_lm.data.questions import questions_for
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.parse_answer import Slots
-from tests.answering.scripted import answerer_saying, feeling, first_kinds_of, recording
+from tests.answering.scripted import answerer_saying, believed, feeling, first_kinds_of, recording
 from tests.tiny_bundle import tiny_bundle
 
 CAMERA = FrameSpec()
@@ -65,11 +65,8 @@ def answer_of(bundle, asked, felt, frame=CAMERA, *, knows_all=True, says=None):
     # A claim of a word or two is put to the model as a whole question.
     said = dict.fromkeys((asked.question, expanded_question(asked.question)), says or asked.answer)
     sentences = said | {OPEN_QUESTION: opened, "*": opened}
-    # Sure of its words even among the forty answers to a choice: doubt is not the matter here.
-    measures = {"deg": 20.0, "px": 10.0}
-    answerer = answerer_saying(
-        bundle, sentences, grammar=grammar, measures=measures, temperature=0.2
-    )
+    belief = believed(felt, deg=20.0, px=10.0)
+    answerer = answerer_saying(bundle, sentences, grammar=grammar, belief=belief)
     return answerer.ask(perceived(bundle), asked.question, frame=frame)
 
 
