@@ -281,15 +281,15 @@ def both_directions(answers: Sequence[Answer], beginning: str = "") -> str:
         answers: About each clip.
         beginning: The clip that was named just before, "first" or "second", which comes first.
     """
-    one, other = (answer.direction for answer in answers)
-    where = f", {frame_phrase(answers[0].frame)}" if {one, other} & set(DIRECTED) else ""
+    motions = [answer.direction for answer in answers]
+    where = f", {frame_phrase(answers[0].frame)}" if set(motions) & set(DIRECTED) else ""
+    one, other = map(_going, motions)
     if one == other:
-        return f"both are {_going(one)}{where}."
+        return f"both are {one}{where}."
     if beginning == "second":
-        return f"it is {_going(other)}, the first {_going(one)}{where}."
-    if beginning == "first":
-        return f"it is {_going(one)}, the second {_going(other)}{where}."
-    return f"the first is {_going(one)}, the second {_going(other)}{where}."
+        return f"it is {other}, the first {one}{where}."
+    who = "it" if beginning == "first" else "the first"
+    return f"{who} is {one}, the second {other}{where}."
 
 
 def _going(motion: Motion) -> str:
