@@ -106,23 +106,6 @@ def test_a_name_left_out_and_a_name_too_many_are_both_told(name, tmp_path):
     assert "surplus.weight; get the file from " in text
 
 
-@pytest.mark.parametrize(
-    ("name", "prefix"),
-    [("anytouch2", "tactile_model."), ("anytouch2", ""), ("internvit", "vision_model.")],
-)
-def test_the_same_weights_under_another_prefix_are_the_same_encoder(name, prefix, tmp_path):
-    def rename(tensors):
-        for own in list(tensors):
-            if name == "internvit" or own.startswith("touch_mae_model."):
-                tensors[prefix + own.removeprefix("touch_mae_model.")] = tensors.pop(own)
-            else:
-                del tensors[own]
-
-    plain = load_encoder(write_small(name, tmp_path / "a"), heads=2)
-    renamed = load_encoder(write_small(name, tmp_path / "b", rename), heads=2)
-    assert plain.digest() == renamed.digest()
-
-
 def test_the_vision_part_of_a_chat_model_is_found_beside_its_language_part(tmp_path):
     def embed(tensors):
         for own in list(tensors):

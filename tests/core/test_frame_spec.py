@@ -70,19 +70,6 @@ def test_an_image_turned_by_a_quarter_is_turned_back_before_anything_else(frame,
     assert tuple(spec.tell(motion) for motion in SEEN) == expected
 
 
-@pytest.mark.parametrize("frame", TOLD)
-def test_two_quarter_turns_are_half_a_turn_and_two_opposite_ones_none(frame):
-    upright, *turned = (FrameSpec(*frame, image_quarter_turn=turn) for turn in (None, *TURNED))
-    upside_down = FrameSpec(*frame, image_upside_down=True)
-    for motion in Motion:
-        by_clockwise, by_counterclockwise = (
-            spec.tell(upright.in_the_image(spec.tell(motion))) for spec in turned
-        )
-        assert by_clockwise == by_counterclockwise == upside_down.tell(motion)
-        there = upright.in_the_image(turned[0].tell(motion))
-        assert turned[1].tell(there) == upright.tell(motion)
-
-
 @pytest.mark.parametrize(
     "spec", [*(FrameSpec(*frame) for frame in FRAMES), *(FrameSpec(**frame) for frame in QUARTERS)]
 )
