@@ -236,7 +236,7 @@ def _perception_states(bundle: Bundle) -> dict[str, dict[str, Tensor]]:
 
 
 def _assemble(config: dict[str, Any], tensors: dict[str, Tensor]) -> tuple[GeoTLM, MotionNetwork]:
-    vit_config = ViTConfig.of(config["backbone"])
+    vit_config = ViTConfig(**config["backbone"])
     if vit_config.input_dim != PATCH_INPUT_DIM:
         raise ValueError(
             f"patch inputs have {vit_config.input_dim} numbers, this version's {PATCH_INPUT_DIM}"

@@ -15,7 +15,7 @@ nothing of how patch inputs are made from frames.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import torch
 import torch.nn.functional as F
@@ -43,20 +43,6 @@ class ViTConfig:
     def mlp_width(self) -> int:
         """Width of the hidden layer of a block's MLP."""
         return self.width * MLP_RATIO
-
-    @classmethod
-    def of(cls, stored: dict[str, Any]) -> ViTConfig:
-        """Return the sizes a bundle stores; older ones store the constants above beside them.
-
-        Raises:
-            ValueError: If a constant is another than this version's.
-            TypeError: If there is a size of another name.
-        """
-        sizes = dict(stored)
-        for name, value in {"mlp_ratio": MLP_RATIO, "norm_eps": NORM_EPS}.items():
-            if (found := sizes.pop(name, value)) != value:
-                raise ValueError(f"{name} is {found}, this version's {value}")
-        return cls(**sizes)
 
 
 class BlockSizes(Protocol):

@@ -100,7 +100,8 @@ class Belief:
     def _seen(self, matrix: Spread, mean: Twist, rename: object) -> Belief:
         ways = {rename(way): share for way, share in self.ways.items()}
         covariance = matrix @ self.covariance @ matrix.T
-        return replace(self, mean=mean, covariance=covariance, ways=ways)
+        # The model's own numbers are those of the clip as it was seen.
+        return replace(self, mean=mean, covariance=covariance, ways=ways, numbers=())
 
 
 PX_PER_MM = 12.8

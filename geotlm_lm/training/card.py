@@ -60,7 +60,7 @@ def _how_made(folder: Path, bundle: Bundle, seconds: float) -> str:
         f"{mode} {value:.3f}" for mode, value in made["dgr_validation_accuracy"].items()
     )
     markers = VARIED["marker_share"]
-    fresh = TrainingPreset.of(preset).fresh_clips
+    fresh = TrainingPreset(**preset).fresh_clips
     pretrained_on = preset["pretraining_clips"] + preset["head_clips"] - fresh
     parameters = sum(one.numel() for one in bundle.motion.parameters())
     size_mb = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal, TypeVar
 
 from geotlm_lm.core.errors import UsageError
@@ -61,16 +61,6 @@ class TrainingPreset(HeadsPreset):
     pretraining_draws: int
     pretraining_batch: int
     geometry_clips: int
-
-    @classmethod
-    def of(cls, stored: dict[str, Any]) -> TrainingPreset:
-        """Return the preset a bundle says it was trained by; older ones name constants too.
-
-        Raises:
-            TypeError: If a field is missing.
-        """
-        known = {field.name for field in fields(cls)}
-        return cls(**{name: value for name, value in stored.items() if name in known})
 
     @property
     def fresh_clips(self) -> int:

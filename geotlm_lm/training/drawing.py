@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +10,6 @@ from numpy.typing import NDArray
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.data.questions import askable_types
-
-if TYPE_CHECKING:
-    from geotlm_lm.training.language import LanguageTraining
 
 TYPE_WEIGHTS = {"T1": 6.0, "T2": 4.0, "T3": 8.0, "T17": 2.0}
 """How often a type is asked against 1 for the others: the open question is what users ask most;
@@ -34,11 +30,11 @@ def drawing_shares(labels: Sequence[MotionLabel]) -> NDArray[np.float64]:
 
 
 def draw_clips(
-    shares: NDArray[np.float64], config: LanguageTraining, step: int
+    shares: NDArray[np.float64], count: int, *, seed: int, step: int
 ) -> NDArray[np.int64]:
-    """Return the places of the clips asked about in `step`."""
-    rng = generator_for(config.seed, "language", "clips", step)
-    return np.searchsorted(shares[:-1], rng.random(config.batch), side="right")
+    """Return the places of the `count` clips asked about in `step`."""
+    rng = generator_for(seed, "language", "clips", step)
+    return np.searchsorted(shares[:-1], rng.random(count), side="right")
 
 
 def draw_type(label: MotionLabel, rng: np.random.Generator) -> str:

@@ -125,7 +125,8 @@ def train_language(
     try:
         while step < config.all_steps:
             with uninterrupted_step():
-                chosen = [asked[place] for place in draw_clips(shares, config, step)]
+                drawn = draw_clips(shares, config.batch, seed=config.seed, step=step)
+                chosen = [asked[place] for place in drawn]
                 others = generator_for(config.seed, "language", "felt", step).integers(
                     len(labels), size=FELT_BATCH
                 )

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import torch
 
-from geotlm_lm.backbone.image_vit import ImageViT, ImageViTConfig, resized_positions, sinusoids
+from geotlm_lm.backbone.image_vit import ImageViT, ImageViTConfig
 
 CONFIG = ImageViTConfig(
     width=24,
@@ -63,23 +63,3 @@ def test_layer_scale_is_a_gain_that_can_be_folded_into_the_layers_before_it():
             layer.weight *= gain[:, None]
             layer.bias *= gain
     torch.testing.assert_close(plain(pixels, SENSORS), scaled(pixels, SENSORS))
-
-
-def test_sinusoids_are_sines_then_cosines_of_time_then_row_then_column():
-    table = sinusoids((2, 3, 4), 24).unflatten(0, (2, 3, 4))
-    one = table[1, 2, 3]
-    for axis, index in enumerate((1, 2, 3)):
-        own = one[8 * axis : 8 * axis + 8].double()
-        frequencies = torch.tensor([10000 ** (-k / 4) for k in range(4)], dtype=torch.float64)
-        expected = torch.cat([(index * frequencies).sin(), (index * frequencies).cos()])
-        torch.testing.assert_close(own, expected, atol=1e-6, rtol=1e-6)
-    assert sinusoids((1, 1, 1), 20).shape == (1, 20)
-
-
-def test_resized_positions_keep_a_constant_and_a_ramp_along_its_axis():
-    ramp = torch.arange(8.0)[:, None].expand(8, 8).flatten()
-    table = torch.stack([torch.full((64,), 3.0), ramp], dim=1)
-    found = resized_positions(table, (8, 8), (4, 16)).unflatten(0, (4, 16))
-    torch.testing.assert_close(found[..., 0], torch.full((4, 16), 3.0))
-    # Half-pixel centres: row r of 4 lies at 2 r + 0.5 of 8, away from the border.
-    torch.testing.assert_close(found[1:3, :, 1], torch.tensor([[2.5], [4.5]]).expand(2, 16))

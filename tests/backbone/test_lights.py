@@ -10,7 +10,6 @@ from geotlm_lm.backbone.lights import (
     Lights,
     as_of_one_light,
     lights_of,
-    turned_by_a_half,
     turned_by_a_quarter,
 )
 from geotlm_lm.backbone.relief import RELIEF_SIDE
@@ -86,14 +85,3 @@ def test_a_picture_turned_back_is_that_of_the_turned_relief_under_the_usual_ligh
         sign = np.sign((found * expected).sum())
         assert sign == (1 if quarters == 1 else -1)
         assert np.abs(sign * found - expected).max() < 1e-3 * np.abs(expected).max()
-
-
-def test_four_quarters_and_two_halves_leave_a_picture_of_shades_as_it_was():
-    image = shaded(relief())
-    found = image
-    for _ in range(4):
-        found = turned_by_a_quarter(found)
-    assert np.abs(found - image).max() < 1e-4 * np.abs(image).max()
-    halves = turned_by_a_half(image)
-    assert np.abs(halves - turned_by_a_quarter(turned_by_a_quarter(image))).max() < 1e-3
-    np.testing.assert_array_equal(turned_by_a_half(halves), image)

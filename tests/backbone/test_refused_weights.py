@@ -56,33 +56,6 @@ def test_a_file_that_fits_in_part_is_refused_with_what_is_wrong(tmp_path, name, 
     assert ENCODERS[name].source in str(caught.value)
 
 
-def test_the_stale_stem_of_anytouch_1_is_not_read(tmp_path):
-    changed = {}
-
-    def spoil(tensors):
-        stale = next(
-            n for n in tensors if n.endswith("touch_model.embeddings.patch_embedding.weight")
-        )
-        tensors[stale] = torch.full_like(tensors[stale], 9.0)
-        changed[stale] = True
-
-    first = load_encoder(write_small("anytouch1", tmp_path / "a"), heads=2)
-    second = load_encoder(write_small("anytouch1", tmp_path / "b", spoil), heads=2)
-    assert changed
-    assert first.digest() == second.digest()
-
-
-def test_t3_without_its_trunk_is_refused_with_where_it_was_looked_for(tmp_path):
-    path = write_small("t3", tmp_path)
-    (tmp_path / "trunk.pth").unlink()
-    with pytest.raises(IncompatibleWeights) as caught:
-        load_encoder(path, heads=2)
-    assert str(caught.value) == (
-        f"{path}: T3's encoder was found without its trunk, expected trunk.pth beside it or one "
-        f"folder up; get both from {ENCODERS['t3'].source}."
-    )
-
-
 def test_heads_must_be_told_for_a_width_that_was_not_released(tmp_path):
     path = write_small("sparsh", tmp_path)
     with pytest.raises(UsageError) as caught:

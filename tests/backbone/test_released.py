@@ -4,7 +4,6 @@ from pathlib import Path
 
 import pytest
 import torch
-from safetensors.torch import save_file
 
 from geotlm_lm.backbone.adapters.adapter import LoadOptions, fitted
 from geotlm_lm.backbone.released import ENCODERS, ReleasedEncoder, adapter_named, load_encoder
@@ -107,23 +106,6 @@ def test_a_name_left_out_and_a_name_too_many_are_both_told(name, tmp_path):
     assert "surplus.weight; get the file from " in text
 
 
-@pytest.mark.parametrize(
-    ("name", "prefix"),
-    [("anytouch2", "tactile_model."), ("anytouch2", ""), ("internvit", "vision_model.")],
-)
-def test_the_same_weights_under_another_prefix_are_the_same_encoder(name, prefix, tmp_path):
-    def rename(tensors):
-        for own in list(tensors):
-            if name == "internvit" or own.startswith("touch_mae_model."):
-                tensors[prefix + own.removeprefix("touch_mae_model.")] = tensors.pop(own)
-            else:
-                del tensors[own]
-
-    plain = load_encoder(write_small(name, tmp_path / "a"), heads=2)
-    renamed = load_encoder(write_small(name, tmp_path / "b", rename), heads=2)
-    assert plain.digest() == renamed.digest()
-
-
 def test_the_vision_part_of_a_chat_model_is_found_beside_its_language_part(tmp_path):
     def embed(tensors):
         for own in list(tensors):
@@ -132,17 +114,6 @@ def test_the_vision_part_of_a_chat_model_is_found_beside_its_language_part(tmp_p
 
     path = write_small("internvit", tmp_path, embed)
     assert load_encoder(path, heads=2).adapter.name == "internvit"
-
-
-def test_a_foreign_file_is_refused_with_its_first_names(tmp_path):
-    save_file({"conv1.weight": torch.ones(2), "fc.bias": torch.ones(2)}, tmp_path / "resnet")
-    with pytest.raises(IncompatibleWeights) as caught:
-        load_encoder(tmp_path / "resnet")
-    assert str(caught.value) == (
-        f"{tmp_path / 'resnet'}: is the file of none of anytouch2, anytouch1, sparsh, t3, "
-        f"internvit, unit, its first names are conv1.weight, fc.bias; say which encoder it should "
-        f"be by --encoder to see what is missing."
-    )
 
 
 def test_an_unknown_name_is_answered_with_the_nearest_or_all():

@@ -67,10 +67,3 @@ def test_an_empty_half_pools_to_zero_and_shows_no_mass():
     assert mass["lower"].max() == 0
     assert mass["upper_minus_lower"].max() == 0
     assert mass["upper"].min() > 0
-
-
-def test_the_gradient_of_pooling_is_exact():
-    field, mask = field_and_mask(3, rows=4, columns=6)
-    field.requires_grad_(True)
-    mask.requires_grad_(True)
-    assert torch.autograd.gradcheck(pool_regions, (field, mask))

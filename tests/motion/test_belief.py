@@ -1,6 +1,7 @@
 """Laws of a Belief: what mirrors and reversal do, and that its parts agree."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -77,6 +78,7 @@ def test_mirrored_left_goes_right_and_reversed_a_press_lets_go():
         Motion.PRESS,
     ]
     assert (back.mean.inward_mm, back.way(Component.PRESS)) == (-0.2, Motion.RELEASE)
+    assert replace(belief, numbers=(1.0,)).mirrored().numbers == ()
 
 
 def test_a_slides_spread_is_that_along_its_way():

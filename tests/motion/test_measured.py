@@ -6,14 +6,13 @@ import torch
 
 from geotlm_lm.backbone.motions import MOTIONS_SHAPE
 from geotlm_lm.backbone.stem import MAGNIFICATION_AT, PATCH_INPUT_DIM
-from geotlm_lm.core.geometry import FLOW_SCALE_PX, IMAGE_SIDE
+from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.motion.measured import (
     CANDIDATES,
     LEAST_RADIUS_PX,
     SHEAR_SHARE,
     SQUARE_ASPECT,
-    Measured,
     measured,
     rigid_motions,
 )
@@ -52,14 +51,6 @@ def test_many_fits_are_those_of_the_fit_of_one():
 def test_without_weight_nothing_moves():
     turn, slide = rigid_motions(turned(20.0, 4.0)[None], torch.zeros(1, 14, 14))
     assert (turn.item(), *slide[0].tolist()) == (0.0, 0.0, 0.0)
-
-
-def test_grids_of_other_sizes_span_the_same_view():
-    x = (torch.arange(7) - 3) * (IMAGE_SIDE / 7) * SQUARE_ASPECT
-    y = (torch.arange(5) - 2) * (IMAGE_SIDE / 5)
-    field = torch.stack([-0.1 * y[:, None].expand(5, 7) / SQUARE_ASPECT, 0.1 * x.expand(5, 7)], -1)
-    turn, _ = rigid_motions(field[None] / FLOW_SCALE_PX, torch.ones(1, 5, 7))
-    assert turn.item() == pytest.approx(np.arctan(0.1), abs=1e-5)
 
 
 def looked_at(mask, motion=(0.0, 0.0, 0.0), shear=None, magnification=1.0):
@@ -134,14 +125,3 @@ def test_a_contact_on_another_grid_is_the_same_contact():
     other = measured(inputs, motions, geometry, torch.zeros(1, 4))
     torch.testing.assert_close(other.paths, fine.paths, rtol=0.03, atol=0.03)
     torch.testing.assert_close(other.hints, fine.hints, rtol=0.05, atol=0.05)
-
-
-def test_batches_joined_and_taken_apart_are_the_same():
-    parts = [looked_at(disc(x, 0.0), (0.1, x, 0.0)) for x in (-1.0, 2.0)]
-    both = Measured.joined(parts)
-    for row, part in enumerate(parts):
-        again = both.only(slice(row, row + 1))
-        assert all(
-            torch.equal(again_, own)
-            for again_, own in zip(vars(again).values(), vars(part).values(), strict=True)
-        )

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import torch
 
@@ -14,7 +15,7 @@ from geotlm_lm.motion.network import (
     GREEN_DIRECT,
     START_WEIGHT,
     MotionNetwork,
-    belief_of,
+    belief_of_one,
 )
 
 HINTS = 7
@@ -89,10 +90,21 @@ def test_a_slide_is_surer_of_its_quarter_the_farther_it_goes(trained):
     assert diagonal[:2].tolist() == pytest.approx([0.5, 0.5], abs=0.01)
 
 
+def test_doubt_widens_what_is_believed_and_draws_probabilities_towards_a_half(trained):
+    told = trained(found())
+    for place in range(6):
+        sure, doubted = (belief_of_one(told, place, doubt=doubt) for doubt in (1.0, 3.0))
+        assert doubted.mean == sure.mean
+        np.testing.assert_allclose(doubted.covariance, 9 * sure.covariance, rtol=1e-5)
+        for component in COMPONENTS:
+            shares = sure.counts(component), doubted.counts(component)
+            assert abs(shares[1] - 0.5) <= abs(shares[0] - 0.5)
+
+
 def test_a_belief_says_what_the_network_told(trained):
     told = trained(found())
     for place in range(6):
-        belief, radius = belief_of(told, place), float(told.radius_px[place])
+        belief, radius = belief_of_one(told, place), float(told.radius_px[place])
         counts = told.counts[place].sigmoid().tolist()
         assert [belief.counts(one) for one in COMPONENTS] == pytest.approx(counts)
         assert all(0 <= share <= 1 for share in belief.ways.values())

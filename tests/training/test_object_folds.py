@@ -36,11 +36,3 @@ def test_every_row_is_used_once_in_each_fold(folds):
 
 def test_every_row_is_tested_exactly_once_over_the_folds(folds):
     assert sorted(np.concatenate([fold.test for fold in folds])) == list(range(len(OBJECTS)))
-
-
-@pytest.mark.parametrize(
-    ("objects", "count"), [(["a", "b"], 2), (list("abc"), 4), (list("abc"), 1)]
-)
-def test_too_few_objects_are_refused(objects, count):
-    with pytest.raises(ValueError, match="three disjoint parts need"):
-        object_folds(objects, count, seed=0)
