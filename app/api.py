@@ -23,6 +23,8 @@ from gradio_client import Client, handle_file
 client = Client("http://127.0.0.1:7860")
 clip = handle_file("app/examples/bottle_cap_clockwise.npz")
 print(client.predict(clip, "Which way is it turning?", api_name="/ask")["text"])
+motion = client.predict(clip, "What happens?", api_name="/ask")["motion"]
+print(motion["turn"]["way"], motion["turn"]["mean"], motion["slide"]["counts"])
 print(client.predict(clip, api_name="/evidence")["contact_share"])
 print(client.predict(clip, clip, api_name="/compare")["relation"])
 print(client.predict("key", 0.6, 15.0, 0.4, 0.0, 0.1, 4.0, 0, api_name="/simulate")["answer"])

@@ -18,8 +18,11 @@ State = frozenset[Motion]
 Claim = Callable[[State], bool]
 AT_REST = frozenset({Motion.STILL, Motion.NONE})
 
-BARELY = (0.25, 0.75)
-"""Probability of counting between which a component is told to move barely."""
+BARELY = (0.05, 0.75)
+"""Probability of counting between which a component that is asked about is told to move barely. Of
+135 pairs of frames of real turns, played both ways, 25 turn by less than half a degree and are
+believed to count at less than a half; at 0.05 or more of that 13 of 15 lean the true way, below 6
+of 10."""
 
 
 def claim_of(motions: frozenset[Motion]) -> Claim:

@@ -92,14 +92,23 @@ def cannot_be_seen(component: Component) -> str:
     return f"It {verb}; {_UNREADABLE[component]}."
 
 
+SURELY = 0.75
+"""Probability of its way below which a component is told as a perhaps beside those that are surer:
+a doubtful lesser part must not take a sure greater one with it."""
+
+
 def _all(felt: Felt, frame: FrameSpec, told: Sequence[Component], who: str) -> Told:
-    text = f"{who} {_joined([_part(felt, one) for one in told])}{_where(felt, frame, told)}"
-    unseen = [_UNREADABLE[one] for one in told if one in felt.unreadable]
+    sure = [one for one in told if felt.ways[felt.way(one)] >= SURELY] or list(told[:1])
+    doubtful = [one for one in told if one not in sure]
+    text = f"{who} {_joined([_part(felt, one) for one in sure])}{_where(felt, frame, sure)}"
+    unseen = [_UNREADABLE[one] for one in sure if one in felt.unreadable]
     text = "; ".join([text, *unseen])
-    ways = [felt.way(one) for one in told]
+    if doubtful:
+        text += f"; perhaps it also {_joined([_part(felt, one) for one in doubtful])}"
+    ways = [felt.way(one) for one in sure]
     is_plain = len(told) == 1 and not unseen and not felt.is_barely(told[0])
-    sure = min(felt.ways[way] for way in ways)
-    return Told(text, ways[0], sure, None if told[0] in felt.unreadable else told[0], is_plain)
+    least = min(felt.ways[way] for way in ways)
+    return Told(text, ways[0], least, None if sure[0] in felt.unreadable else sure[0], is_plain)
 
 
 def _doubtful(felt: Felt, frame: FrameSpec, component: Component, who: str) -> Told:

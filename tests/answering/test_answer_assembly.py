@@ -51,7 +51,7 @@ def test_where_it_is_doubtful_that_it_moves_barely_is_said(bundle):
     for share, begins in (
         (0.6, "It turns clockwise, barely: about 1 degree, in"),
         (0.4, "It does not turn, or barely: clockwise, about 1 degree, in"),
-        (0.1, "It does not turn: it is touching but not moving."),
+        (0.02, "It does not turn: it is touching but not moving."),
     ):
         belief = believed("clockwise", share=share, deg=1.0)
         answerer = answerer_saying(bundle, {"*": "A rotation."}, belief=belief)

@@ -9,7 +9,7 @@ import pytest
 from geotlm_lm.answering.amounts import Amount
 from geotlm_lm.benchmarks.amounts import (
     AMOUNTS,
-    ODOMETER,
+    BELIEF,
     RIVALS,
     Moved,
     amount_rows,
@@ -72,7 +72,7 @@ def test_a_pixel_of_the_tolerance_is_one_of_a_224_pixel_image(one, value, is_rig
 def test_a_row_tells_nearness_span_and_probability():
     clips = [moved(amount=20.0), moved(amount=10.0)]
     told = [Amount(22.0, "px", 19.0, 25.0, 0.9), Amount(20.0, "px", 15.0, 25.0, 0.5)]
-    found = scored("slides", ODOMETER, list(zip(clips, told, strict=True)), seed=0)
+    found = scored("slides", BELIEF, list(zip(clips, told, strict=True)), seed=0)
     assert (found.count, found.error, found.detail["in_span"]) == (2, 0.5, 0.5)
     assert found.detail["off_by"] == pytest.approx((0.1 + 1.0) / 2)
     assert found.detail["mean_probability"] == pytest.approx(0.7)
@@ -113,6 +113,6 @@ def test_every_method_is_told_of_every_source_and_half(folder):
     assert cases[:2] == ["simulated rotation", "simulated sliding"]
     half = half_of("a")
     assert cases[2:] == [f"real {folder.name}, {task}, {half}" for task in ("rotation", "sliding")]
-    assert [one.variant for one in rows] == [ODOMETER, *RIVALS] * 4
+    assert [one.variant for one in rows] == [BELIEF, *RIVALS] * 4
     assert {one.count for one in rows[6:]} == {2}  # one turn, one slide, both played backwards too
     assert sum(one.count("\n") - 1 for one in tables(AMOUNTS, rows) if one[0] == "|") == len(rows)

@@ -20,6 +20,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.generation import ScoredAnswers
 from geotlm_lm.language.parse_answer import Slots
+from geotlm_lm.language.slots import SLOTS
 from tests.answering.scripted import first_kinds_of, recording
 
 FOREIGN = "In welche Richtung dreht es sich?"
@@ -38,6 +39,12 @@ class Counting:
     def generate(self, fused_token, questions):
         self.generated += 1
         return [self.sentence] * len(questions)
+
+    def feel(self, fused_token):
+        return {
+            slot: torch.tensor([[0.0, *[-9.0] * (len(words) - 1)]]).log_softmax(dim=1)
+            for slot, words in SLOTS.items()
+        }
 
     def weigh(self, fused_token, question, options):
         self.scored += 1

@@ -49,7 +49,8 @@ def test_the_talk_goes_as_it_should(talk):
     clockwise = "Clockwise, in the camera image."
     assert talk[0] == clockwise
     assert talk[1].endswith(f"%: {clockwise}")
-    assert talk[2] == "Counterclockwise, in the camera image, played backwards."
+    assert talk[2].startswith("It turns counterclockwise, about ")
+    assert talk[2].endswith(", played backwards.")
     assert talk[3] == "Counterclockwise, seen from the object's side."
     assert talk[4].startswith("I cannot tell tightening from loosening: tell me which side touches")
     assert talk[5].startswith("Noted: camera image")
@@ -83,7 +84,7 @@ def test_the_reasons_for_a_turn_add_up_to_it(capsys):
     with pytest.raises(SystemExit):
         main(["answer", "--clip", str(clip), "--q", "Which way?", "--why", "--json"])
     told = json.loads(capsys.readouterr().out.splitlines()[-1])
-    place, *own, measured, sums, frame, _ = told["why"]["steps"]
+    place, *own, measured, sums, amounts, frame, _ = told["why"]["steps"]
     assert place.startswith("Contact fills ")
     assert own == [
         "The upper half goes right, the lower half left, the left half up, the right half down.",
@@ -91,8 +92,9 @@ def test_the_reasons_for_a_turn_add_up_to_it(capsys):
         "So it turns clockwise, in the camera image.",
     ]
     assert measured.startswith("Measured: ")
+    assert amounts.startswith("Measured from the first frame to the last: a turn clockwise of ")
     assert sums == (
         "The common shift cancels in the differences of the halves, which add up clockwise."
     )
     assert frame.startswith("The answer is told in this frame: camera image")
-    assert told["why"]["steps"][-1] == "Therefore: Clockwise, in the camera image."
+    assert told["why"]["steps"][-1].startswith("Therefore: It turns clockwise, about ")

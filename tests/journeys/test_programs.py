@@ -37,8 +37,9 @@ def _in_the_checkout(monkeypatch):
 
 def test_the_python_example_tells_the_caps_direction(address, capsys):
     exec(example("gradio_client", address), {})
-    asked, contact, relation, simulated = capsys.readouterr().out.splitlines()[-4:]
+    asked, turn, contact, relation, simulated = capsys.readouterr().out.splitlines()[-5:]
     assert asked == "Clockwise, in the camera image."
+    assert turn.startswith("clockwise ")
     assert float(contact) > 0.05
     assert relation == "same"
     assert simulated
