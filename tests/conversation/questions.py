@@ -43,6 +43,10 @@ class Remembering:
         self._speaker = speaker
         self._known: dict[tuple[Any, ...], Any] = {}
 
+    def feel(self, fused_token: torch.Tensor) -> Any:
+        """Return what the speaker does."""
+        return self._once("feel", fused_token)
+
     def weigh(self, fused_token: torch.Tensor, question: str, options: list[str]) -> Any:
         """Return what the speaker does."""
         return self._once("weigh", fused_token, question, options)
