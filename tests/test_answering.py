@@ -70,8 +70,8 @@ def test_an_answer_carries_direction_frame_options_evidence_and_timing(bundle):
 
 
 def test_an_answer_that_is_likelier_wrong_than_right_is_withheld_and_told_as_a_guess(bundle):
-    belief = scripted.believed("clockwise", "left", share=0.51)
-    belief.ways[Motion.LEFT], belief.ways[Motion.RIGHT] = 0.4, 0.3
+    belief = scripted.believed("clockwise", share=0.51)
+    belief.ways[Motion.CLOCKWISE], belief.ways[Motion.COUNTERCLOCKWISE] = 0.4, 0.3
     answerer = answerer_saying(bundle, CLOCKWISE, belief=belief)
     answer = answerer.ask(answerer.encode(recording()), "Which way?")
     assert answer.text.startswith("I cannot tell for sure, 40%: It turns clockwise, barely: about")

@@ -43,8 +43,10 @@ UNITS = {Component.TURN: "deg", Component.SLIDE: "px", Component.PRESS: "mm"}
 QUESTIONS = {
     Component.TURN: question_for(ROTATIONS),
     Component.SLIDE: question_for(SLIDES),
-    Component.PRESS: "Is it pressing in or lifting off?",
 }
+
+CLAIMS = {Motion.PRESS: "Is it pressing in?", Motion.RELEASE: "Is it lifting off?"}
+"""A press has two ways and no question of its own."""
 
 LEAST_COSINE = math.cos(math.radians(45)) - 1e-9
 """Of the angle between a way that is told and the true one."""
@@ -131,6 +133,8 @@ def belief_tells(belief: Belief) -> Told:
 def words_tell(answerer: Answerer, encoded: Encoded) -> Told:
     """Return what words say of each component when they are asked about it."""
     told = {one: motion_told(answerer.ask(encoded, asked)) for one, asked in QUESTIONS.items()}
+    claims = (way for way, said in CLAIMS.items() if answerer.ask(encoded, said).decided == "yes")
+    told[Component.PRESS] = next(claims, None)
     counting = {one: COMPONENT_OF.get(way) is one for one, way in told.items()}
     ways = {one: _toward(way) if counting[one] else (0.0,) for one, way in told.items()}
     return Told(ways, counting=counting)
