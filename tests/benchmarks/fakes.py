@@ -49,7 +49,8 @@ class FakeAnswerer:
     def ask(self, encoded, question):
         self.questions.append(question)
         direction = None if encoded.seen == self.mute else encoded.seen
-        return SimpleNamespace(direction=direction, frame=FrameSpec())
+        decided = direction and direction.value
+        return SimpleNamespace(direction=direction, decided=decided, frame=FrameSpec())
 
     def score(self, encoded, question, kind="direction"):
         self.scored.append(question)
