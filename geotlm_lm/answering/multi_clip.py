@@ -256,9 +256,8 @@ def pair_probabilities(answers: Sequence[Answer]) -> dict[tuple[Motion, Motion],
 def why_not_comparable(answers: Sequence[Answer]) -> str | None:
     """Return why two clips cannot be compared, where the motion of one is withheld; else None."""
     unsure = _withheld(answers)
-    if unsure is None:
-        return None
-    return f"I cannot compare them; of the {('first', 'second')[unsure[0]]}: {unsure[1].text}"
+    which = unsure and ("first", "second")[unsure[0]]
+    return unsure and f"I cannot compare them; of the {which}: {unsure[1].text}"
 
 
 def _withheld(answers: Sequence[Answer]) -> tuple[int, Answer] | None:
@@ -288,8 +287,7 @@ def both_directions(answers: Sequence[Answer], beginning: str = "") -> str:
         return f"both are {one}{where}."
     if beginning == "second":
         return f"it is {other}, the first {one}{where}."
-    who = "it" if beginning == "first" else "the first"
-    return f"{who} is {one}, the second {other}{where}."
+    return f"{'it' if beginning else 'the first'} is {one}, the second {other}{where}."
 
 
 def _going(motion: Motion) -> str:
