@@ -16,12 +16,12 @@ from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel, signed_amount
 from geotlm_lm.core.seeding import seed_for
 from geotlm_lm.core.tolerance import within_tolerance
-from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, Component, Twist, counts
+from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, Component, Twist
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
+from geotlm_lm.simulation.label import components_of, twist_of
 from geotlm_lm.simulation.series import simulate_series
-from geotlm_lm.simulation.trace import READABLE_GREY
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded
@@ -74,12 +74,10 @@ class Told:
 
 def grades(label: MotionLabel, told: Told) -> Iterator[tuple[str, bool]]:
     """Yield what is graded of a clip, such as "turn: way", and whether it is right."""
-    twist = Twist(label.rotation_deg, *(label.travel_px or (0.0, 0.0)), label.depth_change_mm)
-    ways = _parts(twist)
-    both = []
-    for one, grey in zip(COMPONENTS, label.visible_grey, strict=True):
-        is_counting = counts(one, twist.path(one, label.radius_px))
-        if is_counting is None or (is_counting and grey < READABLE_GREY):
+    ways, both = _parts(twist_of(label)), []
+    for one, truth in components_of(label).items():
+        is_counting = truth.counts
+        if is_counting is None or (is_counting and not truth.is_visible):
             continue
         if one in told.counting:
             yield f"{one}: counts", told.counting[one] == is_counting

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.core.twist import COMPONENTS, Component, Twist, counts
-
-VISIBLE_GREY = 2.0
-"""What a component alone changes the picture by, RMS over the contact, below which a clip does not
-tell it: one frame's noise has a standard deviation of 1.2 to 2.0 grey levels, measured."""
+from geotlm_lm.core.twist import COMPONENTS, Component, Twist
+from geotlm_lm.simulation.label import components_of, twist_of
 
 
 @dataclass(frozen=True)
-class ComponentTruth:
+class ClipTruth:
     """What is true of a clip, component by component.
 
     Args:
@@ -31,7 +28,7 @@ class ComponentTruth:
     is_touched: bool
 
 
-def component_truth(label: MotionLabel) -> ComponentTruth:
+def component_truth(label: MotionLabel) -> ClipTruth:
     """Return what a label tells of each component.
 
     An untouched gel counts no component. What is shorter than counts is readable where the picture
@@ -40,13 +37,15 @@ def component_truth(label: MotionLabel) -> ComponentTruth:
     is_touched = label.motion is not Motion.NONE and max(label.contact_fraction, default=1.0) > 0
     if not is_touched:
         nothing = dict.fromkeys(COMPONENTS, False)
-        return ComponentTruth(Twist(), nothing, nothing, is_touched=False)
-    right, down = label.travel_px or (0.0, 0.0)
-    twist = Twist(label.rotation_deg, right, down, label.depth_change_mm)
-    counted, readable = {}, {}
-    for component, visible in zip(COMPONENTS, label.visible_grey, strict=True):
-        counted[component] = counts(component, twist.path(component, label.radius_px))
-        readable[component] = visible >= VISIBLE_GREY
-        if counted[component] and not readable[component]:
-            counted[component] = None
-    return ComponentTruth(twist, counted, readable, is_touched=True)
+        return ClipTruth(Twist(), nothing, nothing, is_touched=False)
+    label = replace(label, travel_px=label.travel_px or (0.0, 0.0))
+    parts = components_of(label)
+    return ClipTruth(
+        twist_of(label),
+        {
+            component: None if one.counts and not one.is_visible else one.counts
+            for component, one in parts.items()
+        },
+        {component: one.is_visible for component, one in parts.items()},
+        is_touched=True,
+    )

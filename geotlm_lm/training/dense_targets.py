@@ -22,7 +22,7 @@ from geotlm_lm.backbone.stem import ALIGNED_AT, MAGNIFICATION_AT
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.twist import Component
-from geotlm_lm.training.component_truth import ComponentTruth, component_truth
+from geotlm_lm.training.component_truth import ClipTruth, component_truth
 from geotlm_lm.training.examples import Examples
 from geotlm_lm.training.motion_loss import counts_motion, motion_loss
 
@@ -183,7 +183,7 @@ def mirrored_at_random(
     return inputs, replace(truth, displacement=displacement, contact=contact, depth=depth)
 
 
-def _wanted(truth: ComponentTruth) -> tuple[float, ...]:
+def _wanted(truth: ClipTruth) -> tuple[float, ...]:
     """Return the wanted logits' answers, NaN where nothing is asked."""
 
     def number(is_so: bool | None) -> float:
@@ -199,7 +199,7 @@ def _wanted(truth: ComponentTruth) -> tuple[float, ...]:
     )
 
 
-def _amounts(truth: ComponentTruth) -> tuple[float, float]:
+def _amounts(truth: ClipTruth) -> tuple[float, float]:
     """Return degrees turned and pixels slid, whatever the way; NaN for what cannot be seen."""
     sizes = abs(truth.twist.turn_deg), truth.twist.slide_px
     asked = (truth.is_readable[one] for one in (Component.TURN, Component.SLIDE))

@@ -16,7 +16,7 @@ from geotlm_lm.core.tolerance import within_tolerance
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.motion.measured import Measured
 from geotlm_lm.motion.network import Beliefs, MotionNetwork
-from geotlm_lm.training.component_truth import ComponentTruth, component_truth
+from geotlm_lm.training.component_truth import ClipTruth, component_truth
 
 EPOCHS = 24
 BATCH = 256
@@ -69,7 +69,7 @@ class Truths:
         return Truths(*(value[rows] for value in vars(self).values()))
 
 
-def _asked(truth: ComponentTruth) -> list[float]:
+def _asked(truth: ClipTruth) -> list[float]:
     """Return 1 where an amount is asked for, NaN elsewhere."""
     is_asked = [
         truth.is_touched and (truth.is_readable[one] or truth.counts[one] is False)
@@ -82,7 +82,7 @@ def _number(is_so: bool | None) -> float:
     return float("nan") if is_so is None else float(is_so)
 
 
-def _readable(truth: ComponentTruth, component: Component) -> float:
+def _readable(truth: ClipTruth, component: Component) -> float:
     """Return whether a component that moves enough to be asked after can be read."""
     if not truth.is_touched or truth.counts[component] is False:
         return float("nan")

@@ -15,7 +15,8 @@ from geotlm_lm.core.twist import (
     Component,
     Twist,
 )
-from geotlm_lm.training.component_truth import VISIBLE_GREY, component_truth
+from geotlm_lm.simulation.trace import READABLE_GREY
+from geotlm_lm.training.component_truth import component_truth
 
 RADIUS = 20.0
 
@@ -48,7 +49,7 @@ def test_between_still_and_counting_nothing_is_asked(component):
 
 @pytest.mark.parametrize("component", COMPONENTS)
 def test_what_counts_but_cannot_be_seen_is_not_asked_and_what_does_not_count_still_is(component):
-    dim = tuple(0.9 * VISIBLE_GREY if one is component else 9.0 for one in COMPONENTS)
+    dim = tuple(0.9 * READABLE_GREY if one is component else 9.0 for one in COMPONENTS)
     for path, counts in ((3 * COUNTING_PX, None), (0.0, False)):
         truth = component_truth(moving(component, path, dim))
         assert truth.counts[component] is counts
