@@ -77,7 +77,7 @@ def accuracy(
     model: BundleFolder = None,
     as_json: AsJson = False,
 ) -> None:
-    """Hold the words against linear probes and optical flow; run the paper's protocols.
+    """Hold the words against linear probes and two classical rivals; run the paper's protocols.
 
     With --weights, a released encoder takes the embedded one's place in the protocols.
     """

@@ -72,7 +72,7 @@ def evaluate(
     run_folder: HeadsRunFolder = None,
     preset: HeadsPresetName = None,
 ) -> None:
-    """Judge the model on clips it has never seen, beside linear probes and optical flow.
+    """Judge the model on clips it has never seen, beside linear probes, optical flow and alignment.
 
     With --weights, a released encoder takes the place of the embedded one: DGR, probe and language
     model are first trained on simulated clips as it sees them.

@@ -51,10 +51,8 @@ quality 20 nine were told wrong, of as many that grow 5 % brighter on the way si
 fifth as bright five; of undamaged ones none."""
 
 EXAMPLES_VERSION = 7
-"""Raised when what is stored of the same clips changes: labels know the size of a pixel since 2;
-since 3 the stem subtracts the idle gel first and ends its refinement at 0.04 px; since 4 it finds
-lights on other sides; since 5 there are the motions of
-contrast-equalised images; since 6 they are stored by that name; since 7 labels know the twist."""
+"""Raised when what is stored of the same clips changes: the stem's inputs, its rigid motions, the
+truth or the labels."""
 
 _ARRAYS = ("inputs", "motions", "displacement_px", "contact", "depth_mm")
 

@@ -138,7 +138,7 @@ def _provenance(settings: TrainingPreset, seed: int, workers: int) -> dict[str, 
 
 
 def example_sets(settings: TrainingPreset) -> dict[str, ExampleSet]:
-    """Return the four sets of a run by name.
+    """Return the five sets of a run by name.
 
     The objects of `validation` and of `test` are in no other set. Only `test` is the plain series,
     so that the card of one bundle compares with that of another.
