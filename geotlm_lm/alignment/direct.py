@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import cv2
 import numpy as np
@@ -24,11 +25,14 @@ LEVELS = 2
 """Sizes at which two pictures are aligned, each half of the next, the coarsest first."""
 
 ITERATIONS = 10
-CLOSE_PX = 0.02
-"""Most steps a level, and the step that ends it."""
+CLOSE_PX, COARSELY_CLOSE_PX = 0.02, 0.1
+"""Most steps a level, and the step that ends them: at the finest, and at those before."""
 
 HIGH_PASS_PX = 12.0
 """Deviation of the Gaussian bell whose mean is taken off: light that drifts tells no motion."""
+
+EVEN_PX, EVEN_FLOOR_GREY = 6.0, 2.0
+"""Neighbourhood over which contrast is made even, and contrast of noise, which stays faint."""
 
 
 @dataclass(frozen=True)
@@ -95,23 +99,83 @@ class Aligned:
         return math.sqrt(min(max(explained, 0.0), 1.0))
 
 
-@dataclass(frozen=True, eq=False)
 class _Level:
-    """A picture at one size, and what its gradients tell of motion.
+    """A picture at one size, and what its gradients tell of motion, once somebody asks.
 
     Args:
         image: The picture.
-        where: Places of the pixels compared, in the flattened picture.
-        jacobian: Change of each with turn (at `lever_px`), right, down, gain, offset; (5, n).
-        inverse: Of the normal matrix, (5, 5).
-        lever_px: Radius at which a turn counts in pixels.
     """
 
-    image: Floats
-    where: NDArray[np.intp]
-    jacobian: Floats
-    inverse: NDArray[np.float64]
-    lever_px: float
+    def __init__(self, image: Floats) -> None:
+        self.image = image
+
+    @property
+    def lever_px(self) -> float:
+        """Radius at which a turn counts in pixels."""
+        return max(self.image.shape) / 2
+
+    @cached_property
+    def compared(self) -> Floats:
+        """1 for each pixel of the flattened picture that is compared, 0 for the others, (n,)."""
+        right, down = self._gradients
+        energy = (right * right + down * down).ravel()
+        # A third of the pixels tells the bound as well.
+        sample = energy[::3] if energy.size > SMALL_SAMPLE else energy
+        place = int(sample.size * (1 - GRADIENT_SHARE))
+        return (energy >= np.partition(sample, place)[place]).astype(np.float32)
+
+    @cached_property
+    def jacobian(self) -> Floats:
+        """Change of each pixel compared with turn (at `lever_px`), right, down, gain, offset."""
+        right, down = self._gradients
+        x, y = _places(*self.image.shape)
+        turn = (down * x - right * y) * np.float32(1 / self.lever_px)
+        rows = [one.ravel() for one in (turn, right, down, self.image)]
+        return np.stack([*rows, np.ones_like(rows[0])]) * self.compared
+
+    @cached_property
+    def inverse(self) -> NDArray[np.float64]:
+        """Of the normal matrix, (5, 5)."""
+        return _inverse(self.jacobian @ self.jacobian.T)
+
+    @cached_property
+    def solver(self) -> Floats:
+        """Matrix from the pixels' errors to a step, (5, n)."""
+        return self.inverse.astype(np.float32) @ self.jacobian
+
+    @cached_property
+    def contrast(self) -> float:
+        """Deviation of the pixels compared."""
+        values, count = self.jacobian[3], float(self.compared.sum())
+        mean = float(values.sum()) / count
+        return math.sqrt(max(float(values @ values) / count - mean * mean, 0.0))
+
+    def solver_of_change(self, later: Floats, still_grey: float) -> Floats:
+        """Return the same, weighing each pixel by how much it changes from this picture on."""
+        change = np.square(cv2.GaussianBlur(later - self.image, (0, 0), 1.0)).ravel()
+        weighted = self.jacobian * (change / (change + still_grey**2) + LEAST_WEIGHT)
+        return _inverse(weighted @ self.jacobian.T).astype(np.float32) @ weighted
+
+    @cached_property
+    def _gradients(self) -> tuple[Floats, Floats]:
+        right = cv2.Sobel(self.image, cv2.CV_32F, 1, 0, scale=1 / 8)
+        return right, cv2.Sobel(self.image, cv2.CV_32F, 0, 1, scale=1 / 8)
+
+
+SMALL_SAMPLE = 2000
+
+
+@lru_cache(maxsize=16)
+def _places(rows: int, columns: int) -> tuple[Floats, Floats]:
+    """Return the places of the pixels from the middle, right and down."""
+    x = np.arange(columns, dtype=np.float32) - (columns - 1) / 2
+    y = np.arange(rows, dtype=np.float32) - (rows - 1) / 2
+    return x[None, :], y[:, None]
+
+
+def _inverse(normal: Floats) -> NDArray[np.float64]:
+    normal = normal.astype(np.float64)
+    return np.linalg.inv(normal + np.diag(1e-4 * np.diag(normal) + 1e-6))
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,18 +192,34 @@ class Picture:
             image: float32, any size, best some 100 to 160 pixels wide.
             levels: Sizes at which it is aligned.
         """
-        image = image - cv2.GaussianBlur(image, (0, 0), HIGH_PASS_PX)
-        sizes = [cv2.GaussianBlur(image, (0, 0), 1.0)]
+        sizes = [cv2.GaussianBlur(image - _slow(image, HIGH_PASS_PX), (0, 0), 1.0)]
         for _ in range(levels - 1):
             rows, columns = sizes[0].shape
             half = (max(columns // 2, 1), max(rows // 2, 1))
             sizes.insert(0, cv2.resize(sizes[0], half, interpolation=cv2.INTER_AREA))
-        return cls(tuple(_level(size) for size in sizes))
+        return cls(tuple(map(_Level, sizes)))
+
+    def even(self) -> Picture:
+        """Return its finest level in even contrast: faint detail counts as much as an outline.
+
+        A cap's rim outshines its knurls and looks alike however far it turns.
+        """
+        energy = _slow(np.square(self.image), EVEN_PX).clip(min=0)
+        return Picture((_Level(self.image / (np.sqrt(energy) + EVEN_FLOOR_GREY)),))
 
     @property
     def image(self) -> Floats:
         """The finest picture, high-passed."""
         return self.levels[-1].image
+
+
+def _slow(image: Floats, deviation_px: float) -> Floats:
+    """Return the mean under a Gaussian bell, found in a picture a quarter as wide."""
+    rows, columns = image.shape
+    quarter = (max(columns // 4, 1), max(rows // 4, 1))
+    small = cv2.resize(image, quarter, interpolation=cv2.INTER_AREA)
+    small = cv2.GaussianBlur(small, (0, 0), deviation_px / 4)
+    return cv2.resize(small, (columns, rows), interpolation=cv2.INTER_LINEAR)
 
 
 def align(
@@ -148,6 +228,7 @@ def align(
     start: Rigid | None = None,
     *,
     still_grey: float | None = None,
+    levels: int | None = None,
 ) -> Aligned:
     """Return the motion that lays `before` on `after`.
 
@@ -158,66 +239,36 @@ def align(
         still_grey: Difference of the two, in their units, at which a pixel weighs half; None weighs
             all alike. A domed pad holds a flat object's outline where it is while the object turns:
             what does not change must not hold the fit back.
+        levels: How many sizes are used, the finest ones; None uses all.
     """
     motion = start or Rigid()
     width = before.image.shape[1]
-    for level, other in zip(before.levels, after.levels, strict=True):
+    used = slice(None if levels is None else -levels, None)
+    for level, other in zip(before.levels[used], after.levels[used], strict=True):
         scale = level.image.shape[1] / width
         motion = Rigid(motion.turn_rad, motion.right_px * scale, motion.down_px * scale)
-        motion, error = _refined(level, other.image, motion, still_grey)
+        close_px = CLOSE_PX if level is before.levels[-1] else COARSELY_CLOSE_PX
+        motion, error = _refined(level, other.image, motion, still_grey, close_px)
         motion = Rigid(motion.turn_rad, motion.right_px / scale, motion.down_px / scale)
     finest = before.levels[-1]
-    values = finest.image.ravel()[finest.where]
-    return Aligned(
-        motion,
-        finest.inverse[:3, :3],
-        float(np.sqrt(np.square(error).mean())),
-        float(values.std()),
-    )
-
-
-def _level(image: Floats) -> _Level:
-    rows, columns = image.shape
-    right = cv2.Sobel(image, cv2.CV_32F, 1, 0, scale=1 / 8)
-    down = cv2.Sobel(image, cv2.CV_32F, 0, 1, scale=1 / 8)
-    energy = (right * right + down * down).ravel()
-    count = max(int(energy.size * GRADIENT_SHARE), 1)
-    where = np.argpartition(energy, energy.size - count)[energy.size - count :]
-    y, x = np.divmod(where, columns)
-    x, y = x - (columns - 1) / 2, y - (rows - 1) / 2
-    lever = max(rows, columns) / 2
-    right, down, values = (one.ravel()[where] for one in (right, down, image))
-    turn = (down * x - right * y) / lever
-    jacobian = np.stack([turn, right, down, values, np.ones_like(values)]).astype(np.float32)
-    normal = (jacobian @ jacobian.T).astype(np.float64)
-    normal += np.diag(1e-4 * np.diag(normal) + 1e-6)
-    return _Level(image, where, jacobian, np.linalg.inv(normal), lever)
+    residual = math.sqrt(float(error @ error) / float(finest.compared.sum()))
+    return Aligned(motion, finest.inverse[:3, :3], residual, finest.contrast)
 
 
 LEAST_WEIGHT = 0.02
 """Weight of a pixel that has not changed at all: stillness must stay found."""
 
 
-def _solver(level: _Level, later: Floats, still_grey: float | None) -> Floats:
-    """Return the matrix from the pixels' errors to a step, (5, n)."""
-    if still_grey is None:
-        return level.inverse.astype(np.float32) @ level.jacobian
-    change = np.square(cv2.GaussianBlur(later - level.image, (0, 0), 1.0)).ravel()[level.where]
-    weighted = level.jacobian * (change / (change + still_grey**2) + LEAST_WEIGHT)
-    normal = (weighted @ level.jacobian.T).astype(np.float64)
-    normal += np.diag(1e-4 * np.diag(normal) + 1e-6)
-    return np.linalg.inv(normal).astype(np.float32) @ weighted
-
-
 def _refined(
-    level: _Level, later: Floats, motion: Rigid, still_grey: float | None
+    level: _Level, later: Floats, motion: Rigid, still_grey: float | None, close_px: float
 ) -> tuple[Rigid, Floats]:
     """Return the motion after Gauss-Newton steps, and what is left of each pixel compared."""
     rows, columns = level.image.shape
     x, y = (columns - 1) / 2, (rows - 1) / 2
-    earlier = level.image.ravel()[level.where]
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    solve = _solver(level, later, still_grey)
+    solve = level.solver
+    if still_grey is not None:
+        solve = level.solver_of_change(later, still_grey)
     for _ in range(ITERATIONS):
         cos, sin = math.cos(motion.turn_rad), math.sin(motion.turn_rad)
         way = np.array(
@@ -227,10 +278,10 @@ def _refined(
             ]
         )
         warped = cv2.warpAffine(later, way, (columns, rows), flags=flags)
-        error = warped.ravel()[level.where] - earlier
+        error = cv2.subtract(warped, level.image).ravel()
         turn, right, down, gain, offset = (solve @ error).tolist()
         motion = motion.after(Rigid(turn / level.lever_px, right, down).inverse())
-        if max(abs(turn), abs(right), abs(down)) < CLOSE_PX:
+        if max(abs(turn), abs(right), abs(down)) < close_px:
             break
-    error = error - gain * level.jacobian[3] - offset
+    error = (error - offset) * level.compared - gain * level.jacobian[3]
     return motion, error

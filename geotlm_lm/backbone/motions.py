@@ -29,12 +29,9 @@ GREEN_LEVELS, RELIEF_LEVELS = 3, 2
 LOST_CORRELATION = 0.6
 """Correlation of two pictures below which the motion found is doubted and a search is made."""
 
-STILL_GREY = 3.6
-"""Difference at which a pixel weighs half where a frame is laid on the first directly. Of 341
-simulated turns that count the amount is then right in 0.745 for 0.710."""
-
-STILL_RELIEF = 0.15 * RELIEF_SCALE
-"""The same of the relief."""
+STILL_EVEN, STILL_RELIEF = 0.25, 0.15 * RELIEF_SCALE
+"""Difference at which a pixel weighs half where a frame is laid on the first directly: of pictures
+of even contrast, and of the relief."""
 
 ERROR_FLOOR_GREY2 = 1.0
 """Squared error that noise alone leaves behind in a shrunken picture."""
@@ -101,30 +98,26 @@ class FoundMotions:
 def motions_of(imprint: Imprint) -> FoundMotions:
     """Find how each distinct frame of a clip's imprint lies on the first."""
     count = len(imprint.green)
-    green = _Sequence([Picture.of(one, GREEN_LEVELS) for one in imprint.green], STILL_GREY)
+    pictures = [Picture.of(one, GREEN_LEVELS) for one in imprint.green]
+    green = _Sequence(pictures, [one.even() for one in pictures], STILL_EVEN)
     height = max(round(imprint.relief.shape[2] / imprint.aspect), 8)
     size = (imprint.relief.shape[2], height)
     flat = [cv2.resize(one, size, interpolation=cv2.INTER_AREA) for one in imprint.relief]
-    relief = _Sequence([Picture.of(one, RELIEF_LEVELS) for one in flat], STILL_RELIEF)
-    displacement = np.zeros((count, GRID_SIDE, GRID_SIDE, 8), np.float32)
+    reliefs = [Picture.of(one, RELIEF_LEVELS) for one in flat]
+    relief = _Sequence(reliefs, reliefs, STILL_RELIEF)
     local = np.zeros((count, GRID_SIDE, GRID_SIDE, LOCAL_CHANNELS), np.float32)
     sureness = np.zeros((count, MOTION_NUMBERS), np.float32)
     sureness[:, [0, 4]] = 1
-    local[0] = _beyond(green.pictures[0].image, green.pictures[0].image, Rigid())
+    local[0] = _beyond(pictures[0].image, pictures[0].image, Rigid())
     found: list[tuple[_Found, _Found]] = []
     for k in range(1, count):
         in_green = green.next()
         # The relief begins where the residual ended: its own detail is coarser.
         in_relief = relief.next(in_green.step.motion, size[0] / VIEW_SIDE)
         found.append((in_green, in_relief))
-        ways = [
-            _displacement(motion, pictures.size)
-            for one, pictures in ((in_green, green), (in_relief, relief))
-            for motion in (one.chained, one.direct.motion)
-        ]
-        displacement[k] = np.concatenate(ways, axis=-1)
-        local[k] = _beyond(green.pictures[0].image, green.pictures[k].image, in_green.direct.motion)
+        local[k] = _beyond(pictures[0].image, pictures[k].image, in_green.direct.motion)
         sureness[k] = np.concatenate([_sureness(in_green.direct), _sureness(in_relief.direct)])
+    displacement = _displacement(found, (green.size, relief.size))
     motions = _last(found, (green, relief), imprint) if found else Motions.none()
     return FoundMotions(displacement, local, sureness, motions)
 
@@ -139,11 +132,19 @@ class _Found:
 
 
 class _Sequence:
-    """Pictures of one kind, laid on each other in the order of time."""
+    """Pictures of one kind, laid on each other in the order of time.
 
-    def __init__(self, pictures: Sequence[Picture], still_grey: float) -> None:
+    Args:
+        pictures: Laid on the one before.
+        direct: The same, as they are laid on the first.
+        still: Difference of the latter at which a pixel weighs half.
+    """
+
+    def __init__(
+        self, pictures: Sequence[Picture], direct: Sequence[Picture], still: float
+    ) -> None:
         self.pictures = pictures
-        self._still_grey = still_grey
+        self._direct, self._still = direct, still
         self._place, self._chained = 0, Rigid()
 
     @property
@@ -159,7 +160,7 @@ class _Sequence:
             scale: Pixels of this kind per pixel of that one.
         """
         self._place += 1
-        first, before, after = (self.pictures[k] for k in (0, self._place - 1, self._place))
+        before, after = self.pictures[self._place - 1], self.pictures[self._place]
         if start is None:
             step = align(before, after)
             if step.correlation < LOST_CORRELATION:
@@ -169,24 +170,34 @@ class _Sequence:
             begun = Rigid(start.turn_rad, start.right_px * scale, start.down_px * scale)
             step = align(before, after, begun)
         self._chained = step.motion.after(self._chained)
-        direct = align(first, after, self._chained, still_grey=self._still_grey)
+        first, last = self._direct[0], self._direct[self._place]
+        direct = align(first, last, self._chained, still_grey=self._still, levels=1)
         return _Found(step, direct, self._chained)
 
 
-def _displacement(motion: Rigid, size: tuple[int, int]) -> Floats:
-    """Return how far what is now under each patch centre has come, (14, 14, 2), view pixels."""
-    rows, columns = size
-    centres = (np.arange(GRID_SIDE) + 0.5) / GRID_SIDE - 0.5
-    x, y = (centres * columns)[None, :], (centres * rows)[:, None]
-    right, down = motion.travel(x, y)
-    shape = (GRID_SIDE, GRID_SIDE)
-    return np.stack(
+def _displacement(found: Sequence[tuple[_Found, _Found]], sizes: Sequence) -> Floats:
+    """Return how far what is now under each patch centre has come, (1 + n, 14, 14, 8).
+
+    Of each of `MEASURED` to the right and down, in pixels of the view; 0 for the first frame.
+    """
+    motions = np.array(
         [
-            np.broadcast_to(right * (IMAGE_SIDE / columns), shape),
-            np.broadcast_to(down * (IMAGE_SIDE / rows), shape),
-        ],
-        axis=-1,
-    ).astype(np.float32)
+            [(one.turn_rad, one.right_px / columns, one.down_px / rows, rows / columns)
+             for pictures, (rows, columns) in zip(pair, sizes, strict=True)
+             for one in (pictures.chained, pictures.direct.motion)]
+            for pair in found
+        ]
+    ).reshape(-1, len(MEASURED), 4)  # fmt: skip
+    turn, right, down, height = (motions[..., k, None, None] for k in range(4))
+    centres = (np.arange(GRID_SIDE) + 0.5) / GRID_SIDE - 0.5
+    # In shares of the view, which is `height` as high as wide.
+    x, y = centres[None, :] - right, (centres[:, None] - down) * height
+    cos, sin = np.cos(turn), np.sin(turn)
+    moved = [centres[None, :] - cos * x - sin * y, centres[:, None] + (sin * x - cos * y) / height]
+    field = np.stack(np.broadcast_arrays(*moved), axis=-1) * IMAGE_SIDE
+    displacement = np.zeros((1 + len(found), GRID_SIDE, GRID_SIDE, 2 * len(MEASURED)), np.float32)
+    displacement[1:] = field.transpose(0, 2, 3, 1, 4).reshape(displacement[1:].shape)
+    return displacement
 
 
 def _beyond(first: Floats, now: Floats, motion: Rigid) -> Floats:
