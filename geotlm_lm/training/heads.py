@@ -31,7 +31,7 @@ from geotlm_lm.training.geometry import (
     train_geometry,
     train_global_probe,
 )
-from geotlm_lm.training.motion import train_motion
+from geotlm_lm.training.motion import train_motion, widen_spans
 from geotlm_lm.training.motion_loss import counts_motion
 from geotlm_lm.training.scoring import ClipSet
 from geotlm_lm.training.train import RUN_FILE, VALIDATION_EVERY, calibrated, train_speaker
@@ -65,10 +65,12 @@ def train_heads(
     )
     model = _train_perception(encoder, heads, validation, settings, seed, out, progress)
     spoken_of = _perceived(model, heads)
+    perceived = _perceived(model, validation)
     motion = train_motion(spoken_of.measured, spoken_of.labels, seed=seed, progress=progress)
+    widen_spans(motion, perceived.measured, perceived.labels)
     speaker = train_speaker(spoken_of, motion, settings, seed, out, progress)
     bundle = Bundle(model, motion, speaker, load_templates().grammar(), Calibration(), about)
-    bundle.calibration = calibrated(bundle, _perceived(model, validation), seed)
+    bundle.calibration = calibrated(bundle, perceived, seed)
     return bundle
 
 

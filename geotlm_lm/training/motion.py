@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -166,6 +166,88 @@ def _mean(losses: Tensor, is_asked: Tensor) -> Tensor:
     return (losses * is_asked).sum() / is_asked.sum().clamp(min=1)
 
 
+SPAN_DEVIATIONS = 1.645
+"""Half of a span of nine in ten, in deviations."""
+
+
+@dataclass(frozen=True)
+class AmountTold:
+    """How far a component that counts and can be read is told to go, and how far it went.
+
+    Args:
+        row: Of the clip.
+        component: Which.
+        said: Degrees, pixels or mm, not negative.
+        true: Likewise.
+        deviation: Of what is said.
+        is_way_right: Whether its way is told rightly.
+    """
+
+    row: int
+    component: Component
+    said: float
+    true: float
+    deviation: float
+    is_way_right: bool
+
+    @property
+    def is_right(self) -> bool:
+        """Whether the amount is within tolerance."""
+        unit = {Component.TURN: "deg", Component.SLIDE: "px", Component.PRESS: "mm"}
+        return within_tolerance(self.said, self.true, unit[self.component])
+
+    @property
+    def deviations_off(self) -> float:
+        """How far off the amount is, in deviations."""
+        return abs(self.said - self.true) / self.deviation
+
+
+def amounts_told(told: Beliefs, truths: Sequence[ClipTruth]) -> Iterator[AmountTold]:
+    """Yield the readable components that count."""
+    degrees = (told.path[:, 0] / told.radius_px).rad2deg()
+    for row, truth in enumerate(truths):
+        true = truth.twist
+        for component in COMPONENTS:
+            if not (truth.counts[component] and truth.is_readable[component]):
+                continue
+            if component is Component.TURN:
+                said = float(degrees[row])
+                off = float((told.deviation[row, 0] / told.radius_px[row]).rad2deg())
+                found = abs(said), abs(true.turn_deg), off, (said > 0) == (true.turn_deg > 0)
+            elif component is Component.SLIDE:
+                x, y = told.path[row, 1:].tolist()
+                along = (x * true.right_px + y * true.down_px) / max(np.hypot(x, y), 1e-9)
+                off = float(told.deviation[row, 1:3].square().mean().sqrt())
+                is_right = along >= true.slide_px * 0.5**0.5
+                found = float(np.hypot(x, y)), true.slide_px, off, bool(is_right)
+            else:
+                said, off = float(told.inward_mm[row]), float(told.deviation[row, 3])
+                is_right = (float(told.press_in[row]) > 0) == (true.inward_mm > 0)
+                found = abs(said), abs(true.inward_mm), off, is_right
+            yield AmountTold(row, component, *found)
+
+
+@torch.inference_mode()
+def widen_spans(network: MotionNetwork, measured: Measured, labels: Sequence[MotionLabel]) -> None:
+    """Let the network's spans of nine in ten hold as many.
+
+    Args:
+        network: Trained.
+        measured: Of clips of objects that it has not seen.
+        labels: Their truth.
+    """
+    truths = [component_truth(label) for label in labels]
+    found = list(amounts_told(network(measured), truths))
+    for places, component in zip(((0,), (1, 2), (3,)), COMPONENTS, strict=True):
+        off = [one.deviations_off for one in found if one.component is component]
+        if len(off) >= FEWEST_WIDENED:
+            network.widening[list(places)] *= float(np.quantile(off, 0.9)) / SPAN_DEVIATIONS
+
+
+FEWEST_WIDENED = 30
+"""Amounts below which a tenth of them is chance."""
+
+
 @torch.inference_mode()
 def motion_scores(told: Beliefs, labels: Sequence[MotionLabel]) -> dict[str, float]:
     """Return how what is believed fares on the readable components that are not ambiguous.
@@ -175,41 +257,27 @@ def motion_scores(told: Beliefs, labels: Sequence[MotionLabel]) -> dict[str, flo
     `core.tolerance`, and of spans of nine in ten that hold the true one.
     """
     truths = [component_truth(label) for label in labels]
-    degrees = (told.path[:, 0] / told.radius_px).rad2deg().tolist()
     hits: dict[str, list[bool]] = {}
-
-    def add(name: str, is_right: bool) -> None:
-        hits.setdefault(name, []).append(bool(is_right))
-
     for row, truth in enumerate(truths):
-        twist, right = truth.twist, {}
         for place, component in enumerate(COMPONENTS):
             wanted = truth.counts[component]
             if wanted is not None and (truth.is_touched or component is Component.TURN):
-                add(f"{component} counts", (told.counts[row, place] > 0) == wanted)
-            if not (wanted and truth.is_readable[component]):
-                continue
-            if component is Component.TURN:
-                right[component] = (degrees[row] > 0) == (twist.turn_deg > 0)
-                said, true, unit = abs(degrees[row]), abs(twist.turn_deg), "deg"
-                spread = told.deviation[row, 0] / told.radius_px[row]
-                spread = float(spread.rad2deg())
-            elif component is Component.SLIDE:
-                x, y = told.path[row, 1:].tolist()
-                along = (x * twist.right_px + y * twist.down_px) / max(np.hypot(x, y), 1e-9)
-                right[component] = along >= twist.slide_px * 0.5**0.5
-                said, true, unit = float(np.hypot(x, y)), twist.slide_px, "px"
-                spread = float(told.deviation[row, 1:3].square().mean().sqrt())
-            else:
-                inward = float(told.inward_mm[row])
-                right[component] = (float(told.press_in[row]) > 0) == (twist.inward_mm > 0)
-                said, true, unit = abs(inward), abs(twist.inward_mm), "mm"
-                spread = float(told.deviation[row, 3])
-            add(f"{component} way", right[component])
-            add(f"{component} amount", within_tolerance(said, true, unit))
-            add(f"{component} span", abs(said - true) <= 1.645 * spread)
-        if Component.TURN in right and Component.SLIDE in right:
-            add("both ways", right[Component.TURN] and right[Component.SLIDE])
+                is_right = bool(told.counts[row, place] > 0) == wanted
+                hits.setdefault(f"{component} counts", []).append(is_right)
+    ways: dict[int, dict[Component, bool]] = {}
+    for one in amounts_told(told, truths):
+        ways.setdefault(one.row, {})[one.component] = one.is_way_right
+        for name, is_so in (
+            ("way", one.is_way_right),
+            ("amount", one.is_right),
+            ("span", one.deviations_off <= SPAN_DEVIATIONS),
+        ):
+            hits.setdefault(f"{one.component} {name}", []).append(is_so)
+    both = (Component.TURN, Component.SLIDE)
+    hits["both ways"] = [
+        found[both[0]] and found[both[1]] for found in ways.values() if set(both) <= set(found)
+    ]
+    hits = {name: values for name, values in hits.items() if values}
     return {name: float(np.mean(values)) for name, values in sorted(hits.items())} | {
         f"{name}, number": len(values) for name, values in sorted(hits.items())
     }

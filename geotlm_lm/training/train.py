@@ -47,7 +47,7 @@ from geotlm_lm.training.geometry import (
     train_global_probe,
 )
 from geotlm_lm.training.language import LanguageTraining, train_language
-from geotlm_lm.training.motion import motion_scores, train_motion
+from geotlm_lm.training.motion import motion_scores, train_motion, widen_spans
 from geotlm_lm.training.perceiving import perceive_examples, token_set
 from geotlm_lm.training.pretraining import PRETRAINING_VERSION, pretrain
 from geotlm_lm.training.run_clock import clock
@@ -103,13 +103,14 @@ def train(preset: str, out: Path, seed: int, workers: int, progress: Progress = 
         )
         spoken_of = perceive_examples(model, learned, progress)
         del learned
+        perceived = perceive_examples(model, validation, progress)
         motion = train_motion(spoken_of.measured, spoken_of.labels, seed=seed, progress=progress)
+        widen_spans(motion, perceived.measured, perceived.labels)
         speaker = train_speaker(spoken_of, motion, settings, seed, out, progress)
         provenance = _provenance(settings, seed, workers)
         provenance |= {"device": device, "dgr_validation_accuracy": modes}
         grammar = load_templates().grammar()
         bundle = Bundle(model, motion, speaker, grammar, Calibration(), provenance)
-        perceived = perceive_examples(model, validation, progress)
         bundle.calibration = calibrated(bundle, perceived, seed)
         folder = out / "bundle"
         save_bundle(folder, bundle)

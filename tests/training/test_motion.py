@@ -11,7 +11,13 @@ from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.motion.measured import CANDIDATES, Measured
 from geotlm_lm.motion.network import MotionNetwork
 from geotlm_lm.training import motion
-from geotlm_lm.training.motion import Truths, motion_network_loss, motion_scores, train_motion
+from geotlm_lm.training.motion import (
+    Truths,
+    motion_network_loss,
+    motion_scores,
+    train_motion,
+    widen_spans,
+)
 
 RADIUS = 20.0
 
@@ -67,6 +73,18 @@ def test_it_learns_which_measurement_to_trust(learned):
         assert after[name] > max(0.75, before[name]), name
     # Spans of nine in ten.
     assert all(0.75 < after[f"{one} span"] < 0.99 for one in ("turn", "slide"))
+
+
+def test_spans_are_widened_to_hold_nine_in_ten(learned):
+    narrow = MotionNetwork(learned.mean.numel())
+    narrow.load_state_dict(learned.state_dict())
+    narrow.eval().requires_grad_(False).widening *= 0.3
+    widen_spans(narrow, *clips(600, seed=2))
+    seen, labels = clips(600, seed=3)
+    after = motion_scores(narrow(seen), labels)
+    assert [after[f"{one} span"] for one in ("turn", "slide", "press")] == pytest.approx(
+        [0.9] * 3, abs=0.05
+    )
 
 
 def test_the_same_seed_gives_the_same_network_and_leaves_the_global_one_alone(monkeypatch):
