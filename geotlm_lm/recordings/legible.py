@@ -73,7 +73,7 @@ def require_legible(clip: Clip) -> Clip:
     sample = np.ascontiguousarray(clip.frames[:, ::rows, ::columns].transpose(3, 0, 1, 2))
     _require_exposed(clip, sample)
     if min(clip.frames.shape[1:3]) >= FINE_SIDE:
-        _require_quiet(clip, clip.frames[:, ::rows, :, GREEN])
+        _require_quiet(clip, clip.frames[:, :: 2 * rows, :, GREEN])
     if clip.background is not None:
         idle = clip.background[::rows, ::columns].transpose(2, 0, 1)
         _require_steady(clip, sample, idle)
