@@ -115,23 +115,30 @@ class _Level:
         return max(self.image.shape) / 2
 
     @cached_property
-    def compared(self) -> Floats:
-        """1 for each pixel of the flattened picture that is compared, 0 for the others, (n,)."""
+    def compared(self) -> NDArray[np.intp]:
+        """Places, in the flattened picture, of the n pixels that are compared."""
         right, down = self._gradients
         energy = (right * right + down * down).ravel()
         # A third of the pixels tells the bound as well.
         sample = energy[::3] if energy.size > SMALL_SAMPLE else energy
         place = int(sample.size * (1 - GRADIENT_SHARE))
-        return (energy >= np.partition(sample, place)[place]).astype(np.float32)
+        return np.flatnonzero(energy >= np.partition(sample, place)[place])
 
     @cached_property
     def jacobian(self) -> Floats:
         """Change of each pixel compared with turn (at `lever_px`), right, down, gain, offset."""
-        right, down = self._gradients
-        x, y = _places(*self.image.shape)
-        turn = (down * x - right * y) * np.float32(1 / self.lever_px)
-        rows = [one.ravel() for one in (turn, right, down, self.image)]
-        return np.stack([*rows, np.ones_like(rows[0])]) * self.compared
+        right, down = (one.ravel()[self.compared] for one in self._gradients)
+        x, y = (one[self.compared] for one in _places(*self.image.shape))
+        jacobian = np.empty((5, len(right)), np.float32)
+        jacobian[0] = (down * x - right * y) * np.float32(1 / self.lever_px)
+        jacobian[1], jacobian[2], jacobian[3] = right, down, self.values
+        jacobian[4] = 1
+        return jacobian
+
+    @cached_property
+    def values(self) -> Floats:
+        """The pixels compared, (n,)."""
+        return self.image.ravel()[self.compared]
 
     @cached_property
     def inverse(self) -> NDArray[np.float64]:
@@ -146,13 +153,12 @@ class _Level:
     @cached_property
     def contrast(self) -> float:
         """Deviation of the pixels compared."""
-        values, count = self.jacobian[3], float(self.compared.sum())
-        mean = float(values.sum()) / count
-        return math.sqrt(max(float(values @ values) / count - mean * mean, 0.0))
+        return float(self.values.std())
 
     def solver_of_change(self, later: Floats, still_grey: float) -> Floats:
         """Return the same, weighing each pixel by how much it changes from this picture on."""
-        change = np.square(cv2.GaussianBlur(later - self.image, (0, 0), 1.0)).ravel()
+        change = cv2.GaussianBlur(cv2.subtract(later, self.image), (0, 0), 1.0)
+        change = np.square(change.ravel()[self.compared])
         weighted = self.jacobian * (change / (change + still_grey**2) + LEAST_WEIGHT)
         return _inverse(weighted @ self.jacobian.T).astype(np.float32) @ weighted
 
@@ -167,10 +173,9 @@ SMALL_SAMPLE = 2000
 
 @lru_cache(maxsize=16)
 def _places(rows: int, columns: int) -> tuple[Floats, Floats]:
-    """Return the places of the pixels from the middle, right and down."""
-    x = np.arange(columns, dtype=np.float32) - (columns - 1) / 2
-    y = np.arange(rows, dtype=np.float32) - (rows - 1) / 2
-    return x[None, :], y[:, None]
+    """Return the places of a flattened picture's pixels from its middle, right and down."""
+    down, right = np.indices((rows, columns), np.float32)
+    return (right - (columns - 1) / 2).ravel(), (down - (rows - 1) / 2).ravel()
 
 
 def _inverse(normal: Floats) -> NDArray[np.float64]:
@@ -251,7 +256,7 @@ def align(
         motion, error = _refined(level, other.image, motion, still_grey, close_px)
         motion = Rigid(motion.turn_rad, motion.right_px / scale, motion.down_px / scale)
     finest = before.levels[-1]
-    residual = math.sqrt(float(error @ error) / float(finest.compared.sum()))
+    residual = math.sqrt(float(error @ error) / error.size)
     return Aligned(motion, finest.inverse[:3, :3], residual, finest.contrast)
 
 
@@ -278,10 +283,9 @@ def _refined(
             ]
         )
         warped = cv2.warpAffine(later, way, (columns, rows), flags=flags)
-        error = cv2.subtract(warped, level.image).ravel()
+        error = warped.ravel()[level.compared] - level.values
         turn, right, down, gain, offset = (solve @ error).tolist()
         motion = motion.after(Rigid(turn / level.lever_px, right, down).inverse())
         if max(abs(turn), abs(right), abs(down)) < close_px:
             break
-    error = (error - offset) * level.compared - gain * level.jacobian[3]
-    return motion, error
+    return motion, error - offset - gain * level.values
