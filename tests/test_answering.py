@@ -63,7 +63,7 @@ def test_an_answer_carries_direction_frame_options_evidence_and_timing(bundle):
     assert set(answer.options) == {motion.value for motion in Motion}
     assert answer.confidence == pytest.approx(0.97)
     assert answer.motion.to_dict()["turn"]["way"] == "clockwise"
-    assert set(answer.timing_ms) == {"choose", "touch", "encode", "score", "total"}
+    assert set(answer.timing_ms) == {"choose", "touch", "encode", "check", "total"}
     assert set(answer.evidence["regions"]) >= {"upper_minus_lower", "left_minus_right"}
     required = {"text", "direction", "confidence", "abstained", "frame", "options", "timing_ms"}
     assert required <= set(json.loads(json.dumps(answer.to_dict())))

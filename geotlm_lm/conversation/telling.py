@@ -92,6 +92,9 @@ def cannot_be_seen(component: Component) -> str:
     return f"It {verb}; {_UNREADABLE[component]}."
 
 
+MOST_OF_A_DOUBT = 0.75
+"""Highest probability that the way of what may as well not count is told with."""
+
 SURELY = 0.75
 """Probability of its way below which a component is told as a perhaps beside those that are surer:
 a doubtful lesser part must not take a sure greater one with it."""
@@ -113,9 +116,12 @@ def _all(felt: Felt, frame: FrameSpec, told: Sequence[Component], who: str) -> T
 
 def _doubtful(felt: Felt, frame: FrameSpec, component: Component, who: str) -> Told:
     way, amount = felt.way(component), felt.amounts.get(component, "")
-    text = f"{who} {_negated([component])}, or barely: {_named(felt, component)}"
+    if component is Component.PRESS:
+        text = f"{who} hardly {_ALONG_THE_IMAGE[way][0]}, if at all"
+    else:
+        text = f"{who} hardly {_GOES[component]}, if at all {_named(felt, component)}"
     text += f", {amount}" if amount and component not in felt.unreadable else ""
-    sure = felt.share(component)
+    sure = min(felt.share(component), MOST_OF_A_DOUBT)
     if not felt.components:
         return Told(text + _where(felt, frame, [component]), way, sure, None, False, True)
     rest = _all(felt, frame, felt.components, who)
