@@ -19,7 +19,7 @@ LEVELS = (
     {"simulation", "recordings", "backbone", "dgr", "probe", "language", "conversation"},
     {"model", "data", "views", "motion"},
     {"checkpoint"},
-    {"precision"},
+    {"precision", "track"},
     {"answering", "training"},
     {"benchmarks", "live", "reference_readings"},
     {"cli"},

@@ -29,12 +29,18 @@ FOLLOWING = 0.02
 
 
 class IdleTracker:
-    """Learns the idle gel and measures every frame against it."""
+    """Learns the idle gel and measures every frame against it.
 
-    def __init__(self) -> None:
+    Args:
+        idle: The gel, uint8 RGB, if it is known already; it is followed as the light drifts.
+    """
+
+    def __init__(self, idle: Frames | None = None) -> None:
         self._recent: deque[tuple[Frames, NDArray[np.float32]]] = deque(maxlen=STEADY_FRAMES)
         self._idle: NDArray[np.float32] | None = None
         self._small: NDArray[np.float32] | None = None
+        if idle is not None:
+            self._idle, self._small = idle.astype(np.float32), activity_grey(idle[None])[0]
 
     @property
     def background(self) -> Frames | None:

@@ -1,0 +1,265 @@
+"""What happens in a track: touch, press, turn, slide, stick, slip, release; each defined once, here.
+
+Events are found while the frames come, some tenths of a second late: whether a motion is over, or
+whether it counts at all, shows only afterwards.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.twist import STILL_MM, STILL_PX, Component, Twist
+from geotlm_lm.track.amounts import COLUMNS, Span, amount_of
+from geotlm_lm.track.legs import Leg, Legs, Point
+
+Floats = NDArray[np.float64]
+
+
+class EventKind(StrEnum):
+    """The kinds of events."""
+
+    TOUCH = "touch"
+    """Contact begins; an instant."""
+    PRESS = "press"
+    """It goes deeper into the gel without a rest or a way back."""
+    TURN = "turn"
+    """It turns one way without a rest or a way back."""
+    SLIDE = "slide"
+    """Its contact travels one way, likewise."""
+    STICK = "stick"
+    """It is held for `STICK_S` or longer and neither turns nor slides."""
+    SLIP = "slip"
+    """A turn or a slide that sets in after a stick: the same frames as that event."""
+    RELEASE = "release"
+    """It is lifted off the gel, until contact ends if it does."""
+
+
+COMPONENT_OF = {
+    EventKind.PRESS: Component.PRESS,
+    EventKind.TURN: Component.TURN,
+    EventKind.SLIDE: Component.SLIDE,
+    EventKind.RELEASE: Component.PRESS,
+}
+
+STICK_S = 0.3
+
+LEAST_DEG, LEAST_TURN_PX, LEAST_SLIDE_PX, LEAST_MM = 2.5, 1.5, 2.0, 0.15
+"""Way without which a turn (in degrees, and as a path at the contact's radius), a slide or a press
+is no event: between the noise of a held object's track and what `core.twist` counts."""
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened.
+
+    Args:
+        kind: What.
+        begin: Frame number of its beginning.
+        end: Frame number of its end.
+        begin_s: Its beginning in seconds.
+        end_s: Its end.
+        twist: The whole motion in this time, all components of it.
+        amount: Of its own component, signed: degrees, pixels, mm; zero of a touch or a stick.
+        probability: That it happened.
+        component: What of the motion it is of; None of a touch or a stick.
+    """
+
+    kind: EventKind
+    begin: int
+    end: int
+    begin_s: float
+    end_s: float
+    twist: Twist
+    amount: Span
+    probability: float
+    component: Component | None = None
+
+    @property
+    def seconds(self) -> float:
+        """How long it took."""
+        return self.end_s - self.begin_s
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A frame as events are found in it.
+
+    Args:
+        place: Of the frame among those tracked, from 0.
+        number: Of the frame in the recording.
+        time_s: When it was taken.
+        contact: Probability that something touches.
+        is_touched: Whether something does; hysteresis keeps it from flickering.
+        way: Integrated motion since the first frame, (4,).
+        doubt: Sum of the steps' covariances, (4, 4).
+        radius_px: Of the contact.
+    """
+
+    place: int
+    number: int
+    time_s: float
+    contact: float
+    is_touched: bool
+    way: Floats
+    doubt: Floats
+    radius_px: float
+
+
+class EventFinder:
+    """Turns moments into events, in the order in which they end."""
+
+    def __init__(self) -> None:
+        self._moments: dict[int, Moment] = {}
+        self._legs: dict[Component, Legs] = {}
+        self._touched: Moment | None = None
+        self._last: Moment | None = None
+        self._free_since = 0
+        self._slips: set[tuple[Component, int]] = set()
+        self._released = False
+
+    def push(self, moment: Moment) -> list[Event]:
+        """Take in the next frame and return the events that are over."""
+        events: list[Event] = []
+        self._moments[moment.place] = moment
+        if moment.is_touched and self._touched is None:
+            events.append(self._touch(moment))
+        if self._touched is not None:
+            if moment.is_touched:
+                events += self._moved(moment)
+            else:
+                events += self._let_go()
+        self._last = moment
+        self._forget()
+        return events
+
+    def finish(self) -> list[Event]:
+        """Return the events that the end of the recording cuts off."""
+        return [] if self._touched is None else self._closed(self._last)
+
+    def _touch(self, moment: Moment) -> Event:
+        self._touched, self._free_since, self._released = moment, moment.place, False
+        least = math.degrees(LEAST_TURN_PX / max(moment.radius_px, 1.0))
+        self._legs = {
+            Component.TURN: Legs(max(LEAST_DEG, least)),
+            Component.SLIDE: Legs(LEAST_SLIDE_PX),
+            Component.PRESS: Legs(LEAST_MM),
+        }
+        return self._event(EventKind.TOUCH, moment, moment)
+
+    def _moved(self, moment: Moment) -> list[Event]:
+        events = []
+        for component, legs in self._legs.items():
+            point = Point(moment.place, moment.time_s, moment.way[COLUMNS[component]])
+            was_moving = legs.begun
+            closed = legs.push(point)
+            if legs.begun is not None and legs.begun != was_moving:
+                events += self._begun(component, legs.begun)
+            events += [one for leg in closed for one in self._over(component, leg)]
+        return events
+
+    def _begun(self, component: Component, begin: int) -> list[Event]:
+        """Return the stick that a new motion ends."""
+        if component is Component.PRESS:
+            return []
+        others = [
+            legs.begun
+            for other, legs in self._legs.items()
+            if other not in (component, Component.PRESS) and legs.begun is not None
+        ]
+        if others and min(others) <= begin:
+            return []
+        found = self._stick(begin)
+        if found:
+            self._slips.add((component, begin))
+        return found
+
+    def _stick(self, until: int) -> list[Event]:
+        since, end = self._at(self._free_since), self._at(until)
+        if since is None or end is None or end.time_s - since.time_s < STICK_S:
+            return []
+        self._free_since = until
+        return [self._event(EventKind.STICK, since, end)]
+
+    def _over(self, component: Component, leg: Leg) -> list[Event]:
+        begin, end = self._at(leg.begin), self._at(leg.end)
+        way = float((end.way - begin.way)[3])
+        kinds = {Component.TURN: EventKind.TURN, Component.SLIDE: EventKind.SLIDE}
+        kind = kinds.get(component, EventKind.PRESS if way > 0 else EventKind.RELEASE)
+        self._free_since = max(self._free_since, leg.end)
+        self._released = self._released or kind is EventKind.RELEASE
+        events = [self._event(kind, begin, end, component)]
+        if (component, leg.begin) in self._slips:
+            self._slips.discard((component, leg.begin))
+            events.append(self._event(EventKind.SLIP, begin, end, component))
+        return events
+
+    def _let_go(self) -> list[Event]:
+        return self._closed(self._last, is_let_go=True)
+
+    def _closed(self, last: Moment, *, is_let_go: bool = False) -> list[Event]:
+        events, lifting = [], None
+        moving = any(self._legs[one].begun is not None for one in (Component.TURN, Component.SLIDE))
+        for component, legs in self._legs.items():
+            for leg in legs.finish():
+                told = self._over(component, leg)
+                if is_let_go and told[0].kind is EventKind.RELEASE:
+                    lifting = leg.begin
+                    continue
+                events += told
+        if not moving:
+            events += self._stick(last.place)
+        if is_let_go:
+            begin = last if lifting is None else self._at(lifting)
+            events.append(self._event(EventKind.RELEASE, begin, last, Component.PRESS))
+        self._touched, self._legs, self._slips = None, {}, set()
+        return events
+
+    def _at(self, place: int) -> Moment | None:
+        return self._moments.get(place)
+
+    def _event(
+        self, kind: EventKind, begin: Moment, end: Moment, component: Component | None = None
+    ) -> Event:
+        twist, own = end.way - begin.way, end.doubt - begin.doubt
+        amount = Span(0.0, 0.0) if component is None else amount_of(component, twist, own)
+        return Event(
+            kind,
+            begin.number,
+            end.number,
+            begin.time_s,
+            end.time_s,
+            Twist(*map(float, twist)),
+            amount,
+            self._probability(kind, amount, begin, end),
+            component,
+        )
+
+    def _probability(self, kind: EventKind, amount: Span, begin: Moment, end: Moment) -> float:
+        contact = max(begin.contact, end.contact)
+        if kind not in COMPONENT_OF or kind is EventKind.RELEASE:
+            return contact
+        still = {
+            EventKind.TURN: math.degrees(STILL_PX / max(end.radius_px, 1.0)),
+            EventKind.SLIDE: STILL_PX,
+            EventKind.PRESS: STILL_MM,
+        }[kind]
+        beyond = (abs(amount.mean) - still) / max(amount.deviation, 1e-6)
+        return contact * 0.5 * (1 + math.erf(beyond / math.sqrt(2)))
+
+    def _forget(self) -> None:
+        """Drop the moments that no event can begin or end at any more."""
+        if len(self._moments) < 2 * KEPT:
+            return
+        begun = [legs.begun for legs in self._legs.values() if legs.begun is not None]
+        held = {*begun, self._free_since}
+        recent = sorted(self._moments)[-KEPT:]
+        self._moments = {k: m for k, m in self._moments.items() if k >= recent[0] or k in held}
+
+
+KEPT = 512
+"""Moments kept at the least: more than a rest is looked back over."""

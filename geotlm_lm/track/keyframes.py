@@ -1,0 +1,170 @@
+"""How each frame lies on the frame before and on a key frame, both fused: motion without drift.
+
+Steps from frame to frame add up their errors, and tell too little: a small step drowns in noise and
+under what the pad holds back. A frame laid on one far back in time tells the whole of the motion
+between them at once, as long as the two still look alike. So a key frame is kept; each frame is
+laid on the frame before it, which begins the search, and on the key frame; and when little of the
+key frame is left to be seen, the frame at hand becomes the next one.
+
+The pose since the key frame is a Gaussian over turn (at half the picture's width), right and down.
+A step moves it and widens it by the step's own covariance; what is found against the key frame is
+fused in by covariances (information form, as a Kalman filter does with one measurement of the whole
+pose). A share of each way is doubted besides, more of a step's than of a long way's: that is no
+noise, and does not average out.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.alignment.direct import Aligned, Picture, Rigid, align
+from geotlm_lm.alignment.search import search
+from geotlm_lm.track.pictures import CUT_COLUMNS, Floats, Place
+
+Matrix = NDArray[np.float64]
+
+ALIKE = 0.9
+"""Correlation with the key frame below which the next one is laid."""
+
+LOST = 0.6
+"""Correlation below which a motion that was found is doubted and a search is made."""
+
+FARTHEST_DEG, FARTHEST_SHARE = 30.0, 0.25
+"""Turn, and shift as a share of the picture, beyond which the next key frame is laid."""
+
+STRONGER = 1.25
+"""Ratio of an imprint's contrast to the key frame's, likewise: a press changes what is seen."""
+
+STEP_SHARE, KEY_SHARE = 0.15, 0.04
+"""Shares of a step's and of a key frame's way that are doubted beside the noise."""
+
+NOISE_PX = 0.05
+"""Least deviation of either."""
+
+LEVER_PX = CUT_COLUMNS / 2
+"""Radius at which a turn's path is measured."""
+
+CORRELATED = 4.0
+"""Neighbouring pixels' errors are alike: so much larger is a deviation than theirs alone tell."""
+
+UNKNOWN = (20.0, 20.0, 20.0)
+"""Deviation of a step that was not found: the pictures share nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """How the contact moved from the frame before to this one.
+
+    Args:
+        twist: Turn (degrees), right and down (pixels of the 224-pixel square), (3,).
+        covariance: Of the same, (3, 3): what this step adds to the doubt of the whole way.
+        correlation: How alike the frame and the one it was laid on are.
+        is_lost: Whether nothing was found: the motion is unknown.
+    """
+
+    twist: Matrix
+    covariance: Matrix
+    correlation: float
+    is_lost: bool = False
+
+
+class KeyFrames:
+    """Follows one contact from its first frame to its last.
+
+    Args:
+        residual: First frame, as `pictures.small_green` has it, less the idle gel.
+        rows: Of the frame itself.
+        columns: Of the frame itself.
+    """
+
+    def __init__(self, residual: Floats, rows: int, columns: int) -> None:
+        self._size = (rows, columns)
+        self.laid = 0
+        """Key frames so far."""
+        self._before = Rigid()
+        self._lay(residual)
+
+    @property
+    def place(self) -> Place:
+        """Where in the picture the contact is."""
+        return self._place
+
+    def next(self, residual: Floats) -> Step:
+        """Lay the next frame on those before it."""
+        picture = self._place.picture(residual)
+        step = _found(self._last, picture, self._before)
+        is_lost = step.correlation < LOST / 2
+        motion = Rigid() if is_lost else step.motion
+        widened = np.diag(np.square(UNKNOWN)) if is_lost else _doubt(step, STEP_SHARE)
+        pose, covariance = motion.after(self._pose), self._covariance + widened
+        on_key = align(self._key, picture, pose, levels=2)
+        is_seen = on_key.correlation > LOST
+        if is_seen:
+            pose, covariance = _fused(pose, covariance, on_key)
+        taken = pose.after(self._pose.inverse())
+        result = Step(
+            self._place.travel(taken),
+            self._in_square(covariance - self._covariance),
+            step.correlation,
+            is_lost and not is_seen,
+        )
+        self._pose, self._covariance, self._last = pose, covariance, picture
+        self._before = step.motion if step.correlation > ALIKE else Rigid()
+        if self._is_far(on_key, picture):
+            self._lay(residual)
+        return result
+
+    def _lay(self, residual: Floats) -> None:
+        self._place = Place.around(residual, *self._size)
+        self._key = self._last = self._place.picture(residual)
+        self._pose, self._covariance = Rigid(), np.zeros((3, 3))
+        # The picture's pixels may be others now: the last step is no start any more.
+        self._before = Rigid(self._before.turn_rad)
+        self.laid += 1
+
+    def _is_far(self, on_key: Aligned, picture: Picture) -> bool:
+        pose, side = self._pose, max(picture.image.shape)
+        ratio = picture.levels[-1].contrast / max(self._key.levels[-1].contrast, 1e-6)
+        return (
+            on_key.correlation < ALIKE
+            or abs(math.degrees(pose.turn_rad)) > FARTHEST_DEG
+            or math.hypot(pose.right_px, pose.down_px) > FARTHEST_SHARE * side
+            or not 1 / STRONGER < ratio < STRONGER
+        )
+
+    def _in_square(self, covariance: Matrix) -> Matrix:
+        """Return a covariance of the part's pixels in degrees and pixels of the square."""
+        scale = np.diag([math.degrees(1 / LEVER_PX), *self._place.to_square])
+        # Fusing takes doubt away; what a step adds is none at the least.
+        values, vectors = np.linalg.eigh(covariance)
+        return scale @ (vectors * values.clip(min=NOISE_PX**2 / 100)) @ vectors.T @ scale
+
+
+def _found(before: Picture, after: Picture, start: Rigid) -> Aligned:
+    """Return how one picture lies on the one before; searched for where that is lost."""
+    found = align(before, after, start)
+    if found.correlation < LOST:
+        again = align(before, after, search(before.image, after.image))
+        found = max(found, again, key=lambda one: one.correlation)
+    return found
+
+
+def _doubt(found: Aligned, share: float) -> Matrix:
+    noise = found.covariance * (CORRELATED * found.residual) ** 2
+    return noise + np.diag(np.square(share * _paths(found.motion)) + NOISE_PX**2)
+
+
+def _fused(pose: Rigid, covariance: Matrix, on_key: Aligned) -> tuple[Rigid, Matrix]:
+    told, path = _doubt(on_key, KEY_SHARE), _paths(pose)
+    gain = covariance @ np.linalg.inv(covariance + told)
+    turn, right, down = path + gain @ (_paths(on_key.motion) - path)
+    return Rigid(turn / LEVER_PX, right, down), (np.eye(3) - gain) @ covariance
+
+
+def _paths(motion: Rigid) -> Matrix:
+    """Return turn (at half the picture's width), right and down, pixels."""
+    return np.array([motion.turn_rad * LEVER_PX, motion.right_px, motion.down_px])

@@ -1,0 +1,187 @@
+"""Frames in, one by one, events out as they end, and a Track at the last: the one way of tracking.
+
+What is kept of each frame is some forty numbers; of pictures, the key frame's and those of half a
+second. Nothing is looked at twice but the four frames of a block that the model is asked about.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.recordings.choose import FAINT_IMPRINT
+from geotlm_lm.recordings.idle import estimate_background, find_idle
+from geotlm_lm.track.believing import Believe
+from geotlm_lm.track.block import Block, Row
+from geotlm_lm.track.events import Event, EventFinder, Moment
+from geotlm_lm.track.idle_tracker import IdleTracker
+from geotlm_lm.track.keyframes import KeyFrames, Step
+from geotlm_lm.track.pictures import Floats, small_green
+from geotlm_lm.track.table import Table
+from geotlm_lm.track.track import Track
+
+LET_GO = 0.8
+"""Share of the faintest imprint below which contact ends: it begins at that itself."""
+
+STRENGTH_SPREAD = 0.15
+"""Spread of the logarithm of an imprint's strength at which contact is as likely as not."""
+
+ASSUMED_FPS = 25.0
+
+NO_IDLE = "No untouched gel was seen, so nothing could be tracked; start while nothing touches."
+
+
+class Tracker:
+    """Follows one recording or stream.
+
+    Args:
+        believe: What the model believes of four frames (`believing.believer`); None measures only:
+            the depth is not known then.
+        idle: The untouched gel, uint8 RGB; None learns it while nothing touches.
+    """
+
+    def __init__(self, believe: Believe | None = None, *, idle: Frames | None = None) -> None:
+        self._believe, self._idle = believe, IdleTracker(idle)
+        self._table, self._finder, self._block = Table(), EventFinder(), Block()
+        self._events: list[Event] = []
+        self._keys: KeyFrames | None = None
+        self._gel: Floats | None = None
+        self._before: Frames | None = None
+        self._time_s, self._number = -math.inf, -1
+        self._belief_contact = 1.0
+        self._late = self._repeated = self._lost = 0
+
+    @property
+    def idle(self) -> Frames | None:
+        """The untouched gel as learnt so far; None while it is being learnt."""
+        return self._idle.background
+
+    def feed(self, frame: Frames, time_s: float, number: int | None = None) -> list[Event]:
+        """Take in the next frame and return the events that are over.
+
+        Args:
+            frame: uint8, shape (rows, columns, 3), RGB; all of one size.
+            time_s: When it was taken; a frame that is no later than the one before is left out.
+            number: Of the frame in its recording; None counts on.
+
+        Raises:
+            UnreadableClip: If it is of another size than the frames before.
+        """
+        self._number = self._number + 1 if number is None else number
+        if time_s <= self._time_s:
+            self._late += 1
+            return []
+        self._time_s = time_s
+        row = self._measured(frame)
+        self._before = frame
+        ended = self._block.rows and not row.is_touched and self._block.rows[-1].is_touched
+        events = self._settled() if ended else []
+        self._block.add(row, frame)
+        if not row.is_touched or self._block.is_long:
+            events += self._settled()
+            if row.is_touched:
+                self._block.frames = [(row.time_s, frame)]
+        return events
+
+    def finish(self) -> Track:
+        """Return the track of all frames; the last events are those that the end cuts off."""
+        self._settled()
+        self._keep(self._finder.finish())
+        shape = (0, 0) if self._before is None else self._before.shape[:2]
+        events = sorted(self._events, key=lambda one: (one.begin, one.end))
+        return Track(**self._table.arrays(), events=tuple(events), frame_size=shape,
+                     notes=self._notes())  # fmt: skip
+
+    def _measured(self, frame: Frames) -> Row:
+        strength = self._idle.strength(frame)
+        was_touched = self._keys is not None
+        if strength is None or strength < FAINT_IMPRINT * (LET_GO if was_touched else 1):
+            self._keys = None
+            contact = 0.0 if strength is None else _contact(strength)
+            return Row(self._number, self._time_s, strength or 0.0, contact, False)
+        step = self._step(frame)
+        radius = self._keys.place.radius_px
+        contact = _contact(strength)
+        return Row(self._number, self._time_s, strength, contact, True, step, radius)
+
+    def _step(self, frame: Frames) -> Step | None:
+        """Return how the contact moved since the frame before; None in its first frame."""
+        if self._keys is None:
+            self._gel = small_green(self._idle.background)
+            self._keys = KeyFrames(small_green(frame) - self._gel, *frame.shape[:2])
+            return None
+        if np.array_equal(frame, self._before):
+            self._repeated += 1
+            return None
+        step = self._keys.next(small_green(frame) - self._gel)
+        self._lost += step.is_lost
+        return step
+
+    def _settled(self) -> list[Event]:
+        """Write the block down and return the events that are over by then."""
+        block, self._block = self._block, Block()
+        if not block.rows:
+            return []
+        believe = self._believe if block.rows[-1].is_touched else None
+        twists, covariances, contact = block.settled(believe, self._idle.background)
+        events = []
+        for row, twist, covariance in zip(block.rows, twists, covariances, strict=True):
+            sure = row.contact * contact
+            place = self._table.add(row, twist, covariance, sure)
+            way, doubt = self._table.way, self._table.doubt
+            moment = Moment(place, row.number, row.time_s, sure, row.is_touched, way, doubt,
+                            row.radius_px)  # fmt: skip
+            events += self._finder.push(moment)
+        return self._keep(events)
+
+    def _keep(self, events: list[Event]) -> list[Event]:
+        self._events += events
+        return events
+
+    def _notes(self) -> tuple[str, ...]:
+        notes = [] if self.idle is not None else [NO_IDLE]
+        if self._late:
+            notes.append(f"{self._late} frames were no later than those before and left out.")
+        if self._repeated:
+            notes.append(f"{self._repeated} frames repeat the one before.")
+        if self._lost:
+            notes.append(f"In {self._lost} frames the imprint was lost: how it moved is not known.")
+        return tuple(notes)
+
+
+def track_of(
+    source: Clip | Iterable[tuple[Frames, float]],
+    believe: Believe | None = None,
+    *,
+    idle: Frames | None = None,
+) -> Track:
+    """Return the track of a recording.
+
+    Args:
+        source: A clip, whose idle gel is looked for first, or frames with their times.
+        believe: As of `Tracker`.
+        idle: The untouched gel, if known.
+
+    Raises:
+        UnreadableClip: As of `Tracker.feed`.
+    """
+    if not isinstance(source, Clip):
+        tracker = Tracker(believe, idle=idle)
+        for frame, time_s in source:
+            tracker.feed(frame, time_s)
+        return tracker.finish()
+    gel = idle if idle is not None else source.background
+    gel = find_idle(source) if gel is None else gel
+    gel = estimate_background(source.frames) if gel is None else gel
+    tracker, fps = Tracker(believe, idle=gel), source.fps or ASSUMED_FPS
+    for frame, number in zip(source.frames, source.frame_numbers, strict=True):
+        tracker.feed(frame, number / fps, number)
+    return tracker.finish()
+
+
+def _contact(strength: float) -> float:
+    beyond = math.log(max(strength, 1e-6) / FAINT_IMPRINT) / STRENGTH_SPREAD
+    return 1 / (1 + math.exp(-min(max(beyond, -30.0), 30.0)))
