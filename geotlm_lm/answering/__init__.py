@@ -14,7 +14,7 @@ from geotlm_lm.answering.answer import (
 )
 from geotlm_lm.answering.answer_assembly import NOT_UNDERSTOOD
 from geotlm_lm.answering.answerer import Answerer, Why
-from geotlm_lm.answering.encoded import Encoded, four_frames_with_background
+from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.multi_clip import Comparison, Order
 from geotlm_lm.answering.session import Session, Turn
 from geotlm_lm.conversation.question import OPEN_QUESTION, check_question
@@ -34,5 +34,4 @@ __all__ = [
     "check_question",
     "deciding_word",
     "evidence",
-    "four_frames_with_background",
 ]

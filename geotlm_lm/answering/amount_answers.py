@@ -17,6 +17,7 @@ from geotlm_lm.answering.answer import Answer
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.measured_motion import AXES, MeasuredMotion, felt_of, measured, travel
 from geotlm_lm.answering.model_query import Heard
+from geotlm_lm.answering.track_answers import times_of
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.amount_questions import asks_depth
 from geotlm_lm.conversation.axis_claims import asks_components, axes_named
@@ -158,7 +159,7 @@ def _told(
         amount = whole.per_second(encoded.seconds) if kind == "rate" else whole
         parts.append((one, whole, amount))
     _, whole, amount = parts[0]
-    sentences = [one.sentence(_where(encoded)) for _, _, one in parts]
+    sentences = [one.sentence(_where(encoded, part)) for part, _, one in parts]
     text = before + " ".join(sentences) + _in_other_units(encoded, question, amount)
     if felt.is_barely(going[0]):
         text = f"Barely: {decapitalised(text)}"
@@ -206,10 +207,12 @@ def _in_frame(encoded: Encoded, frame: FrameSpec) -> tuple[float, float]:
     return found[Motion.RIGHT], found[Motion.DOWN]
 
 
-def _where(encoded: Encoded) -> str:
-    """Return between which frames an amount is, if they are a part of the recording."""
-    numbers = encoded.clip.frame_numbers
-    return f"between frames {min(numbers)} and {max(numbers)}" if encoded.is_part else ""
+def _where(encoded: Encoded, component: Component) -> str:
+    """Return from when to when a component went, in a recording."""
+    if encoded.track is None:
+        return ""
+    events = [one for one in encoded.track.of(component) if one.component is component]
+    return times_of(encoded, events) if events else ""
 
 
 def _in_other_units(encoded: Encoded, question: str, amount: Amount) -> str:

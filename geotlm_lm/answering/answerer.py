@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-
-import numpy as np
 
 from geotlm_lm.answering.answer import Answer
 from geotlm_lm.answering.answer_assembly import is_camera_frame, own_evidence
@@ -20,10 +17,17 @@ from geotlm_lm.answering.argument_checks import (
 )
 from geotlm_lm.answering.belief_of_clip import belief_of
 from geotlm_lm.answering.clip_comparison import compare_clips
-from geotlm_lm.answering.encoded import Encoded, with_background
+from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.measured_motion import felt_of
 from geotlm_lm.answering.model_query import EVIDENCE_QUESTION, ModelCheck, score
 from geotlm_lm.answering.multi_clip import Comparison, Order, order_of_motions
+from geotlm_lm.answering.perceiving import (
+    perceive_clip,
+    perceive_recording,
+    track_recording,
+    with_idle_of,
+    within_span,
+)
 from geotlm_lm.answering.question_routing import answer_question
 from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.streaming import Listener, answer_pieces
@@ -35,9 +39,8 @@ from geotlm_lm.conversation.wording import decapitalised, frame_summary
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.recordings.choose import choose_frames
-from geotlm_lm.recordings.legible import require_legible
-from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static
+from geotlm_lm.recordings.span import frames_inside, require_motion
+from geotlm_lm.track.track import Track
 
 
 @dataclass(frozen=True)
@@ -83,61 +86,39 @@ class Answerer:
             bundle = in_offered_format(bundle, precision)
         return cls(bundle)
 
-    def encode(self, clip: Clip, *, span: tuple[int, int] | None = None) -> Encoded:
-        """Choose four frames of `clip`, find or guess its background, and perceive it once.
+    def encode(
+        self, clip: Clip, *, span: tuple[int, int] | None = None, track: Track | None = None
+    ) -> Encoded:
+        """Perceive a clip of up to four frames once; a longer recording is tracked.
 
         Args:
             clip: A recording of two frames or more.
-            span: First and last frame to use, both included; None chooses them.
+            span: First and last frame to use, both included; None uses all.
+            track: Of the recording, where it was tracked before.
 
         Raises:
             UnreadableClip: If there is only one frame, or the frames hold no picture of a gel.
             UsageError: If the span is not inside the clip.
             TypeError: If it is no clip, such as a path, or the span is not two whole numbers.
         """
-        if not isinstance(clip, Clip):
-            raise TypeError(
-                f"encode takes a Clip, found {type(clip).__name__}; read a file by "
-                f"read_clip(path), or make one of an array by Clip(frames)"
-            )
-        started = time.perf_counter()
-        asked = (min(clip.frame_numbers), max(clip.frame_numbers)) if span is None else span
-        clip = choose_frames(clip, FRAME_COUNT, span=span)
-        is_part = (min(clip.frame_numbers), max(clip.frame_numbers)) != tuple(asked)
-        is_idle_known = clip.background is not None
-        clip = require_legible(with_background(clip))
-        chosen = time.perf_counter()
-        change = change_from_idle(clip)
-        seen = is_idle_known and change.is_beyond_noise
-        untouched = change.grey < UNTOUCHED_GREY and not seen
-        faint = is_idle_known and change.is_faint
-        cut_off = seen and not faint and change.is_cut_off
-        static = not is_idle_known and is_static(clip)
-        judged = time.perf_counter()
-        if untouched:
-            clip = clip.with_note(_nothing_seen(change.grey))
-        if cut_off:
-            clip = clip.with_note(CUT_OFF_NOTE)
-        # Of what is not there, noise decides which motion it looks like: leave the noise out.
-        perception = self.bundle.model.perceive([_at_rest(clip) if untouched else clip])
-        done = time.perf_counter()
-        timing = {
-            "choose": 1e3 * (chosen - started),
-            "touch": 1e3 * (judged - chosen),
-            "encode": 1e3 * (done - judged),
-        }
-        return Encoded(
-            clip,
-            perception,
-            timing,
-            is_untouched=untouched,
-            is_changed=seen and not faint,
-            is_faint=faint,
-            is_cut_off=cut_off,
-            is_static=static,
-            is_part=is_part,
-            believe=partial(belief_of, self.bundle),
-        )
+        _require_clip(clip, "encode")
+        require_motion(clip)
+        inside = clip if span is None else frames_inside(clip, span)
+        if len(inside) <= FRAME_COUNT:
+            inside = inside if span is None else with_idle_of(inside, clip)
+            return perceive_clip(self.bundle, inside)
+        track = self.track(clip) if track is None else track
+        return perceive_recording(self.bundle, clip, track, span)
+
+    def track(self, recording: Clip) -> Track:
+        """Follow a recording from its first frame to its last: what moved when, and how far.
+
+        Raises:
+            UnreadableClip: If there is only one frame.
+            TypeError: If it is no clip, such as a path.
+        """
+        _require_clip(recording, "track")
+        return track_recording(self.bundle, require_motion(recording))
 
     def _believing(self, encoded: Encoded) -> Encoded:
         """Return a clip that somebody else has perceived with what makes its belief."""
@@ -179,6 +160,8 @@ class Answerer:
         encoded = self._believing(encoded)
         require_frame(frame)
         question = check_question(question)
+        if encoded.track is not None:
+            encoded, question = within_span(self.bundle, encoded, question)
         return answer_question(self.bundle, encoded, question, frame, listen)
 
     def stream(
@@ -277,18 +260,12 @@ class Answerer:
         return tuple(f"{step.removesuffix('.')}." for step in own.split(". "))
 
 
-CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."
-
-
-def _nothing_seen(change_grey: float) -> str:
-    return (
-        f"No frame differs from the idle gel by more than {change_grey:.1f} grey levels; a touch "
-        f"fainter than {UNTOUCHED_GREY:g} is not seen."
-    )
-
-
-def _at_rest(clip: Clip) -> Clip:
-    return replace(clip, frames=np.stack([clip.background] * len(clip)))
+def _require_clip(clip: object, what: str) -> None:
+    if not isinstance(clip, Clip):
+        raise TypeError(
+            f"{what} takes a Clip, found {type(clip).__name__}; read a file by "
+            f"read_clip(path), or make one of an array by Clip(frames)"
+        )
 
 
 _CLAIM_ANOTHER_MOTION = ("mirrored", "reversed", "undo", "thread")

@@ -8,11 +8,12 @@ from functools import cached_property
 
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.geometry import FRAME_COUNT, REGIONS
+from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.model import Perception
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.recordings.choose import choose_frames
 from geotlm_lm.recordings.idle import estimate_background
+from geotlm_lm.track.events import MOVING
+from geotlm_lm.track.track import Track
 
 MIN_TIMED_FRAMES = 3
 """Different frames a speed needs."""
@@ -46,8 +47,10 @@ class Encoded:
         is_cut_off: Whether the border of the image cuts through the imprint; likewise.
         is_static: Whether the background is a guess and no frame differs from the first by more
             than an untouched gel may: a touch held still and no touch then look alike.
-        is_part: Whether the frames used were chosen inside a longer recording, or inside the span
-            that was asked for: how far it went in the whole is then not known.
+        track: The track of the recording, or of the span of it that is asked about; None where four
+            frames are all there is. The clip then holds the four that show its motion best.
+        recording: What was tracked, whole.
+        whole_track: The track of all of it.
         believe: What makes the belief of its motion, once, when first asked for.
     """
 
@@ -59,7 +62,9 @@ class Encoded:
     is_faint: bool = False
     is_cut_off: bool = False
     is_static: bool = False
-    is_part: bool = False
+    track: Track | None = None
+    recording: Clip | None = None
+    whole_track: Track | None = None
     believe: Callable[[Encoded], Belief] | None = None
 
     @property
@@ -86,23 +91,17 @@ class Encoded:
 
     @property
     def seconds(self) -> float | None:
-        """Time from the first to the last frame used; None without a frame rate.
+        """How long what moves did so; None without a frame rate.
 
-        Two frames alone give none either: they may be any two of a longer motion.
+        Two frames alone give none: they may be any two of a longer motion.
         """
         numbers = self.clip.frame_numbers
         if self.clip.fps is None or len(set(numbers)) < MIN_TIMED_FRAMES:
             return None
+        if self.track is not None:
+            events = [one for one in self.track.events if one.kind in MOVING]
+            return sum(one.seconds for one in events) or self.track.seconds or None
         return (max(numbers) - min(numbers)) / self.clip.fps
-
-
-def four_frames_with_background(clip: Clip) -> Clip:
-    """Return the four frames that show the motion, beside the idle gel, known or estimated.
-
-    Args:
-        clip: A recording of two frames or more.
-    """
-    return with_background(choose_frames(clip, FRAME_COUNT))
 
 
 def with_background(clip: Clip) -> Clip:

@@ -59,7 +59,7 @@ def measured(
         doing = "pressing in" if belief.way(component) is Motion.PRESS else "lifting off"
         far, deviation = belief.amount(component), belief.deviation(component)
         return Measure(far, deviation, "mm", TOLERANCES["mm"], doing)
-    unit, scale = _scale(encoded, frame)
+    unit, scale = pixel_scale(encoded, frame)
     way, spread = travel(encoded, frame), scale @ belief.covariance[1:3, 1:3] @ scale
     far = float(np.hypot(*way))
     along = way / far if far > 0 else np.array([1.0, 0.0])
@@ -73,7 +73,7 @@ def measured(
 def travel(encoded: Encoded, frame: FrameSpec) -> np.ndarray:
     """Return the travel right and down, pixels of the recording's frames, or mm."""
     mean = encoded.belief.mean
-    return _scale(encoded, frame)[1] @ np.array([mean.right_px, mean.down_px])
+    return pixel_scale(encoded, frame)[1] @ np.array([mean.right_px, mean.down_px])
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ def amount_along(encoded: Encoded, motion: Motion) -> tuple[float, float, float]
     return 0.0, float(right), float(down)
 
 
-def _scale(encoded: Encoded, frame: FrameSpec) -> tuple[str, np.ndarray]:
+def pixel_scale(encoded: Encoded, frame: FrameSpec) -> tuple[str, np.ndarray]:
     """Return the unit slides are told in, and what a pixel of ours is of it, across and down."""
     rows, columns = encoded.clip.frames.shape[1:3]
     filled_rows, filled_columns = filled_size(rows, columns)

@@ -17,6 +17,7 @@ from geotlm_lm.answering.contact_answer import answer_contact_location
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.merging import merge_answers
 from geotlm_lm.answering.streaming import Listener, StableWords
+from geotlm_lm.answering.track_answers import answer_of_track
 from geotlm_lm.answering.understanding import kind_by_rule
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.alternatives import asks_alternatives
@@ -121,7 +122,9 @@ def answer_question(
     )  # nothing supposed, no fact told
     if is_whole and asks_future_motion(asked):
         return neutral_answer(encoded, NO_PREDICTION, "refusal", frame)
-    answer = _answer_through_other_questions(bundle, encoded, asked, frame)
+    answer = answer_of_track(encoded, stated.rest, frame)
+    if answer is None:
+        answer = _answer_through_other_questions(bundle, encoded, asked, frame)
     if answer is None:
         answer = _answer_without_model(bundle, encoded, asked, frame)
     if answer is not None:

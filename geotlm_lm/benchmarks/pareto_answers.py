@@ -13,7 +13,7 @@ from functools import partial
 import cv2
 import torch
 
-from geotlm_lm.answering import Answerer, four_frames_with_background
+from geotlm_lm.answering import Answerer
 from geotlm_lm.backbone.imprint import imprint_of
 from geotlm_lm.backbone.motions import motions_of
 from geotlm_lm.backbone.stem import measure_clip
@@ -144,7 +144,7 @@ def stage_rows(run: Run) -> Iterator[Row]:
     token, geometry = perception.fused_token, perception.geometry
     reading = reading_of(token, bundle.motion(measured(inputs, motions, geometry, token)))
     ways = {
-        "choose 4 of 125 frames": lambda: four_frames_with_background(recording),
+        "track of 125 frames": lambda: run.answerer.track(recording),
         "stem": lambda: measure_clip(clip),
         "of it: the imprint": lambda: imprint_of(clip),
         "of it: rigid motions": lambda: motions_of(imprint),

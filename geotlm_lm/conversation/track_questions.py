@@ -92,7 +92,7 @@ def asked_span(question: str) -> tuple[str, Span] | None:
     for words, is_from_end in ((_OPENING, False), (_CLOSING, True)):
         if found := words.search(text):
             unit, scale = _unit(found["unit"])
-            long = (number(found["long"]) or 0.0) * scale
+            long = (number(found["long"] or "1") or 1.0) * scale
             span = Span(long, None, unit, True) if is_from_end else Span(None, long, unit)
             return _without(text, found), span
     return None

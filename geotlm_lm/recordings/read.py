@@ -14,10 +14,10 @@ from geotlm_lm.recordings.arrays import (
     read_still_array,
     stated_square_pixels,
 )
-from geotlm_lm.recordings.choose import require_motion
 from geotlm_lm.recordings.images import IMAGE_SUFFIXES, read_folder, read_still_image
 from geotlm_lm.recordings.pixel_shape import with_pixel_shape
 from geotlm_lm.recordings.pixels import Order, check_layout, parts_of
+from geotlm_lm.recordings.span import require_motion
 from geotlm_lm.recordings.stacks import STACK_SUFFIXES, read_stack
 from geotlm_lm.recordings.video import VIDEO_SUFFIXES, read_video
 

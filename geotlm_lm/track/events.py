@@ -1,4 +1,4 @@
-"""What happens in a track: touch, press, turn, slide, stick, slip, release; each defined once, here.
+"""What happens in a track: touch, press, turn, slide, stick, slip, release; each defined once.
 
 Events are found while the frames come, some tenths of a second late: whether a motion is over, or
 whether it counts at all, shows only afterwards.
@@ -38,6 +38,8 @@ class EventKind(StrEnum):
     RELEASE = "release"
     """It is lifted off the gel, until contact ends if it does."""
 
+
+MOVING = (EventKind.TURN, EventKind.SLIDE)
 
 COMPONENT_OF = {
     EventKind.PRESS: Component.PRESS,

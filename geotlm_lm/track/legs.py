@@ -97,9 +97,7 @@ class Legs:
         """End the leg near its farthest point; what follows may begin the next one."""
         far, heading = self._leg[-1], self._heading()
         edge = EDGE * self._least
-        end = next(
-            one for one in self._leg if float((far.at - one.at) @ heading) <= edge
-        )
+        end = next(one for one in self._leg if float((far.at - one.at) @ heading) <= edge)
         end = end if end.place > self._leg[0].place else far
         leg = Leg(self._leg[0].place, end.place)
         keep_from = end.place if after is None else after

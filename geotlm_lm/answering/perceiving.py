@@ -1,0 +1,194 @@
+"""Perceive a clip, or a whole recording: four frames are looked at, a longer one is tracked."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from geotlm_lm.answering.belief_of_clip import belief_of
+from geotlm_lm.answering.encoded import Encoded, with_background
+from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.conversation.track_questions import asked_span
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.geometry import FRAME_COUNT
+from geotlm_lm.motion.belief import Belief
+from geotlm_lm.recordings.idle import estimate_background, find_idle
+from geotlm_lm.recordings.legible import require_legible
+from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static
+from geotlm_lm.track.believing import believer
+from geotlm_lm.track.track import Track
+from geotlm_lm.track.tracker import track_of
+from geotlm_lm.track.whole import belief_of_track, window_of
+
+CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."
+
+
+def perceive_clip(bundle: Bundle, clip: Clip) -> Encoded:
+    """Perceive two to four frames once; fewer than four are repeated evenly.
+
+    Args:
+        bundle: The model.
+        clip: The frames, with their idle gel if that is known.
+
+    Raises:
+        UnreadableClip: If the frames hold no picture of a gel.
+    """
+    started = time.perf_counter()
+    is_idle_known = clip.background is not None
+    clip = require_legible(with_background(_four(clip)))
+    chosen = time.perf_counter()
+    change = change_from_idle(clip)
+    seen = is_idle_known and change.is_beyond_noise
+    untouched = change.grey < UNTOUCHED_GREY and not seen
+    faint = is_idle_known and change.is_faint
+    cut_off = seen and not faint and change.is_cut_off
+    static = not is_idle_known and is_static(clip)
+    judged = time.perf_counter()
+    if untouched:
+        clip = clip.with_note(_nothing_seen(change.grey))
+    if cut_off:
+        clip = clip.with_note(CUT_OFF_NOTE)
+    # Of what is not there, noise decides which motion it looks like: leave the noise out.
+    perception = bundle.model.perceive([_at_rest(clip) if untouched else clip])
+    done = time.perf_counter()
+    timing = {
+        "choose": 1e3 * (chosen - started),
+        "touch": 1e3 * (judged - chosen),
+        "encode": 1e3 * (done - judged),
+    }
+    return Encoded(
+        clip,
+        perception,
+        timing,
+        is_untouched=untouched,
+        is_changed=seen and not faint,
+        is_faint=faint,
+        is_cut_off=cut_off,
+        is_static=static,
+        believe=partial(belief_of, bundle),
+    )
+
+
+def track_recording(bundle: Bundle, clip: Clip) -> Track:
+    """Return the track of a recording in memory."""
+    return track_of(with_idle(clip), believer(bundle))
+
+
+def perceive_recording(
+    bundle: Bundle, clip: Clip, track: Track, span: tuple[int, int] | None = None
+) -> Encoded:
+    """Perceive a recording that was tracked, or a span of it.
+
+    Args:
+        bundle: The model.
+        clip: The recording.
+        track: Of all of it.
+        span: First and last frame, both included, by their numbers.
+
+    Raises:
+        UnreadableClip: If its frames hold no picture of a gel.
+        UsageError: If the span holds fewer than two of its frames.
+    """
+    started = time.perf_counter()
+    clip = with_idle(clip)
+    part = track if span is None else track_of_span(track, span)
+    numbers = [int(part.numbers[place]) for place in window_of(part)]
+    index = {number: place for place, number in enumerate(clip.frame_numbers)}
+    window = perceive_clip(bundle, clip.select([index[number] for number in numbers]))
+    used = f"Tracked from frame {part.numbers[0]} to {part.numbers[-1]}."
+    window = replace(window, clip=window.clip.with_note(used))
+    timing = window.timing_ms | {"track": 1e3 * (time.perf_counter() - started)}
+    return replace(
+        window,
+        timing_ms=timing,
+        track=part,
+        recording=clip,
+        whole_track=track,
+        believe=partial(_belief, bundle, part, window),
+    )
+
+
+def track_of_span(track: Track, span: Sequence[float], unit: str = "frames") -> Track:
+    """Return the part of a track between two frames or seconds, both included.
+
+    Raises:
+        UsageError: If it holds fewer than two frames.
+    """
+    try:
+        return track.between(span[0], span[1], unit=unit)
+    except ValueError as error:
+        scale = track.numbers if unit == "frames" else track.times_s
+        raise UsageError(
+            f"{error}; the recording goes from {scale[0]:g} to {scale[-1]:g} {unit}."
+        ) from error
+
+
+def within_span(bundle: Bundle, encoded: Encoded, question: str) -> tuple[Encoded, str]:
+    """Return the part of a recording that a question names, and the question without it.
+
+    Raises:
+        UsageError: If the part holds fewer than two frames.
+    """
+    found = asked_span(question)
+    if found is None or encoded.whole_track is None:
+        return encoded, question
+    rest, span = found
+    whole = encoded.whole_track
+    scale = whole.numbers if span.unit == "frames" else whole.times_s
+    first = scale[0] if span.first is None else span.first
+    first = scale[-1] - span.first if span.is_from_end else first
+    last = scale[-1] if span.last is None else span.last
+    part = track_of_span(whole, (float(first), float(last)), span.unit)
+    numbers = (int(part.numbers[0]), int(part.numbers[-1]))
+    return perceive_recording(bundle, encoded.recording, whole, numbers), rest
+
+
+def with_idle_of(part: Clip, recording: Clip) -> Clip:
+    """Return frames of a recording beside its idle gel, where that is known or to be found."""
+    idle = recording.background if recording.background is not None else find_idle(recording)
+    return part if idle is None else replace(part, background=idle)
+
+
+def with_idle(clip: Clip) -> Clip:
+    """Return a recording beside its idle gel: given, found where nothing touches, or guessed."""
+    if clip.background is not None:
+        return clip
+    idle = find_idle(clip)
+    if idle is not None:
+        note = "Background: the recording's own untouched frames."
+        return replace(clip, background=idle).with_note(note)
+    guessed = replace(clip, background=estimate_background(clip.frames))
+    return guessed.with_note(
+        "Background: estimated from the frames; give an idle frame for a surer answer."
+    )
+
+
+def _belief(bundle: Bundle, track: Track, window: Encoded, _: Encoded) -> Belief:
+    return belief_of_track(track, belief_of(bundle, window))
+
+
+def _four(clip: Clip) -> Clip:
+    """Return four frames of a clip of two to four: a, b becomes a, a, b, b; a, b, c a, b, b, c.
+
+    Played backwards it stays exactly that.
+    """
+    if len(clip) == FRAME_COUNT:
+        return clip
+    places = np.rint(np.linspace(0, len(clip) - 1, FRAME_COUNT))
+    return clip.select([int(place) for place in places])
+
+
+def _nothing_seen(change_grey: float) -> str:
+    return (
+        f"No frame differs from the idle gel by more than {change_grey:.1f} grey levels; a touch "
+        f"fainter than {UNTOUCHED_GREY:g} is not seen."
+    )
+
+
+def _at_rest(clip: Clip) -> Clip:
+    return replace(clip, frames=np.stack([clip.background] * len(clip)))
