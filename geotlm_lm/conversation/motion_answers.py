@@ -171,7 +171,10 @@ def _verdict(
     said: tuple[str, str, str, str],
     text: str | None = None,
 ) -> RuleAnswer:
-    """Return yes or no and the motion; a "no" is as sure as the least sure thing it says."""
+    """Return yes or no and the motion; a "no" is as sure as the least sure thing it says.
+
+    The way that something goes "if at all" is not what it says.
+    """
     yes, no, *words = said
 
     def holds(state: frozenset[Motion]) -> bool:
@@ -180,9 +183,11 @@ def _verdict(
     is_true, share = holds(felt.state), felt.probability(holds)
     options = {words[0]: share, words[1]: 1.0 - share}
     word = words[0] if is_true else words[1]
-    direction = felt.main if told.is_doubtful else told.direction
+    if told.is_doubtful:
+        rest = tell(felt, frame).confidence if felt.components else 1.0
+        told = replace(told, direction=felt.main, confidence=rest)
     return answer_told(
-        replace(told, direction=direction, confidence=min(told.confidence, options[word])),
+        replace(told, confidence=min(told.confidence, options[word])),
         (yes if is_true else no).format(told.text if text is None else text),
         frame,
         options,
