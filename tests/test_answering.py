@@ -63,7 +63,7 @@ def test_an_answer_carries_direction_frame_options_evidence_and_timing(bundle):
     assert set(answer.options) == {motion.value for motion in Motion}
     assert answer.confidence == pytest.approx(0.97)
     assert answer.motion.to_dict()["turn"]["way"] == "clockwise"
-    assert set(answer.timing_ms) == {"choose", "touch", "encode", "score", "total"}
+    assert set(answer.timing_ms) == {"choose", "touch", "encode", "check", "total"}
     assert set(answer.evidence["regions"]) >= {"upper_minus_lower", "left_minus_right"}
     required = {"text", "direction", "confidence", "abstained", "frame", "options", "timing_ms"}
     assert required <= set(json.loads(json.dumps(answer.to_dict())))
@@ -98,9 +98,18 @@ def test_a_direction_without_contact_becomes_an_abstention(bundle):
 
 def test_words_outside_the_answers_are_an_abstention_of_unknown_kind(bundle):
     answerer = answerer_saying(bundle, text="Clockwise, I would guess, or so.")
-    answer = answerer.ask(answerer.encode(recording()), "Which way does it turn?")
+    answer = answerer.ask(answerer.encode(recording()), "rotation sense pls")
     assert (answer.kind, answer.direction, answer.abstained) == (None, None, True)
     assert answer.confidence == 0.0
+
+
+def test_where_the_question_tells_the_kind_the_belief_is_told_whatever_the_model_writes(
+    bundle,
+):
+    answerer = answerer_saying(bundle, text="Clockwise, I would guess, or so.")
+    answer = answerer.ask(answerer.encode(recording()), "Which way does it turn?")
+    assert answer.text.startswith("It does not turn; it slides left")
+    assert (answer.kind, answer.told_by, answer.direction) == ("direction", "rule", Motion.LEFT)
 
 
 def test_a_refusal_abstains(bundle):

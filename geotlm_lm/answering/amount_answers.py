@@ -16,7 +16,7 @@ from geotlm_lm.answering.amounts import NAMES, Amount
 from geotlm_lm.answering.answer import Answer
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.measured_motion import AXES, MeasuredMotion, felt_of, measured, travel
-from geotlm_lm.answering.model_query import ModelReply
+from geotlm_lm.answering.model_query import Heard
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.amount_questions import asks_depth
 from geotlm_lm.conversation.axis_claims import asks_components, axes_named
@@ -73,7 +73,7 @@ def answer_amount(
     question: str,
     kind: str,
     frame: FrameSpec,
-    heard: ModelReply | None = None,
+    heard: Heard | None = None,
 ) -> Answer:
     """Answer how far it went, or how fast: of the component asked about, else of all that count.
 
@@ -88,7 +88,7 @@ def answer_amount(
         return neutral_answer(encoded, text, kind, frame, timing)
     if kind == "rate" and not encoded.seconds:
         return neutral_answer(encoded, NO_TIME, kind, frame, timing)
-    felt = felt_of(bundle, encoded, frame).seen(frame.tell)
+    felt = felt_of(encoded, frame).seen(frame.tell)
     asked = _asked(question)
     going = [one for one in felt.components if one in (asked or _DISTANCES)]
     answer = neutral_answer(encoded, "", kind, frame, timing)
@@ -96,7 +96,7 @@ def answer_amount(
         answer, options=_options(felt), motion=MeasuredMotion.of(encoded, frame), abstained=False
     )
     if not going:
-        return _no_amount(answer, felt, asked, heard)
+        return _no_amount(bundle, answer, felt, asked, heard)
     if not encoded.belief.readable[going[0]]:
         return replace(answer, text=cannot_be_seen(going[0]), abstained=True)
     return _told(encoded, question, answer, felt, going, kind)
@@ -118,18 +118,20 @@ def _options(felt: Felt) -> dict[str, float]:
 
 
 def _no_amount(
-    answer: Answer, felt: Felt, asked: Sequence[Component], heard: ModelReply | None
+    bundle: Bundle, answer: Answer, felt: Felt, asked: Sequence[Component], heard: Heard | None
 ) -> Answer:
     """Return that there is no such amount, and what there is instead."""
     told = tell(felt, answer.frame, asked)
     answer = replace(answer, direction=told.direction)
     what = "No distance" if answer.kind == "magnitude" else "No speed to tell"
-    text, slots = f"{what}: {told.text}.", heard and heard.slots
-    if asked:
-        text = f"{capitalised(told.text)}."
-    elif slots and slots.kind == answer.kind and slots.direction == told.direction:
-        text = heard.text
-        answer = replace(answer, told_by="rule" if heard.is_by_rule else "model")
+    text = f"{capitalised(told.text)}." if asked else f"{what}: {told.text}."
+    if not asked and heard is not None:
+        parse, options = bundle.grammar.parse, bundle.grammar.options_for(answer.kind)
+        own = heard.written([one for one in options if parse(one).direction == told.direction])
+        stages = answer.timing_ms | heard.timing_ms | {"total": 0.0}
+        answer = replace(answer, timing_ms=stages | {"total": sum(stages.values())})
+        if own is not None:
+            text, answer = own, replace(answer, told_by="rule" if heard.is_by_rule else "model")
     if told.confidence < LEAST_SURE:
         text = tentative_text(text, told.confidence)
         return replace(answer, text=text, abstained=True, direction=None)
@@ -244,7 +246,7 @@ def judge_amount_claim(
     named = claimed_motions(without_amount(question))
     if unit == "mm" and named and subjects_of(named) == {Component.PRESS}:
         component = Component.PRESS
-    felt = felt_of(bundle, encoded, frame).seen(frame.tell)
+    felt = felt_of(encoded, frame).seen(frame.tell)
     words = {Component.TURN: "turn", Component.SLIDE: "slide", Component.PRESS: "press in"}
     answer = answer_amount(bundle, encoded, f"How far did it {words[component]}?", kind, frame)
     if answer.abstained:

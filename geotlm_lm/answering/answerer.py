@@ -11,18 +11,18 @@ from pathlib import Path
 import numpy as np
 
 from geotlm_lm.answering.answer import Answer
-from geotlm_lm.answering.answer_assembly import is_camera_frame
+from geotlm_lm.answering.answer_assembly import is_camera_frame, own_evidence
 from geotlm_lm.answering.argument_checks import (
     require_answer,
     require_encoded,
     require_frame,
     require_kind,
 )
-from geotlm_lm.answering.belief_of_clip import belief_of, felt_words
+from geotlm_lm.answering.belief_of_clip import belief_of
 from geotlm_lm.answering.clip_comparison import compare_clips
 from geotlm_lm.answering.encoded import Encoded, with_background
 from geotlm_lm.answering.measured_motion import felt_of
-from geotlm_lm.answering.model_query import EVIDENCE_QUESTION, query_model, score
+from geotlm_lm.answering.model_query import EVIDENCE_QUESTION, ModelCheck, score
 from geotlm_lm.answering.multi_clip import Comparison, Order, order_of_motions
 from geotlm_lm.answering.question_routing import answer_question
 from geotlm_lm.answering.session import Session
@@ -137,7 +137,6 @@ class Answerer:
             is_static=static,
             is_part=is_part,
             believe=partial(belief_of, self.bundle),
-            feel=partial(felt_words, self.bundle),
         )
 
     def _believing(self, encoded: Encoded) -> Encoded:
@@ -145,8 +144,7 @@ class Answerer:
         require_encoded(encoded)
         if encoded.believe is not None:
             return encoded
-        believe, feel = (partial(make, self.bundle) for make in (belief_of, felt_words))
-        return replace(encoded, believe=believe, feel=feel)
+        return replace(encoded, believe=partial(belief_of, self.bundle))
 
     def session(self, encoded: Encoded, frame: FrameSpec = CAMERA) -> Session:
         """Return a conversation about a clip, which remembers its turns and the frame.
@@ -243,8 +241,8 @@ class Answerer:
 
         A model trained for evidence says where the halves go, what adds up and what it concludes;
         the rules say beside it what was measured of every component, amounts and spans, and whether
-        one speaks against the answer. Words that conclude another motion than what is felt are not
-        said.
+        one speaks against the answer. Words that conclude another motion than what is believed
+        are not said.
 
         Raises:
             TypeError: If the clip is not encoded, or the answer is none about one clip.
@@ -269,16 +267,14 @@ class Answerer:
 
     def _own_reasons(self, encoded: Encoded) -> tuple[str, ...]:
         """Return the model's own sentences of evidence; none where it has none that may be told."""
-        if "evidence" not in self.bundle.grammar.kinds:
+        heard = ModelCheck(self.bundle, encoded, EVIDENCE_QUESTION)
+        own = own_evidence(self.bundle, felt_of(encoded), heard)
+        if own is None:
             return ()
-        heard = query_model(self.bundle, encoded, EVIDENCE_QUESTION)
-        if heard.slots is None or heard.slots.kind != "evidence":
+        concluded = self.bundle.grammar.parse(own).direction
+        if self.bundle.calibration.withholds(concluded, encoded.contact_share):
             return ()
-        if self.bundle.calibration.withholds(heard.slots.direction, encoded.contact_share):
-            return ()
-        if heard.slots.direction not in felt_of(self.bundle, encoded).state:
-            return ()
-        return tuple(f"{step.removesuffix('.')}." for step in heard.text.split(". "))
+        return tuple(f"{step.removesuffix('.')}." for step in own.split(". "))
 
 
 CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."
@@ -296,5 +292,5 @@ def _at_rest(clip: Clip) -> Clip:
 
 
 _CLAIM_ANOTHER_MOTION = ("mirrored", "reversed", "undo", "thread")
-"""Kinds whose direction need not be the motion that was felt; of all others it is that motion, as
-the frame tells it."""
+"""Kinds whose direction need not be the motion that is believed; of all others it is that motion,
+as the frame tells it."""

@@ -1,4 +1,4 @@
-"""What is believed of a clip, and what the language model feels of it, once for all questions."""
+"""What is believed of a clip's motion, made once for all questions."""
 
 from __future__ import annotations
 
@@ -11,20 +11,32 @@ from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.backbone.stem import measure_clip
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.geometry import pixel_aspect
-from geotlm_lm.core.labels import Motion
-from geotlm_lm.language.slots import SLOTS
-from geotlm_lm.motion.belief import Belief
+from geotlm_lm.core.twist import Component
+from geotlm_lm.motion.belief import Belief, fused
 from geotlm_lm.motion.measured import measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS, belief_of_one
 from geotlm_lm.recordings.touch import UNTOUCHED_PROBABILITY
 
 
-@torch.inference_mode()
 def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:
     """Return what is believed of a clip, given its perception.
 
-    What is faint or cut off is believed with a wider spread, and less surely.
+    What is faint or cut off is believed with a wider spread, and less surely. A contact that grows
+    may look as if it turned or slid: where a press counts and either of these does too, the clip is
+    perceived once more, played backwards, and what does not turn round with it is not believed.
     """
+    belief, counts = _first_belief(bundle, encoded), Belief.counts
+    goes = max(counts(belief, one) for one in (Component.TURN, Component.SLIDE))
+    if min(counts(belief, Component.PRESS), goes) < 0.5:
+        return belief
+    clip = encoded.clip.reversed()
+    backwards = replace(encoded, clip=clip, perception=bundle.model.perceive([clip]))
+    return fused(belief, _first_belief(bundle, backwards))
+
+
+@torch.inference_mode()
+def _first_belief(bundle: Bundle, encoded: Encoded) -> Belief:
+    """Return what is believed of a clip seen once."""
     perception = encoded.perception
     inputs, motions = perception.inputs, perception.motions
     if inputs is None or not motions:  # a released encoder has no stem of its own
@@ -39,34 +51,6 @@ def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:
     touched = _contact(belief.contact, encoded)
     ways = {way: share * touched for way, share in belief.ways.items()}
     return replace(belief, ways=ways, contact=touched)
-
-
-@torch.inference_mode()
-def felt_words(bundle: Bundle, encoded: Encoded) -> tuple[dict[Motion, float], float]:
-    """Return what the language model feels in its slots: the ways that count, and contact.
-
-    Returns:
-        Probability that each way's component counts and goes that way, and that something touches.
-    """
-    slots = bundle.speaker.feel(reading(encoded)[None])
-    shares = {
-        slot: dict(
-            zip(
-                SLOTS[slot],
-                bundle.calibration.felt(logits[0].double().numpy(), doubt=encoded.doubt).tolist(),
-                strict=True,
-            )
-        )
-        for slot, logits in slots.items()
-    }
-    touched = _contact(shares.pop("contact")["yes"], encoded)
-    ways = {
-        Motion(word): share * touched
-        for words in shares.values()
-        for word, share in words.items()
-        if word != "none"
-    }
-    return ways, touched
 
 
 def reading(encoded: Encoded) -> Tensor:

@@ -86,7 +86,7 @@ def compare_clips(
     asked = canonical_two_clip_question(asked) or asked
     if asks_from_object(asked):
         frame = replace(frame, viewpoint="object")
-    felts = [felt_of(bundle, one, frame).seen(frame.tell) for one in clips]
+    felts = [felt_of(one, frame).seen(frame.tell) for one in clips]
     answers = [
         of_one_component(answer_question(bundle, one, OPEN_QUESTION, frame), felt, asked)
         for one, felt in zip(clips, felts, strict=True)

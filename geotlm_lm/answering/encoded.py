@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT, REGIONS
-from geotlm_lm.core.labels import Motion
 from geotlm_lm.model import Perception
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.recordings.choose import choose_frames
@@ -50,7 +49,6 @@ class Encoded:
         is_part: Whether the frames used were chosen inside a longer recording, or inside the span
             that was asked for: how far it went in the whole is then not known.
         believe: What makes the belief of its motion, once, when first asked for.
-        feel: What makes of it what is felt in words; None where that is what is believed.
     """
 
     clip: Clip
@@ -63,7 +61,6 @@ class Encoded:
     is_static: bool = False
     is_part: bool = False
     believe: Callable[[Encoded], Belief] | None = None
-    feel: Callable[[Encoded], tuple[Mapping[Motion, float], float]] | None = None
 
     @property
     def view(self) -> View | None:
@@ -76,13 +73,6 @@ class Encoded:
         if self.believe is None:
             raise ValueError("nothing makes a belief of this clip; encode it by an Answerer")
         return self.believe(self)
-
-    @cached_property
-    def felt(self) -> tuple[Mapping[Motion, float], float]:
-        """How probable each way is that counts, and contact, as the model feels it."""
-        if self.feel is None:
-            return self.belief.ways, self.belief.contact
-        return self.feel(self)
 
     @property
     def doubt(self) -> float:

@@ -1,4 +1,4 @@
-"""What a clip's belief says in the units of its recording: amounts, spans, and what is felt."""
+"""What a clip's belief says in the units of its recording: amounts, spans, and what counts."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ import numpy as np
 
 from geotlm_lm.answering.amounts import Measure
 from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.felt import Felt
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import camera_size, filled_size
 from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.core.tolerance import TOLERANCES
-from geotlm_lm.core.twist import COMPONENTS, WAYS, Component
+from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.motion.belief import PX_PER_MM
 
 ASLANT = 1 / 3
@@ -26,11 +25,10 @@ AXES = {Motion.LEFT: 0, Motion.RIGHT: 0, Motion.UP: 1, Motion.DOWN: 1}
 """The axis of the image that a slide goes along: 0 across, 1 down."""
 
 
-def felt_of(bundle: Bundle, encoded: Encoded, frame: FrameSpec | None = None) -> Felt:
-    """Return what is felt of a clip, named as the camera image shows it.
+def felt_of(encoded: Encoded, frame: FrameSpec | None = None) -> Felt:
+    """Return what is believed of a clip as decisions read it, named as the camera image shows it.
 
     Args:
-        bundle: The model.
         encoded: The clip.
         frame: Tells the size of a pixel, if anybody does, for the amounts.
     """
@@ -39,7 +37,7 @@ def felt_of(bundle: Bundle, encoded: Encoded, frame: FrameSpec | None = None) ->
     sizes = {one: belief.path(one) for one in COMPONENTS}
     sizes[Component.PRESS] *= PX_PER_MM
     unreadable = frozenset(one for one in COMPONENTS if not belief.readable[one])
-    return Felt(*encoded.felt, sizes, amounts, unreadable, _aslant(encoded))
+    return Felt(belief.ways, belief.contact, sizes, amounts, unreadable, _aslant(encoded))
 
 
 def measured(
@@ -108,16 +106,15 @@ class MeasuredMotion:
     def of(cls, encoded: Encoded, frame: FrameSpec) -> MeasuredMotion:
         """Return what is believed of a clip; `frame` tells the size of a pixel, if anybody does."""
         belief, (right, down) = encoded.belief, travel(encoded, frame)
-        ways, contact = encoded.felt
         measures = [measured(encoded, one, frame) for one in COMPONENTS]
         return cls(
             *measures,
             right=float(right),
             down=float(down),
-            counts={one: float(sum(ways[way] for way in WAYS[one])) for one in COMPONENTS},
-            ways={one: max(WAYS[one], key=ways.__getitem__) for one in COMPONENTS},
+            counts={one: belief.counts(one) for one in COMPONENTS},
+            ways={one: belief.way(one) for one in COMPONENTS},
             readable={one: belief.readable[one] for one in COMPONENTS},
-            contact=contact,
+            contact=belief.contact,
         )
 
     def measure(self, component: Component) -> Measure:

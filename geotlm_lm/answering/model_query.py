@@ -1,9 +1,9 @@
-"""Query the language model once: how it understands a question, and its sentence."""
+"""Query the language model: how it understands a question, its sentence, or whether it says one."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,7 +12,7 @@ from geotlm_lm.answering.answer import Answer, deciding_word, offered_letters
 from geotlm_lm.answering.belief_of_clip import reading
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.checkpoint import Bundle
-from geotlm_lm.conversation.kinds import asked_kind, asks_direction
+from geotlm_lm.conversation.kinds import asks_direction
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
 
@@ -41,6 +41,40 @@ class ModelReply:
     timing_ms: dict[str, float] = field(default_factory=dict)
     is_by_rule: bool = False
 
+    def written(self, sentences: Sequence[str]) -> str | None:
+        """Return which of some sentences it is; None if none."""
+        return self.text if self.text in sentences else None
+
+
+@dataclass(frozen=True)
+class ModelCheck:
+    """A question that the model need not write an answer to: what it may say is decided first.
+
+    Args:
+        bundle: The model.
+        encoded: The clip.
+        question: What is asked.
+        timing_ms: Milliseconds of each stage so far.
+    """
+
+    bundle: Bundle
+    encoded: Encoded
+    question: str
+    timing_ms: dict[str, float] = field(default_factory=dict)
+
+    slots = None
+    is_by_rule = False
+
+    def written(self, sentences: Sequence[str]) -> str | None:
+        """Return which of some sentences the model would write; None if none."""
+        started = time.perf_counter()
+        reads, writes = reading(self.encoded), self.bundle.speaker.would_write
+        found = next((one for one in sentences if writes(reads, self.question, one)), None)
+        if sentences:
+            took = 1e3 * (time.perf_counter() - started)
+            self.timing_ms["check"] = self.timing_ms.get("check", 0.0) + took
+        return found
+
 
 def query_model(
     bundle: Bundle,
@@ -51,9 +85,7 @@ def query_model(
     """Return the model's sentence.
 
     Where nothing touches, an open question about direction needs no model to be answered; any other
-    question does, to be understood. Where the words tell the kind of answer and nobody listens, all
-    answers of that kind are weighed first: what would be written is one of them nearly always, and
-    then need not be written token by token.
+    question does, to be understood.
 
     Args:
         bundle: The model.
@@ -67,22 +99,18 @@ def query_model(
         if listen is not None:
             listen(text)
         return ModelReply(slots, text, is_by_rule=True)
-    timing: dict[str, float] = {}
-    kind = "direction" if asks_direction(question) else asked_kind(question)
-    if listen is None and kind in bundle.grammar.kinds:
-        started = time.perf_counter()
-        text = _weigh(bundle, encoded, question, kind)[1]
-        timing["score"] = 1e3 * (time.perf_counter() - started)
-        if text is not None:
-            return ModelReply(bundle.grammar.parse(text), text, timing)
     started = time.perf_counter()
     told = {} if listen is None else {"listen": listen}
     text = bundle.speaker.generate(reading(encoded)[None], [question], **told)[0]
-    timing["generate"] = 1e3 * (time.perf_counter() - started)
+    timing = {"generate": 1e3 * (time.perf_counter() - started)}
     return ModelReply(bundle.grammar.parse(text), text, timing)
 
 
-def summed_timings(*passes: ModelReply | Answer) -> dict[str, float]:
+Heard = ModelReply | ModelCheck
+"""What is known of the model's own words."""
+
+
+def summed_timings(*passes: Heard | Answer) -> dict[str, float]:
     """Return the milliseconds of each stage, summed over several replies."""
     stages = {stage for one in passes for stage in one.timing_ms}
     return {stage: sum(one.timing_ms.get(stage, 0.0) for one in passes) for stage in stages}
@@ -109,21 +137,14 @@ def query_likeliest(
 
 def score(bundle: Bundle, encoded: Encoded, question: str, kind: str) -> dict[str, float]:
     """Return the calibrated probability of every answer of `kind`, by its deciding word."""
-    return _weigh(bundle, encoded, question, kind)[0]
-
-
-def _weigh(
-    bundle: Bundle, encoded: Encoded, question: str, kind: str
-) -> tuple[dict[str, float], str | None]:
-    """Return the same, and the answer of `kind` that the model writes, None if it writes none."""
     grammar = bundle.grammar
     sentences = grammar.options_for(kind)
     if kind == "choice" and (offered := offered_letters(question)):
         sentences = [s for s in sentences if grammar.parse(s).letter in offered]
-    weighed = bundle.speaker.weigh(reading(encoded), question, sentences)
-    probabilities = bundle.calibration.probabilities(weighed.log_probabilities, doubt=encoded.doubt)
+    likelihoods = bundle.speaker.score(reading(encoded), question, sentences)
+    probabilities = bundle.calibration.probabilities(likelihoods, doubt=encoded.doubt)
     options: dict[str, float] = {}
     for sentence, probability in zip(sentences, probabilities, strict=True):
         word = deciding_word(grammar.parse(sentence))
         options[word] = options.get(word, 0.0) + float(probability)
-    return options, weighed.written
+    return options

@@ -204,7 +204,8 @@ class Session:
             return turn.meant
         if getattr(self.last, "kind", None) == "contact" and asks_where(question):
             return "Where is the contact?"
-        return follow_up_of(question, turn and turn.meant)
+        is_fact = read_facts(question, self.frame).is_stated
+        return follow_up_of(question, None if turn is None or is_fact else turn.meant)
 
     def _said_again(self, question: str) -> Reply | None:
         """Return the last answer again where the question doubts it or asks for it; else None."""

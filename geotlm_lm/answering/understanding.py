@@ -77,6 +77,20 @@ def understood_kind(
     return _kind_from_words(slots, question) or (slots and slots.kind)
 
 
+def kind_told(bundle: Bundle, encoded: Encoded, question: str) -> str | None:
+    """Return the kind that a question's words tell, whatever the model writes; None if they do not.
+
+    Args:
+        bundle: The model.
+        encoded: The clip it is asked about.
+        question: What was asked.
+    """
+    kind = "direction" if asks_direction(question) else asked_kind(question)
+    if kind in (None, *_SEVERAL):
+        return None
+    return understood_kind(bundle, encoded, question, ModelReply(Slots(kind), ""))
+
+
 def _kind_from_words(slots: Slots | None, question: str) -> str | None:
     """Return the kind that the words tell against the model's; None where its own counts."""
     if _ignores_motion_claim(slots, question):

@@ -20,12 +20,13 @@ from geotlm_lm.benchmarks.variants import GENERATED, PROBE, RIVALS
 CLIPS_ABOUT = f"""\
 Asked is "Which way is it turning?" or "sliding?" of sets of turns or slides, else "Which way is it
 moving?". *Words* are free: any sentence may come, and one that does not parse, or is withheld,
-counts as wrong. Rows *of the task* choose among the two turns or the four slides only: the *linear
-probe* reads the fused token; *optical flow* and *direct alignment* fit a rigid motion and learn
-nothing. Shares of right answers, with 95 % intervals that resample whole objects; `*` marks words
-more than {NEAR:g} below the better of these two rivals. Simulated objects were kept from training;
-real clips are public GelSight Mini recordings that nothing was trained on, each also played
-backwards; semi-real ones move real imprints along known paths. No two kinds are pooled. Real
+counts as wrong; they say what is believed. Rows *of the task* choose among the two turns or the
+four slides only: the *language model's slots* are what it says itself; the *linear probe* reads the
+fused token; *optical flow* and *direct alignment* fit a rigid motion and learn nothing. Shares of
+right answers, with 95 % intervals that resample whole objects; `*` marks words more than {NEAR:g}
+below the better of these two rivals. Simulated objects were kept from training; real clips are
+public GelSight Mini recordings that nothing was trained on, each also played backwards; semi-real
+ones move real imprints along known paths. No two kinds are pooled. Real
 objects are split once: things are chosen by *tune*, and *report* is what counts."""
 
 

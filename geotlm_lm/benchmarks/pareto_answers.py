@@ -154,6 +154,9 @@ def stage_rows(run: Run) -> Iterator[Row]:
         "belief": lambda: bundle.motion(measured(inputs, motions, geometry, token)),
         "language model: four slots felt": lambda: speaker.feel(reading),
         "language model: answer, token by token": lambda: speaker.generate(reading, [QUESTION]),
-        "language model: ten answers weighed": lambda: speaker.weigh(reading[0], QUESTION, options),
+        "language model: one answer checked": lambda: speaker.would_write(
+            reading[0], QUESTION, options[0]
+        ),
+        "language model: ten answers weighed": lambda: speaker.score(reading[0], QUESTION, options),
     }
     yield from timed_rows("one clip", ways, run.size(30, 1))

@@ -1,4 +1,4 @@
-"""What is held side by side: the language model, the linear probes and two classical rivals.
+"""What is held side by side: words, the model's slots, the linear probes, two classical rivals.
 
 Binds the loaded model's parts to the form `judging` asks for; holds no numbers of its own.
 """
@@ -11,7 +11,9 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from geotlm_lm.answering.belief_of_clip import reading
 from geotlm_lm.benchmarks.judging import Reply, Variant, timed
+from geotlm_lm.conversation.felt import Felt
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
@@ -19,20 +21,24 @@ from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.core.twist import Component
 from geotlm_lm.data.questions import as_typed, questions_for
 from geotlm_lm.data.templates import load_templates
+from geotlm_lm.language.slots import SLOTS
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.recordings.idle import estimate_background
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answer, Answerer, Encoded
+    from geotlm_lm.checkpoint import Bundle
 
 GENERATED = "words"
 GENERATED_UNSEEN = "words, unseen wordings"
+SLOTS_FELT = "language model's slots, of the task"
 PROBE = "linear probe, of the task"
 GLOBAL_PROBE = "linear probe without DGR, of the task"
 FLOW = "optical flow, of the task"
 ALIGNMENT = "direct alignment, of the task"
-"""Names of the rows; those "of the task" choose among the task's motions, words among ten."""
+"""Names of the rows; those "of the task" choose among the task's motions, words among ten. What
+words say is decided by the belief; what the language model says itself stands at its slots."""
 
 RIVALS = (FLOW, ALIGNMENT)
 """What words may not be worse than."""
@@ -77,9 +83,15 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
     def global_probe(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
         return model.global_probe.predict(encoded.perception.global_token, among)[0]
 
+    def felt(encoded: Encoded, among: tuple[Motion, ...]) -> Told:
+        found = felt_words(answerer.bundle, encoded)
+        ways = (found.way(one) for one in found.components if one is not Component.PRESS)
+        return max(among, key=lambda motion: found.words[motion.value]), tuple(ways)
+
     return {
         GENERATED: words(question_for),
         GENERATED_UNSEEN: words(unseen_wordings(seed)),
+        SLOTS_FELT: after_perceiving(perceive, felt),
         PROBE: after_perceiving(perceive, probe),
         GLOBAL_PROBE: after_perceiving(perceive, global_probe),
         FLOW: rival(RigidFlow().predict),
@@ -100,6 +112,19 @@ def rival(predict: Callable[[Clip, tuple[Motion, ...]], Motion]) -> Variant:
         return predict(clip, among)
 
     return timed(on_gel)
+
+
+def felt_words(bundle: Bundle, encoded: Encoded) -> Felt:
+    """Return what the language model itself says at its slots, which decides nothing."""
+    ways, contact = {}, 0.0
+    for slot, logits in bundle.speaker.feel(reading(encoded)[None]).items():
+        shares = bundle.calibration.felt(logits[0].double().numpy(), doubt=encoded.doubt)
+        said = dict(zip(SLOTS[slot], shares.tolist(), strict=True))
+        if slot == "contact":
+            contact = said["yes"]
+        else:
+            ways |= {Motion(word): share for word, share in said.items() if word != "none"}
+    return Felt({way: share * contact for way, share in ways.items()}, contact)
 
 
 def question_for(among: Sequence[Motion]) -> str:

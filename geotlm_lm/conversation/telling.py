@@ -1,4 +1,4 @@
-"""Put what is felt into words: what is asked about first, else all that counts, larger first."""
+"""Put what is believed into words: what is asked about, else all that counts, larger first."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Told:
 
 
 def tell(felt: Felt, frame: FrameSpec, asked: Collection[Component] = ()) -> Told:
-    """Return what is felt as a clause.
+    """Return what is believed as a clause.
 
     Args:
         felt: Named as `frame` does.
@@ -82,7 +82,7 @@ def tell(felt: Felt, frame: FrameSpec, asked: Collection[Component] = ()) -> Tol
 
 
 def doing(felt: Felt, components: Sequence[Component], of: str = "") -> str:
-    """Return what is felt as gerunds: "turning left and sliding down"; `of` is what is moved."""
+    """Return what is believed as gerunds, "turning left and sliding down"; `of` is moved."""
     return _joined([_part(felt, one, is_gerund=True, of=of) for one in components])
 
 
@@ -91,6 +91,9 @@ def cannot_be_seen(component: Component) -> str:
     verb = {**_GOES, Component.PRESS: "presses"}[component]
     return f"It {verb}; {_UNREADABLE[component]}."
 
+
+MOST_OF_A_DOUBT = 0.75
+"""Highest probability that the way of what may as well not count is told with."""
 
 SURELY = 0.75
 """Probability of its way below which a component is told as a perhaps beside those that are surer:
@@ -113,9 +116,12 @@ def _all(felt: Felt, frame: FrameSpec, told: Sequence[Component], who: str) -> T
 
 def _doubtful(felt: Felt, frame: FrameSpec, component: Component, who: str) -> Told:
     way, amount = felt.way(component), felt.amounts.get(component, "")
-    text = f"{who} {_negated([component])}, or barely: {_named(felt, component)}"
+    if component is Component.PRESS:
+        text = f"{who} hardly {_ALONG_THE_IMAGE[way][0]}, if at all"
+    else:
+        text = f"{who} hardly {_GOES[component]}, if at all {_named(felt, component)}"
     text += f", {amount}" if amount and component not in felt.unreadable else ""
-    sure = felt.share(component)
+    sure = min(felt.share(component), MOST_OF_A_DOUBT)
     if not felt.components:
         return Told(text + _where(felt, frame, [component]), way, sure, None, False, True)
     rest = _all(felt, frame, felt.components, who)

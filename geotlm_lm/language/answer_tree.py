@@ -82,9 +82,3 @@ class AnswerTree:
         """
         own = log_probabilities[self.asked_at, self.answers]
         return own.where(self.is_token, 0.0).sum(dim=1)
-
-    def followed(self, log_probabilities: Tensor) -> int | None:
-        """Return the answer of which every token is the likeliest of its place; None if none is."""
-        likeliest = log_probabilities.argmax(dim=-1)[self.asked_at]
-        rows = ((likeliest == self.answers) | ~self.is_token).all(dim=1).nonzero().flatten()
-        return int(rows[0]) if len(rows) else None

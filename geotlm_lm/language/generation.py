@@ -6,7 +6,6 @@ Knows neither where the fused token comes from nor what an answer means.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -26,20 +25,6 @@ BATCH = 64
 MOST_TREES = 256
 """Sets of answers whose tokens are remembered: a grammar has some twenty, and what a choice offers
 cuts smaller ones from one of them."""
-
-
-@dataclass(frozen=True, eq=False)
-class ScoredAnswers:
-    """A closed set of answers, weighed in one pass.
-
-    Args:
-        log_probabilities: Of each option as the whole answer, its end included, (options,).
-        written: The option that `Speaker.generate` writes, as it writes it; None where it writes
-            none of them.
-    """
-
-    log_probabilities: np.ndarray
-    written: str | None
 
 
 class Speaker:
@@ -134,17 +119,33 @@ class Speaker:
             self.model.projector(fused_token), self.prompts.slot_prompt, self.prompts.slot_words
         )
 
-    def score(self, fused_token: Tensor, question: str, options: Sequence[str]) -> np.ndarray:
-        """Return the log-probability of each option; see `weigh`."""
-        return self.weigh(fused_token, question, options).log_probabilities
+    @torch.inference_mode()
+    def would_write(self, fused_token: Tensor, question: str, sentence: str) -> bool:
+        """Tell whether `generate` answers a question by exactly this sentence, from one pass.
+
+        It does where every token of the sentence, its end included, is the likeliest behind those
+        before it (but for ties in the last bit).
+
+        Args:
+            fused_token: (fused width,), unitless.
+            question: The question.
+            sentence: The answer in question.
+
+        Raises:
+            ValueError: If the shape is another, or a token is not finite.
+            UsageError: If the question is empty or too long.
+        """
+        fused_token = self._checked(fused_token, (self.model.fused_width,))
+        prompt, answer = self.prompts.prompt(question), self.prompts.answer(sentence)
+        hidden, _ = self._read(fused_token[None], torch.tensor([[*prompt, *answer[:-1]]]))
+        likeliest = self.model.logits(hidden[0, len(prompt) - 1 :]).argmax(dim=-1)
+        return likeliest.tolist() == answer
 
     @torch.inference_mode()
-    def weigh(self, fused_token: Tensor, question: str, options: Sequence[str]) -> ScoredAnswers:
-        """Return how likely each option is as the whole answer, and whether one would be written.
+    def score(self, fused_token: Tensor, question: str, options: Sequence[str]) -> np.ndarray:
+        """Return the log-probability of each option as the whole answer, its end included.
 
-        The prompt is read once; its keys and values serve every option. The likeliest token at
-        every place of every option comes with it, so that the sentence which generation would write
-        token by token is known too, if it is one of them (but for ties in the last bit).
+        The prompt is read once; its keys and values serve every option.
 
         Args:
             fused_token: (fused width,), unitless.
@@ -164,10 +165,7 @@ class Speaker:
         logits = self.model.logits(hidden[0, -1:])
         if tree.ids.numel():
             logits = torch.cat([logits, self._continue(tree, cache)])
-        logits = logits.log_softmax(-1)
-        followed = tree.followed(logits)
-        written = None if followed is None else self.prompts.decode(tree.answers[followed].tolist())
-        return ScoredAnswers(tree.log_likelihoods(logits).double().numpy(), written)
+        return tree.log_likelihoods(logits.log_softmax(-1)).double().numpy()
 
     def _tree(self, options: tuple[str, ...]) -> AnswerTree:
         """Return the tree of some options; kept, as few sets are ever asked for."""

@@ -104,5 +104,33 @@ class Belief:
         return replace(self, mean=mean, covariance=covariance, ways=ways, numbers=())
 
 
+def fused(belief: Belief, backwards: Belief) -> Belief:
+    """Return what a clip and the same clip played backwards make one believe of its turn and slide.
+
+    A motion turns round with the clip; what a growing contact looks like does not, and cancels.
+    How far the two are apart widens the spread. A way that only one of them finds hardly counts.
+
+    Args:
+        belief: Of the clip; its press and its contact stay as they are.
+        backwards: Of the clip played backwards.
+    """
+    other = backwards.reversed()
+    one, two = (np.array([x.turn_deg, x.right_px, x.down_px]) for x in (belief.mean, other.mean))
+    turn, right, down = ((one + two) / 2).tolist()
+    apart = np.append(one - two, 0.0)
+    ways = dict(belief.ways)
+    for component in (Component.TURN, Component.SLIDE):
+        # Of two opposite ways one is wrong at least.
+        weight = 0.5 if belief.way(component) is reverse(other.way(component)) else 1.0
+        for way in WAYS[component]:
+            ways[way] = weight * math.sqrt(belief.ways[way] * other.ways[way])
+    return replace(
+        belief,
+        mean=Twist(turn, right, down, belief.mean.inward_mm),
+        covariance=(belief.covariance + other.covariance + np.outer(apart, apart)) / 2,
+        ways=ways,
+    )
+
+
 PX_PER_MM = 12.8
 """Pixels of the 224-pixel image per mm on a GelSight Mini, the mean of both axes."""

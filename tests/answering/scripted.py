@@ -11,7 +11,6 @@ from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, WAYS, Component, Twist
-from geotlm_lm.language.generation import ScoredAnswers
 from geotlm_lm.language.parse_answer import AnswerGrammar, Slots
 from geotlm_lm.motion.belief import Belief
 
@@ -41,13 +40,10 @@ class Scripted:
                 listen(text[:end])
         return [self._says(question) for question in questions]
 
-    def weigh(self, fused_token, question, options):
-        said = self._says(question)
-        if said in options and question not in self.heard:
+    def would_write(self, fused_token, question, sentence):
+        if question not in self.heard:
             self.heard.append(question)
-        return ScoredAnswers(
-            self.score(fused_token, question, options), said if said in options else None
-        )
+        return self._says(question) == sentence
 
     def score(self, fused_token, question, options):
         said = self._says(question)
@@ -114,7 +110,7 @@ class Believing(Answerer):
 
     def _scripted(self, encoded):
         self.given.append(self.belief)
-        return replace(encoded, believe=partial(_scripted, self.belief), feel=None)
+        return replace(encoded, believe=partial(_scripted, self.belief))
 
 
 def _scripted(belief, encoded):

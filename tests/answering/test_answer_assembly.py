@@ -5,6 +5,7 @@ import pytest
 from geotlm_lm.answering import NOT_UNDERSTOOD, deciding_word
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, MotionClass
+from geotlm_lm.core.twist import Component
 from geotlm_lm.language.parse_answer import KINDS, Slots
 from tests.answering.scripted import answerer_saying, believed, feeling, measuring, recording
 
@@ -50,14 +51,30 @@ def test_the_models_sentence_stands_where_it_says_what_is_felt(bundle):
 def test_where_it_is_doubtful_that_it_moves_barely_is_said(bundle):
     for share, begins in (
         (0.6, "It turns clockwise, barely: about 1 degree, in"),
-        (0.4, "It does not turn, or barely: clockwise, about 1 degree, in"),
-        (0.02, "It does not turn: it is touching but not moving."),
+        (0.4, "It hardly turns, if at all clockwise, about 1 degree, in"),
+        (0.01, "It does not turn: it is touching but not moving."),
     ):
         belief = believed("clockwise", share=share, deg=1.0)
         answerer = answerer_saying(bundle, {"*": "A rotation."}, belief=belief)
         answer = answerer.ask(answerer.encode(recording()), "Which way is it turning?")
         assert answer.text.startswith(begins)
         assert answer.direction is (Motion.CLOCKWISE if share > 0.25 else Motion.STILL)
+
+
+def test_the_way_of_what_may_as_well_not_count_is_never_told_as_sure(bundle):
+    """As a held grip and an untouched gel are believed: at 0.09 that they turn, at most."""
+    for share in (0.02, 0.09, 0.3):
+        belief = believed("clockwise", share=share, deg=0.3)
+        answerer = answerer_saying(bundle, {"*": "A rotation."}, belief=belief)
+        encoded = answerer.encode(recording())
+        answer = answerer.ask(encoded, "Which way is it turning?")
+        assert answer.text.startswith("It hardly turns, if at all clockwise, about ")
+        assert answer.confidence <= 0.75
+        assert answer.motion.counts[Component.TURN] < 0.5
+        opened = answerer.ask(encoded, "Which way is it moving?")
+        claimed = answerer.ask(encoded, "Is it turning?")
+        assert (opened.direction, claimed.decided) == (Motion.STILL, "no")
+        assert claimed.confidence == pytest.approx(1 - share)
 
 
 @pytest.mark.parametrize(

@@ -170,5 +170,5 @@ def test_how_deep_it_presses_is_told(bundle):
 
 def test_a_slide_between_two_ways_is_told_so(bundle):
     encoded = sliding(bundle, (224, 224), (0.8, -0.6))
-    assert felt_of(None, encoded).aslant is Motion.UP
-    assert felt_of(None, sliding(bundle, (224, 224), (0.98, -0.2))).aslant is None
+    assert felt_of(encoded).aslant is Motion.UP
+    assert felt_of(sliding(bundle, (224, 224), (0.98, -0.2))).aslant is None

@@ -31,6 +31,27 @@ def test_now_asks_the_question_before_of_a_new_clip(session):
     assert session.ask("And now?").decided == first.decided == "yes"
 
 
+@pytest.mark.parametrize("first", ["Which way is it turning?", "How far did it turn?"])
+def test_a_change_asks_of_what_was_asked_before(bundle, first):
+    answerer = feeling(bundle, "left", "clockwise")
+    session = answerer.session(answerer.encode(recording()))
+    session.ask(first)
+    for question, begins in (
+        ("And played backwards?", "It turns counterclockwise, about "),
+        ("And mirrored?", "It turns counterclockwise, about "),
+        ("And for the sensor?", "The sensor turns counterclockwise, about "),
+        ("Seen from behind?", "It turns counterclockwise, about "),
+    ):
+        text = session.ask(question).text
+        assert text.startswith(begins)
+        assert "slides" not in text
+    assert "slides" in session.ask("Mirrored, what happens?").text
+    assert "slides" in session.ask("And played backwards?").text
+    assert session.frame == FrameSpec()
+    session.ask(first)
+    assert session.ask("The image is mirrored.").kind == "frame"
+
+
 def test_a_turn_is_taken_back_with_what_it_said_of_the_frame(session):
     session.ask("Which way?")
     session.ask("The image is mirrored. Which way?")

@@ -77,8 +77,8 @@ def test_a_touched_clip_is_perceived_as_it_is(bundle):
     answer = answerer.ask(encoded, "Which way is it going?")
     assert answer.direction is Motion.PRESS
     assert answer.told_by == "model"
-    # What is written is one of the answers that were weighed: it is not written again.
-    assert list(answer.timing_ms) == ["choose", "touch", "encode", "score", "total"]
+    # What is decided is what the model would write: it is not written token by token.
+    assert list(answer.timing_ms) == ["choose", "touch", "encode", "check", "total"]
 
 
 @pytest.mark.parametrize("question", ["Is it turning clockwise?", "Is anything touching?"])

@@ -5,8 +5,10 @@ from types import SimpleNamespace
 
 import torch
 
+from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
+from geotlm_lm.language.slots import SLOTS
 from geotlm_lm.probe.linear import LinearProbe
 
 ALL = tuple(Motion)
@@ -32,7 +34,22 @@ class FakeAnswerer:
             probe.head.weight.copy_(torch.eye(len(ALL)))
             probe.head.bias.zero_()
         model = SimpleNamespace(probe=probe, global_probe=probe)
-        self.bundle = SimpleNamespace(model=model, digest=lambda: "0123456789ab")
+        self.bundle = SimpleNamespace(
+            model=model,
+            speaker=SimpleNamespace(feel=self._feel),
+            calibration=Calibration(),
+            digest=lambda: "0123456789ab",
+        )
+
+    def _feel(self, readings):
+        """Feel the number in the token, at the slot that has a word for it."""
+        seen = ALL[int(readings[0, : len(ALL)].argmax())].value
+        felt = {"contact": "no" if seen == "none" else "yes"}
+        return {
+            slot: torch.tensor([[4.0 * (one == word) for one in words]]).log_softmax(dim=1)
+            for slot, words in SLOTS.items()
+            for word in [felt.get(slot, seen if seen in words else "none")]
+        }
 
     def encode(self, clip):
         self.encoded_count += 1
@@ -44,6 +61,8 @@ class FakeAnswerer:
             seen=seen,
             perception=SimpleNamespace(fused_token=token, global_token=-token),
             timing_ms={"choose": 1.0, "encode": 10.0},
+            belief=SimpleNamespace(numbers=()),
+            doubt=1.0,
         )
 
     def ask(self, encoded, question):

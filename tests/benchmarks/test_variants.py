@@ -34,7 +34,7 @@ def said(answerer, motion, among):
 
 def test_rows_restricted_to_the_task_never_leave_it():
     found = said(FakeAnswerer(), Motion.UP, ROTATIONS)
-    restricted = (variants.PROBE, variants.GLOBAL_PROBE, *variants.RIVALS)
+    restricted = (variants.SLOTS_FELT, variants.PROBE, variants.GLOBAL_PROBE, *variants.RIVALS)
     assert {found[name] for name in restricted} <= set(ROTATIONS)
 
 
@@ -42,6 +42,11 @@ def test_free_rows_may_name_any_motion():
     found = said(FakeAnswerer(), Motion.UP, ROTATIONS)
     free = (variants.GENERATED, variants.GENERATED_UNSEEN)
     assert {found[name] for name in free} == {Motion.UP}
+
+
+def test_the_slots_tell_the_way_of_the_task_whatever_else_is_asked():
+    for motion in ALL:
+        assert said(FakeAnswerer(mute=motion), motion, ALL)[variants.SLOTS_FELT] == motion
 
 
 def test_the_global_probe_reads_the_global_token():

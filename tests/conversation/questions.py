@@ -43,13 +43,9 @@ class Remembering:
         self._speaker = speaker
         self._known: dict[tuple[Any, ...], Any] = {}
 
-    def feel(self, fused_token: torch.Tensor) -> Any:
+    def would_write(self, fused_token: torch.Tensor, question: str, sentence: str) -> bool:
         """Return what the speaker does."""
-        return self._once("feel", fused_token)
-
-    def weigh(self, fused_token: torch.Tensor, question: str, options: list[str]) -> Any:
-        """Return what the speaker does."""
-        return self._once("weigh", fused_token, question, options)
+        return self._once("would_write", fused_token, question, sentence)
 
     def score(self, fused_token: torch.Tensor, question: str, options: list[str]) -> Any:
         """Return what the speaker does."""

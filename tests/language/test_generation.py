@@ -8,7 +8,7 @@ import torch
 
 from geotlm_lm.core.errors import IncompatibleBundle
 from geotlm_lm.language.generation import Speaker
-from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS
+from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS, PromptEncoder
 from geotlm_lm.language.slots import SLOTS
 
 QUESTIONS = [
@@ -26,19 +26,42 @@ def test_a_left_padded_batch_answers_like_single_questions(speaker, fused_tokens
     assert len(set(together)) == 3
 
 
-def test_generation_takes_the_likeliest_token_each_time(speaker, fused_tokens):
-    model, prompts = speaker.model, speaker.prompts
-    prompt = prompts.prompt(QUESTIONS[0])
-    ids = list(prompt)
-    prefix = model.projector(fused_tokens[:1])
-    for _ in range(MAX_ANSWER_TOKENS):
+def likeliest_ids(speaker, fused_token, question):
+    """The likeliest token each time, by plain reading of all before it."""
+    model, prompt = speaker.model, speaker.prompts.prompt(question)
+    ids, prefix = list(prompt), model.projector(fused_token[None])
+    while len(ids) < len(prompt) + MAX_ANSWER_TOKENS and ids[-1] != speaker.prompts.eos_id:
         embedded = model.embed(torch.tensor([ids]), prefix)
         hidden, _ = model.decoder(embedded, torch.arange(len(ids))[None])
         ids.append(int(model.logits(hidden[0, -1]).argmax()))
-        if ids[-1] == prompts.eos_id:
-            break
-    expected = prompts.decode(ids[len(prompt) :])
+    return ids[len(prompt) :]
+
+
+def test_generation_takes_the_likeliest_token_each_time(speaker, fused_tokens):
+    expected = speaker.prompts.decode(likeliest_ids(speaker, fused_tokens[0], QUESTIONS[0]))
     assert speaker.generate(fused_tokens[:1], QUESTIONS[:1]) == [expected]
+
+
+class Spelt(PromptEncoder):
+    """Takes an answer for the numbers of its tokens: fresh weights write no words in ours."""
+
+    def answer(self, text):
+        return [int(number) for number in text.split()]
+
+
+def test_it_would_write_the_likeliest_tokens_and_no_others(speaker, fused_tokens):
+    prompts = speaker.prompts
+    spelt = Spelt(
+        prompts.tokenizer, prompts.chat_template, prompts.tactile_tokens, prompts.max_tokens
+    )
+    numbers = Speaker(speaker.model, spelt)
+    for token, question in zip(fused_tokens, QUESTIONS, strict=False):
+        ids = likeliest_ids(speaker, token, question)
+        assert numbers.would_write(token, question, " ".join(map(str, ids)))
+        for place in (0, len(ids) // 2, -1):
+            others = list(ids)
+            others[place] = (ids[place] + 1) % speaker.model.vocabulary
+            assert not numbers.would_write(token, question, " ".join(map(str, others)))
 
 
 def test_a_score_is_the_log_likelihood_of_the_whole_answer(speaker, fused_tokens):
@@ -54,14 +77,6 @@ def test_a_score_is_the_log_likelihood_of_the_whole_answer(speaker, fused_tokens
         expected.append(float(steps[range(len(answer)), answer].sum().detach()))
     scores = speaker.score(fused_tokens[0], QUESTIONS[1], OPTIONS)
     np.testing.assert_allclose(scores, expected, rtol=1e-4)
-
-
-def test_no_option_counts_as_written_where_other_words_would_be(speaker, fused_tokens):
-    weighed = speaker.weigh(fused_tokens[0], QUESTIONS[1], OPTIONS)
-    assert speaker.generate(fused_tokens[:1], QUESTIONS[1:2])[0] not in OPTIONS
-    assert weighed.written is None
-    scores = speaker.score(fused_tokens[0], QUESTIONS[1], OPTIONS)
-    np.testing.assert_array_equal(weighed.log_probabilities, scores)
 
 
 def test_saved_and_loaded_it_says_and_scores_the_same(speaker, fused_tokens, tmp_path):

@@ -1,16 +1,16 @@
 """Laws of a Belief: what mirrors and reversal do, and that its parts agree."""
 
 import math
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, WAYS, Component, Twist
-from geotlm_lm.motion.belief import Belief
+from geotlm_lm.motion.belief import Belief, fused
 
 SHARES = st.floats(0, 1)
 
@@ -59,6 +59,50 @@ def test_shares_of_the_ways_sum_to_one_and_the_likeliest_is_told(belief, compone
     shares = [belief.share(way, component) for way in WAYS[component]]
     assert sum(shares) == pytest.approx(1.0)
     assert belief.share(belief.way(component), component) == max(shares)
+
+
+@given(beliefs())
+def test_fused_with_its_own_exact_reverse_it_is_what_it_was(belief):
+    found = fused(belief, belief.reversed())
+    assert astuple(found.mean) == pytest.approx(astuple(belief.mean))
+    np.testing.assert_allclose(found.covariance, belief.covariance, atol=1e-9)
+    assert found.ways == pytest.approx(belief.ways)
+
+
+@given(beliefs(), st.floats(-9, 9), st.floats(-9, 9), st.floats(-9, 9))
+def test_what_both_directions_of_play_are_inclined_to_cancels(belief, turn, right, down):
+    def biased(one):
+        mean = Twist(one.mean.turn_deg + turn, one.mean.right_px + right, one.mean.down_px + down)
+        return replace(one, mean=replace(mean, inward_mm=one.mean.inward_mm))
+
+    found = fused(biased(belief), biased(belief.reversed()))
+    assert astuple(found.mean) == pytest.approx(astuple(belief.mean))
+    for component in (Component.TURN, Component.SLIDE):
+        assert found.deviation(component) >= 0
+    apart = np.diag(found.covariance - belief.covariance)
+    assert apart == pytest.approx([2 * turn**2, 2 * right**2, 2 * down**2, 0.0], abs=1e-6)
+
+
+@given(beliefs(), beliefs())
+def test_fused_the_other_way_round_it_is_reversed(one, other):
+    for ways in WAYS.values():  # of two ways that are as likely none is the one it goes
+        assume(all(len({belief.ways[way] for way in ways}) == len(ways) for belief in (one, other)))
+    other = replace(other, mean=replace(other.mean, inward_mm=-one.mean.inward_mm))
+    there, back = fused(one, other), fused(other, one)
+    assert astuple(there.mean) == pytest.approx(astuple(back.mean.reversed()))
+    for component in (Component.TURN, Component.SLIDE):
+        assert there.counts(component) == pytest.approx(back.counts(component))
+
+
+def test_a_way_that_does_not_turn_round_with_the_clip_hardly_counts():
+    there = believed(Twist(5.0), clockwise=0.6, counterclockwise=0.35, press=0.9)
+    same_way = believed(Twist(4.0), clockwise=0.55, counterclockwise=0.4, release=0.9)
+    assert fused(there, same_way).counts(Component.TURN) < 0.5
+    assert fused(there, there.reversed()).counts(Component.TURN) == pytest.approx(0.95)
+    assert fused(there, same_way).way(Component.PRESS) is Motion.PRESS
+    slanting = believed(Twist(0.0, 4.0, 3.9), right=0.5, down=0.45)
+    lifting = believed(Twist(0.0, -3.9, -4.0), left=0.45, up=0.5)
+    assert fused(slanting, lifting).counts(Component.SLIDE) > 0.9
 
 
 def believed(twist, covariance=None, **counts):

@@ -1,0 +1,44 @@
+"""What a press is believed to do besides has to turn round with the clip."""
+
+import pytest
+
+from geotlm_lm.answering import Answerer, belief_of_clip
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import Component
+from tests.answering.scripted import believed, recording
+
+
+@pytest.fixture
+def believing(bundle, monkeypatch):
+    """Return what makes the belief of a clip from one of each time it is perceived."""
+    seen, encode = [], bundle.model.backbone.encode
+    watched = lambda clips: seen.append(clips[0].frame_numbers) or encode(clips)  # noqa: E731
+    monkeypatch.setattr(bundle.model.backbone, "encode", watched)
+
+    def believe(*told):
+        told = list(told)
+        monkeypatch.setattr(belief_of_clip, "belief_of_one", lambda *_, **__: told.pop(0))
+        seen.clear()
+        belief = Answerer(bundle).encode(recording()).belief
+        assert told == []
+        return belief, list(seen)
+
+    return believe
+
+
+def test_what_turns_round_with_a_press_is_believed_and_what_does_not_is_not(believing):
+    press = believed("press", "clockwise")
+    belief, seen = believing(press, believed("release", "counterclockwise"))
+    assert seen == [(0, 1, 2, 3), (3, 2, 1, 0)]
+    assert belief.counts(Component.TURN) == pytest.approx(press.counts(Component.TURN))
+    belief, _ = believing(press, believed("release", "clockwise"))
+    assert belief.counts(Component.TURN) < 0.5
+    assert belief.counts(Component.PRESS) == press.counts(Component.PRESS)
+    assert belief.way(Component.PRESS) is Motion.PRESS
+    assert belief.mean.turn_deg == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize("ways", [("press",), ("clockwise", "left"), ("still",)])
+def test_no_other_clip_is_perceived_twice(believing, ways):
+    _, seen = believing(believed(*ways, contact=1.0))
+    assert seen == [(0, 1, 2, 3)]
