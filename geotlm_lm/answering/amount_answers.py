@@ -129,9 +129,8 @@ def _no_amount(
     if not asked and heard is not None:
         parse, options = bundle.grammar.parse, bundle.grammar.options_for(answer.kind)
         own = heard.written([one for one in options if parse(one).direction == told.direction])
-        timing = answer.timing_ms | heard.timing_ms
-        timing["total"] = sum(share for stage, share in timing.items() if stage != "total")
-        answer = replace(answer, timing_ms=timing)
+        stages = answer.timing_ms | heard.timing_ms | {"total": 0.0}
+        answer = replace(answer, timing_ms=stages | {"total": sum(stages.values())})
         if own is not None:
             text, answer = own, replace(answer, told_by="rule" if heard.is_by_rule else "model")
     if told.confidence < LEAST_SURE:

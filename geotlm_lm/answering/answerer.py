@@ -224,8 +224,8 @@ class Answerer:
 
         A model trained for evidence says where the halves go, what adds up and what it concludes;
         the rules say beside it what was measured of every component, amounts and spans, and whether
-        one speaks against the answer. Words that conclude another motion than what is felt are not
-        said.
+        one speaks against the answer. Words that conclude another motion than what is believed
+        are not said.
 
         Raises:
             TypeError: If the clip is not encoded, or the answer is none about one clip.
@@ -269,5 +269,5 @@ def _require_clip(clip: object, what: str) -> None:
 
 
 _CLAIM_ANOTHER_MOTION = ("mirrored", "reversed", "undo", "thread")
-"""Kinds whose direction need not be the motion that was felt; of all others it is that motion, as
-the frame tells it."""
+"""Kinds whose direction need not be the motion that is believed; of all others it is that motion,
+as the frame tells it."""

@@ -191,7 +191,7 @@ def of_one_component(answer: Answer, felt: Felt, question: str) -> Answer:
 
     Args:
         answer: To the open question.
-        felt: What is felt, as the answer's frame names it.
+        felt: What is believed, as the answer's frame names it.
         question: About two clips.
     """
     if answer.direction is None:

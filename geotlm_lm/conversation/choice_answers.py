@@ -1,4 +1,4 @@
-"""Answer choices, lettered or not, and which kind of motion it is, from what is felt."""
+"""Answer choices, lettered or not, and which kind of motion it is, from what is believed."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from geotlm_lm.core.twist import COMPONENT_OF
 
 
 def choice_answer(asked: RuleInput) -> RuleAnswer:
-    """Pick what is felt of the motions that a question offers; of several the larger."""
+    """Pick what is believed of the motions that a question offers; of several the larger."""
     frame, felt = asked.frame, asked.felt.seen(asked.frame.tell)
     if (sets := option_sets(asked.question)) is not None:
         return _choice_of_sets(asked, felt, sets)
@@ -47,7 +47,7 @@ def choice_answer(asked: RuleInput) -> RuleAnswer:
 
 
 def _choice_of_sets(asked: RuleInput, felt: Felt, sets: OptionSets) -> RuleAnswer:
-    """Tell the option that is true of what is felt, where options say more or less than one."""
+    """Tell the option that is true of what is believed, where options say more or less than one."""
     label = true_option(sets, felt.state)
     subjects = frozenset().union(*(subjects_of(motions) for _, motions in sets.values()))
     told = tell(felt, asked.frame, subjects)

@@ -45,7 +45,7 @@ def subjects_of(motions: frozenset[Motion]) -> frozenset[Component]:
 
 @dataclass(frozen=True)
 class Felt:
-    """The motion that is felt, as decisions read it and sentences tell it.
+    """The motion that is believed, as decisions read it and sentences tell it.
 
     Args:
         ways: Probability that a component counts and goes that way, of all eight ways.
@@ -127,12 +127,12 @@ class Felt:
             yield state or frozenset({Motion.STILL}), share
 
     def seen(self, rename: Callable[[Motion], Motion]) -> Felt:
-        """Return what is felt with each motion named as `rename` does, one to one."""
+        """Return what is believed with each motion named as `rename` does, one to one."""
         ways = {rename(way): share for way, share in self.ways.items()}
         return replace(self, ways=ways, aslant=self.aslant and rename(self.aslant))
 
     def only(self, component: Component) -> Felt:
-        """Return what is felt of one component alone, the others taken not to count."""
+        """Return what is believed of one component alone, the others taken not to count."""
         ways = {way: share for way, share in self.ways.items() if way in WAYS[component]}
         return replace(self, ways=ways)
 

@@ -1,10 +1,10 @@
-"""Derive the answer to a question from what is felt of each component, in a frame.
+"""Derive the answer to a question from what is believed of each component, in a frame.
 
 Why rules: seen from the other side, told for the sensor, mirrored, played backwards, undone and
 tightened are exact functions of the motion in the camera image and of the frame. A network could
 only learn them approximately, would need the frame in its prompt, and every new fact would double
-its questions. What is felt is one value per clip, so that the answers to an open question, a claim,
-its denial and a choice never contradict each other.
+its questions. What is believed is one value per clip, so that the answers to an open question, a
+claim, its denial and a choice never contradict each other.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def asked_components(question: str) -> tuple[Component, ...]:
 
 
 def answer_from_motion(felt: RuleInput) -> RuleAnswer:
-    """Return the answer to `felt.question` that follows from what is felt and the frame.
+    """Return the answer to `felt.question` that follows from what is believed and the frame.
 
     Raises:
         KeyError: If no rule answers this kind of question.
@@ -116,7 +116,7 @@ the question says, denied or not, where it does not, and their deciding words.""
 
 
 def _judged(asked: RuleInput) -> RuleAnswer:
-    """Compare the claim in the question with what is felt, both in the frame."""
+    """Compare the claim in the question with what is believed, both in the frame."""
     frame, is_claim = asked.frame, asked.kind == "verify"
     felt = asked.felt.seen(frame.tell)
     whole = compound_claim(asked.question) if is_claim else None
@@ -171,7 +171,10 @@ def _verdict(
     said: tuple[str, str, str, str],
     text: str | None = None,
 ) -> RuleAnswer:
-    """Return yes or no and the motion; a "no" is as sure as the least sure thing it says."""
+    """Return yes or no and the motion; a "no" is as sure as the least sure thing it says.
+
+    The way that something goes "if at all" is not what it says.
+    """
     yes, no, *words = said
 
     def holds(state: frozenset[Motion]) -> bool:
@@ -180,9 +183,11 @@ def _verdict(
     is_true, share = holds(felt.state), felt.probability(holds)
     options = {words[0]: share, words[1]: 1.0 - share}
     word = words[0] if is_true else words[1]
-    direction = felt.main if told.is_doubtful else told.direction
+    if told.is_doubtful:
+        rest = tell(felt, frame).confidence if felt.components else 1.0
+        told = replace(told, direction=felt.main, confidence=rest)
     return answer_told(
-        replace(told, direction=direction, confidence=min(told.confidence, options[word])),
+        replace(told, confidence=min(told.confidence, options[word])),
         (yes if is_true else no).format(told.text if text is None else text),
         frame,
         options,
@@ -247,7 +252,7 @@ _RULES: dict[str, Callable[[RuleInput], RuleAnswer]] = {
 }
 
 RULE_KINDS = frozenset(_RULES)
-"""Kinds whose answer the rules derive from what is felt."""
+"""Kinds whose answer the rules derive from what is believed."""
 
 ALWAYS_RULE_KINDS = RULE_KINDS - {
     "direction",

@@ -19,7 +19,7 @@ class RuleInput:
 
     Args:
         kind: The sort of question.
-        felt: What is felt, in the camera image.
+        felt: What is believed, in the camera image.
         question: As it was asked, without facts about the frame.
         frame: In which to answer.
         verdict: What the model itself said of a claim; None where it was not asked.
@@ -80,6 +80,6 @@ def answer_told(
 
 
 def open_answer(felt: Felt, frame: FrameSpec, components: Collection[Component] = ()) -> RuleAnswer:
-    """Return what is felt, named as `frame` does, of components or, without any, of all."""
+    """Return what is believed, named as `frame` does, of components or, without any, of all."""
     told = tell(felt, frame, components)
     return answer_told(told, f"{capitalised(told.text)}.", frame, felt.words, told.direction.value)

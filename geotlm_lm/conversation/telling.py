@@ -1,4 +1,4 @@
-"""Put what is felt into words: what is asked about first, else all that counts, larger first."""
+"""Put what is believed into words: what is asked about, else all that counts, larger first."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class Told:
 
 
 def tell(felt: Felt, frame: FrameSpec, asked: Collection[Component] = ()) -> Told:
-    """Return what is felt as a clause.
+    """Return what is believed as a clause.
 
     Args:
         felt: Named as `frame` does.
@@ -82,7 +82,7 @@ def tell(felt: Felt, frame: FrameSpec, asked: Collection[Component] = ()) -> Tol
 
 
 def doing(felt: Felt, components: Sequence[Component], of: str = "") -> str:
-    """Return what is felt as gerunds: "turning left and sliding down"; `of` is what is moved."""
+    """Return what is believed as gerunds, "turning left and sliding down"; `of` is moved."""
     return _joined([_part(felt, one, is_gerund=True, of=of) for one in components])
 
 

@@ -70,10 +70,11 @@ def test_the_way_of_what_may_as_well_not_count_is_never_told_as_sure(bundle):
         answer = answerer.ask(encoded, "Which way is it turning?")
         assert answer.text.startswith("It hardly turns, if at all clockwise, about ")
         assert answer.confidence <= 0.75
-        assert not answer.motion.counts[Component.TURN] >= 0.5
+        assert answer.motion.counts[Component.TURN] < 0.5
         opened = answerer.ask(encoded, "Which way is it moving?")
         claimed = answerer.ask(encoded, "Is it turning?")
         assert (opened.direction, claimed.decided) == (Motion.STILL, "no")
+        assert claimed.confidence == pytest.approx(1 - share)
 
 
 @pytest.mark.parametrize(
