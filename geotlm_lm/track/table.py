@@ -56,8 +56,6 @@ class Table:
     def arrays(self) -> dict[str, NDArray]:
         """Return the columns, as of `Track`."""
         return {
-            name: column[: self._count].astype(
-                np.int64 if name == "numbers" else np.float64
-            )
+            name: column[: self._count].astype(np.int64 if name == "numbers" else np.float64)
             for name, column in self._columns.items()
         }

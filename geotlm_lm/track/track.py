@@ -22,6 +22,7 @@ Floats = NDArray[np.float64]
 SPEED_S = 0.2
 """Time over which a speed is measured: less is noise."""
 
+
 @dataclass(frozen=True, eq=False)
 class Track:
     """What touched when and how it moved, frame by frame.
