@@ -101,5 +101,6 @@ def test_nothing_seen_of_the_gel_is_said():
     rng = np.random.default_rng(0)
     noise = rng.integers(0, 255, (20, 60, 80, 3), dtype=np.uint8)
     track, events = fed(noise)
-    assert events == [] and not track.is_touched.any()
+    assert events == []
+    assert not track.is_touched.any()
     assert "No untouched gel" in track.notes[0]
