@@ -15,6 +15,7 @@ from geotlm_lm.benchmarks.protocols import PROTOCOLS
 from geotlm_lm.benchmarks.questions import QUESTIONS
 from geotlm_lm.benchmarks.rendering import markdown, right_with_interval
 from geotlm_lm.benchmarks.rows import Bench, Listing, Pivot, Row, Section
+from geotlm_lm.benchmarks.tracks import TRACKS
 from geotlm_lm.benchmarks.variants import GENERATED, PROBE, RIVALS
 
 CLIPS_ABOUT = f"""\
@@ -110,7 +111,7 @@ ACCURACY = Bench(
     name="accuracy",
     title="Accuracy",
     about="What is right, how often, and beside what: simulated, real and published numbers apart.",
-    sections=(CLIPS_SECTION, MIXTURES, AMOUNTS, QUESTIONS, PROTOCOLS, OPTICS),
+    sections=(CLIPS_SECTION, TRACKS, MIXTURES, AMOUNTS, QUESTIONS, PROTOCOLS, OPTICS),
 )
 
 EVALUATION = Bench(

@@ -113,12 +113,18 @@ class DirectedRow:
         motion: The direction, as displayed.
         object_id: What touches.
         object_family: Objects that belong together.
+        turn_deg: Its main turn, clockwise positive; None where the table is silent.
+        turning: First and last frame of that turn.
+        touched: First and last frame in contact.
     """
 
     path: Path
     motion: Motion
     object_id: str
     object_family: str
+    turn_deg: float | None = None
+    turning: tuple[int, int] | None = None
+    touched: tuple[int, int] | None = None
 
 
 def read_touch_table(path: str | Path) -> list[TouchRow]:
@@ -153,7 +159,9 @@ def read_directed(path: str | Path) -> list[DirectedRow]:
     """
     path = Path(path)
     return [
-        DirectedRow(path.parent / values["clip"], Motion(word), *_object(path, values))
+        DirectedRow(
+            path.parent / values["clip"], Motion(word), *_object(path, values), *_turn(values)
+        )
         for values in _values(path)
         if (word := (values.get("direction") or "").strip().lower()) in DIRECTED
         and (values.get("tier") or "").strip() in SURE_TIERS
@@ -191,6 +199,20 @@ def _row(path: Path, values: dict[str, str]) -> TouchRow:
     still_until = _still_until(values, begins, ends)
     recording, fps = path.parent / values["clip"], _fps(path, values)
     return TouchRow(recording, fps, begins, ends, object_id, family, still_until)
+
+
+def _turn(
+    values: dict[str, str],
+) -> tuple[float | None, tuple[int, int] | None, tuple[int, int] | None]:
+    """Return the main turn, and the frames of it and of contact, as far as they are told."""
+    turn = (values.get("rotation_deg_cw") or "").strip()
+
+    def frames(first: str, last: str) -> tuple[int, int] | None:
+        pair = [(values.get(name) or "").strip() for name in (first, last)]
+        return tuple(map(int, pair)) if all(text.isdecimal() for text in pair) else None
+
+    spans = frames("rotation_start", "rotation_end"), frames("contact_start", "contact_end")
+    return float(turn) if turn else None, *spans
 
 
 def _still_until(values: dict[str, str], begins: int, ends: int) -> int | None:

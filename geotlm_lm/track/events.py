@@ -1,4 +1,4 @@
-"""What happens in a track: touch, press, turn, slide, stick, slip, release; each defined once.
+"""What happens in a track: touch, press, turn, slide, stick, slip, release; all defined here.
 
 Events are found while the frames come, some tenths of a second late: whether a motion is over, or
 whether it counts at all, shows only afterwards.
@@ -49,6 +49,9 @@ COMPONENT_OF = {
 }
 
 STICK_S = 0.3
+
+TOUCH_S = 0.15
+"""Time that contact must last to be a touch: a lamp, or a codec that starts sharp, is shorter."""
 
 LEAST_DEG, LEAST_TURN_PX, LEAST_SLIDE_PX, LEAST_MM = 2.5, 1.5, 2.0, 0.15
 """Way without which a turn (in degrees, and as a path at the contact's radius), a slide or a press
@@ -121,20 +124,20 @@ class EventFinder:
         self._touched: Moment | None = None
         self._last: Moment | None = None
         self._free_since = 0
-        self._slips: set[tuple[Component, int]] = set()
-        self._released = False
+        self._waiting: list[Event] = []
 
     def push(self, moment: Moment) -> list[Event]:
         """Take in the next frame and return the events that are over."""
         events: list[Event] = []
         self._moments[moment.place] = moment
-        if moment.is_touched and self._touched is None:
-            events.append(self._touch(moment))
-        if self._touched is not None:
-            if moment.is_touched:
-                events += self._moved(moment)
-            else:
-                events += self._let_go()
+        if moment.is_touched:
+            if self._touched is None:
+                self._touch(moment)
+            self._waiting += self._moved(moment)
+            if moment.time_s - self._touched.time_s >= TOUCH_S:
+                events, self._waiting = self._waiting, []
+        elif self._touched is not None:
+            events = self._closed(self._last, is_let_go=True)
         self._last = moment
         self._forget()
         return events
@@ -143,42 +146,23 @@ class EventFinder:
         """Return the events that the end of the recording cuts off."""
         return [] if self._touched is None else self._closed(self._last)
 
-    def _touch(self, moment: Moment) -> Event:
-        self._touched, self._free_since, self._released = moment, moment.place, False
+    def _touch(self, moment: Moment) -> None:
+        self._touched, self._free_since = moment, moment.place
         least = math.degrees(LEAST_TURN_PX / max(moment.radius_px, 1.0))
         self._legs = {
             Component.TURN: Legs(max(LEAST_DEG, least)),
             Component.SLIDE: Legs(LEAST_SLIDE_PX),
             Component.PRESS: Legs(LEAST_MM),
         }
-        return self._event(EventKind.TOUCH, moment, moment)
+        self._waiting = [self._event(EventKind.TOUCH, moment, moment)]
 
     def _moved(self, moment: Moment) -> list[Event]:
         events = []
         for component, legs in self._legs.items():
             point = Point(moment.place, moment.time_s, moment.way[COLUMNS[component]])
-            was_moving = legs.begun
             closed = legs.push(point)
-            if legs.begun is not None and legs.begun != was_moving:
-                events += self._begun(component, legs.begun)
             events += [one for leg in closed for one in self._over(component, leg)]
         return events
-
-    def _begun(self, component: Component, begin: int) -> list[Event]:
-        """Return the stick that a new motion ends."""
-        if component is Component.PRESS:
-            return []
-        others = [
-            legs.begun
-            for other, legs in self._legs.items()
-            if other not in (component, Component.PRESS) and legs.begun is not None
-        ]
-        if others and min(others) <= begin:
-            return []
-        found = self._stick(begin)
-        if found:
-            self._slips.add((component, begin))
-        return found
 
     def _stick(self, until: int) -> list[Event]:
         since, end = self._at(self._free_since), self._at(until)
@@ -192,16 +176,17 @@ class EventFinder:
         way = float((end.way - begin.way)[3])
         kinds = {Component.TURN: EventKind.TURN, Component.SLIDE: EventKind.SLIDE}
         kind = kinds.get(component, EventKind.PRESS if way > 0 else EventKind.RELEASE)
+        moved = self._event(kind, begin, end, component)
+        stick = [] if component is Component.PRESS else self._stick(self._resting_until(leg.begin))
+        is_slip = stick and stick[0].end == begin.number
+        slip = [self._event(EventKind.SLIP, begin, end, component)] if is_slip else []
         self._free_since = max(self._free_since, leg.end)
-        self._released = self._released or kind is EventKind.RELEASE
-        events = [self._event(kind, begin, end, component)]
-        if (component, leg.begin) in self._slips:
-            self._slips.discard((component, leg.begin))
-            events.append(self._event(EventKind.SLIP, begin, end, component))
-        return events
+        return [*stick, moved, *slip]
 
-    def _let_go(self) -> list[Event]:
-        return self._closed(self._last, is_let_go=True)
+    def _resting_until(self, begin: int) -> int:
+        """Return when a rest ended: at the beginning of a leg, or of one that is not over yet."""
+        others = (self._legs[one].begun for one in (Component.TURN, Component.SLIDE))
+        return min([begin, *(one for one in others if one is not None)])
 
     def _closed(self, last: Moment, *, is_let_go: bool = False) -> list[Event]:
         events, lifting = [], None
@@ -218,8 +203,10 @@ class EventFinder:
         if is_let_go:
             begin = last if lifting is None else self._at(lifting)
             events.append(self._event(EventKind.RELEASE, begin, last, Component.PRESS))
-        self._touched, self._legs, self._slips = None, {}, set()
-        return events
+        is_touch = last.time_s - self._touched.time_s >= TOUCH_S
+        events, self._waiting = [*self._waiting, *events], []
+        self._touched, self._legs = None, {}
+        return events if is_touch else []
 
     def _at(self, place: int) -> Moment | None:
         return self._moments.get(place)

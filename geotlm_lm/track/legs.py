@@ -20,6 +20,10 @@ EDGE = 0.15
 """Share of the least way up to which a path is at its beginning, and from its end on at its end."""
 
 
+NEAR, FAR = 0.1, 0.25
+"""Shares of a leg's way through which its beginning and its end are extrapolated."""
+
+
 @dataclass(frozen=True, eq=False)
 class Point:
     """A place of the path: which it is, when, and where, (d,)."""
@@ -94,16 +98,32 @@ class Legs:
         self._leg = recent[start + near[-1] :]
 
     def _closed(self, after: int | None = None) -> Leg:
-        """End the leg near its farthest point; what follows may begin the next one."""
-        far, heading = self._leg[-1], self._heading()
-        edge = EDGE * self._least
-        end = next(one for one in self._leg if float((far.at - one.at) @ heading) <= edge)
-        end = end if end.place > self._leg[0].place else far
-        leg = Leg(self._leg[0].place, end.place)
-        keep_from = end.place if after is None else after
+        """End the leg; what follows its farthest point may begin the next one."""
+        leg = self._trimmed()
+        keep_from = leg.end if after is None else after
         self._recent = deque(one for one in self._recent if one.place >= keep_from)
         self._leg = []
         return leg
+
+    def _trimmed(self) -> Leg:
+        """Return the leg without the creeping before and after it.
+
+        Where it is a tenth and a quarter under way, in a line, tells where it began and ended.
+        """
+        first, last = self._leg[0], self._leg[-1]
+        way = last.at - first.at
+        done = np.array([float((one.at - first.at) @ way) for one in self._leg])
+        done = np.maximum.accumulate(done / max(float(way @ way), 1e-12))
+        places = np.array([one.place for one in self._leg], float)
+
+        def extrapolated(near: float, far: float) -> int:
+            # Places in the order of the way that is done, which only grows.
+            at_near, at_far = np.interp([near, far], done, places)
+            return round(float(at_near - (at_far - at_near) * NEAR / (FAR - NEAR)))
+
+        begin = min(max(extrapolated(NEAR, FAR), first.place), last.place - 1)
+        end = min(max(extrapolated(1 - NEAR, 1 - FAR), begin + 1), last.place)
+        return Leg(begin, end)
 
     def _heading(self) -> Floats:
         """Return the way the leg has gone lately, of length 1."""

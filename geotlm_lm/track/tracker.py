@@ -13,7 +13,8 @@ import numpy as np
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.recordings.choose import FAINT_IMPRINT
-from geotlm_lm.recordings.idle import estimate_background, find_idle
+from geotlm_lm.recordings.idle import activity_grey, estimate_background, find_idle
+from geotlm_lm.recordings.imprints import imprints_of, strength_of
 from geotlm_lm.track.believing import Believe
 from geotlm_lm.track.block import Block, Row
 from geotlm_lm.track.events import Event, EventFinder, Moment
@@ -174,12 +175,30 @@ def track_of(
             tracker.feed(frame, time_s)
         return tracker.finish()
     gel = idle if idle is not None else source.background
-    gel = find_idle(source) if gel is None else gel
-    gel = estimate_background(source.frames) if gel is None else gel
+    gel = _gel_of(source) if gel is None else gel
     tracker, fps = Tracker(believe, idle=gel), source.fps or ASSUMED_FPS
     for frame, number in zip(source.frames, source.frame_numbers, strict=True):
         tracker.feed(frame, number / fps, number)
     return tracker.finish()
+
+
+def _gel_of(clip: Clip) -> Frames | None:
+    """Return the idle gel of a recording, guessed where it is touched from first to last.
+
+    None where it can be learnt from the first frames: they show less of an imprint than others.
+    """
+    grey = activity_grey(clip.frames)
+    found = find_idle(clip, grey)
+    if found is not None:
+        return found
+    guess = estimate_background(clip.frames)
+    strength = strength_of(imprints_of(grey, guess))
+    at_ends = min(np.median(strength[:END_FRAMES]), np.median(strength[-END_FRAMES:]))
+    return guess if at_ends > TOUCHED_SHARE * np.median(strength) else None
+
+
+END_FRAMES, TOUCHED_SHARE = 5, 0.8
+"""Frames at either end, and their share of the usual imprint from which on they are touched too."""
 
 
 def _contact(strength: float) -> float:

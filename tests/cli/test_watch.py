@@ -14,7 +14,7 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.live import watcher as watcher_module
 from geotlm_lm.live.watcher import Window
 from tests.cli import running
-from tests.live.test_idle_tracker import gel, touched
+from tests.track.test_idle_tracker import gel, touched
 
 FRAMES = 50
 

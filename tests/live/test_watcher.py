@@ -9,7 +9,7 @@ from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.live.events import MotionEvent
 from geotlm_lm.live.watcher import SAMPLE_S, WITHOUT_DIRECTION, Watcher, Window, model_reader
 from tests.live.stream import FPS, LIFT_S, TOUCH_S, TURN_END_S, TURN_START_S, stream
-from tests.live.test_idle_tracker import gel, touched
+from tests.track.test_idle_tracker import gel, touched
 
 
 class Scripted:

@@ -1,0 +1,106 @@
+"""A stream is tracked frame by frame, whatever befalls its frames; its laws as a value."""
+
+import numpy as np
+import pytest
+
+from geotlm_lm.core.twist import Component
+from geotlm_lm.track.events import EventKind
+from geotlm_lm.track.tracker import Tracker, track_of
+
+FPS, IDLE, TURN, REST = 25.0, 12, 20, 12
+STEP_DEG = 1.5
+
+
+def pictures(turn_deg):
+    """Return frames of a gel on which a textured patch turns."""
+    import cv2
+
+    rng = np.random.default_rng(3)
+    patch = cv2.GaussianBlur(rng.normal(0, 160, (240, 320)), (0, 0), 5)
+    y, x = np.mgrid[:240, :320]
+    window = np.clip((70 - np.hypot(x - 160, y - 120)) / 12, 0, 1)
+    for turn in turn_deg:
+        frame = np.full((240, 320), 110.0)
+        if turn is not None:
+            matrix = cv2.getRotationMatrix2D((160, 120), -turn, 1.0)
+            frame += window * 3 * cv2.warpAffine(patch, matrix, (320, 240))
+        frame += rng.normal(0, 1.0, frame.shape)
+        yield np.repeat(np.clip(frame, 0, 255).astype(np.uint8)[..., None], 3, axis=2)
+
+
+@pytest.fixture(scope="module")
+def frames():
+    there = (STEP_DEG * np.arange(TURN + 1)).tolist()
+    turn = [0.0] * REST + there + [there[-1]] * REST
+    return list(pictures([None] * IDLE + turn + [None] * IDLE))
+
+
+def fed(frames, times=None):
+    tracker = Tracker()
+    ended = []
+    for k, frame in enumerate(frames):
+        ended += tracker.feed(frame, k / FPS if times is None else times[k])
+    return tracker.finish(), ended
+
+
+@pytest.fixture(scope="module")
+def track(frames):
+    return fed(frames)[0]
+
+
+def turns(track):
+    return [one for one in track.events if one.kind is EventKind.TURN]
+
+
+def test_a_turn_is_told_with_its_size_and_its_ends(track):
+    (turn,) = turns(track)
+    assert turn.amount.holds(STEP_DEG * TURN)
+    assert abs(turn.amount.mean - STEP_DEG * TURN) < 3
+    assert abs(turn.begin - (IDLE + REST)) <= 5
+    assert abs(turn.end - (IDLE + REST + TURN)) <= 5
+
+
+def test_events_come_in_order_from_touch_to_release(track):
+    kinds = [one.kind for one in track.events]
+    assert kinds[0] is EventKind.TOUCH
+    assert kinds[-1] is EventKind.RELEASE
+    assert EventKind.STICK in kinds
+
+
+def test_a_stream_and_a_recording_are_tracked_alike(frames, track):
+    again = track_of(((frame, k / FPS) for k, frame in enumerate(frames)))
+    assert [(e.kind, e.begin, e.end) for e in again.events] == [
+        (e.kind, e.begin, e.end) for e in track.events
+    ]
+
+
+def test_spans_add_up(track):
+    middle = IDLE + REST + TURN // 2
+    halves = [track.between(0, middle), track.between(middle, len(track) - 1)]
+    whole = track.net(Component.TURN).mean
+    assert sum(one.net(Component.TURN).mean for one in halves) == pytest.approx(whole, abs=1e-4)
+    assert all(len(turns(one)) == 1 for one in halves)
+    assert track.between(0, middle / FPS, unit="s").net_twist == halves[0].net_twist
+
+
+def test_dropped_repeated_and_late_frames_change_no_amount_and_are_noted(frames, track):
+    kept = [k for k in range(len(frames)) if k % 7 != 3]
+    bad = [frames[k] for k in kept]
+    times = [k / FPS for k in kept]
+    bad.insert(30, bad[29].copy())
+    times.insert(30, (times[29] + times[30]) / 2)
+    bad.insert(40, bad[10])
+    times.insert(40, times[10])
+    found, _ = fed(bad, times)
+    assert found.net(Component.TURN).mean == pytest.approx(track.net(Component.TURN).mean, abs=2)
+    assert any("repeat" in note for note in found.notes)
+    assert any("no later" in note for note in found.notes)
+
+
+def test_nothing_seen_of_the_gel_is_said():
+    rng = np.random.default_rng(0)
+    noise = rng.integers(0, 255, (20, 60, 80, 3), dtype=np.uint8)
+    track, events = fed(noise)
+    assert events == []
+    assert not track.is_touched.any()
+    assert "No untouched gel" in track.notes[0]
