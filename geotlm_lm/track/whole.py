@@ -76,7 +76,10 @@ def main_event(track: Track) -> Event | None:
     """Return the turn or slide that moves the imprint farthest; without one the longest press."""
     return max(
         (one for one in track.events if one.kind in _MAIN),
-        key=lambda one: (one.kind not in (EventKind.PRESS, EventKind.RELEASE), _path(track, one)),
+        key=lambda one: (
+            one.kind not in (EventKind.PRESS, EventKind.RELEASE),
+            path_of_event(track, one),
+        ),
         default=None,
     )
 
@@ -84,8 +87,8 @@ def main_event(track: Track) -> Event | None:
 _MAIN = (EventKind.TURN, EventKind.SLIDE, EventKind.PRESS, EventKind.RELEASE)
 
 
-def _path(track: Track, event: Event) -> float:
-    """Return how far an event moves the imprint, pixels."""
+def path_of_event(track: Track, event: Event) -> float:
+    """Return how far a turn, slide or press moves the imprint, pixels."""
     far = abs(event.amount.mean)
     if event.component is Component.TURN:
         place = int(np.searchsorted(track.numbers, event.end))
