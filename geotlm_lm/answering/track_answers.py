@@ -20,7 +20,7 @@ from geotlm_lm.conversation.wording import capitalised, frame_phrase
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED
 from geotlm_lm.track.events import MOVING, Event, EventKind
-from geotlm_lm.track.whole import main_event, path_of_event
+from geotlm_lm.track.whole import main_event, path_of_event, together_s
 
 TOLD = (EventKind.TOUCH, EventKind.PRESS, *MOVING, EventKind.STICK, EventKind.RELEASE)
 """Events of a story; a slip is a turn or slide that is told already."""
@@ -148,7 +148,7 @@ class _Telling:
         found = self._of(kinds)
         if not found:
             return self._nothing(kinds)
-        long = self.words.long(_together_s(found))
+        long = self.words.long(together_s(found))
         same = all(one.kind is found[0].kind for one in found)
         what = _GOING[found[0].kind] if same else "moves"
         text = f"It {what} for {long}, {times_of(self.encoded, found)}."
@@ -279,12 +279,3 @@ class _Telling:
 
 def _times(count: int) -> str:
     return {1: "once", 2: "twice"}.get(count, f"{count} times")
-
-
-def _together_s(events: Sequence[Event]) -> float:
-    """Return the time in which at least one of some events goes on."""
-    total, until = 0.0, -1.0
-    for one in sorted(events, key=lambda one: one.begin_s):
-        total += max(one.end_s - max(one.begin_s, until), 0.0)
-        until = max(until, one.end_s)
-    return total

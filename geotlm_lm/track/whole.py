@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from statistics import NormalDist
 
@@ -85,6 +86,15 @@ def main_event(track: Track) -> Event | None:
 
 
 _MAIN = (EventKind.TURN, EventKind.SLIDE, EventKind.PRESS, EventKind.RELEASE)
+
+
+def together_s(events: Sequence[Event]) -> float:
+    """Return the time in which at least one of some events goes on."""
+    total, until = 0.0, -math.inf
+    for one in sorted(events, key=lambda one: one.begin_s):
+        total += max(one.end_s - max(one.begin_s, until), 0.0)
+        until = max(until, one.end_s)
+    return total
 
 
 def path_of_event(track: Track, event: Event) -> float:
