@@ -102,10 +102,11 @@ class _Telling:
 
     def story(self, ask: TrackAsk) -> Answer:
         """Tell events in their order, the first, the last, or what follows the first."""
-        events = [one for one in self.track.events if one.kind in TOLD]
-        events.sort(key=lambda one: (one.begin, one.kind is not EventKind.TOUCH, one.end))
-        if not events:
+        events = self.words.in_order([one for one in self.track.events if one.kind in TOLD])
+        if not events and not self.track.is_touched.any():
             return self._plain(f"Nothing touches in {self.whole}.", 1 - self._touching())
+        if not events:
+            return self._plain(f"It neither moves nor presses in {self.whole}.", self._touching())
         told = self.words.largest(events)
         if ask is TrackAsk.FIRST:
             told = self._first(told)

@@ -14,7 +14,7 @@ from geotlm_lm.answering.measured_motion import pixel_scale
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.tolerance import TOLERANCES
-from geotlm_lm.core.twist import Component
+from geotlm_lm.core.twist import COUNTING_PX, Component
 from geotlm_lm.track.events import Event, EventKind
 from geotlm_lm.track.whole import path_of_event
 
@@ -109,6 +109,32 @@ class TrackWording:
             key=lambda one: (one.kind not in ENDS_OF_CONTACT, -path_of_event(self._track, one)),
         )[:MOST_TOLD]
         return [one for one in events if one in kept]
+
+    def in_order(self, events: Sequence[Event]) -> list[Event]:
+        """Return what is worth telling, by when it begins; of the same moment the larger first.
+
+        A span may cut off an event all but a part that does not count.
+        """
+        kept = [
+            one
+            for one in events
+            if one.kind in (*ENDS_OF_CONTACT, EventKind.STICK)
+            or path_of_event(self._track, one) >= COUNTING_PX
+        ]
+        found: list[Event] = []
+        while kept:
+            first_s = min(one.begin_s for one in kept)
+            now = [one for one in kept if one.begin_s <= first_s + TOGETHER_S]
+            kept = [one for one in kept if one not in now]
+            now.sort(
+                key=lambda one: (
+                    one.kind is not EventKind.TOUCH,
+                    one.kind is EventKind.RELEASE,
+                    -path_of_event(self._track, one),
+                )
+            )
+            found += now
+        return found
 
     def clause(self, event: Event, *, with_time: bool = True) -> str:
         """Return an event as a clause: "it turns clockwise, about 58 degrees, from 1 s to 3 s"."""
