@@ -66,12 +66,12 @@ def load_clip(
     first: float | str | None = None,
     last: float | str | None = None,
 ) -> LoadedClip:
-    """Read the recording at `path`, choose its frames, and perceive it once.
+    """Read the recording at `path`, and perceive or track it once.
 
     Args:
         answerer: The model.
         path: Of the recording, or of several images of it; None when nothing was given yet.
-        first: First frame to use; None or no text to have the frames chosen.
+        first: First frame to use; None or no text to use all.
         last: Last frame to use.
 
     Raises:
@@ -123,7 +123,7 @@ def perceive(
     Args:
         answerer: The model.
         recording: A `Clip` of two frames or more.
-        span: First and last frame to use; None to have them chosen.
+        span: First and last frame to use; None to use all.
         depth_mm: True indentation of each frame, where it was simulated.
     """
     from geotlm_lm import shows_contact  # by now the model is loaded

@@ -17,7 +17,7 @@ from geotlm_lm.answering.answer import Answer
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.measured_motion import AXES, MeasuredMotion, felt_of, measured, travel
 from geotlm_lm.answering.model_query import Heard
-from geotlm_lm.answering.track_answers import times_of
+from geotlm_lm.answering.track_wording import there_and_back, times_of_component
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.conversation.amount_questions import asks_depth
 from geotlm_lm.conversation.axis_claims import asks_components, axes_named
@@ -158,7 +158,9 @@ def _told(
         amount = whole.per_second(encoded.seconds) if kind == "rate" else whole
         parts.append((one, whole, amount))
     _, whole, amount = parts[0]
-    sentences = [one.sentence(_where(encoded, part)) for part, _, one in parts]
+    sentences = [one.sentence(times_of_component(encoded, part)) for part, _, one in parts]
+    if kind == "magnitude":
+        sentences += [way for part, *_ in parts for way in there_and_back(encoded, part, frame)]
     text = before + " ".join(sentences) + _in_other_units(encoded, question, amount)
     if felt.is_barely(going[0]):
         text = f"Barely: {decapitalised(text)}"
@@ -204,14 +206,6 @@ def _in_frame(encoded: Encoded, frame: FrameSpec) -> tuple[float, float]:
         axis = Motion.RIGHT if told in (Motion.LEFT, Motion.RIGHT) else Motion.DOWN
         found[axis] = sign * float(part) + 0.0
     return found[Motion.RIGHT], found[Motion.DOWN]
-
-
-def _where(encoded: Encoded, component: Component) -> str:
-    """Return from when to when a component went, in a recording."""
-    if encoded.track is None:
-        return ""
-    events = [one for one in encoded.track.of(component) if one.component is component]
-    return times_of(encoded, events) if events else ""
 
 
 def _in_other_units(encoded: Encoded, question: str, amount: Amount) -> str:

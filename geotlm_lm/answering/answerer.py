@@ -25,6 +25,7 @@ from geotlm_lm.answering.perceiving import (
     perceive_clip,
     perceive_recording,
     track_recording,
+    tracker_of,
     with_idle_of,
     within_span,
 )
@@ -41,6 +42,7 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.recordings.span import frames_inside, require_motion
 from geotlm_lm.track.track import Track
+from geotlm_lm.track.tracker import Tracker
 
 
 @dataclass(frozen=True)
@@ -119,6 +121,15 @@ class Answerer:
         """
         _require_clip(recording, "track")
         return track_recording(self.bundle, require_motion(recording))
+
+    def tracker(self, recording: Clip | None = None) -> Tracker:
+        """Return what follows frames that are fed to it one by one; its end is a `Track`.
+
+        Args:
+            recording: That the frames are of, for its idle gel; None to learn that while nothing
+                touches, as of a camera.
+        """
+        return tracker_of(self.bundle, recording)
 
     def _believing(self, encoded: Encoded) -> Encoded:
         """Return a clip that somebody else has perceived with what makes its belief."""

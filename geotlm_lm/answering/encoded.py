@@ -14,6 +14,7 @@ from geotlm_lm.motion.belief import Belief
 from geotlm_lm.recordings.idle import estimate_background
 from geotlm_lm.track.events import MOVING
 from geotlm_lm.track.track import Track
+from geotlm_lm.track.whole import together_s
 
 MIN_TIMED_FRAMES = 3
 """Different frames a speed needs."""
@@ -100,7 +101,7 @@ class Encoded:
             return None
         if self.track is not None:
             events = [one for one in self.track.events if one.kind in MOVING]
-            return sum(one.seconds for one in events) or self.track.seconds or None
+            return together_s(events) or self.track.seconds or None
         return (max(numbers) - min(numbers)) / self.clip.fps
 
 

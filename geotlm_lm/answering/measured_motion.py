@@ -12,7 +12,7 @@ from geotlm_lm.answering.amounts import Measure
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.conversation.felt import Felt
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.geometry import camera_size, filled_size
+from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.core.tolerance import TOLERANCES
 from geotlm_lm.core.twist import COMPONENTS, Component
@@ -173,15 +173,8 @@ def amount_along(encoded: Encoded, motion: Motion) -> tuple[float, float, float]
 
 def pixel_scale(encoded: Encoded, frame: FrameSpec) -> tuple[str, np.ndarray]:
     """Return the unit slides are told in, and what a pixel of ours is of it, across and down."""
-    rows, columns = encoded.clip.frames.shape[1:3]
-    filled_rows, filled_columns = filled_size(rows, columns)
-    own = np.diag([columns / filled_columns, rows / filled_rows])
-    if frame.mm_per_px is None:
-        return "px", own
-    # A camera's own pixels are square; those of our square image are wider than high.
-    camera_rows, camera_columns = camera_size(rows, columns)
-    height = camera_rows / rows * columns / camera_columns
-    return "mm", frame.mm_per_px * np.diag([1.0, height]) @ own
+    unit, scale = travel_scale(*encoded.clip.frames.shape[1:3], frame.mm_per_px)
+    return unit, np.diag(scale)
 
 
 def _aslant(encoded: Encoded) -> Motion | None:

@@ -22,7 +22,7 @@ from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static
 from geotlm_lm.track.believing import believer
 from geotlm_lm.track.track import Track
-from geotlm_lm.track.tracker import track_of
+from geotlm_lm.track.tracker import Tracker, track_of
 from geotlm_lm.track.whole import belief_of_track, window_of
 
 CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."
@@ -77,6 +77,11 @@ def perceive_clip(bundle: Bundle, clip: Clip) -> Encoded:
 def track_recording(bundle: Bundle, clip: Clip) -> Track:
     """Return the track of a recording in memory."""
     return track_of(with_idle(clip), believer(bundle))
+
+
+def tracker_of(bundle: Bundle, clip: Clip | None = None) -> Tracker:
+    """Return what follows frames one by one, and knows the idle gel of a recording."""
+    return Tracker(believer(bundle), idle=None if clip is None else with_idle(clip).background)
 
 
 def perceive_recording(

@@ -270,5 +270,6 @@ def _answer_without_model(
 def _answer_about_recording(encoded: Encoded, topic: Topic, frame: FrameSpec) -> Answer:
     """Say what is known of the frames, whatever they show."""
     clip = encoded.clip
-    text = recording_sentence(topic, clip.frames.shape[1:3], clip.fps, clip.frame_numbers)
+    numbers = clip.frame_numbers if encoded.track is None else tuple(encoded.track.numbers)
+    text = recording_sentence(topic, clip.frames.shape[1:3], clip.fps, numbers)
     return replace(neutral_answer(encoded, text, "frame", frame), abstained=False, confidence=1.0)

@@ -5,37 +5,34 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from geotlm_lm.answering.abstention import neutral_answer
-from geotlm_lm.answering.amounts import Amount, Measure
 from geotlm_lm.answering.answer import Answer
 from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.answering.measured_motion import MeasuredMotion, pixel_scale
-from geotlm_lm.conversation.motion_answers import asked_components
+from geotlm_lm.answering.measured_motion import MeasuredMotion
+from geotlm_lm.answering.track_wording import (
+    TOGETHER_S,
+    TrackWording,
+    motion_of,
+    times_of,
+)
 from geotlm_lm.conversation.track_questions import Doing, TrackAsk, asked_doing, track_ask
 from geotlm_lm.conversation.wording import capitalised, frame_phrase
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import DIRECTED, Motion
-from geotlm_lm.core.tolerance import TOLERANCES
-from geotlm_lm.core.twist import Component
+from geotlm_lm.core.labels import DIRECTED
 from geotlm_lm.track.events import MOVING, Event, EventKind
-from geotlm_lm.track.track import Track
-from geotlm_lm.track.whole import main_event
+from geotlm_lm.track.whole import main_event, path_of_event, together_s
 
 TOLD = (EventKind.TOUCH, EventKind.PRESS, *MOVING, EventKind.STICK, EventKind.RELEASE)
 """Events of a story; a slip is a turn or slide that is told already."""
 
-MOST_TOLD = 12
-"""Events told one by one; of a longer recording the largest."""
-
-_KINDS = {Component.TURN: EventKind.TURN, Component.SLIDE: EventKind.SLIDE}
 _DONE = {
     Doing.HOLD: EventKind.TOUCH,
     Doing.LET_GO: EventKind.RELEASE,
     Doing.SLIP: EventKind.SLIP,
     Doing.STILL: EventKind.STICK,
     Doing.PRESS: EventKind.PRESS,
+    Doing.TURN: EventKind.TURN,
+    Doing.SLIDE: EventKind.SLIDE,
 }
 _NOUNS = {
     EventKind.TOUCH: ("touch", "touches"),
@@ -46,7 +43,24 @@ _NOUNS = {
     EventKind.SLIP: ("slip", "slips"),
     EventKind.RELEASE: ("release", "releases"),
 }
-NOTHING = "Nothing of that happens in the recording."
+_GOING = {
+    EventKind.TURN: "turns",
+    EventKind.SLIDE: "slides",
+    EventKind.SLIP: "slips",
+    EventKind.STICK: "is held still",
+    EventKind.PRESS: "presses in",
+    EventKind.RELEASE: "lifts off",
+}
+
+_DENIED = {
+    EventKind.TOUCH: "Nothing touches",
+    EventKind.PRESS: "It does not press in",
+    EventKind.TURN: "It does not turn",
+    EventKind.SLIDE: "It does not slide",
+    EventKind.SLIP: "It does not slip from a rest",
+    EventKind.STICK: "It is never held still",
+    EventKind.RELEASE: "It is not let go",
+}
 
 
 def answer_of_track(encoded: Encoded, question: str, frame: FrameSpec) -> Answer | None:
@@ -58,14 +72,12 @@ def answer_of_track(encoded: Encoded, question: str, frame: FrameSpec) -> Answer
         frame: In which to tell.
     """
     track, ask = encoded.track, track_ask(question)
-    if track is None:
+    if track is None or ask is None:
         return None
-    told = _Telling(encoded, frame)
-    kinds = _asked_kinds(question)
-    if ask is None:
-        return None
+    told, doing = _Telling(encoded, frame), asked_doing(question)
+    kinds = () if doing is None else (_DONE[doing],)
     if ask in (TrackAsk.STORY, TrackAsk.FIRST, TrackAsk.LAST, TrackAsk.NEXT):
-        return told.story(ask, [one for one in track.events if one.kind in TOLD])
+        return told.story(ask)
     if ask is TrackAsk.SLIPPED:
         return told.slipped()
     if ask is TrackAsk.FASTEST:
@@ -79,72 +91,34 @@ def answer_of_track(encoded: Encoded, question: str, frame: FrameSpec) -> Answer
     return told.when(kinds, is_end=ask is TrackAsk.ENDED)
 
 
-def goes_both_ways(track: Track, components: Sequence[Component]) -> list[Event]:
-    """Return the turns and slides asked about where some of them go against others; else none."""
-    kinds = [_KINDS[one] for one in components if one in _KINDS] or MOVING
-    events = [one for one in track.events if one.kind in kinds]
-    ways: dict[EventKind, set[Motion]] = {}
-    for event in events:
-        ways.setdefault(event.kind, set()).add(motion_of(event))
-    return events if any(len(found) > 1 for found in ways.values()) else []
-
-
-def story_of(encoded: Encoded, events: Sequence[Event], frame: FrameSpec) -> Answer:
-    """Return the answer that tells events one after another."""
-    return _Telling(encoded, frame).story(TrackAsk.STORY, events)
-
-
-def motion_of(event: Event) -> Motion:
-    """Return which of the ten words an event is, in the camera image."""
-    if event.kind is EventKind.TOUCH:
-        return Motion.PRESS
-    if event.kind is EventKind.STICK:
-        return Motion.STILL
-    return event.twist.way(event.component)
-
-
-def times_of(encoded: Encoded, events: Sequence[Event]) -> str:
-    """Return from when to when events went on: "from 1.2 s to 3.4 s", or in frames."""
-    first, last = min(events, key=lambda one: one.begin), max(events, key=lambda one: one.end)
-    if encoded.clip.fps is None:
-        return f"from frame {first.begin} to {last.end}"
-    return f"from {first.begin_s:.2g} s to {last.end_s:.3g} s"
-
-
-def _asked_kinds(question: str) -> tuple[EventKind, ...]:
-    """Return the kinds of events that a question is about; none where it is about any motion."""
-    doing = asked_doing(question)
-    if doing is not None:
-        return (_DONE[doing],)
-    return tuple(_KINDS[one] for one in asked_components(question) if one in _KINDS)
-
-
 class _Telling:
-    """Puts the events of one recording into words, in a frame."""
+    """Answers about the events of one recording, in a frame."""
 
     def __init__(self, encoded: Encoded, frame: FrameSpec) -> None:
         self.encoded, self.track, self.frame = encoded, encoded.track, frame
+        self.words = TrackWording(encoded, frame)
+        is_part = encoded.whole_track is not None and encoded.whole_track is not encoded.track
+        self.whole = "this part of the recording" if is_part else "the recording"
 
-    def story(self, ask: TrackAsk, events: Sequence[Event]) -> Answer:
+    def story(self, ask: TrackAsk) -> Answer:
         """Tell events in their order, the first, the last, or what follows the first."""
+        events = self.words.in_order([one for one in self.track.events if one.kind in TOLD])
+        if not events and not self.track.is_touched.any():
+            return self._plain(f"Nothing touches in {self.whole}.", 1 - self._touching())
         if not events:
-            return self._plain("Nothing touches in the recording.", 1 - self._touching())
-        named = sorted(events, key=lambda one: (one.begin, one.kind is not EventKind.TOUCH))
+            return self._plain(f"It neither moves nor presses in {self.whole}.", self._touching())
+        told = self.words.largest(events)
         if ask is TrackAsk.FIRST:
-            named = named[:1]
+            told = self._first(told)
         elif ask is TrackAsk.LAST:
-            named = named[-1:]
+            told = self._last(told)
         elif ask is TrackAsk.NEXT:
-            named = named[1:] or named
-        if len(named) > MOST_TOLD:
-            named = [one for one in named if one.kind in MOVING][:MOST_TOLD] or named[:MOST_TOLD]
-        clauses = [self._clause(one) for one in named]
-        text = clauses[0] if len(clauses) == 1 else ", then ".join(clauses)
-        directed = [one for one in named if motion_of(one) in DIRECTED]
+            told = [one for one in told if one not in self._first(told)] or told
+        directed = [one for one in told if motion_of(one) in DIRECTED]
         where = f", {frame_phrase(self.frame)}" if directed else ""
-        main = max(directed, key=lambda one: abs(one.amount.mean), default=named[0])
-        sure = min(one.probability for one in named)
-        return self._answer(f"{capitalised(text)}{where}.", sure, main)
+        main = max(directed, key=self._path, default=told[0])
+        sure = min(one.probability for one in told)
+        return self._answer(f"{capitalised(self.words.story(told))}{where}.", sure, main)
 
     def when(self, kinds: Sequence[EventKind], *, is_end: bool) -> Answer:
         """Tell when something began, or ended."""
@@ -153,10 +127,13 @@ class _Telling:
         found = self._of(kinds)
         if not found:
             return self._nothing(kinds)
-        one = found[-1] if is_end else found[0]
-        at = self._time(one.end_s if is_end else one.begin_s, one.end if is_end else one.begin)
-        clause = self._clause(one, with_time=False)
-        text = f"{'Until' if is_end else 'From'} {at}{' on' * (not is_end)}: {clause}."
+        if kinds == (EventKind.RELEASE,):
+            at, text = self.words.time(found[-1].end_s), self.words.clause(found[-1])
+            return self._answer(f"{capitalised(text)}.", found[-1].probability, found[-1], at)
+        one = max(found, key=lambda each: each.end) if is_end else found[0]
+        at = self.words.time(one.end_s if is_end else one.begin_s)
+        clause = capitalised(self.words.clause(one, with_time=False))
+        text = f"{clause}, until {at}." if is_end else f"{clause}, from {at} on."
         return self._answer(text, one.probability, one, decided=at)
 
     def duration(self, kinds: Sequence[EventKind]) -> Answer:
@@ -165,41 +142,35 @@ class _Telling:
             spans = self.track.contacts()
             if not spans:
                 return self._nothing(kinds)
-            long = sum(last - first for first, last in spans)
-            text = f"It is touched for {self._long(long)}"
-            text += f", {len(spans)} times" if len(spans) > 1 else self._span(*spans[0])
-            return self._plain(f"{text}.", self._touching(), decided=self._long(long))
+            long = self.words.long(sum(last - first for first, last in spans))
+            ends = f"from {self.words.time(spans[0][0])} to {self.words.time(spans[-1][1])}"
+            often = f"{len(spans)} times, " if len(spans) > 1 else ""
+            return self._plain(f"It is touched for {long}, {often}{ends}.", self._touching(), long)
         found = self._of(kinds)
         if not found:
             return self._nothing(kinds)
-        long = sum(one.seconds for one in found)
-        what = "holds still" if found[0].kind is EventKind.STICK else "goes on"
-        times = times_of(self.encoded, found)
-        text = f"It {what} for {self._long(long)}, {times}."
+        long = self.words.long(together_s(found))
+        same = all(one.kind is found[0].kind for one in found)
+        what = _GOING[found[0].kind] if same else "moves"
+        text = f"It {what} for {long}, {times_of(self.encoded, found)}."
         sure = min(one.probability for one in found)
-        return self._answer(text, sure, found[0], decided=self._long(long))
+        return self._answer(text, sure, max(found, key=self._path), decided=long)
 
     def fastest(self, kinds: Sequence[EventKind]) -> Answer:
         """Tell when it was fastest, and how fast."""
-        found = self._of(kinds)
+        found = [one for one in self._of(kinds) if one.kind in MOVING]
         main = main_event(self.track)
-        one = max(found, key=lambda each: abs(each.amount.mean), default=None)
-        one = main if one is None or (main in found) else one
-        if one is None or one.kind not in MOVING:
+        one = main if main in found else max(found, key=self._path, default=None)
+        if one is None:
             return self._nothing(kinds)
         time_s, speed = self.track.fastest(one.component)
-        unit, scale = pixel_scale(self.encoded, self.frame)
-        speed = abs(speed)
-        if one.kind is EventKind.SLIDE:
-            way = np.array([one.twist.right_px, one.twist.down_px])
-            speed *= float(np.linalg.norm(scale @ way) / max(np.linalg.norm(way), 1e-9))
-        names = {"deg": "degrees", "px": "pixels", "mm": "millimetres"}
-        named = names["deg" if one.kind is EventKind.TURN else unit]
-        place = int(np.searchsorted(self.track.times_s, time_s))
-        at = self._time(time_s, int(self.track.numbers[place]))
-        way = self.frame.tell(motion_of(one))
-        text = f"Fastest at {at}: about {speed:.2g} {named} per second, {way.value}."
-        return self._answer(text, one.probability, one, decided=at)
+        unit, per_px = self.words.length_of(one)
+        named = {"px": "pixels", "mm": "millimetres"}[unit]
+        if one.kind is EventKind.TURN:
+            named, per_px = "degrees", 1.0
+        at, way = self.words.time(time_s), self.frame.tell(motion_of(one))
+        text = f"It is fastest at {at}: about {abs(speed) * per_px:.2g} {named} per second"
+        return self._answer(f"{text}, {way.value}.", one.probability, one, decided=at)
 
     def turned_back(self, question: str) -> Answer:
         """Tell how often it turned back; to a yes-or-no question, whether."""
@@ -212,20 +183,18 @@ class _Telling:
         before = (verdict + how_often[0].lower() + how_often[1:]) if asks_whether else how_often
         if not events:
             return self._plain(f"{before}; it does not turn.", sure, decided="no")
-        clauses = ", then ".join(self._clause(one) for one in events[:MOST_TOLD])
+        clauses = self.words.story(self.words.largest(events))
         decided = ("yes" if count else "no") if asks_whether else str(count)
         return self._answer(f"{before}. {capitalised(clauses)}.", sure, events[0], decided=decided)
 
     def count(self, kinds: Sequence[EventKind]) -> Answer:
         """Tell how often something happened."""
         found = [one for one in self.track.events if one.kind in kinds]
-        if kinds == (EventKind.TOUCH,):
-            found = found or []
         names = _NOUNS[kinds[0]] if len(kinds) == 1 else ("motion", "motions")
         if not found:
-            return self._plain(f"No {names[0]} in the recording.", self._touching(), decided="0")
+            return self._plain(f"No {names[0]} in {self.whole}.", self._touching(), decided="0")
         number = f"{len(found)} {names[len(found) > 1]}"
-        clauses = ", then ".join(self._clause(one) for one in found[:MOST_TOLD])
+        clauses = self.words.story(self.words.largest(found))
         sure = min(one.probability for one in found)
         text = f"{capitalised(number)}: {clauses}."
         return self._answer(text, sure, found[0], decided=str(len(found)))
@@ -237,83 +206,49 @@ class _Telling:
         if slips:
             one = slips[-1]
             after = " before it is let go" if released and one.begin < released[-1].end else ""
-            text = f"Yes, it slips{after}: {self._clause(one)}."
+            text = f"Yes, it slips{after}: {self.words.clause(one)}."
             return self._answer(text, one.probability, one, decided="yes")
         moved = [one for one in self.track.events if one.kind in MOVING]
-        text = "No, it does not slip from a rest"
-        text += f"; {self._clause(moved[-1])}" if moved else " nor move at all while it is touched"
+        moved = self.words.largest(moved)[-1:]
+        how = self.words.clause(moved[0]) if moved else "nor does it move otherwise"
+        text = f"No, it does not slip from a rest; {how}"
         sure = min((one.probability for one in moved), default=self._touching())
-        return self._answer(f"{text}.", sure, moved[-1] if moved else None, decided="no")
+        return self._answer(f"{text}.", sure, moved[0] if moved else None, decided="no")
 
     def _contact(self, *, is_end: bool) -> Answer:
         spans = self.track.contacts()
         if not spans:
             return self._nothing((EventKind.TOUCH,))
         time_s = spans[-1][1] if is_end else spans[0][0]
-        place = int(np.searchsorted(self.track.times_s, time_s))
-        at = self._time(time_s, int(self.track.numbers[place]))
-        ends = "the last frame" if place == len(self.track) - 1 else at
+        at = self.words.time(time_s)
+        ends = "the last frame" if time_s == self.track.times_s[-1] else at
         text = f"It is touched until {ends}." if is_end else f"It touches from {at} on."
         return self._plain(text, self._touching(), decided=at)
+
+    def _first(self, events: Sequence[Event]) -> list[Event]:
+        """Return a touch and what presses in with it, else the largest of what begins first."""
+        begun = [one for one in events if one.begin_s <= events[0].begin_s + TOGETHER_S]
+        if events[0].kind is EventKind.TOUCH:
+            return [one for one in begun if one.kind in (EventKind.TOUCH, EventKind.PRESS)]
+        return [max(begun, key=self._path)]
+
+    def _last(self, events: Sequence[Event]) -> list[Event]:
+        """Return what ends last: that it lifts off, else the largest."""
+        end_s = max(one.end_s for one in events)
+        ended = [one for one in events if one.end_s >= end_s - TOGETHER_S]
+        lifted = [one for one in ended if one.kind is EventKind.RELEASE]
+        return lifted[-1:] or [max(ended, key=self._path)]
+
+    def _path(self, event: Event) -> float:
+        return path_of_event(self.track, event)
 
     def _of(self, kinds: Sequence[EventKind]) -> list[Event]:
         return [one for one in self.track.events if one.kind in (kinds or MOVING)]
 
     def _nothing(self, kinds: Sequence[EventKind]) -> Answer:
         sure = self._touching() if kinds != (EventKind.TOUCH,) else 1 - self._touching()
-        return self._plain(NOTHING, sure, decided="none")
-
-    def _clause(self, event: Event, *, with_time: bool = True) -> str:
-        """Return an event as a clause: "it turns clockwise, about 58 degrees, from 1 s to 3 s"."""
-        times = self._times(event) if with_time else ""
-        if event.kind is EventKind.TOUCH:
-            return f"it touches{times}"
-        if event.kind is EventKind.STICK:
-            return f"it is held still{times}"
-        if event.kind is EventKind.RELEASE and event.begin == event.end:
-            return f"it lets go{times}"
-        verbs = {EventKind.PRESS: "it presses in", EventKind.RELEASE: "it lifts off"}
-        amount = f", {self.amount(event).phrase}" if abs(event.amount.mean) > 0 else ""
-        if event.kind in verbs:
-            return f"{verbs[event.kind]}{amount if event.kind is EventKind.PRESS else ''}{times}"
-        who = "the sensor" if self.frame.actor == "sensor" else "it"
-        verb = "slips" if event.kind is EventKind.SLIP else event.component.value + "s"
-        return f"{who} {verb} {self.frame.tell(motion_of(event)).value}{amount}{times}"
-
-    def amount(self, event: Event) -> Amount:
-        """Return how far an event goes, in the unit that is told."""
-        far, deviation = abs(event.amount.mean), event.amount.deviation
-        if event.component is Component.TURN:
-            return Measure(far, deviation, "deg", TOLERANCES["deg"], "turning").amount()
-        if event.component is Component.PRESS:
-            return Measure(far, deviation, "mm", TOLERANCES["mm"], "pressing in").amount()
-        unit, scale = pixel_scale(self.encoded, self.frame)
-        way = np.array([event.twist.right_px, event.twist.down_px])
-        per_px = float(np.linalg.norm(scale @ way) / max(np.linalg.norm(way), 1e-9))
-        tolerance = TOLERANCES["px"] * per_px
-        return Measure(far * per_px, deviation * per_px, unit, tolerance, "sliding").amount()
-
-    def _times(self, event: Event) -> str:
-        if event.begin == event.end:
-            return f" at {self._time(event.begin_s, event.begin)}"
-        return f", {times_of(self.encoded, [event])}"
-
-    def _time(self, time_s: float, number: int) -> str:
-        return f"frame {number}" if self.encoded.clip.fps is None else f"{time_s:.3g} s"
-
-    def _long(self, seconds: float) -> str:
-        if self.encoded.clip.fps is None:
-            step = np.median(np.diff(self.track.times_s)) / np.median(np.diff(self.track.numbers))
-            return f"{round(seconds / float(step))} frames"
-        return f"{seconds:.2g} s"
-
-    def _span(self, first_s: float, last_s: float) -> str:
-        places = np.searchsorted(self.track.times_s, [first_s, last_s])
-        numbers = self.track.numbers[np.minimum(places, len(self.track) - 1)]
-        first, last = (
-            self._time(t, int(n)) for t, n in zip((first_s, last_s), numbers, strict=True)
-        )
-        return f", from {first} to {last}"
+        denied = _DENIED[kinds[0]] if len(kinds) == 1 else "It does not move"
+        return self._plain(f"{denied} in {self.whole}.", sure, decided="none")
 
     def _touching(self) -> float:
         return float(self.track.contact.max(initial=0.0))
@@ -327,7 +262,7 @@ class _Telling:
         motion = None if event is None else self.frame.tell(motion_of(event))
         amount = None
         if event is not None and event.component is not None:
-            amount = self.amount(event)
+            amount = self.words.amount(event)
         answer = neutral_answer(self.encoded, text, "order", self.frame)
         options = {} if decided is None else {decided: sure}
         return replace(

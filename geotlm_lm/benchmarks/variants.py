@@ -16,6 +16,7 @@ from geotlm_lm.benchmarks.judging import Reply, Variant, timed
 from geotlm_lm.conversation.felt import Felt
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.core.twist import Component
@@ -25,6 +26,7 @@ from geotlm_lm.language.slots import SLOTS
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.recordings.idle import estimate_background
+from geotlm_lm.recordings.imprints import touched_part
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answer, Answerer, Encoded
@@ -103,13 +105,14 @@ def rival(predict: Callable[[Clip, tuple[Motion, ...]], Motion]) -> Variant:
     """Return a rival, given the idle gel that the model would guess where none is known.
 
     Against the mean frame, which it takes otherwise, the ghosts of the other frames' imprints drown
-    a small motion.
+    a small motion. Of a whole recording it is given the part in contact: step by step the noise of
+    an untouched gel would add up to any motion.
     """
 
     def on_gel(clip: Clip, among: tuple[Motion, ...]) -> Motion:
         if clip.background is None:
             clip = replace(clip, background=estimate_background(clip.frames))
-        return predict(clip, among)
+        return predict(clip if len(clip) <= FRAME_COUNT else touched_part(clip), among)
 
     return timed(on_gel)
 

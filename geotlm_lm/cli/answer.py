@@ -80,5 +80,5 @@ def answer(
     if fail_on_abstain and reply.abstained:
         raise Abstained(
             f"{clip}: the model would not answer; see `geotlm-lm info --clip {clip}` for contact, "
-            f"or give frames with more motion by --frames."
+            f"or give a part with more motion by --frames."
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -38,7 +39,7 @@ def info(
     weights: EncoderWeights = None,
     heads: EncoderHeads = None,
 ) -> None:
-    """Describe a recording: size, frame rate, frames that would be used, contact, warnings.
+    """Describe a recording: size, frame rate, idle gel, from when to when it is touched, warnings.
 
     With --weights, describe a released encoder's file: what was recognised, parameters, tokens.
 
@@ -72,19 +73,22 @@ def info(
 
 
 def describe(recording: Clip, span: tuple[int, int] | None = None) -> dict[str, Any]:
-    """Return what is known about a recording and the frames chosen from it, or from `span`."""
-    from dataclasses import replace
+    """Return what is known about a recording, or about a span of it, without any model."""
+    import numpy as np
 
-    from geotlm_lm.recordings.choose import choose_frames
-    from geotlm_lm.recordings.idle import estimate_background
-    from geotlm_lm.recordings.imprints import imprint_strength
+    from geotlm_lm.recordings.idle import estimate_background, find_idle
+    from geotlm_lm.recordings.imprints import FAINT_IMPRINT, imprint_strength
+    from geotlm_lm.recordings.span import frames_inside
 
-    chosen = choose_frames(recording, span=span)
     origin = "given" if recording.background is not None else "found in the recording"
-    if chosen.background is None:
-        origin = ESTIMATED
-        chosen = replace(chosen, background=estimate_background(chosen.frames))
-    strength = [round(float(value), 2) for value in imprint_strength(chosen)]
+    idle = recording.background if origin == "given" else find_idle(recording)
+    inside = recording if span is None else frames_inside(recording, span)
+    if idle is None:
+        origin, idle = ESTIMATED, estimate_background(inside.frames)
+    inside = replace(inside, background=idle)
+    strength = imprint_strength(inside)
+    contact = _contact(origin, inside, int(np.argmax(strength)))
+    touched = [inside.frame_numbers[place] for place in np.flatnonzero(strength >= FAINT_IMPRINT)]
     return {
         "clip": recording.name,
         "frames": len(recording),
@@ -92,20 +96,22 @@ def describe(recording: Clip, span: tuple[int, int] | None = None) -> dict[str, 
         "dtype": str(recording.frames.dtype),
         "value_range": [int(recording.frames.min()), int(recording.frames.max())],
         "fps": recording.fps,
-        "frames_used": list(chosen.frame_numbers),
         "background": origin,
-        "imprint_grey_levels": strength,
-        "contact": _contact(origin, chosen),
-        "notes": list(chosen.notes),
+        "contact": contact,
+        "touched_frames": [touched[0], touched[-1]] if touched and contact == "likely" else None,
+        "strongest_imprint_grey_levels": round(float(strength.max()), 2),
+        "notes": list(recording.notes),
     }
 
 
-def _contact(origin: str, chosen: Clip) -> str:
+def _contact(origin: str, inside: Clip, strongest: int) -> str:
+    """Return whether something touches around the frame with the strongest imprint."""
     if origin == ESTIMATED:
         return "unknown without an idle frame"
     from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle
 
-    change = change_from_idle(chosen)
+    around = range(max(strongest - 1, 0), min(strongest + 2, len(inside)))
+    change = change_from_idle(inside.select(list(around)))
     return "likely" if change.grey >= UNTOUCHED_GREY or change.is_beyond_noise else "none seen"
 
 

@@ -20,6 +20,7 @@ from geotlm_lm.cli.evaluate import evaluate
 from geotlm_lm.cli.info import info
 from geotlm_lm.cli.manifest import manifest
 from geotlm_lm.cli.simulate import simulate
+from geotlm_lm.cli.track import track
 from geotlm_lm.cli.train import train
 from geotlm_lm.cli.watch import watch
 from geotlm_lm.core.errors import GeoTLMError, UsageError
@@ -48,7 +49,7 @@ UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 ParseError = typer.BadParameter.__base__
 """What the option parser raises on unknown or missing options; typer names no public alias."""
 
-for command in (answer, batch, chat, info, manifest, simulate, train, watch):
+for command in (answer, batch, chat, info, manifest, simulate, track, train, watch):
     app.command()(command)
 app.command(name="app")(serve_app)
 app.command(epilog="Example: geotlm-lm evaluate --clips 40 --out mine.json")(evaluate)

@@ -43,7 +43,8 @@ FrameSpan = Annotated[
     typer.Option(
         "--frames",
         metavar="FIRST:LAST",
-        help="Frame numbers to look between, counted from 0. [default: chosen by the motion]",
+        help="Frames to track inside, both included, counted from 0. [default: the whole "
+        "recording]",
     ),
 ]
 LayoutName = Annotated[

@@ -7,6 +7,7 @@ from typing import Literal
 
 from geotlm_lm.conversation.phrases import Phrases
 from geotlm_lm.conversation.text_normalisation import without_openers
+from geotlm_lm.core.geometry import FRAME_COUNT
 
 _PHRASES = Phrases("recording_questions")
 Topic = Literal["size", "rate", "frames", "duration", "interval"]
@@ -45,7 +46,7 @@ def recording_sentence(
         topic: What is asked.
         size: Rows and columns of its frames.
         fps: Frames per second; None where it says none.
-        numbers: Of the frames that were used.
+        numbers: Of the frames that were used: of a recording that was tracked, of all of them.
     """
     if topic == "size":
         rows, columns = size
@@ -56,6 +57,8 @@ def recording_sentence(
         return f"The recording has {fps:g} frames per second."
     if topic in ("duration", "interval"):
         return _told_time(topic, fps, numbers)
+    if len(numbers) > FRAME_COUNT:
+        return f"I track {len(numbers)} frames, from {min(numbers)} to {max(numbers)}."
     used = ", ".join(str(number) for number in sorted(set(numbers)))
     return (
         f"I look at few frames of a recording, here at {used}, counted from 0; `geotlm-lm info` "
@@ -72,5 +75,5 @@ def _told_time(topic: Topic, fps: float | None, numbers: tuple[int, ...]) -> str
     seconds = (last - first) / fps
     return (
         f"From frame {first} to frame {last}, the first and the last used, {seconds:.3g} s "
-        f"pass; `geotlm-lm watch` tells when each motion of a recording begins and ends."
+        f"pass; `geotlm-lm track` tells when each motion of a recording begins and ends."
     )

@@ -30,13 +30,15 @@ class TrackAsk(StrEnum):
 
 
 class Doing(StrEnum):
-    """What it does that is asked about, beside the turn and the slide that a question presumes."""
+    """What it does that is asked about."""
 
     HOLD = "held"
     LET_GO = "let_go"
     SLIP = "slip"
     STILL = "still"
     PRESS = "pressed"
+    TURN = "turned"
+    SLIDE = "slid"
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,8 @@ _DOING = (
     (Doing.STILL, _PHRASES.pattern("STILL")),
     (Doing.HOLD, _PHRASES.pattern("HELD")),
     (Doing.PRESS, _PHRASES.pattern("PRESSED")),
+    (Doing.TURN, _PHRASES.pattern("TURNED")),
+    (Doing.SLIDE, _PHRASES.pattern("SLID")),
 )
 _BETWEEN = tuple(re.compile(one) for one in _PHRASES.each("BETWEEN"))
 _ENDS = tuple(_PHRASES.pattern(name) for name in ("AFTER", "BEFORE"))
@@ -76,7 +80,7 @@ def track_ask(question: str) -> TrackAsk | None:
 
 
 def asked_doing(question: str) -> Doing | None:
-    """Return what it does that a question is about; None where that is a turn, a slide, or any."""
+    """Return what it does that a question is about; None where that is any motion."""
     text = normalised_text(question)
     return next((doing for doing, words in _DOING if words.search(text)), None)
 

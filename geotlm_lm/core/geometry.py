@@ -87,3 +87,26 @@ def pixel_aspect(rows: int, columns: int) -> float:
     filled_rows, filled_columns = filled_size(rows, columns)
     rows, columns = camera_size(rows, columns)
     return columns / filled_columns / (rows / filled_rows)
+
+
+def travel_scale(
+    rows: int, columns: int, mm_per_px: float | None = None
+) -> tuple[str, tuple[float, float]]:
+    """Return the unit slides are told in, and what a pixel of our square is of it.
+
+    Args:
+        rows: Height of the picture as it came, pixels.
+        columns: Width.
+        mm_per_px: Width on the gel of a pixel of that picture; None tells slides in its pixels.
+
+    Returns:
+        "px" or "mm", and the lengths of a pixel of ours across and down.
+    """
+    filled_rows, filled_columns = filled_size(rows, columns)
+    across, down = columns / filled_columns, rows / filled_rows
+    if mm_per_px is None:
+        return "px", (across, down)
+    # A camera's own pixels are square; those of our square image are wider than high.
+    camera_rows, camera_columns = camera_size(rows, columns)
+    height = camera_rows / rows * columns / camera_columns
+    return "mm", (mm_per_px * across, mm_per_px * height * down)

@@ -22,7 +22,7 @@ from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.live.events import MotionEvent, Reading, Segmenter
-from geotlm_lm.recordings.choose import FAINT_IMPRINT
+from geotlm_lm.recordings.imprints import FAINT_IMPRINT
 from geotlm_lm.track.idle_tracker import IdleTracker
 
 if TYPE_CHECKING:

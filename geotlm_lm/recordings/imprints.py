@@ -13,10 +13,26 @@ NOISE_SIGMA, IMPRINT_SIGMA, SHADING_SIGMA = 1.0, 8.0, 12.0
 """Pixels of the activity image (80 columns): finer is noise, coarser than 8 is a change of light,
 and an imprint is finer than 12."""
 
+FAINT_IMPRINT = 0.75
+"""Grey levels (rms) by which a touch changes the image, against a known background. Measured on
+real recordings: 90 % of untouched frames are below 0.66, 95 % of those in contact above 0.8."""
+
 
 def imprint_strength(clip: Clip) -> NDArray[np.float32]:
     """Return how strongly each frame is imprinted, in grey levels (rms), shape (t,)."""
     return strength_of(imprints_of(activity_grey(clip.frames), clip.background))
+
+
+def touched_part(clip: Clip) -> Clip:
+    """Return a recording from the first frame to the last that something touches; else all of it.
+
+    Args:
+        clip: Beside its idle gel.
+    """
+    places = np.flatnonzero(imprint_strength(clip) >= FAINT_IMPRINT)
+    if len(places) < 2:
+        return clip
+    return clip.select(list(range(int(places[0]), int(places[-1]) + 1)))
 
 
 def imprints_of(grey: NDArray[np.float32], background: Frames | None) -> NDArray[np.float32]:

@@ -1,4 +1,4 @@
-"""Any recording on disk to a clip: the room's front door. Chooses no frames; see `choose`."""
+"""Any recording on disk to a clip: the room's front door. Chooses no frames."""
 
 from __future__ import annotations
 

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.choose import FAINT_IMPRINT
 from geotlm_lm.recordings.idle import activity_grey, lost_share
-from geotlm_lm.recordings.imprints import band_pass
+from geotlm_lm.recordings.imprints import FAINT_IMPRINT, band_pass
 
 LEARNING_FRAMES = 5
 """Frames that must agree before they are taken for the idle gel: 0.2 s of a GelSight Mini."""

@@ -12,9 +12,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.recordings.choose import FAINT_IMPRINT
 from geotlm_lm.recordings.idle import activity_grey, estimate_background, find_idle
-from geotlm_lm.recordings.imprints import imprints_of, strength_of
+from geotlm_lm.recordings.imprints import FAINT_IMPRINT, imprints_of, strength_of
 from geotlm_lm.track.believing import Believe
 from geotlm_lm.track.block import Block, Row
 from geotlm_lm.track.events import Event, EventFinder, Moment

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from statistics import NormalDist
 
@@ -76,7 +77,10 @@ def main_event(track: Track) -> Event | None:
     """Return the turn or slide that moves the imprint farthest; without one the longest press."""
     return max(
         (one for one in track.events if one.kind in _MAIN),
-        key=lambda one: (one.kind not in (EventKind.PRESS, EventKind.RELEASE), _path(track, one)),
+        key=lambda one: (
+            one.kind not in (EventKind.PRESS, EventKind.RELEASE),
+            path_of_event(track, one),
+        ),
         default=None,
     )
 
@@ -84,8 +88,17 @@ def main_event(track: Track) -> Event | None:
 _MAIN = (EventKind.TURN, EventKind.SLIDE, EventKind.PRESS, EventKind.RELEASE)
 
 
-def _path(track: Track, event: Event) -> float:
-    """Return how far an event moves the imprint, pixels."""
+def together_s(events: Sequence[Event]) -> float:
+    """Return the time in which at least one of some events goes on."""
+    total, until = 0.0, -math.inf
+    for one in sorted(events, key=lambda one: one.begin_s):
+        total += max(one.end_s - max(one.begin_s, until), 0.0)
+        until = max(until, one.end_s)
+    return total
+
+
+def path_of_event(track: Track, event: Event) -> float:
+    """Return how far a turn, slide or press moves the imprint, pixels."""
     far = abs(event.amount.mean)
     if event.component is Component.TURN:
         place = int(np.searchsorted(track.numbers, event.end))

@@ -19,7 +19,7 @@ from geotlm_lm.conversation.motion_answers import CAMERA
 from geotlm_lm.core.labels import reverse
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
-from geotlm_lm.recordings.choose import choose_frames
+from geotlm_lm.recordings.span import frames_inside
 from tests.answering.scripted import believed
 
 
@@ -85,7 +85,10 @@ class FakeAnswerer:
         token = torch.zeros(1, 4)
         inputs = torch.zeros(1, 2, 14, 14, PATCH_INPUT_DIM)
         perception = Perception(token, geometry, token, (View(),), inputs)
-        clip = with_background(choose_frames(clip, span=span))
+        inside = clip if span is None else frames_inside(clip, span)
+        places = np.linspace(0, len(inside) - 1, 4).round().astype(int).tolist()
+        seen = ", ".join(str(inside.frame_numbers[place]) for place in places)
+        clip = with_background(inside.select(places)).with_note(f"Frames {seen} are shown.")
         belief = believed("right")
         return Encoded(clip, perception, {"encode": 1.0}, believe=lambda _: belief)
 

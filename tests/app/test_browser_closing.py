@@ -63,7 +63,7 @@ def test_what_is_shown_is_read_again_and_not_what_was_uploaded_before(browser, r
     browser.fill("Last frame", "3")
     time.sleep(1)
     browser.click("Read again with this span")
-    browser.wait_for(f"{TEXT}.includes('Frames 0, 1, 2, 3 are used.')")
+    browser.wait_for(f"{TEXT}.includes('Frames 0, 1, 2, 3 are shown.')")
     browser.upload("Recording", recordings["bright"])
     browser.wait_for(f"{TEXT}.includes('bright')")
     browser.wait_for(f"{field('First frame')} == '' && {field('Last frame')} == ''")

@@ -28,7 +28,7 @@ def path(tmp_path):
 def test_a_clip_is_shown_as_its_four_frames_with_notes(path):
     shown = load_clip(FakeAnswerer(), path, 3, 9)
     assert [caption for _, caption in shown.frames] == ["frame 3", "frame 5", "frame 7", "frame 9"]
-    assert "- Frames 3, 5, 7, 9 are used." in shown.notes
+    assert "- Frames 3, 5, 7, 9 are shown." in shown.notes
 
 
 def test_an_answer_is_shown_with_its_probabilities(path):

@@ -80,20 +80,21 @@ def listed(tmp_path_factory):
 
 def test_a_manifest_is_judged_by_task_and_by_sensor(listed):
     rows = judged_rows(listed)
-    assert [(row.case, row.count, row.error) for row in rows] == [
-        ("manifest touchd, rotation", 3, 0),
-        ("manifest touchd, rotation, sensor digit", 1, 0),
-        ("manifest touchd, rotation, sensor gsmini", 2, 0),
-        ("manifest touchd, sliding", 5, 0),
-        ("manifest touchd, sliding, sensor digit", 1, 0),
-        ("manifest touchd, sliding, sensor gsmini", 4, 0),
+    assert [(row.case, row.count) for row in rows] == [
+        ("manifest touchd, rotation", 3),
+        ("manifest touchd, rotation, sensor digit", 1),
+        ("manifest touchd, rotation, sensor gsmini", 2),
+        ("manifest touchd, sliding", 5),
+        ("manifest touchd, sliding, sensor digit", 1),
+        ("manifest touchd, sliding, sensor gsmini", 4),
     ]
+    assert max(row.error for row in rows) <= 0.25
     assert rows[3].detail["files_left_out"] == 1  # told once it is to be read
 
 
-def test_four_frames_of_a_listed_clip_are_chosen_and_its_object_is_the_unit(listed):
+def test_a_listed_clip_is_read_whole_and_its_object_is_the_unit(listed):
     cases = list(ListedClips(open_data_set(listed), SLIDES))
-    assert {len(case.clip) for case in cases} == {4}
+    assert {len(case.clip) for case in cases} == {4, 7}
     assert {case.object_id for case in cases} == {case.family for case in cases}
     assert {case.motion for case in cases} == set(SLIDES)
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from types import SimpleNamespace
 
-from geotlm_lm.recordings.choose import choose_frames
+from geotlm_lm.recordings.span import frames_inside
 
 
 class FakeAnswerer:
@@ -21,7 +21,7 @@ class FakeAnswerer:
     def encode(self, clip, span=None):
         self.clips.append(clip)
         self.spans.append(span)
-        return choose_frames(clip, span=span)
+        return clip if span is None else frames_inside(clip, span)
 
     def ask(self, encoded, question, *, frame):
         self.questions.append(question)

@@ -90,7 +90,7 @@ def test_an_abstention_fails_only_when_asked_to(capsys, answerer, clip_path):
     assert (code, out) == (5, "Clockwise.\n")
     assert err.splitlines()[-1] == (
         f"{clip_path}: the model would not answer; see `geotlm-lm info --clip {clip_path}` for "
-        f"contact, or give frames with more motion by --frames."
+        f"contact, or give a part with more motion by --frames."
     )
 
 

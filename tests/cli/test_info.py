@@ -34,8 +34,14 @@ def test_a_recording_is_described(capsys, press):
     assert facts["fps"] == 25
     assert facts["background"] == "found in the recording"
     assert facts["contact"] == "likely"
-    assert len(facts["frames_used"]) == 4
-    assert facts["notes"][-1].startswith("Frames ")
+    assert facts["touched_frames"] == [8, 19]
+    assert facts["strongest_imprint_grey_levels"] > 2
+
+
+def test_a_span_is_described_by_its_own_frames(capsys, press):
+    assert described(capsys, press, "--frames", "12:15")["touched_frames"] == [12, 15]
+    free = described(capsys, press, "--frames", "0:5")
+    assert (free["contact"], free["touched_frames"]) == ("none seen", None)
 
 
 def test_a_given_background_is_told_from_an_estimated_one(capsys, press, tmp_path):

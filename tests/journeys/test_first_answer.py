@@ -29,7 +29,7 @@ def clip(tmp_path, capsys):
 def test_a_simulated_clip_is_described_as_touched(clip, capsys):
     facts = json.loads(run(capsys, "info", "--clip", clip, "--json"))
     assert facts["contact"] == "likely"
-    assert facts["frames_used"] == [0, 1, 2, 3]
+    assert facts["touched_frames"] == [0, 3]
 
 
 @needs_bundle

@@ -9,10 +9,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from geotlm_lm.answering import four_frames_with_background
+from geotlm_lm.answering.encoded import with_background
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.choose import choose_frames
 from geotlm_lm.recordings.read import read_clip
 
 drawn = settings(
@@ -81,21 +80,10 @@ def test_a_file_with_bytes_written_over_it_is_read_or_refused(tmp_path, frames, 
     read_or_refused(tmp_path / "clip.npy")
 
 
-@given(uint8_frames(st.tuples(st.integers(2, 24), st.just(8), st.just(9))))
-@drawn
-def test_four_frames_are_chosen_in_order_from_any_recording(frames):
-    clip = Clip(frames)
-    chosen = choose_frames(clip)
-    assert len(chosen) == 4
-    assert list(chosen.frame_numbers) == sorted(chosen.frame_numbers)
-    for frame, number in zip(chosen.frames, chosen.frame_numbers, strict=True):
-        assert np.array_equal(frame, frames[number])
-
-
 @given(uint8_frames(st.tuples(st.integers(2, 6), st.integers(8, 40), st.integers(8, 40))))
 @drawn
 def test_a_background_of_the_frames_size_is_guessed_for_any_recording(frames):
-    assert four_frames_with_background(Clip(frames)).background.shape == frames.shape[1:]
+    assert with_background(Clip(frames)).background.shape == frames.shape[1:]
 
 
 @pytest.mark.parametrize("suffix", [".png", ".bmp", ".jpg"])

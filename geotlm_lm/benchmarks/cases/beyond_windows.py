@@ -23,7 +23,7 @@ from geotlm_lm.data.touch_table import (
     TouchRow,
     UntouchedRow,
 )
-from geotlm_lm.recordings.choose import choose_frames
+from geotlm_lm.recordings.idle import find_idle
 from geotlm_lm.recordings.read import read_clip
 
 WINDOW_S = 1.0
@@ -32,11 +32,10 @@ WINDOW_S = 1.0
 
 @dataclass(frozen=True)
 class WholeRecordings:
-    """Each recording read whole, as the four frames that an answer would be given of.
+    """Each recording read whole, beside its idle gel where that is found in it.
 
-    They are chosen once, here, so that every method sees the same four. Where something turns both
-    ways in a recording, the label is that of its main motion, and the other way counts as wrong
-    even where the chosen frames do show it.
+    Every method is given all its frames. Where something turns both ways in a recording, the label
+    is that of its main motion.
 
     Args:
         rows: The recordings.
@@ -54,7 +53,9 @@ class WholeRecordings:
 
     def __iter__(self) -> Iterator[Case]:
         for row in self.rows:
-            clip = choose_frames(read_clip(row.path))
+            clip = read_clip(row.path)
+            if clip.background is None:
+                clip = replace(clip, background=find_idle(clip))
             yield Case(clip, row.motion, row.object_id, row.object_family, {})
 
 

@@ -22,7 +22,6 @@ from geotlm_lm.data.tactile_tracking import (
     pair_clip,
     read_tactile_tracking,
 )
-from geotlm_lm.recordings.choose import choose_frames
 
 DATA_TASKS: dict[str, tuple[Motion, ...]] = {"rotation": ROTATIONS, "sliding": SLIDES}
 
@@ -52,7 +51,7 @@ class TrackedPairs:
 
 @dataclass(frozen=True, eq=False)
 class ListedClips:
-    """The clips of a manifest that show motions of a task: four frames each, as a user's is cut."""
+    """The clips of a manifest that show motions of a task, each read whole."""
 
     manifest: Manifest
     among: tuple[Motion, ...]
@@ -63,7 +62,7 @@ class ListedClips:
     def __iter__(self) -> Iterator[Case]:
         for row, clip in self.manifest.clips(self.among):
             tags = {"sensor": row.sensor or "unnamed"}
-            yield Case(choose_frames(clip), row.motion, row.object_id, row.object_id, tags)
+            yield Case(clip, row.motion, row.object_id, row.object_id, tags)
 
 
 def open_data_set(path: Path) -> DataSet:

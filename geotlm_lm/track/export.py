@@ -1,0 +1,210 @@
+"""A track as files and plain values: a table of its frames, its events, what it comes to."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geotlm_lm.core.atomic import replacing
+from geotlm_lm.core.errors import MissingDependency
+from geotlm_lm.core.geometry import travel_scale
+from geotlm_lm.core.twist import Component
+from geotlm_lm.track.amounts import Floats, Span
+from geotlm_lm.track.events import Event, EventKind
+from geotlm_lm.track.track import Track
+
+TABLE_SUFFIXES = (".csv", ".parquet", ".json")
+
+UNITS = {Component.TURN: "deg", Component.PRESS: "mm"}
+"""Of a slide it is that of `Exported.unit`."""
+
+_PACKAGES = {".parquet": "pyarrow", ".png": "matplotlib"}
+
+
+def require_packages(path: Path) -> None:
+    """Refuse a file whose package is not installed, before any work is done for it.
+
+    Raises:
+        MissingDependency: If it is not there.
+    """
+    package = _PACKAGES.get(path.suffix)
+    if package is not None and find_spec(package) is None:
+        raise MissingDependency(
+            f"{path}: a {path.suffix} file is written with {package}, which is not installed; run "
+            f"`pip install 'geotlm-lm[track]'`."
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Exported:
+    """A track in the units of its recording.
+
+    Args:
+        track: What is exported.
+        mm_per_px: Width on the gel of a pixel of the recording's frames, mm; None tells travel in
+            these pixels.
+    """
+
+    track: Track
+    mm_per_px: float | None = None
+
+    @property
+    def unit(self) -> str:
+        """The unit of travel: "px" of the recording's frames, or "mm"."""
+        return self._scale[0]
+
+    @cached_property
+    def path(self) -> Floats:
+        """Integrated motion since the first frame, as of `Track`, worked out once."""
+        return self.track.path_from_start
+
+    @property
+    def _scale(self) -> tuple[str, tuple[float, float]]:
+        if min(self.track.frame_size) < 1:
+            return "px", (1.0, 1.0)
+        return travel_scale(*self.track.frame_size, self.mm_per_px)
+
+    def travelled(self, right_px: Any, down_px: Any) -> tuple[Any, Any]:
+        """Return travel in pixels of the 224-pixel square in `unit`, right and down."""
+        across, down = self._scale[1]
+        return right_px * across, down_px * down
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Yield one row of plain values for each frame, as of `Track.to_rows`, travel in `unit`."""
+        unit, (across, down) = self._scale
+        factors = {"right_px": across, "down_px": down}
+        for row in self.track.to_rows():
+            yield {
+                name.replace("_px", f"_{unit}"): round(value * factor, 4) if factor else value
+                for name, value in row.items()
+                for factor in [factors.get(name.removesuffix("_deviation"))]
+            }
+
+    def amount(self, event: Event) -> tuple[Span, str] | None:
+        """Return how far an event goes, signed, and the unit; None of a touch or a rest."""
+        if event.component is None or (event.begin == event.end and not event.amount.mean):
+            return None
+        if event.component is not Component.SLIDE:
+            return event.amount, UNITS[event.component]
+        way = event.twist.right_px, event.twist.down_px
+        return self._slide(event.amount, way), self.unit
+
+    def way(self, event: Event) -> str | None:
+        """Return which way a turn or a slide goes in the camera image; None of what has none."""
+        if event.component in (Component.TURN, Component.SLIDE):
+            return event.twist.way(event.component).value
+        return None
+
+    def event(self, event: Event) -> dict[str, Any]:
+        """Return an event as plain JSON values; the span of its amount holds nine tenths."""
+        told: dict[str, Any] = {
+            "event": event.kind.value,
+            "way": self.way(event),
+            "begin": event.begin,
+            "end": event.end,
+            "begin_s": round(event.begin_s, 4),
+            "end_s": round(event.end_s, 4),
+        }
+        found = self.amount(event)
+        if found is not None:
+            span, unit = found
+            told |= _plain(span) | {"unit": unit}
+        return told | {"probability": round(event.probability, 4)}
+
+    def totals(self) -> dict[str, Any]:
+        """Return what the whole track comes to, as plain JSON values.
+
+        What is net is from the first frame to the last; in all, the sum of what events go there and
+        back.
+        """
+        track, net = self.track, self.track.net_twist
+        right, down = self.travelled(net.right_px, net.down_px)
+        slide = self._slide(track.net(Component.SLIDE), (net.right_px, net.down_px))
+        slides = [self.amount(one)[0] for one in track.of(Component.SLIDE)]
+        path = Span(sum(one.mean for one in slides), sum(one.deviation for one in slides))
+        return {
+            "frames": len(track),
+            "seconds": round(track.seconds, 4),
+            "touched_s": round(sum(last - first for first, last in track.contacts()), 4),
+            "turn_net": _plain(track.net(Component.TURN)) | {"unit": "deg"},
+            "turn_in_all": _plain(track.path(Component.TURN)) | {"unit": "deg"},
+            "turned_back": track.turned_back(),
+            "slide_net": _plain(slide) | {"unit": self.unit},
+            "slide_right": round(float(right), 3),
+            "slide_down": round(float(down), 3),
+            "slide_in_all": _plain(path) | {"unit": self.unit},
+        }
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return events, totals and notes as plain JSON values."""
+        return {
+            "events": [self.event(one) for one in self.track.events],
+            "totals": self.totals(),
+            "notes": list(self.track.notes),
+        }
+
+    def save(self, path: Path, made_by: dict[str, Any]) -> None:
+        """Write the table of frames; of .json also events, totals, notes and what made it.
+
+        Args:
+            path: Its ending, one of `TABLE_SUFFIXES`, says how.
+            made_by: Plain values that say what made it; a .parquet file keeps them as well.
+
+        Raises:
+            MissingDependency: If the package that writes it is not installed.
+        """
+        require_packages(path)
+        writers = {".csv": self._csv, ".parquet": self._parquet, ".json": self._json}
+        content = writers[path.suffix](made_by)
+        with replacing(path) as stream:
+            stream.write(content)
+
+    def _slide(self, amount: Span, way: tuple[float, float]) -> Span:
+        """Return the length of a travel in `unit`."""
+        far = float(np.hypot(*way))
+        scaled = float(np.hypot(*self.travelled(*way)))
+        factor = scaled / far if far > 0 else self._scale[1][0]
+        return Span(amount.mean * factor, amount.deviation * factor)
+
+    def _csv(self, _: dict[str, Any]) -> bytes:
+        rows, text = list(self.rows()), io.StringIO(newline="")
+        writer = csv.DictWriter(text, rows[0] if rows else ["frame"])
+        writer.writeheader()
+        writer.writerows(rows)
+        return text.getvalue().encode()
+
+    def _json(self, made_by: dict[str, Any]) -> bytes:
+        told = self.to_dict() | {"rows": list(self.rows()), "made_by": made_by}
+        return (json.dumps(told, indent=1) + "\n").encode()
+
+    def _parquet(self, made_by: dict[str, Any]) -> bytes:
+        import pyarrow
+        import pyarrow.parquet
+
+        table = pyarrow.Table.from_pylist(list(self.rows()))
+        about = json.dumps(self.to_dict() | {"made_by": made_by})
+        table = table.replace_schema_metadata({"geotlm_lm": about})
+        stream = io.BytesIO()
+        pyarrow.parquet.write_table(table, stream)
+        return stream.getvalue()
+
+
+def event_name(event: Event) -> str:
+    """Return what tables call an event: its kind and, where it has one, its way."""
+    if event.component is None or event.kind in (EventKind.PRESS, EventKind.RELEASE):
+        return event.kind.value
+    return f"{event.kind.value} {event.twist.way(event.component).value}"
+
+
+def _plain(span: Span) -> dict[str, float]:
+    numbers = {"amount": span.mean, "low": span.low, "high": span.high}
+    return {name: round(float(value), 3) for name, value in numbers.items()}

@@ -1,0 +1,177 @@
+"""`track` tells the events of a recording, writes what it is asked for, and keeps what it has."""
+
+import csv
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from geotlm_lm.recordings import limits
+from geotlm_lm.recordings import video as videos
+from geotlm_lm.track import export
+from geotlm_lm.track.tracker import Tracker
+from tests.cli import running
+from tests.track.recordings import there_and_back
+
+CLIP = there_and_back()
+
+
+class Measuring:
+    """Tracks by measurement alone: no model is loaded."""
+
+    def tracker(self, recording=None):
+        return Tracker(idle=CLIP.frames[0])
+
+
+@pytest.fixture(autouse=True)
+def without_model(monkeypatch):
+    monkeypatch.setattr("geotlm_lm.answering.Answerer.load", lambda *_, **__: Measuring())
+
+
+@pytest.fixture
+def path(tmp_path):
+    np.savez(tmp_path / "clip.npz", frames=CLIP.frames, fps=CLIP.fps)
+    return tmp_path / "clip.npz"
+
+
+def run(capsys, *arguments):
+    return running.run(capsys, "track", *arguments)
+
+
+def test_events_are_a_table_with_times_amounts_and_totals(capsys, path):
+    code, out, err = run(capsys, path)
+    assert code == 0
+    head, *lines = out.splitlines()
+    assert head.split() == ["begin", "end", "what", "how", "far", "likely", "sure"]
+    turns = [line for line in lines if "  turn " in line]
+    assert ["counterclockwise" in line for line in turns] == [False, True]
+    assert "deg" in turns[0]
+    assert lines[0].split()[4] == "touch"
+    assert any("degrees clockwise from first to last" in line for line in lines)
+    assert "tracking: 105 of 105 frames" in err
+
+
+def test_json_holds_events_and_totals_in_one_object(capsys, path):
+    told = json.loads(run(capsys, path, "--json")[1])
+    turn, back = (one for one in told["events"] if one["event"] == "turn")
+    assert (turn["way"], back["way"]) == ("clockwise", "counterclockwise")
+    assert 0.8 <= turn["begin_s"] <= 1.2
+    assert turn["end"] == pytest.approx(45, abs=5)
+    assert turn["amount"] == pytest.approx(30, rel=0.25)
+    assert turn["low"] < turn["amount"] < turn["high"]
+    totals = told["totals"]
+    assert totals["turned_back"] == 1
+    assert totals["turn_in_all"]["amount"] > totals["turn_net"]["amount"] > 0
+
+
+def test_every_file_that_is_asked_for_is_written(capsys, path, tmp_path):
+    names = {"--out": "t.csv", "--plot": "t.png", "--video": "t.mp4"}
+    options = [part for option, name in names.items() for part in (option, tmp_path / name)]
+    assert run(capsys, path, *options)[0] == 0
+    rows = list(csv.DictReader((tmp_path / "t.csv").open()))
+    assert [int(row["frame"]) for row in rows] == list(range(len(CLIP)))
+    assert float(rows[50]["turn_deg"]) == pytest.approx(30, rel=0.25)
+    assert cv2.imread(str(tmp_path / "t.png")).shape[2] == 3
+    film = cv2.VideoCapture(str(tmp_path / "t.mp4"))
+    assert film.get(cv2.CAP_PROP_FRAME_COUNT) == len(CLIP)
+
+
+def test_a_json_file_says_what_made_it_and_travel_may_be_told_in_mm(capsys, path, tmp_path):
+    run(capsys, path, "--out", tmp_path / "t.json", "--mm-per-px", 0.06, "--frames", "20:60")
+    told = json.loads((tmp_path / "t.json").read_text())
+    assert {"right_mm", "down_mm", "right_mm_deviation"} < set(told["rows"][0])
+    assert [row["frame"] for row in told["rows"]] == list(range(20, 61))
+    assert told["totals"]["slide_net"]["unit"] == "mm"
+    assert told["made_by"]["recording"] == str(path)
+    assert told["made_by"]["command"].startswith("geotlm-lm ")
+
+
+def test_a_parquet_table_holds_the_same_rows(capsys, path, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    run(capsys, path, "--out", tmp_path / "t.parquet")
+    run(capsys, path, "--out", tmp_path / "t.csv")
+    table = parquet.read_table(tmp_path / "t.parquet")
+    rows = list(csv.DictReader((tmp_path / "t.csv").open()))
+    assert table.column_names == list(rows[0])
+    assert table["turn_deg"].to_pylist() == [float(row["turn_deg"]) for row in rows]
+    assert json.loads(table.schema.metadata[b"geotlm_lm"])["totals"]["turned_back"] == 1
+
+
+def test_ctrl_c_ends_the_recording_there_and_keeps_what_was_tracked(
+    capsys, path, tmp_path, monkeypatch
+):
+    feed = Tracker.feed
+
+    def stopped(self, frame, time_s, number=None):
+        if number == 50:
+            raise KeyboardInterrupt
+        return feed(self, frame, time_s, number)
+
+    monkeypatch.setattr(Tracker, "feed", stopped)
+    code, out, err = run(capsys, path, "--out", tmp_path / "t.csv", "--video", tmp_path / "t.mp4")
+    assert code == 130
+    assert "turn clockwise" in out
+    assert "note: Tracked as far as frame 49.\n" in err
+    assert err.endswith("Stopped; files already complete are kept.\n")
+    assert len((tmp_path / "t.csv").read_text().splitlines()) == 1 + 50
+    film = cv2.VideoCapture(str(tmp_path / "t.mp4"))
+    assert film.get(cv2.CAP_PROP_FRAME_COUNT) == 50
+
+
+@pytest.mark.parametrize(
+    ("option", "name", "package"),
+    [("--out", "t.parquet", "pyarrow"), ("--plot", "t.png", "matplotlib")],
+)
+def test_a_missing_package_is_told_with_its_extra(
+    capsys, path, tmp_path, monkeypatch, option, name, package
+):
+    monkeypatch.setattr(export, "find_spec", lambda name: None)
+    assert run(capsys, path, option, tmp_path / name) == (
+        7,
+        "",
+        f"{tmp_path / name}: a .{name[2:]} file is written with {package}, which is not "
+        f"installed; run `pip install 'geotlm-lm[track]'`.\n",
+    )
+
+
+def test_no_file_is_replaced_unasked_nor_named_wrongly(capsys, path, tmp_path):
+    target = tmp_path / "t.csv"
+    target.write_text("mine")
+    code, _, err = run(capsys, path, "--out", target)
+    assert (code, target.read_text()) == (2, "mine")
+    assert f"--out: {target} is there already" in err
+    assert run(capsys, path, "--out", target, "--force")[0] == 0
+    assert target.read_text().startswith("frame,time_s,")
+    code, _, err = run(capsys, path, "--plot", tmp_path / "t.gif")
+    assert (code, err) == (
+        2,
+        f"--plot {tmp_path / 't.gif'} was given, expected a name that ends in .png.\n",
+    )
+    assert run(capsys, path, "--force")[0] == 2
+    assert run(capsys, path, "--frames", "90:200")[0] == 2
+
+
+def test_an_untouched_gel_is_told_in_a_sentence(capsys, tmp_path):
+    np.savez(tmp_path / "idle.npz", frames=CLIP.frames[:9], fps=25.0)
+    assert run(capsys, tmp_path / "idle.npz")[1] == "Nothing touches in the recording.\n"
+
+
+def test_frame_numbers_stand_for_times_where_no_rate_is_known(capsys, tmp_path):
+    np.save(tmp_path / "clip.npy", CLIP.frames)
+    lines = run(capsys, tmp_path / "clip.npy", "--plot", tmp_path / "t.png")[1].splitlines()
+    assert lines[1].split()[:3] == ["10", "10", "touch"]
+
+
+def test_a_video_that_does_not_fit_into_memory_is_tracked_frame_by_frame(
+    capsys, tmp_path, monkeypatch
+):
+    size = (CLIP.frames.shape[2], CLIP.frames.shape[1])
+    writer = cv2.VideoWriter(str(tmp_path / "c.avi"), cv2.VideoWriter_fourcc(*"FFV1"), 25.0, size)
+    for frame in CLIP.frames:
+        writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
+    writer.release()
+    monkeypatch.setattr(limits, "KEPT_BYTES", 20 * CLIP.frames[0].nbytes)
+    assert len(videos.read_video(tmp_path / "c.avi")) < 21
+    run(capsys, tmp_path / "c.avi", "--out", tmp_path / "t.csv")
+    assert len((tmp_path / "t.csv").read_text().splitlines()) == 1 + len(CLIP)

@@ -1,0 +1,81 @@
+"""A whole recording with the shipped model: turned, held, turned back, let go; one of real life."""
+
+import csv
+
+import pytest
+
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.recordings.read import read_clip
+from tests.track.stream import (
+    BACK,
+    BACK_DEG,
+    BACK_END,
+    FPS,
+    RELEASE,
+    TOUCH,
+    TURN,
+    TURN_DEG,
+    TURN_END,
+    stream,
+)
+
+NEAR_S = 0.3
+
+
+@pytest.fixture(scope="module")
+def whole(answerer):
+    return answerer.encode(stream())
+
+
+def decided_s(answerer, encoded, question):
+    return float(answerer.ask(encoded, question).decided.removesuffix(" s"))
+
+
+def test_its_turns_are_found_in_order_with_their_times_and_amounts(whole):
+    turn, back = (one for one in whole.track.events if one.kind == "turn")
+    assert turn.amount.mean == pytest.approx(TURN_DEG, rel=0.3)
+    assert back.amount.mean == pytest.approx(-BACK_DEG, rel=0.3)
+    found = [turn.begin_s, turn.end_s, back.begin_s, back.end_s]
+    planned = [place / FPS for place in (TURN, TURN_END, BACK, BACK_END)]
+    assert found == pytest.approx(planned, abs=NEAR_S)
+
+
+def test_times_and_counts_are_answered(answerer, whole):
+    begin = decided_s(answerer, whole, "When did it start turning?")
+    assert begin == pytest.approx(TURN / FPS, abs=NEAR_S)
+    end = decided_s(answerer, whole, "When did it stop turning?")
+    assert end == pytest.approx(BACK_END / FPS, abs=NEAR_S)
+    held = decided_s(answerer, whole, "How long was it held?")
+    assert held == pytest.approx((RELEASE - TOUCH) / FPS, abs=2 * NEAR_S)
+    assert answerer.ask(whole, "How often did it turn back?").decided == "1"
+
+
+def test_the_order_of_what_happened_is_answered(answerer, whole):
+    text = answerer.ask(whole, "What happened?").text
+    places = [text.index(word) for word in ("touches", "turns clock", "turns counter", "lifts")]
+    assert places == sorted(places)
+    assert answerer.ask(whole, "What happened first?").text.startswith("It touches")
+    assert answerer.ask(whole, "What happened last?").direction is Motion.RELEASE
+
+
+def test_the_net_turn_holds_the_truth_and_spans_are_tracked_inside(answerer, whole):
+    net = answerer.ask(whole, "How far did it turn in total?")
+    assert net.amount.low <= TURN_DEG - BACK_DEG <= net.amount.high
+    part = answerer.ask(whole, f"Which way did it turn after {BACK / FPS:.1f} s?")
+    assert part.direction is Motion.COUNTERCLOCKWISE
+    bracketed = answerer.encode(whole.recording, span=(TURN, TURN_END), track=whole.whole_track)
+    assert answerer.ask(bracketed, "Which way is it turning?").direction is Motion.CLOCKWISE
+
+
+@pytest.mark.real
+@pytest.mark.parametrize("name", ["mandarin_orange_2", "pen_base_1"])
+def test_a_real_turn_is_told_whole_and_bracketed(answerer, real, name):
+    rows = csv.DictReader((real / "physiclear" / "clips.csv").open())
+    (row,) = (row for row in rows if row["clip"] == f"clips/{name}.mov")
+    clip = read_clip(real / "physiclear" / row["clip"])
+    track = answerer.track(clip)
+    spans = (None, (int(row["contact_start"]), int(row["contact_end"])))
+    for encoded in (answerer.encode(clip, span=span, track=track) for span in spans):
+        assert answerer.ask(encoded, "Which way is it turning?").direction is Motion.CLOCKWISE
+        answer = answerer.ask(encoded, "How far did it turn in total?")
+        assert answer.amount.value == pytest.approx(float(row["rotation_deg_cw"]), rel=0.3)
