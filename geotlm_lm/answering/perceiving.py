@@ -75,8 +75,8 @@ def perceive_clip(bundle: Bundle, clip: Clip) -> Encoded:
 
 
 def track_recording(bundle: Bundle, clip: Clip) -> Track:
-    """Return the track of a recording in memory."""
-    return track_of(with_idle(clip), believer(bundle))
+    """Return the track of a recording in memory; its idle gel is found, learnt or guessed."""
+    return track_of(clip, believer(bundle))
 
 
 def tracker_of(bundle: Bundle, clip: Clip | None = None) -> Tracker:
