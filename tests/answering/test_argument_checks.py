@@ -104,7 +104,7 @@ def test_a_span_is_two_whole_numbers(answerer, span):
 
 def test_a_span_may_be_a_list(answerer):
     encoded = answerer.encode(recording(frames=6), span=[0, 3])
-    assert (encoded.clip.frame_numbers, encoded.is_part) == ((0, 1, 2, 3), False)
+    assert (encoded.clip.frame_numbers, encoded.track) == ((0, 1, 2, 3), None)
 
 
 def test_a_number_format_that_is_none_is_refused(monkeypatch, bundle):

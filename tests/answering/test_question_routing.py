@@ -42,20 +42,6 @@ def test_the_kind_of_motion_is_what_is_felt(bundle, said):
         assert answer.text == text
 
 
-def test_an_amount_says_between_which_frames_of_a_longer_recording_it_is(bundle):
-    answerer, asked = measuring(bundle, "clockwise", deg=13.0), "How far did it go?"
-    long = answerer.encode(recording(frames=30))
-    first, *_, last = long.clip.frame_numbers
-    assert (first, last) != (0, 29)
-    told = answerer.ask(long, asked).text
-    assert told.startswith(f"About 13 degrees of turning between frames {first} and {last}, likely")
-    for whole in (recording(), recording(frames=2)):
-        told = answerer.ask(answerer.encode(whole), asked).text
-        assert told.startswith("About 13 degrees of turning, likely ")
-    part = answerer.encode(recording(frames=30), span=(3, 9))
-    assert "between frames" not in answerer.ask(part, asked).text
-
-
 def test_a_claim_in_pixels_is_judged_in_pixels_whatever_their_size(bundle):
     answerer = measuring(bundle, "left", px=14.0)
     answer = answerer.ask(

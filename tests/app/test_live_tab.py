@@ -4,12 +4,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.live.test_idle_tracker import gel, touched
 
 from app import live_tab
 from geotlm_lm import GeoTLMError, Motion
 from geotlm_lm.live.events import MotionEvent
 from tests.app.fakes import FakeAnswerer
+from tests.track.test_idle_tracker import gel, touched
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import cv2
 import numpy as np
 import pytest
-from tests.live.test_idle_tracker import gel, touched
 
 from geotlm_lm.cli.watch import _words
 from geotlm_lm.core.errors import UnreadableClip
@@ -15,6 +14,7 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.live import watcher as watcher_module
 from geotlm_lm.live.watcher import Window
 from tests.cli import running
+from tests.track.test_idle_tracker import gel, touched
 
 FRAMES = 50
 

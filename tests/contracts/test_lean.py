@@ -15,7 +15,7 @@ import torch
 
 import geotlm_lm
 from geotlm_lm.answering import Answerer
-from geotlm_lm.answering import answerer as answerer_room
+from geotlm_lm.answering import perceiving as perceiving_room
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.parse_answer import Slots
@@ -98,7 +98,7 @@ def looks(monkeypatch):
         step = getattr(room, name)
         monkeypatch.setattr(room, name, lambda *given: calls.append(name) or step(*given))
 
-    count(answerer_room, "belief_of")
+    count(perceiving_room, "belief_of")
     return calls
 
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from tests.live.test_idle_tracker import gel, touched
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
@@ -10,6 +9,7 @@ from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.live.events import MotionEvent
 from geotlm_lm.live.watcher import SAMPLE_S, WITHOUT_DIRECTION, Watcher, Window, model_reader
 from tests.live.stream import FPS, LIFT_S, TOUCH_S, TURN_END_S, TURN_START_S, stream
+from tests.track.test_idle_tracker import gel, touched
 
 
 class Scripted:
