@@ -178,11 +178,10 @@ def pixel_scale(encoded: Encoded, frame: FrameSpec) -> tuple[str, np.ndarray]:
 
 
 def _aslant(encoded: Encoded) -> Motion | None:
-    """Return the lesser way of a slide that goes between two."""
-    mean = encoded.belief.mean
-    parts = {
-        (Motion.RIGHT if mean.right_px > 0 else Motion.LEFT): abs(mean.right_px),
-        (Motion.DOWN if mean.down_px > 0 else Motion.UP): abs(mean.down_px),
-    }
-    lesser, greater = sorted(parts, key=parts.get)
-    return lesser if parts[lesser] > ASLANT * parts[greater] else None
+    """Return the lesser way of a slide that goes between two: across the way that it is told."""
+    mean, axis = encoded.belief.mean, AXES[encoded.belief.way(Component.SLIDE)]
+    parts = mean.right_px, mean.down_px
+    if abs(parts[1 - axis]) <= ASLANT * abs(parts[axis]):
+        return None
+    ways = ((Motion.LEFT, Motion.RIGHT), (Motion.UP, Motion.DOWN))[1 - axis]
+    return ways[int(parts[1 - axis] > 0)]

@@ -75,6 +75,13 @@ class Felt:
         """Return how probable that way is, given that the component counts."""
         return self.ways.get(self.way(component), 0.0) / max(self.counts(component), 1e-12)
 
+    def said(self, component: Component) -> float:
+        """Return how probable what is said of a component is; a slide may go between two ways."""
+        own = self.ways.get(self.way(component), 0.0)
+        if component is not Component.SLIDE or self.aslant is None:
+            return own
+        return own + self.ways.get(self.aslant, 0.0)
+
     def is_barely(self, component: Component) -> bool:
         """Tell whether it is doubtful that a component counts."""
         low, high = BARELY

@@ -101,17 +101,18 @@ a doubtful lesser part must not take a sure greater one with it."""
 
 
 def _all(felt: Felt, frame: FrameSpec, told: Sequence[Component], who: str) -> Told:
-    sure = [one for one in told if felt.ways[felt.way(one)] >= SURELY] or list(told[:1])
+    sure = [one for one in told if felt.said(one) >= SURELY] or list(told[:1])
     doubtful = [one for one in told if one not in sure]
     text = f"{who} {_joined([_part(felt, one) for one in sure])}{_where(felt, frame, sure)}"
     unseen = [_UNREADABLE[one] for one in sure if one in felt.unreadable]
     text = "; ".join([text, *unseen])
     if doubtful:
         text += f"; perhaps it also {_joined([_part(felt, one) for one in doubtful])}"
-    ways = [felt.way(one) for one in sure]
+    way, is_between = felt.way(sure[0]), felt.ways[felt.way(sure[0])] < SURELY
     is_plain = len(told) == 1 and not unseen and not felt.is_barely(told[0])
-    least = min(felt.ways[way] for way in ways)
-    return Told(text, ways[0], least, None if sure[0] in felt.unreadable else sure[0], is_plain)
+    is_plain = is_plain and not (is_between and felt.aslant is not None)
+    least = min(felt.ways[way] if is_plain else felt.said(one) for one in sure)
+    return Told(text, way, least, None if sure[0] in felt.unreadable else sure[0], is_plain)
 
 
 def _doubtful(felt: Felt, frame: FrameSpec, component: Component, who: str) -> Told:
