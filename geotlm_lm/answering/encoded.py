@@ -96,13 +96,13 @@ class Encoded:
 
         Two frames alone give none: they may be any two of a longer motion.
         """
-        numbers = self.clip.frame_numbers
-        if self.clip.fps is None or len(set(numbers)) < MIN_TIMED_FRAMES:
+        numbers, fps = self.clip.frame_numbers, self.clip.fps
+        if fps is not None and self.track is not None:
+            moving = [one for one in self.track.events if one.kind in MOVING]
+            return together_s(moving) or self.track.seconds
+        if fps is None or len(set(numbers)) < MIN_TIMED_FRAMES:
             return None
-        if self.track is not None:
-            events = [one for one in self.track.events if one.kind in MOVING]
-            return together_s(events) or self.track.seconds or None
-        return (max(numbers) - min(numbers)) / self.clip.fps
+        return (max(numbers) - min(numbers)) / fps
 
 
 def with_background(clip: Clip) -> Clip:

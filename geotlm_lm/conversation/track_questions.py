@@ -14,7 +14,7 @@ _PHRASES = Phrases("track_questions", NUMBER=NUMBER)
 
 
 class TrackAsk(StrEnum):
-    """What of a recording is asked for, in the order in which the words are tried."""
+    """What of a recording is asked for."""
 
     SLIPPED = "slipped"
     STORY = "story"
@@ -58,7 +58,20 @@ class Span:
     is_from_end: bool = False
 
 
-_ASKS = tuple((ask, _PHRASES.pattern(ask.name)) for ask in TrackAsk)
+_ASKS = (
+    (TrackAsk.SLIPPED, _PHRASES.pattern("SLIPPED")),
+    (TrackAsk.STORY, _PHRASES.pattern("STORY")),
+    (TrackAsk.FIRST, _PHRASES.pattern("FIRST")),
+    (TrackAsk.LAST, _PHRASES.pattern("LAST")),
+    (TrackAsk.NEXT, _PHRASES.pattern("NEXT")),
+    (TrackAsk.FASTEST, _PHRASES.pattern("FASTEST")),
+    (TrackAsk.TURNED_BACK, _PHRASES.pattern("TURNED_BACK")),
+    (TrackAsk.COUNT, _PHRASES.pattern("COUNT")),
+    (TrackAsk.DURATION, _PHRASES.pattern("DURATION")),
+    (TrackAsk.ENDED, _PHRASES.pattern("ENDED")),
+    (TrackAsk.BEGAN, _PHRASES.pattern("BEGAN")),
+)
+"""In the order in which the words are tried."""
 _DOING = (
     (Doing.LET_GO, _PHRASES.pattern("LET_GO")),
     (Doing.SLIP, _PHRASES.pattern("SLIP")),
@@ -69,8 +82,8 @@ _DOING = (
     (Doing.SLIDE, _PHRASES.pattern("SLID")),
 )
 _BETWEEN = tuple(re.compile(one) for one in _PHRASES.each("BETWEEN"))
-_ENDS = tuple(_PHRASES.pattern(name) for name in ("AFTER", "BEFORE"))
-_OPENING, _CLOSING = (_PHRASES.pattern(name) for name in ("OPENING", "CLOSING"))
+_ENDS = (_PHRASES.pattern("AFTER"), _PHRASES.pattern("BEFORE"))
+_OPENING, _CLOSING = _PHRASES.pattern("OPENING"), _PHRASES.pattern("CLOSING")
 
 
 def track_ask(question: str) -> TrackAsk | None:
