@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.recordings.idle import activity_grey, estimate_background, find_idle
@@ -59,6 +60,22 @@ class Tracker:
         """The untouched gel as learnt so far; None while it is being learnt."""
         return self._idle.background
 
+    @property
+    def way(self) -> NDArray[np.float64]:
+        """Motion since the first frame as it stands: turn, right, down, inward, (4,).
+
+        The last half second of it is measured alone; the model may correct it yet.
+        """
+        return self._table.way + self._block.way
+
+    @property
+    def so_far(self) -> Track:
+        """The track as far as it is settled: to the end of the last event, or half a second ago."""
+        shape = (0, 0) if self._before is None else self._before.shape[:2]
+        events = sorted(self._events, key=lambda one: (one.begin, one.end))
+        return Track(**self._table.arrays(), events=tuple(events), frame_size=shape,
+                     notes=self._notes())  # fmt: skip
+
     def feed(self, frame: Frames, time_s: float, number: int | None = None) -> list[Event]:
         """Take in the next frame and return the events that are over.
 
@@ -90,10 +107,7 @@ class Tracker:
         """Return the track of all frames; the last events are those that the end cuts off."""
         self._settled()
         self._keep(self._finder.finish())
-        shape = (0, 0) if self._before is None else self._before.shape[:2]
-        events = sorted(self._events, key=lambda one: (one.begin, one.end))
-        return Track(**self._table.arrays(), events=tuple(events), frame_size=shape,
-                     notes=self._notes())  # fmt: skip
+        return self.so_far
 
     def _measured(self, frame: Frames) -> Row:
         strength = self._idle.strength(frame)
