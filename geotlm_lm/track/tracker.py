@@ -53,7 +53,7 @@ class Tracker:
         self._before: Frames | None = None
         self._time_s, self._number = -math.inf, -1
         self._belief_contact = 1.0
-        self._late = self._repeated = self._lost = 0
+        self._late = self._flashed = self._repeated = self._lost = 0
 
     @property
     def idle(self) -> Frames | None:
@@ -81,7 +81,8 @@ class Tracker:
 
         Args:
             frame: uint8, shape (rows, columns, 3), RGB; all of one size.
-            time_s: When it was taken; a frame that is no later than the one before is left out.
+            time_s: When it was taken; a frame that is no later than the one before is left out, as
+                is one that is far brighter or darker than the idle gel.
             number: Of the frame in its recording; None counts on.
 
         Raises:
@@ -92,6 +93,9 @@ class Tracker:
             self._late += 1
             return []
         self._time_s = time_s
+        if not self._idle.is_exposed_alike(frame):
+            self._flashed += 1
+            return []
         row = self._measured(frame)
         self._before = frame
         ended = self._block.rows and not row.is_touched and self._block.rows[-1].is_touched
@@ -159,6 +163,11 @@ class Tracker:
         notes = [] if self.idle is not None else [NO_IDLE]
         if self._late:
             notes.append(f"{self._late} frames were no later than those before and left out.")
+        if self._flashed:
+            notes.append(
+                f"{self._flashed} frames are much brighter or darker than the idle gel and left "
+                f"out; lock the camera's exposure."
+            )
         if self._repeated:
             notes.append(f"{self._repeated} frames repeat the one before.")
         if self._lost:
