@@ -101,7 +101,7 @@ def build(answerer: Answerer) -> None:
             )
         with gr.Column():
             seen = gr.Image(label="Turn and travel", interactive=False, buttons=BUTTONS)
-            events = gr.Dataframe(headers=HEADERS, label="Events", interactive=False)
+            events = gr.Dataframe(headers=HEADERS, label="Motion events", interactive=False)
             account = gr.Markdown()
     private = {"api_visibility": "private"}
     watch = with_errors_shown(partial(watch_recording, answerer))

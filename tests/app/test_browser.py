@@ -215,9 +215,9 @@ def test_a_recording_is_watched(browser, tmp_path):
     browser.wait_for(f"{TEXT}.includes('watched')")
     browser.click("Watch", "button.primary")
     browser.wait_for(f"{TEXT}.includes('idle gel learnt · 40 frames')")
-    browser.wait_for(f"{TEXT}.includes('touch')")
+    browser.wait_for(f"{TEXT}.includes('stick')")
     browser.click("Stop and clear")
-    browser.wait_for(f"!{TEXT}.includes('idle gel learnt') && !{TEXT}.includes('touch')")
+    browser.wait_for(f"!{TEXT}.includes('idle gel learnt') && !{TEXT}.includes('stick')")
 
 
 def test_a_recording_that_is_watched_no_longer_leaves_the_table_empty(browser, tmp_path):
