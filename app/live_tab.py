@@ -1,4 +1,4 @@
-"""The Live tab: motion events of a recording, or of a sensor that the browser sees as a camera."""
+"""The Live tab: what happens in a recording, or at a sensor that the browser sees as a camera."""
 
 from __future__ import annotations
 
@@ -9,16 +9,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from geotlm_lm import (
     CLIP_SUFFIXES,
     GeoTLMError,
-    Seen,
-    Watcher,
-    model_reader,
+    Tracker,
+    Units,
+    draw_motion,
     open_source,
-    picture,
+    way_in_words,
 )
 
 from .clip_loading import with_clip_name
@@ -29,7 +27,7 @@ from .session_files import remove_seen
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-HEADERS = ["s", "event", "degrees", "px right", "px down"]
+HEADERS = ["from (s)", "to (s)", "event", "how far", "sure"]
 SHOWN_EVERY_S = 0.5
 """Time between two pictures of a recording; the events come as they are found."""
 
@@ -59,17 +57,19 @@ class CameraSession:
     """What a session keeps of its camera.
 
     Args:
-        watcher: Of the frames so far.
+        tracker: Of the frames so far.
         shape: Of each of them.
         began_s: When the first came, by the machine's clock.
         cleared: How often everything had been emptied by then.
+        count: How many frames came.
         rows: The events so far.
     """
 
-    watcher: Watcher
+    tracker: Tracker
     shape: tuple[int, ...]
     began_s: float
     cleared: int = 0
+    count: int = 0
     rows: list[list[Any]] = field(default_factory=list)
 
 
@@ -100,7 +100,7 @@ def build(answerer: Answerer) -> None:
                 webcam_options=gr.WebcamOptions(mirror=False),
             )
         with gr.Column():
-            seen = gr.Image(label="Shear change", interactive=False, buttons=BUTTONS)
+            seen = gr.Image(label="Turn and travel", interactive=False, buttons=BUTTONS)
             events = gr.Dataframe(headers=HEADERS, label="Motion events", interactive=False)
             account = gr.Markdown()
     private = {"api_visibility": "private"}
@@ -161,16 +161,19 @@ def _want(path: str | None, wanted: WatchRequest) -> tuple[Any, list, str]:
 
 
 def _watched(answerer: Answerer, path: str) -> Iterator[tuple[Any, list, str]]:
-    watcher, rows, shown_s = Watcher(model_reader(answerer)), [], float("-inf")
-    image = None
-    for frame in open_source(path):
-        new = watcher.push(frame.image, frame.time_s)
-        rows += [row_of(event) for event in new]
+    tracker, rows, shown_s = answerer.tracker(), [], float("-inf")
+    image, account, units = None, "", None
+    for count, frame in enumerate(open_source(path), start=1):
+        units = Units(frame.image.shape[:2])
+        new = tracker.feed(frame.image, frame.time_s, frame.number)
+        rows += [row_of(event, units) for event in new]
+        account = _told(tracker, count, units)
         if new or frame.time_s - shown_s > SHOWN_EVERY_S:
-            shown_s, image = frame.time_s, _drawn(watcher, frame.image)
-            yield image, list(rows), _told(watcher)
-    rows += [row_of(event) for event in watcher.finish()]
-    yield image, rows, watcher.warning or _told(watcher)
+            shown_s, image = frame.time_s, draw_motion(frame.image, tracker.way, units)
+            yield image, list(rows), account
+    track = tracker.finish()
+    rows = [row_of(event, units) for event in track.events]
+    yield image, rows, " ".join((account, *track.notes))
 
 
 def clear_all(wanted: WatchRequest) -> tuple[Any, list, str]:
@@ -197,35 +200,24 @@ def process_frame(
         return None, None, [] if following is None else following.rows, ""
     now_s = time.monotonic()
     if following is None or following.shape != frame.shape:
-        following = CameraSession(Watcher(model_reader(answerer)), frame.shape, now_s, cleared)
-    watcher = following.watcher
-    new = watcher.push(frame, now_s - following.began_s)
-    following = replace(following, rows=following.rows + [row_of(event) for event in new])
-    return following, _drawn(watcher, frame), following.rows, _told(watcher)
+        following = CameraSession(answerer.tracker(), frame.shape, now_s, cleared)
+    tracker, units = following.tracker, Units(frame.shape[:2])
+    new = tracker.feed(frame, now_s - following.began_s)
+    rows = following.rows + [row_of(event, units) for event in new]
+    following = replace(following, rows=rows, count=following.count + 1)
+    account = _told(tracker, following.count, units)
+    return following, draw_motion(frame, tracker.way, units), rows, account
 
 
-def row_of(event: Any) -> list[Any]:
+def row_of(event: Any, units: Units) -> list[Any]:
     """Return an event as a row of the table."""
-    facts = event.to_dict()
-    when = facts["start_s"] if facts["end_s"] is None else facts["end_s"]
-    amounts = ("rotation_deg", "slide_x_px", "slide_y_px")
-    verb = "begins" if facts["phase"] == "start" else "ends"
-    return [round(when, 2), f"{facts['motion']} {verb}", *(round(facts[a], 1) for a in amounts)]
+    facts = units.event(event)
+    name = " ".join(one for one in (facts["event"], facts["way"]) if one)
+    far = f"{abs(facts['amount']):.3g} {facts['unit']}" if "unit" in facts else ""
+    times = (round(facts[one], 2) for one in ("begin_s", "end_s"))
+    return [*times, name, far, round(facts["probability"], 2)]
 
 
-def _drawn(watcher: Watcher, frame: Any) -> Any:
-    encoded = watcher.perceived
-    if encoded is None:
-        return frame
-    geometry = encoded.perception.geometry
-    field, mask = (np.asarray(x[0], np.float32) for x in (geometry.shear_change, geometry.mask))
-    return picture(Seen(frame[None], frame, field, mask, encoded.view), "arrows")
-
-
-def _told(watcher: Watcher) -> str:
-    facts = watcher.account.to_dict()
-    state = "idle gel learnt" if watcher.background is not None else "learning the idle gel"
-    return (
-        f"{state} · {facts['frames']} frames · {facts['windows']} windows perceived, "
-        f"{facts['window_ms_median']:.0f} ms each (median)"
-    )
+def _told(tracker: Tracker, count: int, units: Units) -> str:
+    state = "idle gel learnt" if tracker.idle is not None else "learning the idle gel"
+    return f"{state} · {count} frames · {way_in_words(tracker.way, units)}"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm import TRUE_DISPLACEMENT, GeoTLMError, Seen, learned_motion, picture
+from geotlm_lm import TRUE_DISPLACEMENT, GeoTLMError, Seen, picture
 
 from .clip_loading import Image, LoadedClip, perceive
 from .handlers import AMOUNT_QUESTION, DIRECTION_QUESTION
@@ -84,11 +84,8 @@ def simulate(answerer: Answerer, touch: Touch) -> Simulated:
     shown = perceive(answerer, made.clip, depth_mm=made.depth_mm)
     answer = answerer.ask(shown.encoded, DIRECTION_QUESTION)
     how_far = answerer.ask(shown.encoded, AMOUNT_QUESTION)
-    turn_deg, x_px, y_px = learned_motion(shown.encoded)
-    twist, components = made.twist, made.components
-    true = {"rotation_deg": twist.turn_deg, "slide_x_px": twist.right_px}
-    true |= {"slide_y_px": twist.down_px, "press_mm": twist.inward_mm}
-    read = {"rotation_deg": turn_deg, "slide_x_px": x_px, "slide_y_px": y_px}
+    true, read = (_numbers(twist) for twist in (made.twist, shown.encoded.belief.mean))
+    components = made.components
     facts = {
         "answer": answer.text,
         "how_far": how_far.text,
@@ -105,6 +102,15 @@ def simulate(answerer: Answerer, touch: Touch) -> Simulated:
         "timing_ms": _rounded(made.timing_ms),
     }
     return Simulated(shown, _truth(made, shown), picture(shown.seen, "arrows"), facts)
+
+
+def _numbers(twist: Any) -> dict[str, float]:
+    return {
+        "rotation_deg": twist.turn_deg,
+        "slide_x_px": twist.right_px,
+        "slide_y_px": twist.down_px,
+        "press_mm": twist.inward_mm,
+    }
 
 
 def _is_right(direction: Motion | None, made: Any) -> bool:

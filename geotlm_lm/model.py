@@ -15,10 +15,8 @@ from geotlm_lm.backbone.motions import Motions
 from geotlm_lm.backbone.tokens import Backbone, Tokens
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.geometry import FLOW_SCALE_PX, IMAGE_SIDE, camera_size, filled_size
 from geotlm_lm.dgr.encoder import DGR, Geometry
 from geotlm_lm.probe.linear import LinearProbe
-from geotlm_lm.probe.rigid_fit import fit_rigid
 from geotlm_lm.probe.standardise import Standardiser
 
 
@@ -77,33 +75,6 @@ class GeoTLM:
         fused_token = global_token + geometry.feature  # Eq. 9
         seen = tokens.views, tokens.inputs, tokens.motions
         return Perception(global_token, geometry, fused_token, *seen)
-
-
-def rigid_motion(
-    geometry: Geometry, view: View, size: tuple[int, int]
-) -> tuple[float, float, float]:
-    """Return the rigid motion in the learned shear change of one clip, between its time-bins.
-
-    Physical where DGR was trained with the simulator's true displacement, as in the shipped bundle.
-
-    Args:
-        geometry: Of one clip.
-        view: The square of the image that its grid covers.
-        size: Rows and columns of the clip's own frames.
-
-    Returns:
-        Degrees clockwise, and pixels of the clip's own frames to the right and down.
-    """
-    filled_rows, filled_columns = filled_size(*size)
-    rows, columns = camera_size(*size)
-    mask = geometry.mask[0].float().numpy()
-    # The grid's pixels are those of the view, which is a part of the 224-pixel image.
-    pixel = np.array([columns / filled_columns, rows / filled_rows], np.float32)
-    pixel *= view.side_px / IMAGE_SIDE
-    field = geometry.shear_change[0].float().numpy() * FLOW_SCALE_PX * pixel
-    across, down = (float(length) * IMAGE_SIDE / len(mask) for length in pixel)
-    turn_rad, x, y = fit_rigid(field, mask, grid_px=(across, down))
-    return float(np.degrees(turn_rad)), x * size[1] / columns, y * size[0] / rows
 
 
 def contact_centre(geometry: Geometry, view: View, size: tuple[int, int]) -> tuple[float, float]:

@@ -13,7 +13,7 @@ from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.conversation.felt import Felt
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import travel_scale
-from geotlm_lm.core.labels import SLIDES, Motion
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.tolerance import TOLERANCES
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.motion.belief import PX_PER_MM
@@ -154,21 +154,6 @@ class MeasuredMotion:
             doubt = "" if self.readable[one] else ", which the picture hardly tells"
             parts.append(f"{what} of {told.phrase}, {likely}{doubt}")
         return f"Measured from the first frame to the last: {'; '.join(parts)}."
-
-
-def amount_along(encoded: Encoded, motion: Motion) -> tuple[float, float, float] | None:
-    """Return the turn or slide of a clip; None where `motion` is neither.
-
-    Returns:
-        Degrees clockwise, and pixels of the clip's own frames to the right and down, from the first
-        frame to the last; 0 of the component that `motion` is not.
-    """
-    if motion in (Motion.CLOCKWISE, Motion.COUNTERCLOCKWISE):
-        return encoded.belief.mean.turn_deg, 0.0, 0.0
-    if motion not in SLIDES:
-        return None
-    right, down = travel(encoded, FrameSpec())
-    return 0.0, float(right), float(down)
 
 
 def pixel_scale(encoded: Encoded, frame: FrameSpec) -> tuple[str, np.ndarray]:

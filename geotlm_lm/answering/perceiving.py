@@ -91,7 +91,7 @@ def perceive_recording(
 
     Args:
         bundle: The model.
-        clip: The recording.
+        clip: The recording, or those of its frames that are kept.
         track: Of all of it.
         span: First and last frame, both included, by their numbers.
 
@@ -102,9 +102,9 @@ def perceive_recording(
     started = time.perf_counter()
     clip = with_idle(clip)
     part = track if span is None else track_of_span(track, span)
-    numbers = [int(part.numbers[place]) for place in window_of(part)]
-    index = {number: place for place, number in enumerate(clip.frame_numbers)}
-    window = perceive_clip(bundle, clip.select([index[number] for number in numbers]))
+    # Not every frame that was tracked need be kept: the nearest shows the same.
+    away = np.abs(np.subtract.outer(part.numbers[list(window_of(part))], clip.frame_numbers))
+    window = perceive_clip(bundle, clip.select(away.argmin(axis=1).tolist()))
     used = f"Tracked from frame {part.numbers[0]} to {part.numbers[-1]}."
     window = replace(window, clip=window.clip.with_note(used))
     timing = window.timing_ms | {"track": 1e3 * (time.perf_counter() - started)}

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,13 +20,21 @@ from geotlm_lm.cli.options import (
     Precision,
     SquarePixels,
     path_of,
-    path_option,
-    require_new_file,
     span_of,
 )
 from geotlm_lm.cli.progress import progress_on_stderr
-from geotlm_lm.cli.recorded import command_line
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.cli.tracked import (
+    HEAD,
+    INTERRUPTED,
+    NO_EVENTS,
+    OutFile,
+    PlotFile,
+    Targets,
+    VideoFile,
+    aligned,
+    event_line,
+    totals_lines,
+)
 from geotlm_lm.core.interrupts import uninterrupted_step
 
 if TYPE_CHECKING:
@@ -35,11 +42,6 @@ if TYPE_CHECKING:
     from geotlm_lm.core.clip import Clip
     from geotlm_lm.track.export import Exported
     from geotlm_lm.track.track import Track
-
-INTERRUPTED = 130
-"""Exit code of a command stopped by Ctrl-C; what was tracked by then is written."""
-
-ENDINGS = {"--out": (".csv", ".parquet", ".json"), "--plot": (".png",), "--video": (".mp4",)}
 
 
 def track(
@@ -50,16 +52,9 @@ def track(
     as_json: Annotated[
         bool, typer.Option("--json", help="Print events and totals as one JSON object.")
     ] = False,
-    out: Annotated[
-        Path | None,
-        path_option(help="Write a row for every frame to this .csv, .parquet or .json file."),
-    ] = None,
-    plot: Annotated[
-        Path | None, path_option(help="Draw turn, travel and contact over time to this .png.")
-    ] = None,
-    video: Annotated[
-        Path | None, path_option(help="Write the frames, with what was tracked, to this .mp4.")
-    ] = None,
+    out: OutFile = None,
+    plot: PlotFile = None,
+    video: VideoFile = None,
     force: Force = False,
     frames: FrameSpan = None,
     layout: LayoutName = None,
@@ -77,9 +72,8 @@ def track(
 
     Example: geotlm-lm track recording.mov --out track.csv --plot track.png
     """
-    targets = {"--out": out, "--plot": plot, "--video": video}
-    inputs = [one for one in (recording, background) if one is not None]
-    _require_targets(targets, inputs, is_forced=force)
+    targets = Targets(out, plot, video)
+    targets.require([one for one in (recording, background) if one is not None], is_forced=force)
     from geotlm_lm.core.frame_spec import FrameSpec
     from geotlm_lm.recordings.read import read_clip
     from geotlm_lm.recordings.span import frames_inside
@@ -98,8 +92,9 @@ def track(
     answerer = Answerer.load(model, precision=precision)
     tracked, is_stopped = _tracked(answerer, clip, span, is_square=bool(square_pixels))
     exported = Exported(tracked, scale)
-    made_by = {"command": command_line(), "recording": clip.name, "fps": clip.fps}
-    _write(exported, clip, targets, made_by, is_square=bool(square_pixels))
+    targets.write(exported, clip.name, clip.fps, in_frames=clip.fps is None)
+    if video is not None:
+        _film(video, exported, clip, is_square=bool(square_pixels))
     for note in (*clip.notes, *tracked.notes):
         print(f"note: {note}", file=sys.stderr)
     if as_json:
@@ -109,33 +104,6 @@ def track(
     if is_stopped:
         print(f"note: Tracked as far as frame {tracked.numbers[-1]}.", file=sys.stderr)
         raise typer.Exit(INTERRUPTED)
-
-
-def _require_targets(
-    targets: dict[str, Path | None], inputs: Sequence[Path], *, is_forced: bool
-) -> None:
-    """Refuse files that cannot be written, before anything is tracked for them.
-
-    Raises:
-        UsageError: If a name ends otherwise than it must, or is there already or given twice.
-        MissingDependency: If a package that writes one is not installed.
-    """
-    given = {option: path for option, path in targets.items() if path is not None}
-    if is_forced and not given:
-        raise UsageError(
-            "--force lets --out, --plot and --video replace files; give one of them, or leave it "
-            "out."
-        )
-    from geotlm_lm.track.export import require_packages
-
-    for option, path in given.items():
-        endings = ENDINGS[option]
-        if path.suffix not in endings:
-            raise UsageError(
-                f"{option} {path} was given, expected a name that ends in {' or '.join(endings)}."
-            )
-        require_packages(path)
-        require_new_file(path, option, is_forced=is_forced, inputs=inputs)
 
 
 def _tracked(
@@ -170,29 +138,14 @@ def _tracked(
     return found if span is None else found.between(*span), is_stopped
 
 
-def _write(
-    exported: Exported,
-    clip: Clip,
-    targets: dict[str, Path | None],
-    made_by: dict[str, Any],
-    *,
-    is_square: bool,
-) -> None:
-    if targets["--out"] is not None:
-        exported.save(targets["--out"], made_by)
-    if targets["--plot"] is not None:
-        from geotlm_lm.track.plot import write_plot
+def _film(path: Path, exported: Exported, clip: Clip, *, is_square: bool) -> None:
+    from geotlm_lm.recordings.video import each_frame
+    from geotlm_lm.track.film import write_film
+    from geotlm_lm.track.tracker import ASSUMED_FPS
 
-        write_plot(targets["--plot"], exported, in_frames=clip.fps is None)
-    if targets["--video"] is not None:
-        from geotlm_lm.recordings.video import each_frame
-        from geotlm_lm.track.film import write_film
-        from geotlm_lm.track.tracker import ASSUMED_FPS
-
-        shown = each_frame(clip, square_pixels=is_square)
-        first, second = exported.track.numbers[:2]
-        rate = (clip.fps or ASSUMED_FPS) / int(second - first)
-        write_film(targets["--video"], exported, shown, rate)
+    first, second = exported.track.numbers[:2]
+    rate = (clip.fps or ASSUMED_FPS) / int(second - first)
+    write_film(path, exported, each_frame(clip, square_pixels=is_square), rate)
 
 
 def table(exported: Exported, *, in_frames: bool) -> list[str]:
@@ -202,45 +155,8 @@ def table(exported: Exported, *, in_frames: bool) -> list[str]:
         exported: The track.
         in_frames: Whether to tell frame numbers instead of seconds.
     """
-    from geotlm_lm.track.export import event_name
-
     events = exported.track.events
     if not events:
-        return ["Nothing touches in the recording."]
-    rows = [("begin", "end", "what", "how far", "likely", "sure")]
-    for event in events:
-        ends = (event.begin, event.end) if in_frames else (event.begin_s, event.end_s)
-        begin, end = (f"{one}" if in_frames else f"{one:.2f} s" for one in ends)
-        far, likely = _told(exported.amount(event))
-        rows.append((begin, end, event_name(event), far, likely, f"{event.probability:.2f}"))
-    return [*_aligned(rows), "", *_totals(exported)]
-
-
-def _told(amount: tuple[Any, str] | None) -> tuple[str, str]:
-    if amount is None:
-        return "", ""
-    span, unit = amount
-    decimals = 1 if unit == "px" else 2 if unit == "mm" else 0
-    low, high = sorted((abs(span.low), abs(span.high)))
-    low = 0.0 if span.low < 0 < span.high else low
-    far = f"{abs(span.mean):.{decimals}f} {unit}"
-    return far, f"{low:.{decimals}f} to {high:.{decimals}f}"
-
-
-def _aligned(rows: Iterable[tuple[str, ...]]) -> list[str]:
-    rows = list(rows)
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
-
-
-def _totals(exported: Exported) -> list[str]:
-    totals, unit = exported.totals(), exported.unit
-    turn, way = totals["turn_net"], totals["turn_in_all"]
-    slide, far = totals["slide_net"], totals["slide_in_all"]
-    sense = "clockwise" if turn["amount"] >= 0 else "counterclockwise"
-    return [
-        f"Turned by {abs(turn['amount']):.0f} degrees {sense} from first to last, "
-        f"{way['amount']:.0f} there and back.",
-        f"Slid by {slide['amount']:.3g} {unit} from first to last, {far['amount']:.3g} there and "
-        f"back; touched for {totals['touched_s']:.2f} s.",
-    ]
+        return [NO_EVENTS]
+    lines = [event_line(one, exported.units, in_frames=in_frames) for one in events]
+    return [aligned(HEAD), *lines, "", *totals_lines(exported)]

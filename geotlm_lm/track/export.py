@@ -19,13 +19,13 @@ from geotlm_lm.core.errors import MissingDependency
 from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.twist import Component
 from geotlm_lm.track.amounts import Floats, Span
-from geotlm_lm.track.events import Event, EventKind
+from geotlm_lm.track.events import Event
 from geotlm_lm.track.track import Track
 
 TABLE_SUFFIXES = (".csv", ".parquet", ".json")
 
 UNITS = {Component.TURN: "deg", Component.PRESS: "mm"}
-"""Of a slide it is that of `Exported.unit`."""
+"""Of a slide it is that of `Units`."""
 
 _PACKAGES = {".parquet": "pyarrow", ".png": "matplotlib"}
 
@@ -44,50 +44,35 @@ def require_packages(path: Path) -> None:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class Exported:
-    """A track in the units of its recording.
+@dataclass(frozen=True)
+class Units:
+    """What is told of a track's events, in the units of its recording.
 
     Args:
-        track: What is exported.
-        mm_per_px: Width on the gel of a pixel of the recording's frames, mm; None tells travel in
-            these pixels.
+        frame_size: Rows and columns of the recording's frames.
+        mm_per_px: Width on the gel of a pixel of these frames, mm; None tells travel in these
+            pixels.
     """
 
-    track: Track
+    frame_size: tuple[int, int]
     mm_per_px: float | None = None
 
     @property
-    def unit(self) -> str:
+    def name(self) -> str:
         """The unit of travel: "px" of the recording's frames, or "mm"."""
-        return self._scale[0]
-
-    @cached_property
-    def path(self) -> Floats:
-        """Integrated motion since the first frame, as of `Track`, worked out once."""
-        return self.track.path_from_start
+        return self.travel[0]
 
     @property
-    def _scale(self) -> tuple[str, tuple[float, float]]:
-        if min(self.track.frame_size) < 1:
+    def travel(self) -> tuple[str, tuple[float, float]]:
+        """Unit of travel, and what a pixel of the 224-pixel square is of it, across and down."""
+        if min(self.frame_size) < 1:
             return "px", (1.0, 1.0)
-        return travel_scale(*self.track.frame_size, self.mm_per_px)
+        return travel_scale(*self.frame_size, self.mm_per_px)
 
     def travelled(self, right_px: Any, down_px: Any) -> tuple[Any, Any]:
-        """Return travel in pixels of the 224-pixel square in `unit`, right and down."""
-        across, down = self._scale[1]
+        """Return travel in pixels of the 224-pixel square in this unit, right and down."""
+        across, down = self.travel[1]
         return right_px * across, down_px * down
-
-    def rows(self) -> Iterator[dict[str, Any]]:
-        """Yield one row of plain values for each frame, as of `Track.to_rows`, travel in `unit`."""
-        unit, (across, down) = self._scale
-        factors = {"right_px": across, "down_px": down}
-        for row in self.track.to_rows():
-            yield {
-                name.replace("_px", f"_{unit}"): round(value * factor, 4) if factor else value
-                for name, value in row.items()
-                for factor in [factors.get(name.removesuffix("_deviation"))]
-            }
 
     def amount(self, event: Event) -> tuple[Span, str] | None:
         """Return how far an event goes, signed, and the unit; None of a touch or a rest."""
@@ -96,19 +81,20 @@ class Exported:
         if event.component is not Component.SLIDE:
             return event.amount, UNITS[event.component]
         way = event.twist.right_px, event.twist.down_px
-        return self._slide(event.amount, way), self.unit
+        return self.slide(event.amount, way), self.name
 
-    def way(self, event: Event) -> str | None:
-        """Return which way a turn or a slide goes in the camera image; None of what has none."""
-        if event.component in (Component.TURN, Component.SLIDE):
-            return event.twist.way(event.component).value
-        return None
+    def slide(self, amount: Span, way: tuple[float, float]) -> Span:
+        """Return the length of a travel that goes `way`, pixels of the square, in this unit."""
+        far = float(np.hypot(*way))
+        scaled = float(np.hypot(*self.travelled(*way)))
+        factor = scaled / far if far > 0 else self.travel[1][0]
+        return Span(amount.mean * factor, amount.deviation * factor)
 
     def event(self, event: Event) -> dict[str, Any]:
         """Return an event as plain JSON values; the span of its amount holds nine tenths."""
         told: dict[str, Any] = {
             "event": event.kind.value,
-            "way": self.way(event),
+            "way": _way(event),
             "begin": event.begin,
             "end": event.end,
             "begin_s": round(event.begin_s, 4),
@@ -120,16 +106,50 @@ class Exported:
             told |= _plain(span) | {"unit": unit}
         return told | {"probability": round(event.probability, 4)}
 
+
+@dataclass(frozen=True, eq=False)
+class Exported:
+    """A track in the units of its recording.
+
+    Args:
+        track: What is exported.
+        mm_per_px: As of `Units`.
+    """
+
+    track: Track
+    mm_per_px: float | None = None
+
+    @property
+    def units(self) -> Units:
+        """The units it is told in."""
+        return Units(self.track.frame_size, self.mm_per_px)
+
+    @cached_property
+    def path(self) -> Floats:
+        """Integrated motion since the first frame, as of `Track`, worked out once."""
+        return self.track.path_from_start
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Yield a row of plain values for each frame, as of `Track.to_rows`, travel in its unit."""
+        unit, (across, down) = self.units.travel
+        factors = {"right_px": across, "down_px": down}
+        for row in self.track.to_rows():
+            yield {
+                name.replace("_px", f"_{unit}"): round(value * factor, 4) if factor else value
+                for name, value in row.items()
+                for factor in [factors.get(name.removesuffix("_deviation"))]
+            }
+
     def totals(self) -> dict[str, Any]:
         """Return what the whole track comes to, as plain JSON values.
 
         What is net is from the first frame to the last; in all, the sum of what events go there and
         back.
         """
-        track, net = self.track, self.track.net_twist
-        right, down = self.travelled(net.right_px, net.down_px)
-        slide = self._slide(track.net(Component.SLIDE), (net.right_px, net.down_px))
-        slides = [self.amount(one)[0] for one in track.of(Component.SLIDE)]
+        track, net, units = self.track, self.track.net_twist, self.units
+        right, down = units.travelled(net.right_px, net.down_px)
+        slide = units.slide(track.net(Component.SLIDE), (net.right_px, net.down_px))
+        slides = [units.amount(one)[0] for one in track.of(Component.SLIDE)]
         path = Span(sum(one.mean for one in slides), sum(one.deviation for one in slides))
         return {
             "frames": len(track),
@@ -138,16 +158,16 @@ class Exported:
             "turn_net": _plain(track.net(Component.TURN)) | {"unit": "deg"},
             "turn_in_all": _plain(track.path(Component.TURN)) | {"unit": "deg"},
             "turned_back": track.turned_back(),
-            "slide_net": _plain(slide) | {"unit": self.unit},
+            "slide_net": _plain(slide) | {"unit": units.name},
             "slide_right": round(float(right), 3),
             "slide_down": round(float(down), 3),
-            "slide_in_all": _plain(path) | {"unit": self.unit},
+            "slide_in_all": _plain(path) | {"unit": units.name},
         }
 
     def to_dict(self) -> dict[str, Any]:
         """Return events, totals and notes as plain JSON values."""
         return {
-            "events": [self.event(one) for one in self.track.events],
+            "events": [self.units.event(one) for one in self.track.events],
             "totals": self.totals(),
             "notes": list(self.track.notes),
         }
@@ -167,13 +187,6 @@ class Exported:
         content = writers[path.suffix](made_by)
         with replacing(path) as stream:
             stream.write(content)
-
-    def _slide(self, amount: Span, way: tuple[float, float]) -> Span:
-        """Return the length of a travel in `unit`."""
-        far = float(np.hypot(*way))
-        scaled = float(np.hypot(*self.travelled(*way)))
-        factor = scaled / far if far > 0 else self._scale[1][0]
-        return Span(amount.mean * factor, amount.deviation * factor)
 
     def _csv(self, _: dict[str, Any]) -> bytes:
         rows, text = list(self.rows()), io.StringIO(newline="")
@@ -200,9 +213,15 @@ class Exported:
 
 def event_name(event: Event) -> str:
     """Return what tables call an event: its kind and, where it has one, its way."""
-    if event.component is None or event.kind in (EventKind.PRESS, EventKind.RELEASE):
-        return event.kind.value
-    return f"{event.kind.value} {event.twist.way(event.component).value}"
+    way = _way(event)
+    return event.kind.value if way is None else f"{event.kind.value} {way}"
+
+
+def _way(event: Event) -> str | None:
+    """Return which way a turn or a slide goes in the camera image; None of what has none."""
+    if event.component in (Component.TURN, Component.SLIDE):
+        return event.twist.way(event.component).value
+    return None
 
 
 def _plain(span: Span) -> dict[str, float]:

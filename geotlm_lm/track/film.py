@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -15,8 +15,9 @@ from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import filled_size
 from geotlm_lm.recordings.video import quiet_capture
+from geotlm_lm.track.amounts import Floats
 from geotlm_lm.track.events import Event
-from geotlm_lm.track.export import Exported, event_name
+from geotlm_lm.track.export import Exported, Units, event_name
 from geotlm_lm.views.pictures import ARROW_COLOUR, ARROW_THICKNESS, magnified
 
 CAPTION_ROWS = 56
@@ -45,60 +46,76 @@ def write_film(
     Raises:
         UsageError: If the file cannot be written, or not whole.
     """
-    places = {int(number): place for place, number in enumerate(exported.track.numbers)}
-    with _writer(path, fps) as write:
+    track, units = exported.track, exported.units
+    places = {int(number): place for place, number in enumerate(track.numbers)}
+    with filming(path, fps) as write:
         for number, frame in frames:
             if number in places:
-                write(drawn(exported, places[number], frame))
+                time_s = track.times_s[places[number]]
+                told = caption(going_on(track.events, number, time_s), units)
+                write(captioned(frame, exported.path[places[number]], units, time_s, told))
             if number >= max(places):
                 break
 
 
-def drawn(exported: Exported, place: int, frame: Frames) -> Frames:
-    """Return a tracked frame with a dial of its turn, an arrow of its travel, and its events.
+def draw_motion(frame: Frames, way: Floats, units: Units) -> Frames:
+    """Return a frame, magnified, with a dial of the turn and an arrow of the travel.
 
     Args:
-        exported: The track.
-        place: Of the frame in it, from 0.
-        frame: The frame, uint8 RGB.
-
-    Returns:
-        uint8 RGB, magnified, with a strip for the caption below.
+        frame: uint8 RGB.
+        way: Turn (degrees), right and down (pixels of the 224-pixel square) since the first frame.
+        units: Of the recording.
     """
-    track, image = exported.track, magnified(frame)
-    turn, right, down = exported.path[place, :3]
+    image, (turn, right, down) = magnified(frame), way[:3]
     rows, columns = image.shape[:2]
-    filled = filled_size(*frame.shape[:2])
+    filled = filled_size(*units.frame_size)
     middle = np.array([columns / 2, rows / 2])
     tip = middle + (right * columns / filled[1], down * rows / filled[0])
     if np.hypot(*(tip - middle)) > 2 * ARROW_THICKNESS:
         ends = [tuple(int(x) for x in np.rint(end)) for end in (middle, tip)]
         cv2.arrowedLine(image, *ends, ARROW_COLOUR, ARROW_THICKNESS, cv2.LINE_AA, tipLength=0.2)
     _draw_dial(image, turn)
+    return image
+
+
+def captioned(frame: Frames, way: Floats, units: Units, time_s: float, told: str) -> Frames:
+    """Return a frame as `draw_motion` draws it, on a strip with its time, the way and what is told.
+
+    Returns:
+        uint8 RGB.
+    """
+    image = draw_motion(frame, way, units)
+    rows = image.shape[0]
     image = cv2.copyMakeBorder(image, 0, CAPTION_ROWS, 0, 0, cv2.BORDER_CONSTANT)
-    across, along = exported.travelled(right, down)
-    told = (
-        f"turned {turn:+.0f} deg  travelled {across:+.1f} {exported.unit} right, {along:+.1f} down"
-    )
-    lines = (f"{track.times_s[place]:.2f} s  {told}", caption(exported, place))
-    for line, (text, colour) in enumerate(zip(lines, (GREY, WHITE), strict=True)):
+    lines = ((f"{time_s:.2f} s  {way_in_words(way, units)}", GREY), (told, WHITE))
+    for line, (text, colour) in enumerate(lines):
         at = (8, rows + 22 + 24 * line)
         cv2.putText(image, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.42, colour, 1, cv2.LINE_AA)
     # The codec halves the colours' resolution: odd sizes cannot be written.
     return image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2]
 
 
-def caption(exported: Exported, place: int) -> str:
-    """Return what happens in a frame, or has just happened."""
-    number, time_s = exported.track.numbers[place], exported.track.times_s[place]
-    events = [one for one in exported.track.events if one.begin <= number]
-    now = [one for one in events if number <= one.end]
-    told = now or [one for one in events if time_s - one.end_s <= TOLD_S]
-    return ", ".join(_named(one, exported) for one in told)
+def way_in_words(way: Floats, units: Units) -> str:
+    """Return how far it turned and travelled since the first frame, in few words."""
+    across, along = units.travelled(way[1], way[2])
+    travelled = f"travelled {across:+.1f} {units.name} right, {along:+.1f} down"
+    return f"turned {way[0]:+.0f} deg  {travelled}"
 
 
-def _named(event: Event, exported: Exported) -> str:
-    found = exported.amount(event)
+def going_on(events: Iterable[Event], number: int, time_s: float) -> list[Event]:
+    """Return the events in which a frame lies, or those that were over shortly before."""
+    begun = [one for one in events if one.begin <= number]
+    now = [one for one in begun if number <= one.end]
+    return now or [one for one in begun if time_s - one.end_s <= TOLD_S]
+
+
+def caption(events: Iterable[Event], units: Units) -> str:
+    """Return events by their names and amounts."""
+    return ", ".join(_named(one, units) for one in events)
+
+
+def _named(event: Event, units: Units) -> str:
+    found = units.amount(event)
     if found is None:
         return event_name(event)
     return f"{event_name(event)} {abs(found[0].mean):.2g} {found[1]}"
@@ -118,8 +135,16 @@ def _draw_dial(image: Frames, turn_deg: float) -> None:
 
 
 @contextmanager
-def _writer(path: Path, fps: float) -> Iterator:
-    """Yield what writes an image to a video, which takes the place of `path` once it is whole."""
+def filming(path: Path, fps: float) -> Iterator[Callable[[Frames], None]]:
+    """Yield what writes an image to a video, which takes the place of `path` once it is whole.
+
+    Args:
+        path: Of the .mp4 file; its folder is made if missing.
+        fps: Frames per second of the video.
+
+    Raises:
+        UsageError: If the file cannot be written, or not whole.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)  # a video's writer makes no folder
     part = path.with_name(f".{path.stem}.{os.getpid()}-{os.urandom(4).hex()}.mp4")
     writer: cv2.VideoWriter | None = None

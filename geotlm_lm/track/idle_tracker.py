@@ -12,6 +12,7 @@ from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings.idle import activity_grey, lost_share
 from geotlm_lm.recordings.imprints import FAINT_IMPRINT, band_pass
+from geotlm_lm.recordings.legible import MOST_OFFSET_GREY
 
 LEARNING_FRAMES = 5
 """Frames that must agree before they are taken for the idle gel: 0.2 s of a GelSight Mini."""
@@ -22,6 +23,9 @@ STEADY_FRAMES = 15
 LIFTED_SHARE = 0.75
 """Share of a change that is lost structure, from which on the stream is taken to have started
 touched: 0 for a touch, 1/2 for a moved object, 1 for a lifted one."""
+
+SAMPLED = 8
+"""Of so many rows and columns one is looked at to compare exposures."""
 
 FOLLOWING = 0.02
 """Weight of a new untouched frame: light that drifts over a few seconds is followed."""
@@ -45,6 +49,13 @@ class IdleTracker:
     def background(self) -> Frames | None:
         """The idle gel, uint8, shape (rows, columns, 3); None while it is being learnt."""
         return None if self._idle is None else np.rint(self._idle).astype(np.uint8)
+
+    def is_exposed_alike(self, frame: Frames) -> bool:
+        """Tell whether a frame is about as bright as the idle gel: false of a flash or a cap."""
+        if self._idle is None or frame.shape != self._idle.shape:
+            return True
+        few = (slice(None, None, SAMPLED), slice(None, None, SAMPLED))
+        return abs(float(np.median(frame[few] - self._idle[few]))) <= MOST_OFFSET_GREY
 
     def strength(self, frame: Frames) -> float | None:
         """Take in the next frame and return its imprint.

@@ -58,7 +58,7 @@ def write_plot(path: Path, exported: Exported, *, in_frames: bool) -> None:
 
 def _draw_ways(turn: Any, travel: Any, exported: Exported, times: np.ndarray) -> None:
     path, spread = exported.track.path_from_start, exported.track.path_deviations
-    parts = [exported.travelled(one[:, 1], one[:, 2]) for one in (path, spread)]
+    parts = [exported.units.travelled(one[:, 1], one[:, 2]) for one in (path, spread)]
     curves = (
         (turn, path[:, 0], spread[:, 0], "tab:blue", "turn (clockwise positive)"),
         (travel, parts[0][0], parts[1][0], "tab:orange", "travel to the right"),
@@ -69,7 +69,7 @@ def _draw_ways(turn: Any, travel: Any, exported: Exported, times: np.ndarray) ->
         axes.plot(times, mean, color=colour, label=name)
         axes.fill_between(times, mean - far, mean + far, color=colour, alpha=0.2, linewidth=0)
     turn.set_ylabel("turn (degrees)")
-    travel.set_ylabel(f"travel ({exported.unit})")
+    travel.set_ylabel(f"travel ({exported.units.name})")
 
 
 def _draw_events(panels: Any, lanes: Any, exported: Exported, in_frames: bool) -> None:

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.recordings.idle import activity_grey, estimate_background, find_idle
@@ -52,19 +53,36 @@ class Tracker:
         self._before: Frames | None = None
         self._time_s, self._number = -math.inf, -1
         self._belief_contact = 1.0
-        self._late = self._repeated = self._lost = 0
+        self._late = self._flashed = self._repeated = self._lost = 0
 
     @property
     def idle(self) -> Frames | None:
         """The untouched gel as learnt so far; None while it is being learnt."""
         return self._idle.background
 
+    @property
+    def way(self) -> NDArray[np.float64]:
+        """Motion since the first frame as it stands: turn, right, down, inward, (4,).
+
+        The last half second of it is measured alone; the model may correct it yet.
+        """
+        return self._table.way + self._block.way
+
+    @property
+    def so_far(self) -> Track:
+        """The track as far as it is settled: to the end of the last event, or half a second ago."""
+        shape = (0, 0) if self._before is None else self._before.shape[:2]
+        events = sorted(self._events, key=lambda one: (one.begin, one.end))
+        return Track(**self._table.arrays(), events=tuple(events), frame_size=shape,
+                     notes=self._notes())  # fmt: skip
+
     def feed(self, frame: Frames, time_s: float, number: int | None = None) -> list[Event]:
         """Take in the next frame and return the events that are over.
 
         Args:
             frame: uint8, shape (rows, columns, 3), RGB; all of one size.
-            time_s: When it was taken; a frame that is no later than the one before is left out.
+            time_s: When it was taken; a frame that is no later than the one before is left out, as
+                is one that is far brighter or darker than the idle gel.
             number: Of the frame in its recording; None counts on.
 
         Raises:
@@ -75,6 +93,9 @@ class Tracker:
             self._late += 1
             return []
         self._time_s = time_s
+        if not self._idle.is_exposed_alike(frame):
+            self._flashed += 1
+            return []
         row = self._measured(frame)
         self._before = frame
         ended = self._block.rows and not row.is_touched and self._block.rows[-1].is_touched
@@ -90,10 +111,7 @@ class Tracker:
         """Return the track of all frames; the last events are those that the end cuts off."""
         self._settled()
         self._keep(self._finder.finish())
-        shape = (0, 0) if self._before is None else self._before.shape[:2]
-        events = sorted(self._events, key=lambda one: (one.begin, one.end))
-        return Track(**self._table.arrays(), events=tuple(events), frame_size=shape,
-                     notes=self._notes())  # fmt: skip
+        return self.so_far
 
     def _measured(self, frame: Frames) -> Row:
         strength = self._idle.strength(frame)
@@ -145,6 +163,11 @@ class Tracker:
         notes = [] if self.idle is not None else [NO_IDLE]
         if self._late:
             notes.append(f"{self._late} frames were no later than those before and left out.")
+        if self._flashed:
+            notes.append(
+                f"{self._flashed} frames are much brighter or darker than the idle gel and left "
+                f"out; lock the camera's exposure."
+            )
         if self._repeated:
             notes.append(f"{self._repeated} frames repeat the one before.")
         if self._lost:

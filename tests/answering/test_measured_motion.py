@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geotlm_lm.answering.measured_motion import amount_along, felt_of, measured
+from geotlm_lm.answering.measured_motion import felt_of, measured
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component, Twist
@@ -98,20 +98,6 @@ def test_pixels_are_named_and_what_millimetres_take(bundle):
     told = answerer.ask(seen, "0.06 mm per pixel. How many mm did it go?")
     assert told.amount.unit == "mm"
     assert not any("pixel" in note for note in told.notes)
-
-
-@pytest.mark.parametrize(
-    ("motion", "went"),
-    [
-        (Motion.CLOCKWISE, (20.0, 0.0, 0.0)),
-        (Motion.LEFT, (0.0, -8.0 * 320 / 224, 0.0)),
-        (Motion.PRESS, None),
-    ],
-)
-def test_how_far_a_named_motion_went_has_its_sign(bundle, motion, went):
-    answerer = answerer_saying(bundle, {}, belief=MIXED)
-    found = amount_along(answerer.encode(recording(size=(240, 320))), motion)
-    assert found == (went and pytest.approx(went))
 
 
 def test_a_speed_is_told_by_the_frame_as_its_amount_is(bundle):

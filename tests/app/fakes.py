@@ -20,6 +20,7 @@ from geotlm_lm.core.labels import reverse
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
 from geotlm_lm.recordings.span import frames_inside
+from geotlm_lm.track.tracker import Tracker
 from tests.answering.scripted import believed
 
 
@@ -91,6 +92,9 @@ class FakeAnswerer:
         clip = with_background(inside.select(places)).with_note(f"Frames {seen} are shown.")
         belief = believed("right")
         return Encoded(clip, perception, {"encode": 1.0}, believe=lambda _: belief)
+
+    def tracker(self, recording=None):
+        return Tracker()  # measures alone: no model is asked
 
     def session(self, encoded):
         return Session(self, encoded)

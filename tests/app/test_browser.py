@@ -215,9 +215,9 @@ def test_a_recording_is_watched(browser, tmp_path):
     browser.wait_for(f"{TEXT}.includes('watched')")
     browser.click("Watch", "button.primary")
     browser.wait_for(f"{TEXT}.includes('idle gel learnt · 40 frames')")
-    browser.wait_for(f"{TEXT}.includes('right ends')")
+    browser.wait_for(f"{TEXT}.includes('stick')")
     browser.click("Stop and clear")
-    browser.wait_for(f"!{TEXT}.includes('idle gel learnt') && !{TEXT}.includes('right ends')")
+    browser.wait_for(f"!{TEXT}.includes('idle gel learnt') && !{TEXT}.includes('stick')")
 
 
 def test_a_recording_that_is_watched_no_longer_leaves_the_table_empty(browser, tmp_path):
@@ -230,10 +230,10 @@ def test_a_recording_that_is_watched_no_longer_leaves_the_table_empty(browser, t
     browser.upload("Recording", tmp_path / "long.npz")
     browser.wait_for(f"{TEXT}.includes('long')")
     browser.click("Watch", "button.primary")
-    browser.wait_for(f"{TEXT}.includes('right begins')")
+    browser.wait_for(f"{TEXT}.includes('release')")
     browser.click("Stop and clear")
-    browser.wait_for(f"!{TEXT}.includes('right begins')")
+    browser.wait_for(f"!{TEXT}.includes('release')")
     time.sleep(3)
     shown = browser.run(TEXT).split("Motion events")[1]
-    assert "right begins" not in shown
+    assert "release" not in shown
     assert "idle gel learnt" not in shown

@@ -1,76 +1,137 @@
-"""`watch` prints events line by line, says what it cannot open, and draws without a window."""
+"""`watch` prints what happens as it is over, writes what `track` writes, and keeps what it has."""
 
+import csv
 import json
-from itertools import islice
-from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.cli.watch import _words
-from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.labels import Motion
-from geotlm_lm.live import watcher as watcher_module
-from geotlm_lm.live.watcher import Window
+from geotlm_lm.core.errors import MissingDependency, UnreadableClip
+from geotlm_lm.recordings import streams
+from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
+from tests.track.recordings import there_and_back
 from tests.track.test_idle_tracker import gel, touched
 
-FRAMES = 50
+CLIP = there_and_back()
 
 
-@pytest.fixture
-def recording(tmp_path):
-    """Half a second untouched, then touched; the reader says it turns all the while."""
-    frames = gel()
-    clip = [next(frames) for _ in range(12)] + [touched(next(frames)) for _ in range(FRAMES - 12)]
-    np.savez(tmp_path / "clip.npz", frames=np.stack(clip), fps=25.0)
-    return tmp_path / "clip.npz"
+class Measuring:
+    """Tracks by measurement alone; answers with what it was asked about."""
+
+    def tracker(self, recording=None):
+        return Tracker()
+
+    def encode(self, clip, *, track):
+        if track.net_twist.turn_deg < 0:
+            raise UnreadableClip("the frames are black.")
+        return clip, track
+
+    def ask(self, encoded, question):
+        clip, track = encoded
+        return type("", (), {"text": f"{question} {len(clip)} of {len(track)} frames"})
 
 
 @pytest.fixture(autouse=True)
 def formats_loaded(monkeypatch):
-    def read(clip, among):
-        motion = Motion.CLOCKWISE if Motion.CLOCKWISE in among else Motion.STILL
-        return Window(motion, 0.8, turn_deg=4.0)
-
-    monkeypatch.setattr(watcher_module, "model_reader", lambda answerer: read)
     formats = []
 
     def load(folder, precision):
         formats.append(precision)
-        return object()
+        return Measuring()
 
     monkeypatch.setattr("geotlm_lm.answering.Answerer.load", load)
     return formats
+
+
+@pytest.fixture
+def recording(tmp_path):
+    np.savez(tmp_path / "clip.npz", frames=CLIP.frames, fps=CLIP.fps)
+    return tmp_path / "clip.npz"
 
 
 def run(capsys, *arguments):
     return running.run(capsys, "watch", *arguments)
 
 
+def test_it_prints_the_table_that_track_prints_and_the_account_to_stderr(capsys, recording):
+    code, out, err = run(capsys, "--source", recording)
+    head, *events = out[: out.index("\n\n")].splitlines()
+    whole = running.run(capsys, "track", recording)[1].splitlines()
+    assert (code, head) == (0, whole[0])
+    assert any("  turn clockwise  " in line for line in events)
+    ends = [float(line.split()[2]) for line in events]
+    assert ends == sorted(ends)  # each is told once it is over
+    assert len(events) == whole.index("") - 1
+    assert "there and back; touched for" in out
+    assert f"note: {len(CLIP)} frames, none dropped; each tracked in " in err
+    assert "note: Values (uint8) were taken for 0..255" in err
+
+
 def test_events_are_one_json_object_a_line_and_the_account_is_last(capsys, recording):
-    code, out, _ = run(capsys, "--source", recording, "--json")
-    lines = [json.loads(line) for line in out.splitlines()]
-    assert code == 0
-    assert [line.get("phase") for line in lines] == ["start", "end", None]
-    assert lines[0]["motion"] == "clockwise"
-    assert lines[-1]["type"] == "account"
-    assert (lines[-1]["frames"], lines[-1]["dropped"]) == (FRAMES, 0)
+    *events, account = map(json.loads, run(capsys, "--source", recording, "--json")[1].splitlines())
+    assert {one["type"] for one in events} == {"event"}
+    turn, back = (one for one in events if one["event"] == "turn")
+    assert (turn["way"], back["way"]) == ("clockwise", "counterclockwise")
+    assert turn["low"] < turn["amount"] < turn["high"]
+    assert (account["type"], account["frames"], account["dropped"]) == ("account", len(CLIP), 0)
+    assert account["totals"]["turned_back"] == 1
 
 
-def test_words_go_to_stdout_and_the_account_to_stderr(capsys, recording):
-    _, out, err = run(capsys, "--source", recording)
-    assert out.splitlines()[0].split(" s  ")[1] == "clockwise begins"
-    assert f"{FRAMES} frames, none dropped" in err
+def test_it_writes_the_files_that_track_writes(capsys, recording, tmp_path):
+    files = {"--out": "t.csv", "--plot": "t.png", "--video": "new/t.mp4"}
+    options = [part for option, name in files.items() for part in (option, tmp_path / name)]
+    assert run(capsys, "--source", recording, "--mm-per-px", 0.06, *options)[0] == 0
+    rows = list(csv.DictReader((tmp_path / "t.csv").open()))
+    assert [int(row["frame"]) for row in rows] == list(range(len(CLIP)))
+    assert float(rows[50]["turn_deg"]) == pytest.approx(30, rel=0.25)
+    assert "right_mm" in rows[0]
+    assert cv2.imread(str(tmp_path / "t.png")).shape[2] == 3
+    film = cv2.VideoCapture(str(tmp_path / "new" / "t.mp4"))
+    assert film.get(cv2.CAP_PROP_FRAME_COUNT) == len(CLIP)
 
 
-def test_what_the_reader_guessed_is_told(capsys, recording):
-    err = run(capsys, "--source", recording)[2]
-    assert (
-        "note: Values (uint8) were taken for 0..255, colours for RGB; pass --layout BGR if OpenCV "
-        "gave them." in err.splitlines()
-    )
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (KeyboardInterrupt(), 130, "Stopped; files already complete are kept.\n"),
+        (MissingDependency("Camera 0 stopped."), 7, "Camera 0 stopped.\n"),
+    ],
+)
+def test_what_was_tracked_is_told_and_written_where_it_is_stopped_or_unplugged(
+    capsys, recording, tmp_path, monkeypatch, error, code, said
+):
+    play = streams.Recording.__iter__
+
+    def stopping(self):
+        for frame in play(self):
+            if frame.number == 50:
+                raise error
+            yield frame
+
+    monkeypatch.setattr(streams.Recording, "__iter__", stopping)
+    out, video = tmp_path / "t.csv", tmp_path / "t.mp4"
+    found = run(capsys, "--source", recording, "--out", out, "--video", video)
+    assert found[0] == code
+    assert "turn clockwise" in found[1]
+    assert found[2].endswith(said)
+    assert len(out.read_text().splitlines()) == 1 + 50
+    assert cv2.VideoCapture(str(video)).get(cv2.CAP_PROP_FRAME_COUNT) == 50
+
+
+def test_a_question_is_asked_about_each_motion_that_ends(capsys, recording):
+    lines = run(capsys, "--source", recording, "--q", "Where?", "--json")[1].splitlines()[:-1]
+    events = list(map(json.loads, lines))
+    turn, back = (one for one in events if one["event"] == "turn")
+    frames = turn["end"] - turn["begin"] + 1
+    assert turn["answer"].startswith("Where? ")
+    assert turn["answer"].endswith(f" of {frames} frames")
+    assert frames / 2 <= 2 * int(turn["answer"].split()[1]) <= 2 + frames
+    assert back["answer"] == "I cannot read this motion's frames: the frames are black."
+    still = [one for one in events if one["event"] in ("touch", "stick", "slip")]
+    assert still
+    assert not any("answer" in one for one in still)
 
 
 def test_a_recording_without_an_untouched_gel_says_so(capsys, tmp_path):
@@ -78,16 +139,13 @@ def test_a_recording_without_an_untouched_gel_says_so(capsys, tmp_path):
     turning = [np.roll(touched(next(frames)), 2 * number, axis=1) for number in range(30)]
     np.savez(tmp_path / "turning.npz", frames=np.stack(turning), fps=25.0)
     code, out, err = run(capsys, "--source", tmp_path / "turning.npz")
-    assert (code, out) == (0, "")
-    assert (
-        "note: No untouched gel was seen, so nothing could be judged; start while nothing touches."
-    ) in err.splitlines()
+    assert (code, out) == (0, "Nothing touches in the recording.\n")
+    assert "note: No untouched gel was seen, so nothing could be tracked; start while " in err
 
 
 def test_a_rate_that_is_assumed_is_told_and_can_be_given(capsys, tmp_path):
-    frames = gel()
-    path = tmp_path / "foil.npy"
-    np.save(path, np.stack([next(frames) for _ in range(12)]))
+    path = tmp_path / "clip.npy"
+    np.save(path, CLIP.frames[:8])
     note = f"note: {path} at {{}}"
     assert run(capsys, "--source", path)[2].startswith(
         note.format("25 frames per second, as is assumed; give the rate by --fps.\n")
@@ -97,48 +155,18 @@ def test_a_rate_that_is_assumed_is_told_and_can_be_given(capsys, tmp_path):
     assert run(capsys, "--source", path, "--fps", 0)[0] == 2
 
 
-def test_a_drawing_has_every_frame(capsys, recording, tmp_path):
-    drawing = tmp_path / "new" / "out.mp4"
-    code, _, _ = run(capsys, "--source", recording, "--draw", drawing)
-    capture = cv2.VideoCapture(str(drawing))
-    assert code == 0
-    assert capture.get(cv2.CAP_PROP_FRAME_COUNT) == FRAMES
-
-
-def test_a_drawing_is_named_mp4(capsys, recording):
-    assert run(capsys, "--source", recording, "--draw", "out.gif") == (
-        2,
-        "",
-        "--draw out.gif was given, expected a name that ends in .mp4.\n",
-    )
-
-
 @pytest.mark.parametrize("forced", [(), ("--force",)])
-def test_a_drawing_never_replaces_the_recording(capsys, tmp_path, forced):
+def test_a_video_never_replaces_the_recording(capsys, tmp_path, forced):
     own = tmp_path / "own.mp4"
     own.write_bytes(b"a recording")
     (tmp_path / "link.mp4").symlink_to(own)
-    assert run(capsys, "--source", own, "--draw", tmp_path / "link.mp4", *forced) == (
+    assert run(capsys, "--source", own, "--video", tmp_path / "link.mp4", *forced) == (
         2,
         "",
-        f"--draw: {tmp_path / 'link.mp4'} is read by this command and would be replaced, expected "
+        f"--video: {tmp_path / 'link.mp4'} is read by this command and would be replaced, expected "
         f"the name of another file; give one.\n",
     )
     assert own.read_bytes() == b"a recording"
-
-
-def test_a_drawing_replaces_no_other_file_unless_that_is_asked_for(capsys, recording, tmp_path):
-    own = tmp_path / "own.mp4"
-    own.write_bytes(b"a film of mine")
-    assert run(capsys, "--source", recording, "--draw", own) == (
-        2,
-        "",
-        f"--draw: {own} is there already and would be replaced, expected a new name; give one, or "
-        f"--force to replace the file.\n",
-    )
-    assert own.read_bytes() == b"a film of mine"
-    assert run(capsys, "--source", recording, "--draw", own, "--force")[0] == 0
-    assert cv2.VideoCapture(str(own)).get(cv2.CAP_PROP_FRAME_COUNT) == FRAMES
 
 
 def test_a_camera_that_does_not_open_ends_with_advice_and_code_7(capsys):
@@ -150,7 +178,7 @@ def test_a_camera_that_does_not_open_ends_with_advice_and_code_7(capsys):
 
 def test_a_missing_recording_ends_with_code_3_and_leaves_no_folder_behind(capsys, tmp_path):
     drawing = tmp_path / "new" / "out.mp4"
-    code, out, err = run(capsys, "--source", "gone.avi", "--draw", drawing)
+    code, out, err = run(capsys, "--source", "gone.avi", "--video", drawing)
     assert (code, out, err) == (3, "", "gone.avi: no such file or folder; check the path.\n")
     assert not drawing.parent.exists()
 
@@ -165,23 +193,9 @@ def test_a_question_that_cannot_be_asked_is_told_before_the_source_is_opened(cap
     assert run(capsys, "--source", "gone.avi", "--q", " ") == (2, "", sentence)
 
 
-def test_a_motion_whose_frames_cannot_be_read_does_not_end_the_stream():
-    class Blind:
-        ask = None
-
-        def encode(self, clip):
-            raise UnreadableClip("the frames are black.")
-
-    watcher = SimpleNamespace(clip_of=lambda event: "its clip")
-    event = SimpleNamespace(phase="end")
-    told = _words(Blind(), watcher, event, "How far?")
-    assert told == "I cannot read this motion's frames: the frames are black."
-
-
 def test_a_grey_array_is_watched_with_its_layout(capsys, tmp_path):
-    frames = gel()
     path = tmp_path / "grey.npy"
-    np.save(path, np.stack([next(frames) for _ in range(12)]).mean(axis=-1).astype(np.uint8))
+    np.save(path, CLIP.frames[:12, ..., 0])
     code, _, err = run(capsys, "--source", path)
     assert (code, err.count("pass --layout THW")) == (3, 1)
     code, _, err = run(capsys, "--source", path, "--layout", "THW")
@@ -194,8 +208,7 @@ def test_a_grey_array_is_watched_with_its_layout(capsys, tmp_path):
 def test_frames_of_224_pixels_are_taken_as_asked(
     capsys, tmp_path, monkeypatch, name, options, columns
 ):
-    frames = [cv2.resize(touched(one), (224, 224)) for one in islice(gel(), 30)]
-    frames[:15] = [cv2.resize(one, (224, 224)) for one in islice(gel(), 15)]
+    frames = [cv2.resize(one, (224, 224)) for one in CLIP.frames[:9]]
     if name.endswith(".npz"):
         np.savez(tmp_path / name, frames=np.stack(frames), fps=25.0)
     else:
@@ -204,13 +217,12 @@ def test_frames_of_224_pixels_are_taken_as_asked(
         for one in frames:
             writer.write(one)
         writer.release()
-    widths = set()
+    widths, feed = set(), Tracker.feed
 
-    def read(clip, among):
-        widths.add((clip.frames.shape[2], clip.background.shape[1]))
-        return Window(Motion.STILL, 0.8)
+    def fed(self, frame, *rest):
+        widths.add(frame.shape[1])
+        return feed(self, frame, *rest)
 
-    monkeypatch.setattr(watcher_module, "model_reader", lambda answerer: read)
-    drawing = ("--draw", tmp_path / "out.mp4")
-    assert run(capsys, "--source", tmp_path / name, *options, *drawing)[0] == 0
-    assert widths == {(columns, columns)}
+    monkeypatch.setattr(Tracker, "feed", fed)
+    assert run(capsys, "--source", tmp_path / name, *options)[0] == 0
+    assert widths == {columns}

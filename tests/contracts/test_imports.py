@@ -21,7 +21,7 @@ LEVELS = (
     {"checkpoint"},
     {"precision", "track"},
     {"answering", "training"},
-    {"benchmarks", "live", "reference_readings"},
+    {"benchmarks", "reference_readings"},
     {"cli"},
 )
 """Rooms and top-level modules, lowest first. Rooms of one level do not import each other."""
@@ -36,7 +36,6 @@ FORBIDDEN = {
     "language": {"cv2", "typer", "gradio"},
     "conversation": {"torch", "cv2", "scipy", "sklearn", "transformers", "typer", "gradio"},
     "views": {"torch", "scipy", "sklearn", "transformers", "typer", "gradio"},
-    "live": {"torch", "scipy", "sklearn", "transformers", "typer", "gradio"},
 }
 """Outside packages a room must do without, anywhere in it."""
 

@@ -67,6 +67,15 @@ def test_the_net_turn_holds_the_truth_and_spans_are_tracked_inside(answerer, who
     assert answerer.ask(bracketed, "Which way is it turning?").direction is Motion.CLOCKWISE
 
 
+def test_a_motion_of_a_stream_is_answered_by_its_track_and_the_frames_that_are_kept(
+    answerer, whole
+):
+    part = whole.whole_track.between(TURN, TURN_END)
+    kept = whole.recording.select(range(TURN, TURN_END, 2))
+    answer = answerer.ask(answerer.encode(kept, track=part), "How far is it turning?")
+    assert answer.amount.value == pytest.approx(part.net_twist.turn_deg, rel=0.1)
+
+
 @pytest.mark.real
 @pytest.mark.parametrize("name", ["mandarin_orange_2", "pen_base_1"])
 def test_a_real_turn_is_told_whole_and_bracketed(answerer, real, name):

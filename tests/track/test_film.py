@@ -9,7 +9,7 @@ import pytest
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.track import film
 from geotlm_lm.track.export import Exported
-from geotlm_lm.track.film import DIAL_MARGIN, DIAL_PX, drawn, write_film
+from geotlm_lm.track.film import DIAL_MARGIN, DIAL_PX, draw_motion, write_film
 from tests.track.recordings import frame
 from tests.track.tracks import happened, moving_track
 
@@ -61,6 +61,11 @@ def test_a_film_that_is_broken_off_leaves_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def drawn(exported):
+    """The last frame."""
+    return draw_motion(FRAMES[8][1], exported.path[8], exported.units)
+
+
 def yellow(image):
     red, green, blue = cv2.split(image.astype(int))
     return (red > 170) & (green > 140) & (blue < 110)
@@ -70,7 +75,7 @@ def yellow(image):
 def test_the_hand_of_the_dial_turns_as_the_object_does(turn, axis, sign):
     """After 9 frames by 90 or -90 degrees it points right or left; by 180 it points down."""
     middle = DIAL_MARGIN + DIAL_PX
-    image = drawn(exported(turn=turn), 8, FRAMES[0][1])[: 2 * middle, : 2 * middle]
+    image = drawn(exported(turn=turn))[: 2 * middle, : 2 * middle]
     place = np.argwhere(yellow(image)).mean(axis=0)
     assert sign * (place[axis] - middle) > DIAL_PX / 3
     assert abs(place[1 - axis] - middle) < 4
@@ -80,7 +85,7 @@ def test_the_hand_of_the_dial_turns_as_the_object_does(turn, axis, sign):
     ("way", "axis", "sign"), [({"right": 4}, 1, 1), ({"right": -4}, 1, -1), ({"down": 4}, 0, 1)]
 )
 def test_the_arrow_points_where_the_contact_has_gone(way, axis, sign):
-    image = drawn(exported(**way), 8, FRAMES[0][1])
+    image = drawn(exported(**way))
     rows, columns = 336, 448  # of the magnified frame
     seen = yellow(image)
     seen[: 2 * (DIAL_MARGIN + DIAL_PX), : 2 * (DIAL_MARGIN + DIAL_PX)] = False
@@ -90,5 +95,8 @@ def test_the_arrow_points_where_the_contact_has_gone(way, axis, sign):
 
 
 def test_the_caption_tells_what_happens_now_and_just_did():
-    told = [film.caption(exported(), place) for place in range(9)]
+    track, units = exported().track, exported().units
+    told = [
+        film.caption(film.going_on(track.events, place, place / 25), units) for place in range(9)
+    ]
     assert told == ["", "", *["turn clockwise 20 deg"] * 7]

@@ -97,6 +97,16 @@ def test_dropped_repeated_and_late_frames_change_no_amount_and_are_noted(frames,
     assert any("no later" in note for note in found.notes)
 
 
+def test_a_flash_and_a_covered_lens_change_nothing_and_are_noted(frames, track):
+    bad = list(frames)
+    for place in (4, IDLE + REST + 5, IDLE + REST + 6):
+        bad[place] = np.full_like(frames[0], 255 * (place % 2))
+    found, _ = fed(bad)
+    assert found.net(Component.TURN).mean == pytest.approx(track.net(Component.TURN).mean, abs=2)
+    assert [one.kind for one in found.events] == [one.kind for one in track.events]
+    assert any("brighter or darker" in note for note in found.notes)
+
+
 def test_nothing_seen_of_the_gel_is_said():
     rng = np.random.default_rng(0)
     noise = rng.integers(0, 255, (20, 60, 80, 3), dtype=np.uint8)

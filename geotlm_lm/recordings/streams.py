@@ -1,88 +1,23 @@
-"""Where a stream comes from: a camera, or a recording played frame by frame.
-
-A camera, and a recording played at its own rate, go through a bounded buffer: when the reader falls
-behind, the oldest frames are dropped and counted.
-"""
+"""Where a stream comes from: a camera, or a recording played frame by frame."""
 
 from __future__ import annotations
 
-import threading
 import time
-from collections import deque
 from collections.abc import Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 
 import cv2
 
-from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
+from geotlm_lm.recordings.latest_frames import StreamFrame, Unwaiting
 from geotlm_lm.recordings.pixels import check_layout
 from geotlm_lm.recordings.read import read_clip, require_rate
 from geotlm_lm.recordings.video import VIDEO_SUFFIXES, quiet_capture, rate_ahead
 
 DEFAULT_FPS = 25.0
 """Taken where a source does not say: a GelSight Mini's rate."""
-
-BUFFERED_FRAMES = 25
-"""Frames that may wait: a second of a GelSight Mini; after that an answer is no longer live."""
-
-THREAD_END_S = 1.0
-"""Seconds the thread that brings the frames is waited for: one that is inside a decoder when Python
-ends aborts the process, and no frame takes as long."""
-
-
-@dataclass(frozen=True, eq=False)
-class StreamFrame:
-    """One frame, uint8 RGB (rows, columns, 3), and when it was taken, seconds into the stream."""
-
-    image: Frames
-    time_s: float
-
-
-class LatestFrames:
-    """A buffer between a source that does not wait and a reader that may be slow.
-
-    Args:
-        capacity: Frames that may wait; beyond it the oldest is dropped.
-    """
-
-    def __init__(self, capacity: int = BUFFERED_FRAMES) -> None:
-        self._waiting: deque[StreamFrame] = deque()
-        self._capacity, self._is_closed = capacity, False
-        self._changed = threading.Condition()
-        self.dropped = 0
-        self._error: Exception | None = None
-
-    def put(self, frame: StreamFrame) -> None:
-        """Add a frame; never waits."""
-        with self._changed:
-            self._waiting.append(frame)
-            if len(self._waiting) > self._capacity:
-                self._waiting.popleft()
-                self.dropped += 1
-            self._changed.notify()
-
-    def close(self, error: Exception | None = None) -> None:
-        """End the stream; what waits is still read, then `error` is raised to the reader."""
-        with self._changed:
-            self._is_closed, self._error = True, error
-            self._changed.notify()
-
-    def __iter__(self) -> Iterator[StreamFrame]:
-        """Yield frames in order, waiting for each, until the stream is closed."""
-        while True:
-            with self._changed:
-                while not self._waiting and not self._is_closed:
-                    self._changed.wait(timeout=0.5)
-                if not self._waiting:
-                    if self._error is not None:
-                        raise self._error
-                    return
-                frame = self._waiting.popleft()
-            yield frame
 
 
 class Recording:
@@ -135,7 +70,7 @@ class Recording:
         """
         if not self._is_video:
             for number, image in zip(self._clip.frame_numbers, self._clip.frames, strict=True):
-                yield StreamFrame(image, number / self._recorded_fps)
+                yield StreamFrame(image, number / self._recorded_fps, number)
             return
         step_s = 1 / self._recorded_fps
         time_s, first_s = -step_s, 0.0
@@ -149,10 +84,10 @@ class Recording:
                 is_later = stamp_s - first_s > time_s  # false of files that have no stamps
                 is_stamped = is_later and not self._is_rate_given
                 time_s = stamp_s - first_s if is_stamped else time_s + step_s
-                yield StreamFrame(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), time_s)
+                yield StreamFrame(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), time_s, number)
 
 
-class RealTimePlayback:
+class RealTimePlayback(Unwaiting):
     """A recording played at its own rate, as a camera would give it: late frames are dropped.
 
     Args:
@@ -160,40 +95,20 @@ class RealTimePlayback:
     """
 
     def __init__(self, recording: Recording) -> None:
-        self.name, self.fps = recording.name, recording.fps
+        super().__init__(recording.name)
+        self.fps, self._recording = recording.fps, recording
         self.is_rate_assumed, self.notes = recording.is_rate_assumed, recording.notes
-        self._recording, self._buffer, self._is_played = recording, LatestFrames(), True
 
-    @property
-    def dropped(self) -> int:
-        """Frames the reader was too slow for."""
-        return self._buffer.dropped
-
-    def __iter__(self) -> Iterator[StreamFrame]:
-        """Yield the frames that the reader is in time for."""
-        player = threading.Thread(target=self._play, daemon=True)
-        player.start()
-        try:
-            yield from self._buffer
-        finally:
-            self._is_played = False
-            player.join(THREAD_END_S)
-
-    def _play(self) -> None:
+    def _bring(self) -> None:
         began = time.monotonic()
-        try:
-            for frame in self._recording:
-                if not self._is_played:
-                    break
-                time.sleep(max(began + frame.time_s - time.monotonic(), 0.0))
-                self._buffer.put(frame)
-        except Exception as error:  # whatever it is, the reader must not wait for ever
-            self._buffer.close(error)
-        else:
-            self._buffer.close()
+        for frame in self._recording:
+            if not self._is_read:
+                return
+            time.sleep(max(began + frame.time_s - time.monotonic(), 0.0))
+            self._buffer.put(frame)
 
 
-class Camera:
+class Camera(Unwaiting):
     """A camera, read as fast as it gives frames; nothing about it is guessed but its rate.
 
     Args:
@@ -207,8 +122,8 @@ class Camera:
     notes: tuple[str, ...] = ()
 
     def __init__(self, device: int | str, fps: float | None = None) -> None:
-        self.name = str(device)
-        self._buffer, self._is_open, self._opened = LatestFrames(), True, ExitStack()
+        super().__init__(str(device))
+        self._opened = ExitStack()
         self._capture = self._opened.enter_context(quiet_capture(device, cv2.CAP_ANY))
         if not (self._capture.isOpened() and self._capture.grab()):
             self._opened.close()
@@ -216,39 +131,21 @@ class Camera:
         told = float(self._capture.get(cv2.CAP_PROP_FPS))
         self.fps, self.is_rate_assumed = _rate(fps, told)
 
-    @property
-    def dropped(self) -> int:
-        """Frames the reader was too slow for."""
-        return self._buffer.dropped
-
-    def __iter__(self) -> Iterator[StreamFrame]:
-        """Yield the newest frames until the reader stops or the camera does."""
-        grabber = threading.Thread(target=self._grab, daemon=True)
-        grabber.start()
-        try:
-            yield from self._buffer
-        finally:
-            self._is_open = False
-            grabber.join(THREAD_END_S)
-
-    def _grab(self) -> None:
-        began = time.monotonic()
-        try:
-            with self._opened:
-                while self._is_open:
+    def _bring(self) -> None:
+        began, reason = time.monotonic(), ""
+        with self._opened:
+            for number in count():
+                try:
                     is_there, image = self._capture.read()
-                    if not is_there:
-                        break
-                    image = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
-                    self._buffer.put(StreamFrame(image, time.monotonic() - began))
-        except Exception as error:  # whatever it is, the reader must not wait for ever
-            self._buffer.close(error)
-            return
-        self._buffer.close(
-            MissingDependency(
-                f"Camera {self.name} stopped giving frames after {time.monotonic() - began:.1f} s; "
-                f"check its cable and start again."
-            )
+                except cv2.error as error:  # as some drivers do where others give no frame
+                    is_there, reason = False, f" ({error})"
+                if not is_there or not self._is_read:
+                    break
+                image = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+                self._buffer.put(StreamFrame(image, time.monotonic() - began, number))
+        raise MissingDependency(
+            f"Camera {self.name} stopped giving frames after {time.monotonic() - began:.1f} s"
+            f"{reason}; check its cable and start again."
         )
 
 

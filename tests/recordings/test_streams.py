@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
-from geotlm_lm.live import sources
-from geotlm_lm.live.sources import LatestFrames, Recording, StreamFrame, open_source
-from geotlm_lm.recordings import limits, video
+from geotlm_lm.recordings import limits, streams, video
+from geotlm_lm.recordings.latest_frames import LatestFrames, StreamFrame
+from geotlm_lm.recordings.streams import Recording, open_source
 
 
 @pytest.fixture
@@ -60,7 +60,7 @@ def test_a_recording_at_its_rate_gives_the_same_frames_to_a_reader_in_time(film)
 def test_the_oldest_frames_are_dropped_and_counted_when_the_reader_is_late():
     buffer = LatestFrames(capacity=4)
     for number in range(10):
-        buffer.put(StreamFrame(np.zeros((8, 8, 3), np.uint8), float(number)))
+        buffer.put(StreamFrame(np.zeros((8, 8, 3), np.uint8), float(number), number))
     buffer.close()
     assert [frame.time_s for frame in buffer] == [6.0, 7.0, 8.0, 9.0]
     assert buffer.dropped == 6
@@ -68,7 +68,7 @@ def test_the_oldest_frames_are_dropped_and_counted_when_the_reader_is_late():
 
 def test_a_camera_that_fails_raises_after_what_it_gave():
     buffer = LatestFrames()
-    buffer.put(StreamFrame(np.zeros((8, 8, 3), np.uint8), 0.0))
+    buffer.put(StreamFrame(np.zeros((8, 8, 3), np.uint8), 0.0, 0))
     buffer.close(MissingDependency("Camera 0 stopped."))
     frames = iter(buffer)
     assert next(frames).time_s == 0.0
@@ -115,7 +115,7 @@ class StampedCapture:
 
 
 def test_frames_of_a_video_have_their_own_times_and_these_its_rate(film, monkeypatch):
-    monkeypatch.setattr(sources, "quiet_capture", lambda *_: nullcontext(StampedCapture()))
+    monkeypatch.setattr(streams, "quiet_capture", lambda *_: nullcontext(StampedCapture()))
     monkeypatch.setattr(video, "RATED_FRAMES", 5)
     source = open_source(str(film))
     assert source.fps == pytest.approx(25)
@@ -171,12 +171,12 @@ class BreakingCapture(FakeCapture):
         return super().read()
 
 
-def test_a_camera_whose_driver_fails_does_not_leave_the_reader_waiting(monkeypatch):
+def test_a_camera_whose_driver_fails_is_one_that_stopped(monkeypatch):
     monkeypatch.setattr(cv2, "VideoCapture", lambda *source: BreakingCapture())
     monkeypatch.setattr(LatestFrames, "__iter__", until_closed(LatestFrames.__iter__))
     frames = iter(open_source("0"))
     assert [next(frames).image.shape for _ in range(2)] == [(24, 32, 3)] * 2
-    with pytest.raises(cv2.error, match="the driver is gone"):
+    with pytest.raises(MissingDependency, match=r"Camera 0 stopped .*the driver is gone.*; check"):
         next(frames)
 
 
