@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm import (
     CLIP_SUFFIXES,
     GeoTLMError,
-    Tracker,
     Units,
     draw_motion,
     open_source,
@@ -25,7 +24,7 @@ from .error_display import MODEL, gradio, model_at, with_errors_shown
 from .session_files import remove_seen
 
 if TYPE_CHECKING:
-    from geotlm_lm import Answerer
+    from geotlm_lm import Answerer, Tracker
 
 HEADERS = ["from (s)", "to (s)", "event", "how far", "sure"]
 SHOWN_EVERY_S = 0.5

@@ -49,7 +49,7 @@ def test_two_uploads_are_compared(client, tmp_path):
 def test_a_touch_is_simulated_and_judged(client):
     facts = client.predict("key", 0.6, 0.0, 1.0, 0.0, 0.0, 4.0, 1, api_name="/simulate")
     assert facts["true_motion"] == "right"
-    assert set(facts["error"]) == {"rotation_deg", "slide_x_px", "slide_y_px"}
+    assert set(facts["error"]) == {"rotation_deg", "slide_x_px", "slide_y_px", "press_mm"}
 
 
 def test_a_file_of_this_machine_that_was_not_uploaded_is_refused(client, tmp_path):
