@@ -1,8 +1,9 @@
-"""A few tenths of a second of one contact: measured frame by frame, then corrected as a whole.
+"""A few tenths of a second of one contact: measured frame by frame, pressed as the model believes.
 
-What frames laid on each other tell is fused with what the model believes of four frames spread over
-the same time, by their covariances; the correction is spread over the steps as their way is. How
-deep it goes only the model tells; when, the imprint's strength.
+How far it turns and slides, frames laid on each other tell; how deep it goes only the model, of
+four frames spread over the same time; when, the imprint's strength. Fusing the believed turn and
+slide as well is not taken: of 68 recordings that things are chosen by the net turn is then within
+a fifth or 5 degrees in 0.82 for 0.85.
 """
 
 from __future__ import annotations
@@ -31,10 +32,6 @@ QUIET_DEG, QUIET_PX, QUIET_STRENGTH = 1.0, 1.0, 0.05
 
 KEPT_FRAMES = 16
 """Frames kept of a block; of more every second one is dropped."""
-
-BELIEF_SHARE = 0.1
-"""Share of a believed way that is doubted beside what the model says of itself: over 68 recordings
-that things are chosen by, its turns add up to 1.10 times what they are."""
 
 UNTOLD_MM = 0.1
 """Deviation of the depth in a block about which the model was not asked."""
@@ -105,20 +102,13 @@ class Block:
         if believe is None or self._is_quiet():
             return twists, covariances, 1.0
         belief = believe(self._four(idle))
-        self._correct(twists, covariances, belief)
+        self._press(twists, covariances, belief)
         return twists, covariances, belief.contact
 
-    def _correct(self, twists: Floats, covariances: Floats, belief: Belief) -> None:
-        mean = belief.mean
-        told = np.array([mean.turn_deg, mean.right_px, mean.down_px])
-        way, doubt = twists[:, :3].sum(axis=0), covariances[:, :3, :3].sum(axis=0)
-        own = belief.covariance[:3, :3] + np.diag(np.square(BELIEF_SHARE * told))
-        gain = doubt @ np.linalg.inv(doubt + own)
-        share = self._shares(twists[:, :3])
-        twists[:, :3] += share[:, None] * (gain @ (told - way))
-        covariances[:, :3, :3] = share[:, None, None] * ((np.eye(3) - gain) @ doubt)
+    def _press(self, twists: Floats, covariances: Floats, belief: Belief) -> None:
+        """Spread the press that is believed over the steps as the imprint's strength changes."""
         pressed = self._shares(np.diff([self._strengths()[0], *self._strengths()])[:, None])
-        twists[:, 3] = pressed * mean.inward_mm
+        twists[:, 3] = pressed * belief.mean.inward_mm
         covariances[:, 3, 3] = pressed * belief.covariance[3, 3]
 
     def _shares(self, steps: Floats) -> Floats:
