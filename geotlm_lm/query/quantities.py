@@ -140,10 +140,10 @@ def _spoken(text: str, at: int) -> tuple[float | None, int]:
         elif word == "and" and has_any:
             # "one and a half" and "two hundred and five", not "ten and twenty".
             follows, behind = _next_word(text, after)
-            second, _ = _next_word(text, behind)
-            is_part = follows in ("a", "one", "three") and second in fractions
-            if is_part:
-                total, part = total + (part or 0.0), None
+            second, last = _next_word(text, behind)
+            if follows in ("a", "one", "three") and second in fractions:
+                total, part = total + (part or 0.0) + numbers[follows] * fractions[second], None
+                end = after = last
             elif not (part is not None and part >= 100 and follows in numbers):
                 break
         elif word == "-" and part is not None and part >= 20:

@@ -80,7 +80,16 @@ TOPICS = ("duration", "frames", "rate", "interval", "size", "used", "scale")
 SETTINGS = ("frame", "mirrored", "turned", "mover", "thread", "side", "options")
 FORMS = ("sentence", "word", "letter", "number", "sign", "yes-no", "json", "brief", "list")
 HALVES = ("upper", "lower", "left", "right")
-RELATIONS = ("same", "different", "opposite", "mirrored", "more", "less", "which-more", "which-less")
+RELATIONS = (
+    "same",
+    "different",
+    "opposite",
+    "mirrored",
+    "more",
+    "less",
+    "which-more",
+    "which-less",
+)
 CLIPS = ("first", "second", "both", "each", "either", "neither", "only-one", "previous")
 SPANS = ("whole", "start", "end", "first-half", "second-half")
 
