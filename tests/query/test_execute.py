@@ -65,7 +65,7 @@ propositions = st.builds(
 
 
 @given(propositions, beliefs(), edits)
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=40, deadline=None)
 def test_a_claim_and_its_denial_are_never_both_so(proposition, belief, edit):
     one, two = (
         decide(t.Part(t.HowSure(said), edit), Evidence(belief), FRAME)
@@ -76,7 +76,7 @@ def test_a_claim_and_its_denial_are_never_both_so(proposition, belief, edit):
 
 
 @given(beliefs(), edits)
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=40, deadline=None)
 def test_claim_choice_and_open_question_agree(belief, edit):
     evidence = Evidence(belief)
     open_ = decide(t.Part(t.Way("turn"), edit), evidence, FRAME)
@@ -96,7 +96,7 @@ def test_claim_choice_and_open_question_agree(belief, edit):
 
 @given(st.sampled_from(["way", "way turn", "claim cw", "claim left or out", "choice left , right"]),
        beliefs(), edits)  # fmt: skip
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=40, deadline=None)
 def test_an_edit_acts_as_on_the_belief(text, belief, edit):
     ask = read(text).parts[0].ask
     asked = decide(t.Part(ask, edit), Evidence(belief), FRAME)
@@ -105,7 +105,7 @@ def test_an_edit_acts_as_on_the_belief(text, belief, edit):
 
 
 @given(queries, beliefs(), st.sampled_from([None, Whole()]), st.booleans())
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_every_query_is_decided_and_told(query, belief, track, has_second):
     numbers = (t.Quantity(12.5, "deg"), t.Quantity(0.06, "mm/px"), t.Quantity(0.5, "s"))
     evidence = Evidence(belief, belief if has_second else None, RECORDING, track)
