@@ -345,6 +345,8 @@ def _numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
         starts[match[1]] = len(plain)
         plain, at = plain + match[2], match.end()
     plain += text[at:]
+    if not plain.strip("?.! "):
+        return None
     places = {one.start: place for place, one in enumerate(find(plain), 1)}
     for number, start in starts.items():
         if start not in places:

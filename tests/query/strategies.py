@@ -30,7 +30,7 @@ def beliefs(draw) -> Belief:
 
 
 @st.composite
-def query_texts(draw, slots: int = 3, length: int = 24) -> str:
+def query_texts(draw, slots: int = 3, length: int = 14) -> str:
     """Words drawn one by one among those that may follow, as a decoder emits them."""
     words: list[str] = []
     while True:
