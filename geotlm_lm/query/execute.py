@@ -36,7 +36,7 @@ def execute(query: t.Query, evidence: Evidence, frame: FrameSpec) -> tuple[Decis
 def decide(part: t.Part, evidence: Evidence, frame: FrameSpec) -> Decision:
     """Return what one part is answered by."""
     try:
-        if isinstance(part.ask, t.Compare | t.Which) or part.subject.clip in _SEVERAL:
+        if part.ask.kind in ("compare", "which-clip") or part.subject.clip in _SEVERAL:
             return decide_on_two(part, evidence, frame, decide)
         return _of_one(part, _evidence_of(part.subject, evidence), frame)
     except Missing as lacks:
@@ -59,34 +59,34 @@ def _evidence_of(subject: t.Subject, evidence: Evidence) -> Evidence:
 
 
 def _of_one(part: t.Part, evidence: Evidence, frame: FrameSpec) -> Decision:
-    kind = type(part.ask)
+    kind = part.ask.kind
     if kind in _UNTOUCHED:
         return Decision(part, frame)
-    if kind in (t.When, t.HowLong, t.HowOften, t.Order):
+    if kind in ("when", "how-long", "how-often", "order"):
         verdict, times = on_track(part.ask, part.edit.within(frame), evidence.track)
         return Decision(part, frame, verdict=verdict, times=times)
     scene = Scene(part, evidence, frame)
     return _DECIDES[kind](scene, part.ask)
 
 
-_UNTOUCHED = (t.Recording, t.Setup, t.Help, t.Talk, t.Unanswerable, t.NotUnderstood, t.Again)
-"""Answered by the file, the frame or by nothing; `Again` is resolved before."""
+_UNTOUCHED = ("recording", "setup", "help", "talk", "unanswerable", "not-understood", "again")
+"""Answered by the file, the frame or by nothing; "again" is resolved before."""
 
 
-def _way(scene: Scene, ask: t.Way) -> Decision:
+def _way(scene: Scene, ask: t.Ask) -> Decision:
     if ask.of == "thread":
         options = tuple(t.Option(t.Proposition((t.Literal(one),))) for one in t.THREAD_ATOMS)
-        return _choice(scene, t.Choice(options))
+        return _choice(scene, t.Ask("choice", options=options))
     of = {"x": "slide", "y": "slide", "sign": "turn"}.get(ask.of or "", ask.of)
     asked = () if of is None else (t.COMPONENT_ATOMS[of],)
     return scene.decision(**scene.telling(asked))
 
 
-def _kind(scene: Scene, _: t.Kind) -> Decision:
+def _kind(scene: Scene, _: t.Ask) -> Decision:
     return scene.decision(**scene.telling())
 
 
-def _claim(scene: Scene, ask: t.Claim) -> Decision:
+def _claim(scene: Scene, ask: t.Ask) -> Decision:
     chance = scene.judge.chance(ask.proposition)
     verdict = chance >= 0.5
     found = scene.telling(_subjects(ask.proposition))
@@ -115,7 +115,7 @@ def _subjects(proposition: t.Proposition) -> tuple[Component, ...]:
     return tuple(one for one in COMPONENTS if one in named)
 
 
-def _choice(scene: Scene, ask: t.Choice) -> Decision:
+def _choice(scene: Scene, ask: t.Ask) -> Decision:
     whole = t.OTHER_ATOMS
     named = [one for one in ask.options if one.proposition.literals[0].atom not in whole]
     *sums, none = scene.judge.chances([one.proposition for one in named])
@@ -139,7 +139,7 @@ def _choice(scene: Scene, ask: t.Choice) -> Decision:
     )
 
 
-def _amount(scene: Scene, ask: t.Amount) -> Decision:
+def _amount(scene: Scene, ask: t.Ask) -> Decision:
     if ask.of == "touch" or ask.measure is not None:
         raise Missing("share" if ask.of == "touch" else "track")
     atoms = {None: [], "xy": ["x", "y"]}.get(ask.of, [ask.of])
@@ -165,7 +165,7 @@ def _fits(atom: str, unit: str | None) -> bool:
     return unit is None or (unit in t.UNITS["angle"]) == (atom == "turn")
 
 
-def _how_sure(scene: Scene, ask: t.HowSure) -> Decision:
+def _how_sure(scene: Scene, ask: t.Ask) -> Decision:
     found = scene.telling()
     if ask.proposition is None:
         return scene.decision(**found)
@@ -173,29 +173,29 @@ def _how_sure(scene: Scene, ask: t.HowSure) -> Decision:
     return scene.decision(**found | {"chances": (chance,), "probability": chance})
 
 
-def _alternatives(scene: Scene, _: t.Alternatives) -> Decision:
+def _alternatives(scene: Scene, _: t.Ask) -> Decision:
     found = scene.telling()
     ways = [way for ways in WAYS.values() for way in ways]
     chances = tuple(scene.belief.ways[way] for way in ways)
     return scene.decision(**found | {"chances": chances})
 
 
-def _why(scene: Scene, ask: t.Why) -> Decision:
+def _why(scene: Scene, ask: t.Ask) -> Decision:
     return scene.decision(**scene.telling(_subjects(ask.proposition) if ask.proposition else ()))
 
 
-def _place(scene: Scene, _: t.Place) -> Decision:
+def _place(scene: Scene, _: t.Ask) -> Decision:
     raise Missing("place")
 
 
-_DECIDES: dict[type, Callable[[Scene, t.Ask], Decision]] = {
-    t.Way: _way,
-    t.Kind: _kind,
-    t.Claim: _claim,
-    t.Choice: _choice,
-    t.Amount: _amount,
-    t.HowSure: _how_sure,
-    t.Alternatives: _alternatives,
-    t.Why: _why,
-    t.Place: _place,
+_DECIDES: dict[str, Callable[[Scene, t.Ask], Decision]] = {
+    "way": _way,
+    "kind": _kind,
+    "claim": _claim,
+    "choice": _choice,
+    "amount": _amount,
+    "how-sure": _how_sure,
+    "alternatives": _alternatives,
+    "why": _why,
+    "place": _place,
 }

@@ -12,66 +12,31 @@ import hashlib
 import random
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
 from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.query.clauses import (
+    TWICE,
+    Around,
+    Clause,
+    Family,
+    chosen_clauses,
+    may_join,
+    topic_of,
+)
 from geotlm_lm.query.noise import roughened
 from geotlm_lm.query.quantities import find
 from geotlm_lm.query.text import read, write
 
-_FILES = ("ways", "claims", "choices", "amounts", "times", "about", "statements", "clauses")
+_FILES = ("ways", "claims", "choices", "amounts", "times", "about", "statements", "more", "clauses")
 _PLACES = ("before", "after", "alone", "alone_after")
 _FIELD = re.compile(r"\{([\w-]+?)(\d?)\}")
 _CHOICE = re.compile(r"\[([^\[\]]*\|[^\[\]]*)\]|\{([^{}]*\|[^{}]*)\}")
 _MARK = re.compile("\ue000(\\d+)\ue001(.*?)\ue002", re.DOTALL)
 SPLITS = ("train", "validation", "test")
-
-_SHARES = {"edit": 0.3, "fact": 0.16, "subject": 0.08, "form": 0.07, "manner": 0.18, "noise": 0.1}
-"""How often a clause of a kind stands around a question that takes it."""
-
-_TWICE = 0.2
-"""How often a second edit or fact follows the first, and a second question a bare one."""
-
-
-@dataclass(frozen=True)
-class Family:
-    """Templates that mean one thing and are said by one kind of speaker.
-
-    Args:
-        id: Its kind and style.
-        query: What its texts mean, with fields.
-        texts: Templates.
-        end: The mark it ends with.
-        edits: Whether points of view and subjects may be added.
-        complete: Whether nothing at all may.
-    """
-
-    id: str
-    query: str
-    texts: tuple[str, ...]
-    end: str = "?"
-    edits: bool = True
-    complete: bool = False
-
-
-@dataclass(frozen=True)
-class Clause:
-    """What may stand around a question.
-
-    Args:
-        id: Its name.
-        kind: "edit", "fact", "subject", a form's, "manner" or "noise".
-        query: What it means; "" of what means nothing.
-        texts: Templates by place.
-    """
-
-    id: str
-    kind: str
-    query: str
-    texts: Mapping[str, tuple[str, ...]]
 
 
 @dataclass(frozen=True)
@@ -96,54 +61,6 @@ class _Draft:
     values: dict[str, str] = field(default_factory=dict)
     numbers: int = 0
     least: float = 0.0
-
-
-@dataclass
-class _Around:
-    """A question and what is put around it."""
-
-    text: str = ""
-    end: str = ""
-    query: str = ""
-    edit: str = ""
-    subject: str = ""
-    form: str = ""
-    late: str = ""
-    sentences: list[tuple[str, str]] = field(default_factory=list)
-    facts: list[str] = field(default_factory=list)
-
-    def add(self, rng: random.Random, kind: str, place: str, said: str, meant: str) -> None:
-        """Put a clause in its place and what it means where it belongs."""
-        fact = f"fact {meant}" if kind == "fact" else ""
-        if place == "alone":
-            mark = "" if said.endswith((".", "?")) else rng.choice((".", ".", ".", ";", " -"))
-            self.sentences.append((f"{said}{mark}", fact))
-        elif place == "alone_after":
-            self.late = f" {said}."
-        elif place == "before":
-            self.text = f"{said} {self.text}"
-        else:
-            self.text = f"{self.text}{'' if said.startswith(',') else ' '}{said}"
-        if kind == "fact" and place != "alone":
-            self.facts.append(fact)
-        elif kind == "edit":
-            words = (meant, self.edit) if place == "before" else (self.edit, meant)
-            self.edit = " ".join(words).strip()
-        elif kind == "subject":
-            self.subject = f"{meant} > "
-        elif kind != "fact" and meant and " as " not in self.query:
-            self.form = f" ; as {meant}"
-
-    def joined(self, rng: random.Random) -> tuple[str, str]:
-        """Return the text and its meaning; facts in the order they are said."""
-        rng.shuffle(self.sentences)
-        text = self.text
-        if self.sentences and rng.random() < 0.6:
-            text = text[:1].upper() + text[1:]
-        said = [one for one, _ in self.sentences] + [f"{text}{self.end}{self.late}"] * bool(text)
-        facts = [fact for _, fact in self.sentences if fact] + self.facts
-        query = _seen(self.query, self.edit, self.subject) if self.query else ""
-        return " ".join(said), " ; ".join([*facts, *[f"{query}{self.form}"] * bool(query)])
 
 
 class Grammar:
@@ -199,26 +116,26 @@ class Grammar:
     def _pair(
         self, rng: random.Random, family: Family | None, other: Family | None, clauses: list[Clause]
     ) -> Pair | None:
-        around = _Around()
+        around = Around()
         draft, used = _Draft(), []
         if family is None:
             facts = [one for one in clauses if one.kind == "fact" and "alone" in one.texts]
             chosen = rng.sample(facts, rng.choice((1, 1, 1, 2)))
-            if len({_subject_of(one) for one in chosen}) < len(chosen):
+            if len({topic_of(one) for one in chosen}) < len(chosen):
                 return None
         else:
             used = [family.id]
             around.text = self._filled(rng, rng.choice(family.texts), draft)
             around.end = "" if around.text.endswith((".", "!", "?")) else family.end
             around.query = self._meant(family.query, draft)
-            chosen = [] if family.complete else _chosen(rng, family, clauses)
+            chosen = [] if family.complete else chosen_clauses(rng, family, clauses)
         for clause in chosen:
             place = "alone" if family is None else rng.choice(sorted(clause.texts))
             said = self._filled(rng, rng.choice(clause.texts[place]), draft)
             around.add(rng, clause.kind, place, said, self._meant(clause.query, draft))
             used.append(clause.id)
         text, query = around.joined(rng)
-        if family and other and not chosen and rng.random() < _TWICE and _joins(family, other):
+        if family and other and not chosen and rng.random() < TWICE and may_join(family, other):
             second = _Draft(numbers=draft.numbers)
             said = self._filled(rng, rng.choice(other.texts), second)
             text = f"{text} {rng.choice(('', '', 'And ', 'Also, '))}{said}{other.end}"
@@ -260,82 +177,6 @@ class Grammar:
         return _FIELD.sub(lambda match: draft.values[f"{match[1]}{match[2]}"], query)
 
 
-def _chosen(rng: random.Random, family: Family, clauses: list[Clause]) -> list[Clause]:
-    """Draw the clauses around a question: of a kind seldom two, and no two on the same thing."""
-    found: list[Clause] = []
-    wanted = [kind for kind, share in _SHARES.items() if rng.random() < share]
-    wanted += [kind for kind in ("edit", "fact") if kind in wanted and rng.random() < _TWICE]
-    words = set(family.query.split()) & set(_EDITS)
-    for kind in wanted:
-        if not _takes(family, kind):
-            continue
-        kinds = {kind, *(_FORMS.get(family.query.split()[0], ()) if kind == "form" else ())}
-        offered = [
-            one
-            for one in clauses
-            if one.kind in kinds
-            and not words & set(one.query.split())
-            and _subject_of(one) not in map(_subject_of, found)
-        ]
-        if offered:
-            found.append(rng.choice(offered))
-            words |= set(found[-1].query.split()) & set(_EDITS)
-    return found
-
-
-_FORMS = {"choice": ("letter",), "claim": ("yes-no",), "amount": ("number",)}
-
-
-def _subject_of(clause: Clause) -> str:
-    """Return what no other clause beside this one may be about."""
-    words = [word for word in clause.query.split() if word not in ("not", "unclear")]
-    return f"fact {words[0]}" if clause.kind == "fact" else clause.id
-
-
-def _takes(family: Family, kind: str) -> bool:
-    if kind == "edit":
-        return family.edits
-    words = family.query.split()
-    is_one = words[0] in ("way", "claim", "choice", "amount", "kind") and ";" not in words
-    return kind != "subject" or (family.edits and is_one)
-
-
-def _joins(family: Family, other: Family) -> bool:
-    """Tell whether two questions may be asked in one breath."""
-    apart = ("not-understood", "compare", "which-clip", "again", "talk", "help", "choice A")
-    queries = (family.query, other.query)
-    is_plain = not any(one.complete for one in (family, other)) and " as " not in " ".join(queries)
-    return (
-        is_plain
-        and family.query != other.query
-        and not any(query.startswith(apart) for query in queries)
-    )
-
-
-_UNSEEN = ("why", "how-sure", "how-sure of-amount", "alternatives", "place", "amount touch percent")
-"""Parts that a point of view does not change."""
-
-
-def _seen(query: str, edit: str, subject: str) -> str:
-    """Return the parts of a query seen as an edit and a subject say, before what they say."""
-    found = []
-    for part in query.split(" ; "):
-        words, at = part.split(), 0
-        if part.startswith("as ") or part in _UNSEEN or words[0] in ("recording", "setup"):
-            found.append(part)
-            continue
-        prefix = f"{edit} > " if edit else ""
-        if ">" in words and words[0] in _EDITS:
-            at = words.index(">") + 1
-            prefix = f"{' '.join([*words[: at - 1], edit]).strip()} > "
-        found.append(f"{prefix}{subject}{' '.join(words[at:])}")
-    return " ; ".join(found)
-
-
-_EDITS = ("mirror", "flip", "half", "quarter-cw", "quarter-ccw", "behind", "backwards", "undo",
-          "sensor")  # fmt: skip
-
-
 def _numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
     """Return a pair with its numbers as slots; None where one is not found again in the text."""
     starts: dict[str, int] = {}
@@ -355,10 +196,18 @@ def _numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
     return Pair(plain, write(read(line, max(len(places), 1))), families)
 
 
+_FIXED = {"train": "train", "held": "validation", "blind": "test"}
+"""Splits that a family names by the end of its id."""
+
+
 def split_of(family: str) -> str:
-    """Return the split that a family belongs to: by a hash of its name, three in five to train."""
+    """Return the split that a family belongs to: by a hash of its id, three in five to train.
+
+    Where a kind has few families their ids end in ".train", ".held" (validation) or ".blind".
+    """
+    named = _FIXED.get(family.rpartition(".")[2])
     place = int.from_bytes(hashlib.sha256(family.encode()).digest()[:4]) % 20
-    return "test" if place < 4 else "validation" if place < 7 else "train"
+    return named or ("test" if place < 4 else "validation" if place < 7 else "train")
 
 
 def _may(clause: Clause, split: str) -> bool:

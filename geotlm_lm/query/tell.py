@@ -57,15 +57,15 @@ def tell(decision: Decision, recording: Recording | None = None) -> str:
     ask = decision.part.ask
     if decision.missing is not None:
         return replies()["missing"][decision.missing]
-    if isinstance(ask, t.Unanswerable):
-        return replies()["untold"][ask.reason]
-    if isinstance(ask, t.Talk):
+    if ask.kind == "unanswerable":
+        return replies()["untold"][ask.topic]
+    if ask.kind == "talk":
         return replies()["talk"][ask.topic]
-    if isinstance(ask, t.Recording):
+    if ask.kind == "recording":
         return _recording(ask.topic, recording or Recording(), decision.frame)
-    if isinstance(ask, t.Setup):
+    if ask.kind == "setup":
         return f"I tell it in this frame: {decision.frame.sentence()}."
-    teller = _TELLERS.get(type(ask))
+    teller = _TELLERS.get(ask.kind)
     return replies()["help"] if teller is None else _sentence(teller(decision))
 
 
@@ -105,8 +105,7 @@ def _clause(decision: Decision, *, with_denied: bool = True) -> str:
 
 
 def _asked(ask: t.Ask) -> tuple[Component, ...]:
-    of = getattr(ask, "of", None)
-    return (t.COMPONENT_ATOMS[of],) if of in t.COMPONENT_ATOMS else ()
+    return (t.COMPONENT_ATOMS[ask.of],) if ask.of in t.COMPONENT_ATOMS else ()
 
 
 def _movement(move: Movement, *, verb: str | None = None) -> str:
@@ -224,9 +223,9 @@ def _alternatives(decision: Decision) -> str:
 
 def _times(decision: Decision) -> str:
     ask, times = decision.part.ask, decision.times
-    if isinstance(ask, t.HowOften):
+    if ask.kind == "how-often":
         return f"{times[0]:g} time{'s' * (times[0] != 1)}"
-    if isinstance(ask, t.HowLong):
+    if ask.kind == "how-long":
         return f"for {times[0]:.2g} s altogether"
     if decision.verdict is not None:
         return "yes" if decision.verdict else "no"
@@ -268,19 +267,19 @@ def _recording(topic: str, recording: Recording, frame: FrameSpec) -> str:
     return replies()["missing"][lacking] if found is None else _sentence(found)
 
 
-_TELLERS: dict[type, Callable[[Decision], str]] = {
-    t.Way: _clause,
-    t.Why: _clause,
-    t.Kind: _kind,
-    t.Claim: _claim,
-    t.Choice: _choice,
-    t.Amount: _amount,
-    t.HowSure: _how_sure,
-    t.Alternatives: _alternatives,
-    t.When: _times,
-    t.HowLong: _times,
-    t.HowOften: _times,
-    t.Order: _times,
-    t.Compare: _compare,
-    t.Which: _which,
+_TELLERS: dict[str, Callable[[Decision], str]] = {
+    "way": _clause,
+    "why": _clause,
+    "kind": _kind,
+    "claim": _claim,
+    "choice": _choice,
+    "amount": _amount,
+    "how-sure": _how_sure,
+    "alternatives": _alternatives,
+    "when": _times,
+    "how-long": _times,
+    "how-often": _times,
+    "order": _times,
+    "compare": _compare,
+    "which-clip": _which,
 }

@@ -8,8 +8,7 @@ Each ask has a word and a list of fields; a field that is left out is the usual 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Sequence
 from typing import Any
 
 from geotlm_lm.core.errors import UsageError
@@ -78,27 +77,6 @@ def _number(value: t.Number) -> str:
     return f"#{value.index}" if isinstance(value, t.Slot) else f"{value.value!r}:{value.unit}"
 
 
-@dataclass(frozen=True)
-class _Field:
-    """How one field is written and read; None is left out where it is no part of `required`."""
-
-    write: Callable[[Any], list[str]]
-    read: Callable[[_Words], Any]
-
-
-def _one_of(*names: str, required: bool = False) -> _Field:
-    def read(words: _Words) -> str | None:
-        return words.take(*names) if required else words.optional(*names)
-
-    return _Field(lambda value: [] if value is None else [value], read)
-
-
-def _flag(word: str) -> _Field:
-    return _Field(
-        lambda value: [word] if value else [], lambda words: words.optional(word) is not None
-    )
-
-
 def _write_proposition(value: t.Proposition) -> list[str]:
     found: list[str] = []
     for at, literal in enumerate(value.literals):
@@ -130,16 +108,6 @@ def _read_proposition(words: _Words, also: tuple[str, ...] = ()) -> t.Propositio
         joint = step
 
 
-_PROPOSITION = _Field(_write_proposition, _read_proposition)
-
-
-def _read_maybe(words: _Words) -> t.Proposition | None:
-    return _read_proposition(words) if words.has("not", *t.ATOMS) else None
-
-
-_MAYBE = _Field(lambda value: [] if value is None else _write_proposition(value), _read_maybe)
-
-
 def _write_options(options: tuple[t.Option, ...]) -> list[str]:
     found: list[str] = []
     for at, option in enumerate(options):
@@ -156,55 +124,65 @@ def _read_options(words: _Words) -> tuple[t.Option, ...]:
     return tuple(found)
 
 
-_ASKS: dict[str, tuple[type, tuple[_Field, ...]]] = {
-    "way": (t.Way, (_one_of(*t.ASKED_ATOMS),)),
-    "kind": (t.Kind, ()),
-    "claim": (t.Claim, (_PROPOSITION,)),
-    "choice": (t.Choice, (_Field(_write_options, _read_options), _flag("excluded"))),
-    "amount": (
-        t.Amount,
-        (
-            _one_of(*t.MEASURED_ATOMS),
-            _one_of(*_UNIT_WORDS),
-            _one_of(*t.PER),
-            _one_of("path", "peak"),
-        ),
-    ),
-    "when": (t.When, (_PROPOSITION, _one_of("begin", "end", required=True))),
-    "how-long": (t.HowLong, (_PROPOSITION,)),
-    "how-often": (t.HowOften, (_PROPOSITION,)),
-    "order": (t.Order, (_one_of(*t.ATOMS), _one_of(*t.ATOMS))),
-    "why": (t.Why, (_MAYBE,)),
-    "how-sure": (t.HowSure, (_MAYBE, _flag("of-amount"))),
-    "alternatives": (t.Alternatives, ()),
-    "place": (t.Place, (_one_of(*t.HALVES),)),
-    "compare": (
-        t.Compare,
-        (
-            _one_of(*t.RELATIONS),
-            _one_of("kind", "way", "amount", *t.COMPONENT_ATOMS),
-            _flag("speed"),
-        ),
-    ),
-    "which-clip": (t.Which, (_PROPOSITION,)),
-    "recording": (t.Recording, (_one_of(*t.TOPICS, required=True),)),
-    "setup": (t.Setup, (_one_of(*t.SETTINGS, required=True),)),
-    "again": (t.Again, (_one_of(*_UNIT_WORDS), _one_of("object", "sensor"), _flag("plain"))),
-    "help": (t.Help, ()),
-    "talk": (t.Talk, (_one_of(*t.TALK, required=True),)),
-    "unanswerable": (t.Unanswerable, (_one_of(*t.UNANSWERABLE, required=True),)),
-    "not-understood": (t.NotUnderstood, ()),
+_FLAGS = {"denied": "excluded", "of_amount": "of-amount", "is_speed": "speed", "is_plain": "plain"}
+_NAMES: dict[tuple[str, str], tuple[str, ...]] = {
+    ("way", "of"): t.ASKED_ATOMS,
+    ("amount", "of"): t.MEASURED_ATOMS,
+    ("amount", "unit"): _UNIT_WORDS,
+    ("amount", "per"): tuple(t.PER),
+    ("amount", "measure"): ("path", "peak"),
+    ("when", "edge"): ("begin", "end"),
+    ("order", "of"): t.ATOMS,
+    ("order", "then"): t.ATOMS,
+    ("place", "half"): t.HALVES,
+    ("compare", "relation"): t.RELATIONS,
+    ("compare", "of"): ("kind", "way", "amount", *t.COMPONENT_ATOMS),
+    ("recording", "topic"): t.TOPICS,
+    ("setup", "topic"): t.SETTINGS,
+    ("again", "unit"): _UNIT_WORDS,
+    ("again", "mover"): ("object", "sensor"),
+    ("talk", "topic"): t.TALK,
+    ("unanswerable", "topic"): t.UNANSWERABLE,
 }
-ASK_WORDS = tuple(_ASKS)
-_WORD_OF = {kind: word for word, (kind, _) in _ASKS.items()}
+"""What a field of an ask of a kind may be."""
+
+_REQUIRED = ("topic", "edge")
+_OF_ANSWERS = ("why", "how-sure")
+"""Asks that need no proposition."""
+
+
+def _write_ask(ask: t.Ask) -> list[str]:
+    found = [ask.kind]
+    for name in t.ASKS[ask.kind]:
+        value = getattr(ask, name)
+        if name in _FLAGS:
+            found += [_FLAGS[name]] * value
+        elif name == "options":
+            found += _write_options(value)
+        elif value is not None:
+            found += _write_proposition(value) if name == "proposition" else [value]
+    return found
+
+
+def _read_ask(words: _Words) -> t.Ask:
+    kind = words.take(*t.ASKS)
+    found: dict[str, Any] = {}
+    for name in t.ASKS[kind]:
+        if name in _FLAGS:
+            found[name] = words.optional(_FLAGS[name]) is not None
+        elif name == "options":
+            found[name] = _read_options(words)
+        elif name != "proposition":
+            names = _NAMES[kind, name]
+            found[name] = words.take(*names) if name in _REQUIRED else words.optional(*names)
+        elif kind not in _OF_ANSWERS or words.has("not", *t.ATOMS):
+            found[name] = _read_proposition(words)
+    return t.Ask(kind, **found)
+
+
 _CLIPS = {name: f"of-{name}" for name in t.CLIPS}
 _PLACES = {name: f"at-{name}" for name in t.HALVES}
 _TIMES = {name: f"in-{name}" for name in t.SPANS}
-
-
-def ask_word(ask: t.Ask) -> str:
-    """Return the word that an ask begins with: its kind."""
-    return _WORD_OF[type(ask)]
 
 
 def _write_subject(subject: t.Subject) -> list[str]:
@@ -240,17 +218,12 @@ def _read_part(words: _Words) -> t.Part:
     if edit:
         words.take(">")
     subject = _read_subject(words)
-    kind, parts = _ASKS[words.take(*_ASKS)]
-    return t.Part(kind(*(one.read(words) for one in parts)), Edit.of(*edit), subject)
+    return t.Part(_read_ask(words), Edit.of(*edit), subject)
 
 
 def _write_part(part: t.Part) -> list[str]:
     edit = [*part.edit.words, ">"] if part.edit.words else []
-    word = ask_word(part.ask)
-    values = (getattr(part.ask, one.name) for one in fields(part.ask))
-    parts = zip(_ASKS[word][1], values, strict=True)
-    asked = [text for one, value in parts for text in one.write(value)]
-    return [*edit, *_write_subject(part.subject), word, *asked]
+    return [*edit, *_write_subject(part.subject), *_write_ask(part.ask)]
 
 
 def _write_fact(fact: t.Fact) -> list[str]:

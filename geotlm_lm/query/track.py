@@ -88,7 +88,7 @@ def _seconds(said: t.Quantity, recording: Recording) -> float:
 def on_track(ask: t.Ask, edit: Edit, track: Track | None) -> tuple[bool | None, tuple[float, ...]]:
     """Return a verdict, if one is asked for, and the times or counts that answer an ask.
 
-    Of `When` the times, of `HowLong` the seconds altogether, of `HowOften` the count; of `Order`
+    Of "when" the times, of "how-long" the seconds altogether, of "how-often" the count; of "order"
     the begin of each of the two, or of all events. Played backwards, times run from the end.
 
     Raises:
@@ -97,17 +97,17 @@ def on_track(ask: t.Ask, edit: Edit, track: Track | None) -> tuple[bool | None, 
     if track is None:
         raise Missing("track")
     events = sorted(_seen(edit, track), key=lambda one: one.begin_s)
-    if isinstance(ask, t.Order):
-        if ask.first is None:
+    if ask.kind == "order":
+        if ask.of is None:
             return None, tuple(one.begin_s for one in events)
-        firsts = [_first(events, atom) for atom in (ask.first, ask.then) if atom is not None]
+        firsts = [_first(events, atom) for atom in (ask.of, ask.then) if atom is not None]
         if None in firsts:
             return False, ()
         return (len(firsts) < 2 or firsts[0] < firsts[1]), tuple(firsts)
     found = [one for one in events if _is(one, ask.proposition)]
-    if isinstance(ask, t.HowOften):
+    if ask.kind == "how-often":
         return None, (float(len(found)),)
-    if isinstance(ask, t.HowLong):
+    if ask.kind == "how-long":
         return None, (sum(one.end_s - one.begin_s for one in found),)
     begins = ask.edge == "begin"
     return None, tuple(one.begin_s if begins else one.end_s for one in found)

@@ -39,14 +39,15 @@ def decide_on_two(part: t.Part, evidence: Evidence, frame: FrameSpec, decide: De
     def each_of(asked: t.Ask) -> tuple[Decision, Decision]:
         return _each(replace(part, ask=asked), evidence, frame, decide)
 
-    if isinstance(part.ask, t.Compare):
+    if part.ask.kind == "compare":
         is_amount = part.ask.of == "amount" or part.ask.relation in _OF_AMOUNTS
         return (_compared_amounts if is_amount else _compared)(part, frame, part.ask, each_of)
-    ask = t.Claim(part.ask.proposition) if isinstance(part.ask, t.Which) else part.ask
+    is_which = part.ask.kind == "which-clip"
+    ask = t.Ask("claim", part.ask.proposition) if is_which else part.ask
     first, second = each = each_of(ask)
     both = replace(first, part=part, movements=(), amounts=first.amounts + second.amounts)
     sure = min(first.probability, second.probability)
-    if isinstance(part.ask, t.Which):
+    if is_which:
         so = tuple(at for at, one in enumerate(each) if one.verdict)
         return replace(both, verdict=None, options=so, probability=sure)
     if first.verdict is None or second.verdict is None:
@@ -74,8 +75,8 @@ _OF_AMOUNTS = ("more", "less", "which-more", "which-less")
 EachOf = Callable[[t.Ask], tuple[Decision, Decision]]
 
 
-def _compared(part: t.Part, frame: FrameSpec, ask: t.Compare, each_of: EachOf) -> Decision:
-    asked = t.Way(ask.of if ask.of in t.COMPONENT_ATOMS else None)
+def _compared(part: t.Part, frame: FrameSpec, ask: t.Ask, each_of: EachOf) -> Decision:
+    asked = t.Ask("way", of=ask.of if ask.of in t.COMPONENT_ATOMS else None)
     each = each_of(asked)
     motions = [_motion(one) for one in each]
     sure = min(one.probability for one in each)
@@ -91,9 +92,9 @@ def _compared(part: t.Part, frame: FrameSpec, ask: t.Compare, each_of: EachOf) -
     return Decision(part, frame, verdict=verdict, movements=moves, probability=sure)
 
 
-def _compared_amounts(part: t.Part, frame: FrameSpec, ask: t.Compare, each_of: EachOf) -> Decision:
+def _compared_amounts(part: t.Part, frame: FrameSpec, ask: t.Ask, each_of: EachOf) -> Decision:
     of = ask.of if ask.of in t.COMPONENT_ATOMS else None
-    asked = t.Amount(of, per="per-s" if ask.is_speed else None)
+    asked = t.Ask("amount", of=of, per="per-s" if ask.is_speed else None)
     each = each_of(asked)
     if any(not one.amounts for one in each) or len({one.amounts[0].unit for one in each}) > 1:
         raise Missing("comparable")

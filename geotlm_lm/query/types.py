@@ -165,175 +165,74 @@ class Option:
     label: str | None = None
 
 
+ASKS: dict[str, tuple[str, ...]] = {
+    "way": ("of",),  # which way; of a component, or all that happens
+    "kind": (),  # what kind of motion
+    "claim": ("proposition",),  # whether it is so
+    "choice": ("options", "denied"),  # which option is so, or is not
+    "amount": ("of", "unit", "per", "measure"),  # how far, how fast
+    "when": ("proposition", "edge"),  # at what time it begins or ends
+    "how-long": ("proposition",),  # for what time
+    "how-often": ("proposition",),  # how many times
+    "order": ("of", "then"),  # what comes first; whether two come in that order
+    "why": ("proposition",),  # what an answer rests on
+    "how-sure": ("proposition", "of_amount"),  # how probable it is; or the last answer
+    "alternatives": (),  # what else it could be
+    "place": ("half",),  # where the contact is; whether in a half
+    "compare": ("relation", "of", "is_speed"),  # of two clips, the first against the second
+    "which-clip": ("proposition",),  # of which clip it is so
+    "recording": ("topic",),  # a fact about the file
+    "setup": ("topic",),  # which facts on the set-up are taken to hold
+    "again": ("unit", "mover", "is_plain"),  # what was asked before, changed
+    "help": (),  # what can be asked
+    "talk": ("topic",),  # words that ask nothing
+    "unanswerable": ("topic",),  # what touch cannot answer, and why
+    "not-understood": (),
+}
+"""Kinds of what may be asked, and the fields of `Ask` that each has, in their order."""
+
+
 @dataclass(frozen=True)
-class Way:
-    """Which way does it go; of a component, or all that happens."""
-
-    of: str | None = None
-
-
-@dataclass(frozen=True)
-class Kind:
-    """What kind of motion it is."""
-
-
-@dataclass(frozen=True)
-class Claim:
-    """Whether something is so."""
-
-    proposition: Proposition
-
-
-@dataclass(frozen=True)
-class Choice:
-    """Which of the options is so, or is not where `denied`."""
-
-    options: tuple[Option, ...]
-    denied: bool = False
-
-
-@dataclass(frozen=True)
-class Amount:
-    """How far it went.
+class Ask:
+    """One thing that is asked.
 
     Args:
-        of: What; None of all that counts.
+        kind: A key of `ASKS`, which says what else is set.
+        proposition: What it is about; of "why" and "how-sure" None is the last answer.
+        options: Answers that are offered.
+        denied: The options that are not so are asked for.
+        of: A component or other atom; None of all that counts.
+        then: What comes second.
         unit: Wanted; None for the usual one.
         per: A key of `PER` where a speed is asked for.
         measure: "path" of all ways added up, "peak" of the greatest; None of start to end.
+        edge: "begin" or "end".
+        relation: One of `RELATIONS`.
+        is_speed: Speeds are compared, not amounts.
+        of_amount: How exact the last amount is.
+        half: One of `HALVES`.
+        topic: One of `TOPICS`, `SETTINGS`, `TALK` or `UNANSWERABLE`.
+        mover: "object" or "sensor", whichever it was before.
+        is_plain: Without the changes that were asked for before.
     """
 
+    kind: str
+    proposition: Proposition | None = None
+    options: tuple[Option, ...] = ()
+    denied: bool = False
     of: str | None = None
+    then: str | None = None
     unit: str | None = None
     per: str | None = None
     measure: str | None = None
-
-
-@dataclass(frozen=True)
-class When:
-    """At what time something begins or ends."""
-
-    proposition: Proposition
-    edge: str = "begin"
-
-
-@dataclass(frozen=True)
-class HowLong:
-    """For how long something lasts."""
-
-    proposition: Proposition
-
-
-@dataclass(frozen=True)
-class HowOften:
-    """How many times something happens."""
-
-    proposition: Proposition
-
-
-@dataclass(frozen=True)
-class Order:
-    """What comes first and what then; whether two come in the order given."""
-
-    first: str | None = None
-    then: str | None = None
-
-
-@dataclass(frozen=True)
-class Why:
-    """What an answer rests on."""
-
-    proposition: Proposition | None = None
-
-
-@dataclass(frozen=True)
-class HowSure:
-    """How probable something is; the last answer where nothing is named."""
-
-    proposition: Proposition | None = None
-    of_amount: bool = False
-
-
-@dataclass(frozen=True)
-class Alternatives:
-    """What else it could be."""
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where the contact is; whether it is in a half."""
-
-    half: str | None = None
-
-
-@dataclass(frozen=True)
-class Compare:
-    """How two clips differ; whether a relation holds of them (the first against the second)."""
-
+    edge: str | None = None
     relation: str | None = None
-    of: str | None = None
     is_speed: bool = False
-
-
-@dataclass(frozen=True)
-class Which:
-    """Of which clip something is so."""
-
-    proposition: Proposition
-
-
-@dataclass(frozen=True)
-class Recording:
-    """A fact about the file."""
-
-    topic: str
-
-
-@dataclass(frozen=True)
-class Setup:
-    """Which facts on the set-up are taken to hold."""
-
-    topic: str = "frame"
-
-
-@dataclass(frozen=True)
-class Again:
-    """What was asked before: in another unit, of another mover, without its changes."""
-
-    unit: str | None = None
+    of_amount: bool = False
+    half: str | None = None
+    topic: str | None = None
     mover: str | None = None
     is_plain: bool = False
-
-
-@dataclass(frozen=True)
-class Help:
-    """What can be asked."""
-
-
-@dataclass(frozen=True)
-class Talk:
-    """Words that ask nothing."""
-
-    topic: str
-
-
-@dataclass(frozen=True)
-class Unanswerable:
-    """A question that touch cannot answer."""
-
-    reason: str
-
-
-@dataclass(frozen=True)
-class NotUnderstood:
-    """No reading."""
-
-
-Ask = (
-    Way | Kind | Claim | Choice | Amount | When | HowLong | HowOften | Order | Why | HowSure
-    | Alternatives | Place | Compare | Which | Recording | Setup | Again | Help | Talk
-    | Unanswerable | NotUnderstood
-)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ import pytest
 
 from geotlm_lm.query.grammar import SPLITS, grammar, split_of
 from geotlm_lm.query.quantities import quantities
-from geotlm_lm.query.text import ASK_WORDS, read, write
-from geotlm_lm.query.types import filled
+from geotlm_lm.query.text import read, write
+from geotlm_lm.query.types import ASKS, filled
 
 LINES = Path(__file__).parent.parent.joinpath("queries.jsonl").read_text().splitlines()
 CORPUS = [json.loads(line) for line in LINES]
@@ -51,7 +51,7 @@ def test_training_writes_every_kind_of_ask():
         if split_of(family.id) == "train"
         for word in family.query.split()
     }
-    assert set(ASK_WORDS) <= asks
+    assert set(ASKS) <= asks
 
 
 def test_no_template_means_two_things():

@@ -68,7 +68,7 @@ propositions = st.builds(
 @settings(max_examples=40, deadline=None)
 def test_a_claim_and_its_denial_are_never_both_so(proposition, belief, edit):
     one, two = (
-        decide(t.Part(t.HowSure(said), edit), Evidence(belief), FRAME)
+        decide(t.Part(t.Ask("how-sure", said), edit), Evidence(belief), FRAME)
         for said in (proposition, proposition.deny())
     )
     assert one.chances[0] + two.chances[0] == pytest.approx(1)
@@ -79,7 +79,7 @@ def test_a_claim_and_its_denial_are_never_both_so(proposition, belief, edit):
 @settings(max_examples=40, deadline=None)
 def test_claim_choice_and_open_question_agree(belief, edit):
     evidence = Evidence(belief)
-    open_ = decide(t.Part(t.Way("turn"), edit), evidence, FRAME)
+    open_ = decide(t.Part(t.Ask("way", of="turn"), edit), evidence, FRAME)
     claims = {
         one: decide(t.Part(read(f"claim {one}").parts[0].ask, edit), evidence, FRAME)
         for one in ("cw", "ccw")
