@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
+from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, WAYS, Component
 from geotlm_lm.query import types as t
@@ -29,21 +30,21 @@ def execute(query: t.Query, evidence: Evidence, frame: FrameSpec) -> tuple[Decis
         evidence: What is believed.
         frame: What held before; the query's own facts are added.
     """
-    frame = with_facts(frame, query.facts, evidence.recording.columns)
+    try:
+        frame = with_facts(frame, query.facts, evidence.recording.columns)
+    except UsageError:  # no camera has such pixels
+        return tuple(Decision(part, frame, missing="pixel") for part in query.parts)
     return tuple(decide(part, evidence, frame) for part in query.parts)
 
 
 def decide(part: t.Part, evidence: Evidence, frame: FrameSpec) -> Decision:
     """Return what one part is answered by."""
     try:
-        if part.ask.kind in ("compare", "which-clip") or part.subject.clip in _SEVERAL:
+        if part.ask.kind in ("compare", "which-clip") or part.subject.clip in t.OF_SEVERAL:
             return decide_on_two(part, evidence, frame, decide)
         return _of_one(part, _evidence_of(part.subject, evidence), frame)
     except Missing as lacks:
         return Decision(part, frame, missing=str(lacks))
-
-
-_SEVERAL = ("both", "each", "either", "neither", "only-one")
 
 
 def _evidence_of(subject: t.Subject, evidence: Evidence) -> Evidence:

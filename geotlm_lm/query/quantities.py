@@ -111,8 +111,9 @@ def _words_at(text: str, at: int) -> Found | None:
         return None
     joint, after = _next_word(text, end)
     if joint in ("to", "and", "or"):
+        figure = _figure_at(text, _SPACES.match(text, after).end())
         other, stop = _spoken(text, after)
-        if other is not None and _unit_at(text, stop)[0]:
+        if (figure and figure.quantity.unit) or (other is not None and _unit_at(text, stop)[0]):
             return Found(Quantity(value, ""), at, end)
     return None
 

@@ -65,7 +65,8 @@ def tell(decision: Decision, recording: Recording | None = None) -> str:
         return _recording(ask.topic, recording or Recording(), decision.frame)
     if ask.kind == "setup":
         return f"I tell it in this frame: {decision.frame.sentence()}."
-    teller = _TELLERS.get(ask.kind)
+    is_of_two = decision.part.subject.clip in t.OF_SEVERAL
+    teller = _compare if is_of_two else _TELLERS.get(ask.kind)
     return replies()["help"] if teller is None else _sentence(teller(decision))
 
 

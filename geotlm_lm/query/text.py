@@ -3,7 +3,7 @@
     query  := clause (";" clause)*
     clause := "fact" fact | [edit+ ">"] [subject+ ">"] ask | "as" form
 
-Each ask has a word and a list of fields; a field that is left out is the usual one.
+A field of an ask that is left out is the usual one.
 """
 
 from __future__ import annotations
@@ -88,11 +88,11 @@ def _write_proposition(value: t.Proposition) -> list[str]:
     return found
 
 
-def _read_proposition(words: _Words, also: tuple[str, ...] = ()) -> t.Proposition:
+def _read_proposition(words: _Words) -> t.Proposition:
     literals, joint = [], None
     while True:
         denied = words.optional("not") is not None
-        atom = words.take(*t.ATOMS, *also)
+        atom = words.take(*t.ATOMS)
         sign = None
         if words.slots or any(":" in one for one in words.words):
             sign = words.optional(*_RELATIONS.values())
@@ -120,7 +120,9 @@ def _read_options(words: _Words) -> tuple[t.Option, ...]:
     found = []
     while not found or words.optional(",") is not None:
         label = words.optional(*LABELS)
-        found.append(t.Option(_read_proposition(words, t.OTHER_ATOMS), label))
+        other = words.optional(*t.OTHER_ATOMS)
+        said = t.Proposition((t.Literal(other),)) if other else _read_proposition(words)
+        found.append(t.Option(said, label))
     return tuple(found)
 
 
@@ -146,9 +148,8 @@ _NAMES: dict[tuple[str, str], tuple[str, ...]] = {
 }
 """What a field of an ask of a kind may be."""
 
-_REQUIRED = ("topic", "edge")
-_OF_ANSWERS = ("why", "how-sure")
-"""Asks that need no proposition."""
+_REQUIRED, _OF_ANSWERS = ("topic", "edge"), ("why", "how-sure")
+"""Fields that are never left out; asks that need no proposition."""
 
 
 def _write_ask(ask: t.Ask) -> list[str]:

@@ -45,14 +45,15 @@ def decide_on_two(part: t.Part, evidence: Evidence, frame: FrameSpec, decide: De
     is_which = part.ask.kind == "which-clip"
     ask = t.Ask("claim", part.ask.proposition) if is_which else part.ask
     first, second = each = each_of(ask)
-    both = replace(first, part=part, movements=(), amounts=first.amounts + second.amounts)
+    moves = first.movements[:1] + second.movements[:1]
+    amounts = first.amounts + second.amounts
+    both = replace(first, part=part, movements=moves, denied=(), rest=None, amounts=amounts)
     sure = min(first.probability, second.probability)
     if is_which:
         so = tuple(at for at, one in enumerate(each) if one.verdict)
         return replace(both, verdict=None, options=so, probability=sure)
     if first.verdict is None or second.verdict is None:
-        moves = first.movements[:1] + second.movements[:1]
-        return replace(both, movements=moves, probability=sure)
+        return replace(both, probability=sure)
     count = first.verdict + second.verdict
     verdict = {"both": count == 2, "each": count == 2, "either": count > 0}
     verdict |= {"neither": count == 0, "only-one": count == 1}

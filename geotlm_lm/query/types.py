@@ -55,24 +55,9 @@ PER = {"per-s": 1.0, "per-min": 60.0, "per-frame": None}
 """Times that an amount may be told per, in seconds; a frame's follows from the recording."""
 
 UNANSWERABLE = (
-    "force",
-    "identity",
-    "material",
-    "look",
-    "size",
-    "quality",
-    "temperature",
-    "sound",
-    "future",
-    "advice",
-    "cause",
-    "place",
-    "tilt",
-    "axis",
-    "world",
-    "language",
-    "off-topic",
-)
+    "force", "identity", "material", "look", "size", "quality", "temperature", "sound", "future",
+    "advice", "cause", "place", "tilt", "axis", "world", "language", "off-topic",
+)  # fmt: skip
 """What is asked that touch, or this program, cannot tell."""
 
 TALK = ("greeting", "thanks", "fine", "bye", "doubt", "who")
@@ -81,16 +66,10 @@ SETTINGS = ("frame", "mirrored", "turned", "mover", "thread", "side", "options")
 FORMS = ("sentence", "word", "letter", "number", "sign", "yes-no", "json", "brief", "list")
 HALVES = ("upper", "lower", "left", "right")
 RELATIONS = (
-    "same",
-    "different",
-    "opposite",
-    "mirrored",
-    "more",
-    "less",
-    "which-more",
-    "which-less",
-)
+    "same", "different", "opposite", "mirrored", "more", "less", "which-more", "which-less",
+)  # fmt: skip
 CLIPS = ("first", "second", "both", "each", "either", "neither", "only-one", "previous")
+OF_SEVERAL = CLIPS[2:7]
 SPANS = ("whole", "start", "end", "first-half", "second-half")
 
 

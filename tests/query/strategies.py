@@ -29,6 +29,9 @@ def beliefs(draw) -> Belief:
     return Belief(Twist(*values), spread, ways, contact, 30.0, readable)
 
 
+_LONGER = (";", ",", "and", "or", *EDIT_WORDS)
+
+
 @st.composite
 def query_texts(draw, slots: int = 3, length: int = 14) -> str:
     """Words drawn one by one among those that may follow, as a decoder emits them."""
@@ -38,7 +41,7 @@ def query_texts(draw, slots: int = 3, length: int = 14) -> str:
         if allowed == [END] or (END in allowed and (len(words) >= length or draw(st.booleans()))):
             return " ".join(words)
         if len(words) >= length:  # the shortest way out
-            allowed = [one for one in allowed if one not in (";", ",", "and", "or", ">")] or allowed
+            allowed = [one for one in allowed if one not in _LONGER] or allowed
         words.append(draw(st.sampled_from([one for one in allowed if one != END])))
 
 

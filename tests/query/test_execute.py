@@ -197,7 +197,7 @@ def test_two_clips_are_compared_on_what_is_asked():
         ("claim not turn", certain(turn=12),
          "No, that is not so: it turns clockwise, about 12 degrees, in the camera image."),
         ("undo > way turn", certain(turn=12),
-         "Turn the object counterclockwise, or the sensor clockwise in the camera image."),
+         "Turn the object counterclockwise, or turn the sensor clockwise, in the camera image."),
         ("mirror backwards > way", certain(turn=12),
          "It turns clockwise, about 12 degrees, in the camera image mirrored, played backwards."),
         ("claim move", certain(), "No: it touches but does not move."),
