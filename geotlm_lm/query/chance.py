@@ -18,6 +18,9 @@ from geotlm_lm.query.amounts import BASES, OF_ATOM, Missing, atom_of, bell
 from geotlm_lm.query.quantities import Quantity, sharing_units
 from geotlm_lm.query.types import COMPONENT_ATOMS, EVENT_ATOMS, WAY_ATOMS, Literal, Proposition
 
+_COMPONENT = {"turn": "turn", "inward": "press"}
+"""Component of what is measured; of all else the slide."""
+
 QUANTILES, LEAST_QUANTILES = 81, 3
 """Steps in which the bells of all bounded amounts are taken together, and of each at least: of one
 amount, chances beside its bound are right within 0.007."""
@@ -130,10 +133,13 @@ class Judge:
         # "-20 degrees" goes against the way that is positive: what it denies is the sign.
         if low < 0 and not sign:
             amount = state.amounts[name]
-        if bound.relation == "more":
-            return amount > low
         if bound.relation == "less":
             return amount < high
+        # What does not count goes no half degree either, however small that is.
+        if not any(COMPONENT_OF[way].value == _COMPONENT.get(name, "slide") for way in state.ways):
+            return False
+        if bound.relation == "more":
+            return amount > low
         far = max(TOLERANCES[BASES[name]], RELATIVE_TOLERANCE * abs(low))
         far = far if bound.relation == "about" else 0.0
         return low - far <= amount <= high + far

@@ -133,6 +133,12 @@ def test_an_amount_that_is_said_is_judged_in_its_unit(question, text, verdict):
     assert answer(text, certain(turn=14), question=question).verdict is verdict
 
 
+def test_what_does_not_turn_does_not_turn_half_a_degree():
+    still = certain(right=9)
+    assert answer("claim turn ~ #1", still, question="half a degree?").verdict is False
+    assert answer("claim turn < #1", still, question="less than 5 degrees?").verdict is True
+
+
 def test_a_fact_holds_for_what_is_asked_with_it():
     mirrored = answer("fact mirrored ; way turn", certain(turn=14))
     assert mirrored.movements[0].way is Motion.COUNTERCLOCKWISE
