@@ -18,7 +18,7 @@ LEVELS = (
     {"alignment"},
     {"simulation", "recordings", "backbone", "dgr", "probe", "language", "conversation"},
     {"model", "data", "views", "motion"},
-    {"checkpoint"},
+    {"checkpoint", "query"},
     {"precision", "track"},
     {"answering", "training"},
     {"benchmarks", "reference_readings"},
@@ -35,6 +35,7 @@ FORBIDDEN = {
     "alignment": {"transformers", "scipy", "sklearn", "typer", "gradio"},
     "language": {"cv2", "typer", "gradio"},
     "conversation": {"torch", "cv2", "scipy", "sklearn", "transformers", "typer", "gradio"},
+    "query": {"torch", "cv2", "scipy", "sklearn", "transformers", "typer", "gradio"},
     "views": {"torch", "scipy", "sklearn", "transformers", "typer", "gradio"},
 }
 """Outside packages a room must do without, anywhere in it."""

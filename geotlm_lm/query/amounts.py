@@ -1,0 +1,222 @@
+"""Amounts in any unit: from what is believed to what is told, and from what is said back."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from statistics import NormalDist
+
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE, TOLERANCES
+from geotlm_lm.motion.belief import Belief
+from geotlm_lm.query.quantities import FACTORS, Quantity, in_base
+from geotlm_lm.query.types import PER, UNITS, WAY_ATOMS
+
+SPAN_DEVIATIONS = 1.645
+"""Deviations either side that hold nine tenths of a bell."""
+
+LENGTHS = ("turn", "x", "y", "inward", "slide")
+"""What is measured: four signed components of the twist and the length of the slide."""
+
+OF_ATOM: dict[str, tuple[str, int]] = {
+    "cw": ("turn", 1),
+    "ccw": ("turn", -1),
+    "right": ("x", 1),
+    "left": ("x", -1),
+    "down": ("y", 1),
+    "up": ("y", -1),
+    "in": ("inward", 1),
+    "out": ("inward", -1),
+    "turn": ("turn", 0),
+    "slide": ("slide", 0),
+    "press": ("inward", 0),
+    "x": ("x", 0),
+    "y": ("y", 0),
+}
+"""What an atom's amount is measured by, and the sign that counts as its way; 0 of either."""
+
+BASES = {"turn": "deg", "x": "px", "y": "px", "slide": "px", "inward": "mm"}
+
+
+class Missing(Exception):  # noqa: N818  (no error: a fact that an answer lacks)
+    """A fact that is needed: "scale", "rate", "unit", "thread", "side", "track", "second"."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Facts about the file that the clip is of.
+
+    Args:
+        columns: Width of the recording's frames, pixels.
+        rows: Their height.
+        rate_hz: Frames per second; None where it is not told.
+        frames: How many there are.
+        used: Numbers of the frames that the clip is of.
+    """
+
+    columns: int = 224
+    rows: int = 224
+    rate_hz: float | None = None
+    frames: int = 4
+    used: tuple[int, ...] = (0, 1, 2, 3)
+
+    @property
+    def steps(self) -> int:
+        """Frames from the first used to the last."""
+        return self.used[-1] - self.used[0]
+
+    @property
+    def seconds(self) -> float | None:
+        """Time from the first used frame to the last."""
+        return self.steps / self.rate_hz if self.rate_hz else None
+
+
+@dataclass(frozen=True)
+class Measure:
+    """An amount as it is told.
+
+    Args:
+        atom: What it is of, an atom of the query.
+        mean: Its value, in `unit`.
+        deviation: Of it.
+        unit: One of `UNITS`, "deg/s" and so on of a mean speed.
+        tolerance: Least error that still counts as right.
+    """
+
+    atom: str
+    mean: float
+    deviation: float
+    unit: str
+    tolerance: float
+
+    @property
+    def value(self) -> float:
+        """What is told: no finer than the tolerance, to a digit at least."""
+        step = 10.0 ** math.floor(math.log10(max(self.tolerance, 1e-9)))
+        value = round(self.mean / step) * step
+        return float(f"{value if value else self.mean:.{2 if value else 1}g}")
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """The ends between which it lies nine times in ten."""
+        far = SPAN_DEVIATIONS * self.deviation
+        low = self.mean - far if self.atom in WAY_ATOMS else max(self.mean - far, 0.0)
+        return float(f"{low:.2g}"), float(f"{self.mean + far:.2g}")
+
+    @property
+    def probability(self) -> float:
+        """That the value is right within the tolerance or a fifth."""
+        far = max(self.tolerance, RELATIVE_TOLERANCE * abs(self.value))
+        bell = NormalDist(self.mean, max(self.deviation, 1e-9))
+        return bell.cdf(self.value + far) - bell.cdf(self.value - far)
+
+
+def bell(belief: Belief, name: str) -> tuple[float, float]:
+    """Return the mean and deviation of one of `LENGTHS`, px of the 224-pixel image."""
+    mean = belief.mean
+    if name == "slide":
+        from_x, from_y = mean.right_px, mean.down_px
+        length = mean.slide_px
+        axis = (from_x / length, from_y / length) if length > 0 else (1.0, 0.0)
+        spread = sum(
+            axis[i] * axis[j] * float(belief.covariance[1 + i, 1 + j])
+            for i in range(2)
+            for j in range(2)
+        )
+        return length, math.sqrt(max(spread, 0.0))
+    values = (mean.turn_deg, mean.right_px, mean.down_px, mean.inward_mm)
+    place = ("turn", "x", "y", "inward").index(name)
+    return values[place], math.sqrt(float(belief.covariance[place, place]))
+
+
+def factor(name: str, unit: str, frame: FrameSpec, recording: Recording, belief: Belief) -> float:
+    """Return how many of a unit, "deg/s" and the like, are one of a length's base.
+
+    Raises:
+        Missing: If it is a unit of something else, or needs a scale or a time that nobody told.
+    """
+    plain, _, per = unit.partition("/")
+    base = BASES[name]
+    if base == "deg":
+        if plain not in FACTORS["angle"]:
+            raise Missing("unit")
+        scale = 1 / FACTORS["angle"][plain]
+    elif plain not in UNITS["length"]:
+        raise Missing("unit")
+    else:
+        scale = _length_factor(base, plain, _pixels(name, belief, recording), frame)
+    return scale / _times(per, recording) if per else scale
+
+
+def _pixels(name: str, belief: Belief, recording: Recording) -> float:
+    """Return the recording's pixels per pixel of the 224-pixel image, along what is measured."""
+    across, along = recording.columns / 224, recording.rows / 224
+    if name != "slide":
+        return along if name == "y" else across
+    length = belief.mean.slide_px
+    if length == 0:
+        return across
+    return math.hypot(across * belief.mean.right_px, along * belief.mean.down_px) / length
+
+
+def _length_factor(base: str, unit: str, pixels: float, frame: FrameSpec) -> float:
+    if base == "mm":
+        if unit == "px":
+            raise Missing("unit")
+        return 1 / FACTORS["length"][unit]
+    if unit == "px":
+        return pixels
+    if frame.mm_per_px is None:
+        raise Missing("scale")
+    return pixels * frame.mm_per_px / FACTORS["length"][unit]
+
+
+def _times(per: str, recording: Recording) -> float:
+    if per == "frame":
+        return max(recording.steps, 1)
+    if not recording.seconds:
+        raise Missing("rate")
+    return recording.seconds / FACTORS["time"].get(per, 1.0)
+
+
+def limit(
+    name: str, said: Quantity, frame: FrameSpec, recording: Recording, belief: Belief
+) -> float:
+    """Return an amount that a question says in the base unit of what it is compared with."""
+    if not said.unit:
+        return said.value / factor(name, BASES[name], frame, recording, belief)
+    _, unit, per = in_base(said)
+    if unit in ("deg", "mm", "px"):
+        full = f"{unit}/{per}" if per else unit
+        return in_base(said)[0] / factor(name, full, frame, recording, belief)
+    raise Missing("unit")
+
+
+def measure(
+    atom: str,
+    belief: Belief,
+    frame: FrameSpec,
+    recording: Recording,
+    unit: str | None = None,
+    per: str | None = None,
+) -> Measure:
+    """Return how far, or how fast, an atom goes.
+
+    Raises:
+        Missing: As `factor`.
+    """
+    name, sign = OF_ATOM[atom]
+    if unit is None:
+        has_scale = BASES[name] == "px" and frame.mm_per_px is not None
+        unit = "mm" if has_scale else BASES[name]
+    wanted = f"{unit}/{per.removeprefix('per-')}" if per in PER else unit
+    scale = factor(name, wanted, frame, recording, belief)
+    mean, deviation = bell(belief, name)
+    mean = mean * sign if sign else abs(mean)
+    tolerance = TOLERANCES[BASES[name]]
+    return Measure(atom, mean * scale, deviation * scale, wanted, tolerance * scale)
+
+
+def atom_of(unit: str) -> str:
+    """Return the component whose amounts have a unit: what "20 degrees" or "3 px" are of."""
+    return "turn" if unit.partition("/")[0] in FACTORS["angle"] else "slide"

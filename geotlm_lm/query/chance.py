@@ -1,0 +1,179 @@
+"""How probable a proposition is: of the states of a belief, of those that it is true of.
+
+So it and its denial add up to 1, and a claim, a choice and an open question agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import product
+from statistics import NormalDist
+
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE, TOLERANCES
+from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, WAYS
+from geotlm_lm.motion.belief import Belief
+from geotlm_lm.query.amounts import BASES, OF_ATOM, Missing, atom_of, bell
+from geotlm_lm.query.quantities import Quantity, sharing_units
+from geotlm_lm.query.types import COMPONENT_ATOMS, EVENT_ATOMS, WAY_ATOMS, Literal, Proposition
+
+_COMPONENT = {"turn": "turn", "inward": "press"}
+"""Component of what is measured; of all else the slide."""
+
+QUANTILES, LEAST_QUANTILES = 81, 3
+"""Steps in which the bells of all bounded amounts are taken together, and of each at least: of one
+amount, chances beside its bound are right within 0.007."""
+
+Limit = Callable[[str, Quantity], float]
+"""(what is measured, what is said) -> the same in its base unit."""
+
+Thread = Callable[[Motion], bool]
+"""Whether a way of turning, as it is told, tightens."""
+
+
+@dataclass(frozen=True)
+class State:
+    """One way it may be.
+
+    Args:
+        ways: Of the components that count.
+        touches: Whether something does.
+        amounts: Signed amounts that a proposition bounds, by name, in their base unit.
+    """
+
+    ways: frozenset[Motion]
+    touches: bool
+    amounts: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Judge:
+    """Tells the chance of propositions.
+
+    Args:
+        belief: As it is seen from the point of view asked about.
+        limit: Converts what is said.
+        tightens: Tells tightening; raises `Missing` where facts lack.
+    """
+
+    belief: Belief
+    limit: Limit
+    tightens: Thread
+
+    def chance(self, proposition: Proposition) -> float:
+        """Return how probable a proposition is.
+
+        Raises:
+            Missing: If it needs a fact that nobody told, or a whole recording.
+        """
+        return self.chances([proposition])[0]
+
+    def chances(self, propositions: list[Proposition]) -> list[float]:
+        """Return how probable each is, and as a last one that none of them is."""
+        bounded = {
+            self._measured(one)
+            for proposition in propositions
+            for one in proposition.literals
+            if one.bound is not None
+        }
+        sums = [0.0] * (len(propositions) + 1)
+        for state, share in self._states(sorted(bounded)):
+            found = [self._holds(one, state) for one in propositions]
+            for at, holds in enumerate([*found, not any(found)]):
+                sums[at] += share * holds
+        return [min(one, 1.0) for one in sums]
+
+    def _holds(self, proposition: Proposition, state: State) -> bool:
+        found = [self._is(one, state) != one.denied for one in proposition.literals]
+        return all(found) if proposition.joint == "and" else any(found)
+
+    def _is(self, literal: Literal, state: State) -> bool:
+        atom, ways = literal.atom, state.ways
+        if literal.bound is not None:
+            return self._within(literal, state)
+        if atom in WAY_ATOMS:
+            return WAY_ATOMS[atom] in ways
+        if atom in COMPONENT_ATOMS:
+            return any(COMPONENT_OF[way] is COMPONENT_ATOMS[atom] for way in ways)
+        if atom in ("tighten", "loosen"):
+            turns = [way for way in ways if way in WAYS[COMPONENT_ATOMS["turn"]]]
+            tightens = [self.tightens(way) for way in WAYS[COMPONENT_ATOMS["turn"]]]
+            wanted = dict(zip(WAYS[COMPONENT_ATOMS["turn"]], tightens, strict=True))
+            return any(wanted[way] == (atom == "tighten") for way in turns)
+        if atom in EVENT_ATOMS:
+            if atom not in ("made", "lost"):
+                raise Missing("track")
+            return state.touches if atom == "made" else _is_lost(state)
+        return {
+            "move": bool(ways),
+            "still": state.touches and not ways,
+            "touch": state.touches,
+            "none": not state.touches,
+            "x": bool(ways & {Motion.LEFT, Motion.RIGHT}),
+            "y": bool(ways & {Motion.UP, Motion.DOWN}),
+        }[atom]
+
+    def _measured(self, literal: Literal) -> str:
+        atom = literal.atom
+        if atom == "move":
+            ends = [one for one in (literal.bound.low, literal.bound.high) if one is not None]
+            atom = atom_of(sharing_units(ends)[-1].unit)
+        if atom not in OF_ATOM:
+            raise Missing("unit")
+        return OF_ATOM[atom][0]
+
+    def _within(self, literal: Literal, state: State) -> bool:
+        name, bound = self._measured(literal), literal.bound
+        sign = OF_ATOM.get(literal.atom, ("", 0))[1]
+        amount = state.amounts[name] * sign if sign else abs(state.amounts[name])
+        ends = sharing_units([one for one in (bound.low, bound.high) if one is not None])
+        low, high = self.limit(name, ends[0]), self.limit(name, ends[-1])
+        low, high = (min(low, high), max(low, high))
+        # "-20 degrees" goes against the way that is positive: what it denies is the sign.
+        if low < 0 and not sign:
+            amount = state.amounts[name]
+        if bound.relation == "less":
+            return amount < high
+        # What does not count goes no half degree either, however small that is.
+        if not any(COMPONENT_OF[way].value == _COMPONENT.get(name, "slide") for way in state.ways):
+            return False
+        if bound.relation == "more":
+            return amount > low
+        far = max(TOLERANCES[BASES[name]], RELATIVE_TOLERANCE * abs(low))
+        far = far if bound.relation == "about" else 0.0
+        return low - far <= amount <= high + far
+
+    def _states(self, bounded: list[str]) -> Iterator[tuple[State, float]]:
+        """Yield every state and its probability; they sum to 1."""
+        belief = self.belief
+        touching = min(max(belief.contact, *map(belief.counts, COMPONENTS)), 1.0)
+        yield State(frozenset(), False, dict.fromkeys(bounded, 0.0)), 1.0 - touching
+        if touching <= 0:
+            return
+        parts = []
+        for component in COMPONENTS:
+            odds = [(way, belief.ways[way] / touching) for way in WAYS[component]]
+            parts.append([*odds, (None, max(1.0 - sum(odd for _, odd in odds), 0.0))])
+        count = max(round(QUANTILES ** (1 / max(len(bounded), 1))), LEAST_QUANTILES)
+        bells = [
+            [(name, one) for one in _quantiles(*bell(belief, name), count)] for name in bounded
+        ]
+        for chosen in product(*parts):
+            share = touching
+            for _, odd in chosen:
+                share *= odd
+            if share <= 0:
+                continue
+            ways = frozenset(way for way, _ in chosen if way is not None)
+            for amounts in product(*bells):
+                yield State(ways, True, dict(amounts)), share / count ** len(bounded)
+
+
+def _is_lost(state: State) -> bool:
+    return not state.touches or Motion.RELEASE in state.ways
+
+
+def _quantiles(mean: float, deviation: float, count: int) -> list[float]:
+    curve = NormalDist(mean, max(deviation, 1e-9))
+    return [curve.inv_cdf((k + 0.5) / count) for k in range(count)]

@@ -1,0 +1,173 @@
+"""What stands around a question: points of view, facts, forms, manners, in their places."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from geotlm_lm.query.edit import EDIT_WORDS
+
+SHARES = {"edit": 0.3, "fact": 0.16, "subject": 0.08, "form": 0.07, "manner": 0.18, "noise": 0.1}
+"""How often a clause of a kind stands around a question that takes it."""
+
+TWICE = 0.2
+"""How often a second edit or fact follows the first, and a second question a bare one."""
+
+
+@dataclass(frozen=True)
+class Family:
+    """Templates that mean one thing and are said by one kind of speaker.
+
+    Args:
+        id: Its kind and style.
+        query: What its texts mean, with fields.
+        texts: Templates.
+        end: The mark it ends with.
+        edits: Whether points of view and subjects may be added.
+        complete: Whether nothing at all may.
+    """
+
+    id: str
+    query: str
+    texts: tuple[str, ...]
+    end: str = "?"
+    edits: bool = True
+    complete: bool = False
+
+
+@dataclass(frozen=True)
+class Clause:
+    """What may stand around a question.
+
+    Args:
+        id: Its name.
+        kind: "edit", "fact", "subject", a form's, "manner" or "noise".
+        query: What it means; "" of what means nothing.
+        texts: Templates by place.
+    """
+
+    id: str
+    kind: str
+    query: str
+    texts: Mapping[str, tuple[str, ...]]
+
+
+@dataclass
+class Around:
+    """A question and what is put around it."""
+
+    text: str = ""
+    end: str = ""
+    query: str = ""
+    edit: str = ""
+    subject: str = ""
+    form: str = ""
+    late: str = ""
+    sentences: list[tuple[str, str]] = field(default_factory=list)
+    facts: list[str] = field(default_factory=list)
+
+    def add(self, rng: random.Random, kind: str, place: str, said: str, meant: str) -> None:
+        """Put a clause in its place and what it means where it belongs."""
+        fact = f"fact {meant}" if kind == "fact" else ""
+        if place == "alone":
+            mark = "" if said.endswith((".", "?")) else rng.choice((".", ".", ".", ";", " -"))
+            self.sentences.append((f"{said}{mark}", fact))
+        elif place == "alone_after":
+            self.late = f" {said}."
+        elif place == "before":
+            self.text = f"{said} {self.text}"
+        else:
+            self.text = f"{self.text}{'' if said.startswith(',') else ' '}{said}"
+        if kind == "fact" and place != "alone":
+            self.facts.append(fact)
+        elif kind == "edit":
+            words = (meant, self.edit) if place == "before" else (self.edit, meant)
+            self.edit = " ".join(words).strip()
+        elif kind == "subject":
+            self.subject = f"{meant} > "
+        elif kind != "fact" and meant and " as " not in self.query:
+            self.form = f" ; as {meant}"
+
+    def joined(self, rng: random.Random) -> tuple[str, str]:
+        """Return the text and its meaning; facts in the order they are said."""
+        rng.shuffle(self.sentences)
+        text = self.text
+        if self.sentences and rng.random() < 0.6:
+            text = text[:1].upper() + text[1:]
+        said = [one for one, _ in self.sentences] + [f"{text}{self.end}{self.late}"] * bool(text)
+        facts = [fact for _, fact in self.sentences if fact] + self.facts
+        query = _seen(self.query, self.edit, self.subject) if self.query else ""
+        return " ".join(said), " ; ".join([*facts, *[f"{query}{self.form}"] * bool(query)])
+
+
+def chosen_clauses(rng: random.Random, family: Family, clauses: list[Clause]) -> list[Clause]:
+    """Draw the clauses around a question: of a kind seldom two, and no two on the same thing."""
+    found: list[Clause] = []
+    wanted = [kind for kind, share in SHARES.items() if rng.random() < share]
+    wanted += [kind for kind in ("edit", "fact") if kind in wanted and rng.random() < TWICE]
+    words = set(family.query.split()) & set(EDIT_WORDS)
+    for kind in wanted:
+        if not _takes(family, kind):
+            continue
+        kinds = {kind, *(_FORMS.get(family.query.split()[0], ()) if kind == "form" else ())}
+        offered = [
+            one
+            for one in clauses
+            if one.kind in kinds
+            and not words & set(one.query.split())
+            and topic_of(one) not in map(topic_of, found)
+        ]
+        if offered:
+            found.append(rng.choice(offered))
+            words |= set(found[-1].query.split()) & set(EDIT_WORDS)
+    return found
+
+
+_FORMS = {"choice": ("letter",), "claim": ("yes-no",), "amount": ("number",)}
+
+
+def topic_of(clause: Clause) -> str:
+    """Return what no other clause beside this one may be about."""
+    words = [word for word in clause.query.split() if word not in ("not", "unclear")]
+    return f"fact {words[0]}" if clause.kind == "fact" else clause.id
+
+
+def _takes(family: Family, kind: str) -> bool:
+    if kind == "edit":
+        return family.edits
+    words = family.query.split()
+    is_one = words[0] in ("way", "claim", "choice", "amount", "kind") and ";" not in words
+    return kind != "subject" or (family.edits and is_one)
+
+
+def may_join(family: Family, other: Family) -> bool:
+    """Tell whether two questions may be asked in one breath."""
+    apart = ("not-understood", "compare", "which-clip", "again", "talk", "help", "choice A")
+    queries = (family.query, other.query)
+    is_plain = not any(one.complete for one in (family, other)) and " as " not in " ".join(queries)
+    return (
+        is_plain
+        and family.query != other.query
+        and not any(query.startswith(apart) for query in queries)
+    )
+
+
+_UNSEEN = ("why", "how-sure", "how-sure of-amount", "alternatives", "place", "amount touch percent")
+"""Parts that a point of view does not change."""
+
+
+def _seen(query: str, edit: str, subject: str) -> str:
+    """Return the parts of a query seen as an edit and a subject say, before what they say."""
+    found = []
+    for part in query.split(" ; "):
+        words, at = part.split(), 0
+        if part.startswith("as ") or part in _UNSEEN or words[0] in ("recording", "setup"):
+            found.append(part)
+            continue
+        prefix = f"{edit} > " if edit else ""
+        if ">" in words and words[0] in EDIT_WORDS:
+            at = words.index(">") + 1
+            prefix = f"{' '.join([*words[: at - 1], edit]).strip()} > "
+        found.append(f"{prefix}{subject}{' '.join(words[at:])}")
+    return " ; ".join(found)

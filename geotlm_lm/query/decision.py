@@ -1,0 +1,93 @@
+"""Answers without words, and what they rest on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import COMPONENT_OF, Component
+from geotlm_lm.motion.belief import Belief
+from geotlm_lm.query.amounts import Measure, Recording
+from geotlm_lm.query.edit import Edit
+from geotlm_lm.query.track import Track
+from geotlm_lm.query.types import Part
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What answers rest on.
+
+    Args:
+        belief: Of this clip, which is the first of two.
+        second: Of the other clip, if there is one.
+        recording: The file that this clip is of.
+        track: The whole recording over time, if it was followed.
+    """
+
+    belief: Belief
+    second: Belief | None = None
+    recording: Recording = field(default_factory=Recording)
+    track: Track | None = None
+
+
+@dataclass(frozen=True)
+class Movement:
+    """One component as it is told.
+
+    Args:
+        way: Where it goes, of a slide the nearest of four ways.
+        aslant: The lesser way of a slide between two.
+        amount: How far; None where the picture does not tell, or no scale is known.
+        chance: That it counts and goes that way.
+        barely: Whether it is doubtful that it counts.
+    """
+
+    way: Motion
+    aslant: Motion | None
+    amount: Measure | None
+    chance: float
+    barely: bool
+
+    @property
+    def component(self) -> Component:
+        """What moves."""
+        return COMPONENT_OF[self.way]
+
+
+@dataclass(frozen=True)
+class Decision:
+    """An answer without words.
+
+    Args:
+        part: What it answers.
+        frame: In which the recording's facts hold.
+        verdict: Of a yes-or-no question.
+        movements: What counts, the larger first: of what is asked, or all where none of that does.
+        denied: Components that are asked about and do not count.
+        rest: Stillness or absence, where nothing moves.
+        options: Places of the options that are so.
+        amounts: What is measured.
+        chances: Of each option, movement or clip, as the ask has it.
+        times: Seconds, or numbers of times.
+        probability: That it is right, of the least sure thing it says.
+        missing: Why it cannot be told; None where it is.
+    """
+
+    part: Part
+    frame: FrameSpec
+    verdict: bool | None = None
+    movements: tuple[Movement, ...] = ()
+    denied: tuple[Component, ...] = ()
+    rest: Motion | None = None
+    options: tuple[int, ...] = ()
+    amounts: tuple[Measure, ...] = ()
+    chances: tuple[float, ...] = ()
+    times: tuple[float, ...] = ()
+    probability: float = 1.0
+    missing: str | None = None
+
+    @property
+    def edit(self) -> Edit:
+        """The whole point of view, from the recorded image."""
+        return self.part.edit.within(self.frame)

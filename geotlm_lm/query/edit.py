@@ -1,0 +1,166 @@
+"""A change of the point of view: a signed rotation of the image, a sign of time, who moves.
+
+Edits form a group; each acts on a twist (turn, right, down, inward) as a signed 4 x 4 matrix.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import Twist
+from geotlm_lm.motion.belief import Belief
+
+Rotation = tuple[int, int, int, int]
+"""Right and down of the new image by those of the old, row by row."""
+
+_SAME: Rotation = (1, 0, 0, 1)
+_IMAGES: dict[tuple[str, ...], Rotation] = {
+    (): _SAME,
+    ("mirror",): (-1, 0, 0, 1),
+    ("flip",): (1, 0, 0, -1),
+    ("half",): (-1, 0, 0, -1),
+    ("quarter-cw",): (0, -1, 1, 0),
+    ("quarter-ccw",): (0, 1, -1, 0),
+    ("mirror", "quarter-cw"): (0, -1, -1, 0),
+    ("mirror", "quarter-ccw"): (0, 1, 1, 0),
+}
+"""Words, in the order they are done, and what they do."""
+
+_MIRROR = _IMAGES[("mirror",)]
+_FLAGS = ("behind", "backwards", "undo", "sensor")
+EDIT_WORDS = ("mirror", "flip", "half", "quarter-cw", "quarter-ccw", *_FLAGS)
+
+
+@dataclass(frozen=True)
+class Edit:
+    """A point of view other than that of the recording.
+
+    Args:
+        rotation: Of the image, all that is done to it together: seen from behind, too.
+        behind: Seen from the object's side, which mirrors left and right.
+        backwards: Time runs backwards.
+        undo: What takes the motion back is told.
+        sensor: The sensor's motion is told, not the object's; inward stays inward.
+    """
+
+    rotation: Rotation = _SAME
+    behind: bool = False
+    backwards: bool = False
+    undo: bool = False
+    sensor: bool = False
+
+    def then(self, other: Edit) -> Edit:
+        """Return this edit and then the other."""
+        flags = {name: getattr(self, name) != getattr(other, name) for name in _FLAGS}
+        return Edit(_product(other.rotation, self.rotation), **flags)
+
+    def inverse(self) -> Edit:
+        """Return the edit that takes this one back: of a rotation its transpose."""
+        a, b, c, d = self.rotation
+        return replace(self, rotation=(a, c, b, d))
+
+    @property
+    def matrix(self) -> NDArray[np.float64]:
+        """What it makes of a twist, (4, 4): a signed permutation."""
+        a, b, c, d = self.rotation
+        in_plane = -1 if self.sensor else 1
+        rows = [[a * d - b * c, 0, 0, 0], [0, a, b, 0], [0, c, d, 0], [0, 0, 0, in_plane]]
+        return in_plane * self.time * np.array(rows, dtype=np.float64)
+
+    @property
+    def time(self) -> int:
+        """1, or -1 where the motion is reversed as a whole."""
+        return -1 if self.backwards != self.undo else 1
+
+    @property
+    def image(self) -> Rotation:
+        """What is done to the image itself, before one looks from behind."""
+        return _product(_MIRROR, self.rotation) if self.behind else self.rotation
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Its canonical words."""
+        found = next(words for words, done in _IMAGES.items() if done == self.image)
+        return (*found, *(flag for flag in _FLAGS if getattr(self, flag)))
+
+    @classmethod
+    def of(cls, *words: str) -> Edit:
+        """Return the edit of some `EDIT_WORDS`, done one after the other.
+
+        Raises:
+            KeyError: If a word is none of them.
+        """
+        edit = cls()
+        for word in words:
+            if word in _FLAGS:
+                turned = _MIRROR if word == "behind" else _SAME
+                edit = edit.then(cls(turned, **{word: True}))
+            else:
+                edit = edit.then(cls(_IMAGES[(word,)]))
+        return edit
+
+    @classmethod
+    def of_frame(cls, frame: FrameSpec) -> Edit:
+        """Return what makes of a motion in the recorded image the one the frame tells."""
+        turned = {0: (), 90: ("quarter-ccw",), 180: ("half",), 270: ("quarter-cw",)}
+        words = [*turned[frame.turn_deg], *("mirror",) * frame.image_mirrored]
+        words += ("behind",) * (frame.viewpoint == "object")
+        return cls.of(*words, *("sensor",) * (frame.actor == "sensor"))
+
+    def within(self, frame: FrameSpec) -> Edit:
+        """Return this edit of what the frame tells, from the recorded image.
+
+        "From the object's side" and "the sensor" name where one looks from and who moves: said of
+        a frame that has them already they change nothing.
+        """
+        base = Edit.of_frame(frame)
+        image = _product(self.image, base.image)
+        behind = self.behind or base.behind
+        rotation = _product(_MIRROR, image) if behind else image
+        return replace(self, rotation=rotation, behind=behind, sensor=self.sensor or base.sensor)
+
+    def of_way(self, way: Motion) -> Motion:
+        """Return what a motion becomes; stillness and absence stay."""
+        unit = _UNITS.get(way)
+        if unit is None:
+            return way
+        seen = tuple(int(one) for one in self.matrix @ np.array(unit))
+        return next(name for name, one in _UNITS.items() if one == seen)
+
+    def of_twist(self, twist: Twist) -> Twist:
+        """Return what a twist becomes."""
+        old = (twist.turn_deg, twist.right_px, twist.down_px, twist.inward_mm)
+        return Twist(*(float(one) for one in self.matrix @ np.array(old)))
+
+    def of_belief(self, belief: Belief) -> Belief:
+        """Return what is believed from this point of view."""
+        matrix = self.matrix
+        ways = {self.of_way(way): share for way, share in belief.ways.items()}
+        covariance = matrix @ belief.covariance @ matrix.T
+        mean = self.of_twist(belief.mean)
+        # The model's own numbers are those of the clip as it was seen.
+        return replace(belief, mean=mean, covariance=covariance, ways=ways, numbers=())
+
+
+def _product(left: Rotation, right: Rotation) -> Rotation:
+    a, b, c, d = left
+    e, f, g, h = right
+    return (a * e + b * g, a * f + b * h, c * e + d * g, c * f + d * h)
+
+
+_UNITS: dict[Motion, tuple[int, int, int, int]] = {
+    Motion.CLOCKWISE: (1, 0, 0, 0),
+    Motion.COUNTERCLOCKWISE: (-1, 0, 0, 0),
+    Motion.RIGHT: (0, 1, 0, 0),
+    Motion.LEFT: (0, -1, 0, 0),
+    Motion.DOWN: (0, 0, 1, 0),
+    Motion.UP: (0, 0, -1, 0),
+    Motion.PRESS: (0, 0, 0, 1),
+    Motion.RELEASE: (0, 0, 0, -1),
+}
+"""Ways as unit twists."""

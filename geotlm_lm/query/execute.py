@@ -1,0 +1,202 @@
+"""What follows from a query and what is believed: decisions, exact and without words.
+
+Total: every well-formed, filled query gets a decision for each of its parts; what cannot be told
+carries the reason instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, WAYS, Component
+from geotlm_lm.query import types as t
+from geotlm_lm.query.amounts import Missing, measure
+from geotlm_lm.query.decision import Decision, Evidence
+from geotlm_lm.query.facts import with_facts
+from geotlm_lm.query.scene import Scene
+from geotlm_lm.query.track import on_track, part_of
+from geotlm_lm.query.two_clips import decide_on_two
+
+
+def execute(query: t.Query, evidence: Evidence, frame: FrameSpec) -> tuple[Decision, ...]:
+    """Return what each part of a query is answered by.
+
+    Args:
+        query: Filled: its slots hold quantities.
+        evidence: What is believed.
+        frame: What held before; the query's own facts are added.
+    """
+    try:
+        frame = with_facts(frame, query.facts, evidence.recording.columns)
+    except UsageError:  # no camera has such pixels
+        return tuple(Decision(part, frame, missing="pixel") for part in query.parts)
+    return tuple(decide(part, evidence, frame) for part in query.parts)
+
+
+def decide(part: t.Part, evidence: Evidence, frame: FrameSpec) -> Decision:
+    """Return what one part is answered by."""
+    try:
+        if part.ask.kind in ("compare", "which-clip") or part.subject.clip in t.OF_SEVERAL:
+            return decide_on_two(part, evidence, frame, decide)
+        return _of_one(part, _evidence_of(part.subject, evidence), frame)
+    except Missing as lacks:
+        return Decision(part, frame, missing=str(lacks))
+
+
+def _evidence_of(subject: t.Subject, evidence: Evidence) -> Evidence:
+    if subject.half is not None:
+        raise Missing("half")
+    if subject.clip == "second" or (subject.clip == "previous" and evidence.second is not None):
+        if evidence.second is None:
+            raise Missing("second")
+        evidence = replace(evidence, belief=evidence.second)
+    if subject.span is None:
+        return evidence
+    return replace(evidence, belief=part_of(evidence.track, subject.span, evidence.recording))
+
+
+def _of_one(part: t.Part, evidence: Evidence, frame: FrameSpec) -> Decision:
+    kind = part.ask.kind
+    if kind in _UNTOUCHED:
+        return Decision(part, frame)
+    if kind in ("when", "how-long", "how-often", "order"):
+        verdict, times = on_track(part.ask, part.edit.within(frame), evidence.track)
+        return Decision(part, frame, verdict=verdict, times=times)
+    scene = Scene(part, evidence, frame)
+    return _DECIDES[kind](scene, part.ask)
+
+
+_UNTOUCHED = ("recording", "setup", "help", "talk", "unanswerable", "not-understood", "again")
+"""Answered by the file, the frame or by nothing; "again" is resolved before."""
+
+
+def _way(scene: Scene, ask: t.Ask) -> Decision:
+    if ask.of == "thread":
+        options = tuple(t.Option(t.Proposition((t.Literal(one),))) for one in t.THREAD_ATOMS)
+        return _choice(scene, t.Ask("choice", options=options))
+    of = {"x": "slide", "y": "slide", "sign": "turn"}.get(ask.of or "", ask.of)
+    asked = () if of is None else (t.COMPONENT_ATOMS[of],)
+    return scene.decision(**scene.telling(asked))
+
+
+def _kind(scene: Scene, _: t.Ask) -> Decision:
+    return scene.decision(**scene.telling())
+
+
+def _claim(scene: Scene, ask: t.Ask) -> Decision:
+    chance = scene.judge.chance(ask.proposition)
+    verdict = chance >= 0.5
+    found = scene.telling(_subjects(ask.proposition))
+    amounts = []
+    for literal in ask.proposition.literals:
+        if literal.bound is not None and literal.atom in t.COMPONENT_ATOMS | t.WAY_ATOMS.keys():
+            amounts.append(scene.amount(literal.atom))
+    probability = max(chance, 1 - chance)
+    return scene.decision(
+        **found | {"verdict": verdict, "amounts": tuple(amounts), "probability": probability}
+    )
+
+
+def _subjects(proposition: t.Proposition) -> tuple[Component, ...]:
+    named = set()
+    for literal in proposition.literals:
+        atom = literal.atom
+        if atom in t.WAY_ATOMS:
+            named.add(COMPONENT_OF[t.WAY_ATOMS[atom]])
+        elif atom in t.COMPONENT_ATOMS:
+            named.add(t.COMPONENT_ATOMS[atom])
+        elif atom in ("x", "y"):
+            named.add(Component.SLIDE)
+        elif atom in t.THREAD_ATOMS:
+            named.add(Component.TURN)
+    return tuple(one for one in COMPONENTS if one in named)
+
+
+def _choice(scene: Scene, ask: t.Ask) -> Decision:
+    whole = t.OTHER_ATOMS
+    named = [one for one in ask.options if one.proposition.literals[0].atom not in whole]
+    *sums, none = scene.judge.chances([one.proposition for one in named])
+    shares = dict(zip(map(id, named), sums, strict=True))
+    rest = {"other": none, "unknown": 0.0}
+    chances = tuple(
+        shares[id(one)] if id(one) in shares else rest[one.proposition.literals[0].atom]
+        for one in ask.options
+    )
+    found = scene.telling([one for option in named for one in _subjects(option.proposition)])
+    order = sorted(range(len(chances)), key=lambda at: -chances[at])
+    if ask.denied:
+        out = tuple(at for at in order if chances[at] < 0.5)
+        probability = min((1 - chances[at] for at in out), default=0.0)
+    else:
+        out = tuple(at for at in order if chances[at] >= 0.5) or tuple(order[:1])
+        out = () if chances[out[0]] < 0.5 and none >= 0.5 else out
+        probability = min((chances[at] for at in out), default=none)
+    return scene.decision(
+        **found | {"options": out, "chances": chances, "probability": probability}
+    )
+
+
+def _amount(scene: Scene, ask: t.Ask) -> Decision:
+    if ask.of == "touch" or ask.measure is not None:
+        raise Missing("share" if ask.of == "touch" else "track")
+    atoms = {None: [], "xy": ["x", "y"]}.get(ask.of, [ask.of])
+    subjects = _subjects(t.Proposition(tuple(t.Literal(one) for one in atoms or ["move"])))
+    found = scene.telling(subjects)
+    counting = [one.component for one in found.get("movements", ())]
+    if not atoms:
+        atoms = [one.value for one in counting] or ([] if ask.unit is None else ["turn"])
+        atoms = [one for one in atoms if _fits(one, ask.unit)] or atoms[:1]
+        found["denied"] = ()
+    elif found["denied"]:
+        return scene.decision(**found)
+    unseen = [one for one in counting if not scene.belief.readable[one]]
+    if unseen and len(unseen) == len(counting):
+        raise Missing("unreadable")
+    told = partial(measure, belief=scene.belief, frame=scene.frame, recording=scene.recording)
+    amounts = tuple(told(one, unit=ask.unit, per=ask.per) for one in atoms)
+    sure = min([found["probability"], *(one.probability for one in amounts)])
+    return scene.decision(**found | {"amounts": amounts, "probability": sure})
+
+
+def _fits(atom: str, unit: str | None) -> bool:
+    return unit is None or (unit in t.UNITS["angle"]) == (atom == "turn")
+
+
+def _how_sure(scene: Scene, ask: t.Ask) -> Decision:
+    found = scene.telling()
+    if ask.proposition is None:
+        return scene.decision(**found)
+    chance = scene.judge.chance(ask.proposition)
+    return scene.decision(**found | {"chances": (chance,), "probability": chance})
+
+
+def _alternatives(scene: Scene, _: t.Ask) -> Decision:
+    found = scene.telling()
+    ways = [way for ways in WAYS.values() for way in ways]
+    chances = tuple(scene.belief.ways[way] for way in ways)
+    return scene.decision(**found | {"chances": chances})
+
+
+def _why(scene: Scene, ask: t.Ask) -> Decision:
+    return scene.decision(**scene.telling(_subjects(ask.proposition) if ask.proposition else ()))
+
+
+def _place(scene: Scene, _: t.Ask) -> Decision:
+    raise Missing("place")
+
+
+_DECIDES: dict[str, Callable[[Scene, t.Ask], Decision]] = {
+    "way": _way,
+    "kind": _kind,
+    "claim": _claim,
+    "choice": _choice,
+    "amount": _amount,
+    "how-sure": _how_sure,
+    "alternatives": _alternatives,
+    "why": _why,
+    "place": _place,
+}

@@ -1,0 +1,246 @@
+"""Write (text, query) pairs from data_templates/query, the same ones from the same seed.
+
+Whole families of phrasings are held out: a pair of the "test" split has a question, or a clause
+around it, of a family that no other split writes. Run it to look: `python -m
+geotlm_lm.query.grammar --sample 50 --seed 0`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import random
+import re
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.query.clauses import (
+    TWICE,
+    Around,
+    Clause,
+    Family,
+    chosen_clauses,
+    may_join,
+    topic_of,
+)
+from geotlm_lm.query.noise import roughened
+from geotlm_lm.query.quantities import find
+from geotlm_lm.query.text import read, write
+
+_FILES = ("ways", "claims", "choices", "amounts", "times", "about", "statements", "more", "clauses")
+_PLACES = ("before", "after", "alone", "alone_after")
+_FIELD = re.compile(r"\{([\w-]+?)(\d?)\}")
+_CHOICE = re.compile(r"\[([^\[\]]*\|[^\[\]]*)\]|\{([^{}]*\|[^{}]*)\}")
+_MARK = re.compile("\ue000(\\d+)\ue001(.*?)\ue002", re.DOTALL)
+SPLITS = ("train", "validation", "test")
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A text and its meaning.
+
+    Args:
+        text: As somebody may type it.
+        query: Its canonical line, numbers as slots.
+        families: Of the question and of every clause.
+    """
+
+    text: str
+    query: str
+    families: tuple[str, ...]
+
+
+@dataclass
+class _Draft:
+    """A text in the making: values bound by its fields, numbers by their marks."""
+
+    values: dict[str, str] = field(default_factory=dict)
+    numbers: int = 0
+    least: float = 0.0
+
+
+class Grammar:
+    """The templates, clauses and words of data_templates/query.
+
+    Raises:
+        ValueError: If a template names a field that no word list fills.
+    """
+
+    def __init__(self) -> None:
+        folder = resource_dir("data_templates") / "query"
+        told = [tomllib.loads((folder / f"{name}.toml").read_text()) for name in _FILES]
+        self.words: dict[str, Any] = {}
+        for one in (tomllib.loads((folder / "lexicon.toml").read_text()), *told):
+            plain = {key: part for key, part in one.items() if isinstance(part, dict)}
+            self.words |= plain.pop("words", {})
+            self.words |= plain
+            self.words |= {part["name"]: part for part in one.get("quantity", ())}
+        self.families = [_family(one) for file in told for one in file.get("family", ())]
+        self.clauses = [_clause(one) for file in told for one in file.get("clause", ())]
+        self._check()
+
+    def _check(self) -> None:
+        texts = [text for one in self.families for text in (*one.texts, one.query)]
+        texts += [text for one in self.clauses for lines in one.texts.values() for text in lines]
+        fields = {match[1] for text in texts for match in _FIELD.finditer(text)}
+        missing = fields - self.words.keys()
+        if missing:
+            raise ValueError(f"templates name fields that no list fills: {sorted(missing)}")
+
+    def pairs(self, seed: int, split: str | None = None) -> Iterator[Pair]:
+        """Yield pairs without end.
+
+        Args:
+            seed: Of everything that is drawn.
+            split: One of `SPLITS`; None for all families alike.
+        """
+        rng = random.Random(f"{seed}/{split}")
+        kinds: dict[str, list[Family]] = {"fact": []}
+        for one in self.families:
+            if split in (None, split_of(one.id)):
+                kinds.setdefault(one.id.partition("/")[0], []).append(one)
+        clauses = [one for one in self.clauses if split in (None, "test") or _may(one, split)]
+        names = sorted(kinds)
+        while True:
+            kind = rng.choice(names)
+            family = rng.choice(kinds[kind]) if kinds[kind] else None
+            other = rng.choice(kinds[rng.choice(names)] or [None])
+            pair = self._pair(rng, family, other, clauses)
+            if pair is not None:
+                yield pair
+
+    def _pair(
+        self, rng: random.Random, family: Family | None, other: Family | None, clauses: list[Clause]
+    ) -> Pair | None:
+        around = Around()
+        draft, used = _Draft(), []
+        if family is None:
+            facts = [one for one in clauses if one.kind == "fact" and "alone" in one.texts]
+            chosen = rng.sample(facts, rng.choice((1, 1, 1, 2)))
+            if len({topic_of(one) for one in chosen}) < len(chosen):
+                return None
+        else:
+            used = [family.id]
+            around.text = self._filled(rng, rng.choice(family.texts), draft)
+            around.end = "" if around.text.endswith((".", "!", "?")) else family.end
+            around.query = self._meant(family.query, draft)
+            chosen = [] if family.complete else chosen_clauses(rng, family, clauses)
+        for clause in chosen:
+            place = "alone" if family is None else rng.choice(sorted(clause.texts))
+            said = self._filled(rng, rng.choice(clause.texts[place]), draft)
+            around.add(rng, clause.kind, place, said, self._meant(clause.query, draft))
+            used.append(clause.id)
+        text, query = around.joined(rng)
+        if family and other and not chosen and rng.random() < TWICE and may_join(family, other):
+            second = _Draft(numbers=draft.numbers)
+            said = self._filled(rng, rng.choice(other.texts), second)
+            text = f"{text} {rng.choice(('', '', 'And ', 'Also, '))}{said}{other.end}"
+            query, used = f"{query} ; {self._meant(other.query, second)}", [*used, other.id]
+        return _numbered(roughened(rng, text), query, tuple(used))
+
+    def _filled(self, rng: random.Random, text: str, draft: _Draft) -> str:
+        """Return a template with its alternatives drawn and its fields filled."""
+        while (match := _CHOICE.search(text)) or (match := _FIELD.search(text)):
+            if match.re is _CHOICE:
+                new = rng.choice((match[1] or match[2]).split("|"))
+            else:
+                new = self._word(rng, match[1], match[2], draft)
+            text = f"{text[: match.start()]}{new}{text[match.end() :]}"
+        return re.sub(r"  +", " ", text).strip()
+
+    def _word(self, rng: random.Random, name: str, place: str, draft: _Draft) -> str:
+        words = self.words[name]
+        if isinstance(words, list):
+            return rng.choice(words)
+        if "forms" in words:
+            draft.numbers += 1
+            draft.values[f"{name}{place}"] = f"\ue003{draft.numbers}"
+            # The second of two numbers is the larger: spans and ranges run upwards.
+            offered = [one for one in words["values"] if not place or one > draft.least]
+            value = rng.choice(offered or words["values"][-1:])
+            draft.least = max(value, draft.least)
+            said = rng.choice(words["forms"]).replace("#", f"{value:g}")
+            return f"\ue000{draft.numbers}\ue001{said}\ue002"
+        key = f"{name}{place}"
+        taken = {
+            value for other, value in draft.values.items() if other.rstrip("0123456789") == name
+        }
+        if key not in draft.values:
+            draft.values[key] = rng.choice([one for one in words if one not in taken])
+        return rng.choice(words[draft.values[key]])
+
+    def _meant(self, query: str, draft: _Draft) -> str:
+        return _FIELD.sub(lambda match: draft.values[f"{match[1]}{match[2]}"], query)
+
+
+def _numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
+    """Return a pair with its numbers as slots; None where one is not found again in the text."""
+    starts: dict[str, int] = {}
+    plain, at = "", 0
+    for match in _MARK.finditer(text):
+        plain += text[at : match.start()]
+        starts[match[1]] = len(plain)
+        plain, at = plain + match[2], match.end()
+    plain += text[at:]
+    if not plain.strip("?.! "):
+        return None
+    places = {one.start: place for place, one in enumerate(find(plain), 1)}
+    for number, start in starts.items():
+        if start not in places:
+            return None
+        line = re.sub(f"\ue003{number}(?!\\d)", f"#{places[start]}", line)
+    return Pair(plain, write(read(line, max(len(places), 1))), families)
+
+
+_FIXED = {"train": "train", "held": "validation", "blind": "test"}
+"""Splits that a family names by the end of its id."""
+
+
+def split_of(family: str) -> str:
+    """Return the split that a family belongs to: by a hash of its id, three in five to train.
+
+    Where a kind has few families their ids end in ".train", ".held" (validation) or ".blind".
+    """
+    named = _FIXED.get(family.rpartition(".")[2])
+    place = int.from_bytes(hashlib.sha256(family.encode()).digest()[:4]) % 20
+    return named or ("test" if place < 4 else "validation" if place < 7 else "train")
+
+
+def _may(clause: Clause, split: str) -> bool:
+    return split_of(clause.id) != "test" or split == "test"
+
+
+def _family(told: dict[str, Any]) -> Family:
+    texts = tuple(line for line in told["texts"].strip().splitlines() if line.strip())
+    return Family(**told | {"texts": texts})
+
+
+def _clause(told: dict[str, Any]) -> Clause:
+    texts = {place: tuple(told[place].strip().splitlines()) for place in _PLACES if place in told}
+    return Clause(told["id"], told["kind"], told["query"], texts)
+
+
+@lru_cache(maxsize=1)
+def grammar() -> Grammar:
+    """Return the grammar, read once."""
+    return Grammar()
+
+
+def main() -> None:
+    """Print some pairs."""
+    parser = argparse.ArgumentParser(description="Write questions with their meanings.")
+    parser.add_argument("--sample", type=int, default=50, help="how many")
+    parser.add_argument("--seed", type=int, default=0, help="of the draw")
+    parser.add_argument("--split", choices=SPLITS, help="families of one split alone")
+    asked = parser.parse_args()
+    drawn = grammar().pairs(asked.seed, asked.split)
+    for _, pair in zip(range(asked.sample), drawn, strict=False):
+        print(f"{pair.text}\n    {pair.query}    [{', '.join(pair.families)}]")
+
+
+if __name__ == "__main__":
+    main()

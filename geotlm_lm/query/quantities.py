@@ -1,0 +1,220 @@
+"""Find the numbers of a text with their units, in figures and in words.
+
+A query copies them by place: `#2` is the second that is found.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.query.types import Quantity
+
+FACTORS = {
+    "angle": {"deg": 1.0, "rad": 57.29577951308232, "turn": 360.0, "arcmin": 1 / 60},
+    "length": {"mm": 1.0, "cm": 10.0, "um": 0.001, "inch": 25.4},
+    "time": {"s": 1.0, "ms": 0.001, "min": 60.0},
+}
+"""How many degrees, millimetres or seconds a unit is; a pixel's and a frame's size varies."""
+
+_FIGURE = re.compile(r"[-+−]?(?:\d+(?:[.,]\d+)*|[.,]\d+)(?:\s*/\s*\d+)?")
+_WORD = re.compile(r"[^\W\d_]+\.?|[°%/\"]|[-–]")
+_SPACES = re.compile(r"[\s_]*")
+_ORDINAL = re.compile(r"(?:st|nd|rd|th)\b", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Found:
+    """A quantity of a text and where it stands there."""
+
+    quantity: Quantity
+    start: int
+    end: int
+
+
+@lru_cache(maxsize=1)
+def _lexicon() -> tuple[dict[str, str], dict[str, float], dict[str, float]]:
+    told = tomllib.loads((resource_dir("data_templates") / "query/quantities.toml").read_text())
+    units = {word: unit for unit, words in told["units"].items() for word in words}
+    return units, told["numbers"], told["fractions"]
+
+
+def quantities(text: str) -> tuple[Quantity, ...]:
+    """Return the quantities of a text in the order they stand in."""
+    return tuple(one.quantity for one in find(text))
+
+
+def find(text: str) -> list[Found]:
+    """Return the quantities of a text with their places.
+
+    A figure counts whatever follows it, but for ordinals and names such as "B2"; a number in words
+    only before a unit, or before another that has one ("five to ten degrees").
+    """
+    found, at = [], 0
+    while at < len(text):
+        one = _figure_at(text, at) or _words_at(text, at)
+        if one is None:
+            step = _WORD.match(text, at) if text[at].isalpha() else None
+            at = step.end() if step else at + 1
+            continue
+        found.append(one)
+        at = one.end
+    return found
+
+
+def _figure_at(text: str, at: int) -> Found | None:
+    match = _FIGURE.match(text, at)
+    if match is None or (at > 0 and (text[at - 1].isalnum() or text[at - 1] == ".")):
+        return None
+    if _ORDINAL.match(text, match.end()):
+        return None
+    said = match[0]
+    if said[0] in "-+−" and at > 0 and not text[at - 1].isspace() and text[at - 1] not in "(=<>:":
+        return None  # a range's dash; its number is found behind it
+    value = _value(said)
+    if value is None:
+        return None
+    end = match.end()
+    mixed = re.compile(r"\s+(\d+)\s*/\s*(\d+)").match(text, end)
+    if mixed and "/" not in said and int(mixed[2]):
+        value, end = value + int(mixed[1]) / int(mixed[2]), mixed.end()
+    unit, end = _unit_at(text, end, may_join="/" in said or abs(value) < 1)
+    return Found(Quantity(value, unit), at, end)
+
+
+def _value(said: str) -> float | None:
+    said = said.replace("−", "-").replace(" ", "")
+    top, _, bottom = said.partition("/")
+    if re.fullmatch(r"[-+]?\d{1,3}(?:,\d{3})+", top):
+        top = top.replace(",", "")
+    try:
+        value = float(top.replace(",", "."))
+        return value / float(bottom) if bottom else value
+    except (ValueError, ZeroDivisionError):
+        return None
+
+
+def _words_at(text: str, at: int) -> Found | None:
+    if at > 0 and (text[at - 1].isalnum() or text[at - 1] in "'’"):
+        return None
+    value, end = _spoken(text, at)
+    if value is None:
+        return None
+    unit, last = _unit_at(text, end, may_join=True)
+    if unit:
+        return Found(Quantity(value, unit), at, last)
+    if value < 2:
+        return None
+    joint, after = _next_word(text, end)
+    if joint in ("to", "and", "or"):
+        figure = _figure_at(text, _SPACES.match(text, after).end())
+        other, stop = _spoken(text, after)
+        if (figure and figure.quantity.unit) or (other is not None and _unit_at(text, stop)[0]):
+            return Found(Quantity(value, ""), at, end)
+    return None
+
+
+def _spoken(text: str, at: int) -> tuple[float | None, int]:
+    """Return the value of number words from a place on, and where they end."""
+    _, numbers, fractions = _lexicon()
+    total, part, end, has_any = 0.0, None, at, False
+    word, after = _next_word(text, at)
+    while word is not None:
+        if word in fractions and (part is not None or not has_any):
+            scale, part = fractions[word], 1.0 if part is None else part
+            total, part, has_any, end = total + part * scale, None, True, after
+        elif word in ("hundred", "thousand") and part is not None:
+            part, end = part * numbers[word], after
+        elif word in numbers and (part is None or part >= 20 or word in ("hundred", "thousand")):
+            if has_any and part is None:  # "half a turn": its "a" is the unit's
+                break
+            part, has_any, end = (part or 0.0) + numbers[word], True, after
+        elif word == "point" and part is not None:
+            digit, behind = _next_word(text, after)
+            if digit not in numbers or numbers[digit] > 9:
+                break
+            part, end = part + numbers[digit] / 10, behind
+        elif word == "and" and has_any:
+            # "one and a half" and "two hundred and five", not "ten and twenty".
+            follows, behind = _next_word(text, after)
+            second, last = _next_word(text, behind)
+            if follows in ("a", "one", "three") and second in fractions:
+                total, part = total + (part or 0.0) + numbers[follows] * fractions[second], None
+                end = after = last
+            elif not (part is not None and part >= 100 and follows in numbers):
+                break
+        elif word == "-" and part is not None and part >= 20:
+            pass
+        else:
+            break
+        word, after = _next_word(text, after)
+    return (total + (part or 0.0) if has_any else None), end
+
+
+def _next_word(text: str, at: int) -> tuple[str | None, int]:
+    at = _SPACES.match(text, at).end()
+    match = _WORD.match(text, at)
+    return (match[0].rstrip(".").lower(), match.end()) if match else (None, at)
+
+
+def _unit_at(text: str, at: int, *, may_join: bool = False) -> tuple[str, int]:
+    """Return the unit that follows a number, with what it is per, and where it ends."""
+    if may_join:  # "half a turn", "a quarter of a turn", "a quarter turn"
+        for words in (("of", "a"), ("of", "the"), ("of",), ("a",), ("an",), ("full",), ("-",)):
+            place = at
+            for expected in words:
+                word, after = _next_word(text, place)
+                place = after if word == expected else -1
+                if place < 0:
+                    break
+            if place >= 0 and (told := _plain_unit(text, place))[0]:
+                return told
+    unit, end = _plain_unit(text, at)
+    if not unit:
+        return "", at
+    word, after = _next_word(text, end)
+    if word in ("per", "/", "a", "an", "each", "every"):
+        per, last = _plain_unit(text, after)
+        is_rate = per in ("s", "min", "frame", "px", "mm", "ms", "cm", "inch")
+        if per and is_rate and per != unit:
+            return f"{unit}/{per}", last
+    return unit, end
+
+
+def _plain_unit(text: str, at: int) -> tuple[str, int]:
+    units = _lexicon()[0]
+    place, said, best = at, "", ("", at)
+    for _ in range(3):
+        word, place = _next_word(text, place)
+        if word is None:
+            break
+        said = f"{said} {word}".strip()
+        if said in units:
+            best = (units[said], place)
+    return best
+
+
+def in_base(quantity: Quantity) -> tuple[float, str, str]:
+    """Return a quantity's value in the base of its dimension, the base, and what it is per.
+
+    Bases are deg, mm, px, s, frame and percent; speeds are per "s" or per "frame".
+    """
+    unit, _, per = quantity.unit.partition("/")
+    value = quantity.value
+    for base, factors in zip(("deg", "mm", "s"), FACTORS.values(), strict=True):
+        if unit in factors:
+            value, unit = value * factors[unit], base
+            break
+    if per in FACTORS["time"]:
+        value, per = value / FACTORS["time"][per], "s"
+    return value, unit, per
+
+
+def sharing_units(found: Sequence[Quantity]) -> tuple[Quantity, ...]:
+    """Return two ends of a range in one unit: "10 to 20 degrees" says it once."""
+    unit = next((one.unit for one in found if one.unit), "")
+    return tuple(one if one.unit else Quantity(one.value, unit) for one in found)

@@ -1,0 +1,15 @@
+"""Replies that tell no motion, as data_templates/query/replies.toml words them."""
+
+from __future__ import annotations
+
+import tomllib
+from functools import lru_cache
+from typing import Any
+
+from geotlm_lm.core.resources import resource_dir
+
+
+@lru_cache(maxsize=1)
+def replies() -> dict[str, Any]:
+    """Return the replies: `help`, and by reason or topic `missing`, `untold` and `talk`."""
+    return tomllib.loads((resource_dir("data_templates") / "query/replies.toml").read_text())

@@ -1,0 +1,303 @@
+"""Write a `Query` as a line of words and read it back, word by word as a decoder emits them.
+
+    query  := clause (";" clause)*
+    clause := "fact" fact | [edit+ ">"] [subject+ ">"] ask | "as" form
+
+A field of an ask that is left out is the usual one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.query import types as t
+from geotlm_lm.query.edit import EDIT_WORDS, Edit
+from geotlm_lm.query.facts import FACTS
+
+END = "<end>"
+"""Stands among the next words where a query may end."""
+
+LABELS = (*"ABCDEF", *"123456")
+_RELATIONS = {"more": ">", "less": "<", "about": "~", "between": "in-range"}
+_UNIT_WORDS = tuple(unit for units in t.UNITS.values() for unit in units)
+
+
+class Malformed(UsageError):
+    """A text is no query: the word found and those that could stand there."""
+
+    def __init__(self, words: Sequence[str], at: int, expected: Sequence[str]) -> None:
+        found = repr(words[at]) if at < len(words) else "nothing more"
+        super().__init__(
+            f"A query had {found} after {' '.join(words[:at])!r}, expected one of "
+            f"{', '.join(sorted(expected))}; write one of these there."
+        )
+        self.at, self.expected = at, frozenset(expected)
+
+
+class _Words:
+    """Words read from the left; remembers what could have stood at the present place."""
+
+    def __init__(self, words: Sequence[str], slots: int) -> None:
+        self.words, self.at, self.slots = list(words), 0, slots
+        self.expected: set[str] = set()
+
+    def has(self, *names: str) -> bool:
+        """Tell whether one of some words is next."""
+        self.expected.update(names)
+        return self.at < len(self.words) and self.words[self.at] in names
+
+    def take(self, *names: str) -> str:
+        """Return the next word, which must be one of some."""
+        if not self.has(*names):
+            raise Malformed(self.words, self.at, sorted(self.expected))
+        self.at, self.expected = self.at + 1, set()
+        return self.words[self.at - 1]
+
+    def optional(self, *names: str) -> str | None:
+        """Return the next word if it is one of some."""
+        return self.take(*names) if self.has(*names) else None
+
+    def number(self) -> t.Number:
+        """Return a slot, or a quantity written out as "12.5:deg"."""
+        if self.at < len(self.words) and ":" in self.words[self.at]:
+            value, _, unit = self.words[self.at].partition(":")
+            self.at, self.expected = self.at + 1, set()
+            return t.Quantity(float(value), unit)
+        return t.Slot(int(self.take(*(f"#{k + 1}" for k in range(self.slots)))[1:]))
+
+    def close(self) -> None:
+        """Require that no word is left."""
+        if self.at < len(self.words):
+            raise Malformed(self.words, self.at, sorted({*self.expected, END}))
+
+
+def _number(value: t.Number) -> str:
+    return f"#{value.index}" if isinstance(value, t.Slot) else f"{value.value!r}:{value.unit}"
+
+
+def _write_proposition(value: t.Proposition) -> list[str]:
+    found: list[str] = []
+    for at, literal in enumerate(value.literals):
+        found += [value.joint] * (at > 0) + ["not"] * literal.denied + [literal.atom]
+        if literal.bound is not None:
+            numbers = (literal.bound.low, literal.bound.high)
+            found.append(_RELATIONS[literal.bound.relation])
+            found += [_number(one) for one in numbers if one is not None]
+    return found
+
+
+def _read_proposition(words: _Words) -> t.Proposition:
+    literals, joint = [], None
+    while True:
+        denied = words.optional("not") is not None
+        atom = words.take(*t.ATOMS)
+        sign = None
+        if words.slots or any(":" in one for one in words.words):
+            sign = words.optional(*_RELATIONS.values())
+        bound = None
+        if sign is not None:
+            relation = next(name for name, one in _RELATIONS.items() if one == sign)
+            low = words.number()
+            bound = t.Bound(relation, low, words.number() if relation == "between" else None)
+        literals.append(t.Literal(atom, bound, denied))
+        step = words.optional(*(("and", "or") if joint is None else (joint,)))
+        if step is None:
+            return t.Proposition(tuple(literals), joint or "and")
+        joint = step
+
+
+def _write_options(options: tuple[t.Option, ...]) -> list[str]:
+    found: list[str] = []
+    for at, option in enumerate(options):
+        found += [","] * (at > 0) + ([option.label] if option.label else [])
+        found += _write_proposition(option.proposition)
+    return found
+
+
+def _read_options(words: _Words) -> tuple[t.Option, ...]:
+    found = []
+    while not found or words.optional(",") is not None:
+        label = words.optional(*LABELS)
+        other = words.optional(*t.OTHER_ATOMS)
+        said = t.Proposition((t.Literal(other),)) if other else _read_proposition(words)
+        found.append(t.Option(said, label))
+    return tuple(found)
+
+
+_FLAGS = {"denied": "excluded", "of_amount": "of-amount", "is_speed": "speed", "is_plain": "plain"}
+_NAMES: dict[tuple[str, str], tuple[str, ...]] = {
+    ("way", "of"): t.ASKED_ATOMS,
+    ("amount", "of"): t.MEASURED_ATOMS,
+    ("amount", "unit"): _UNIT_WORDS,
+    ("amount", "per"): tuple(t.PER),
+    ("amount", "measure"): ("path", "peak"),
+    ("when", "edge"): ("begin", "end"),
+    ("order", "of"): t.ATOMS,
+    ("order", "then"): t.ATOMS,
+    ("place", "half"): t.HALVES,
+    ("compare", "relation"): t.RELATIONS,
+    ("compare", "of"): ("kind", "way", "amount", *t.COMPONENT_ATOMS),
+    ("recording", "topic"): t.TOPICS,
+    ("setup", "topic"): t.SETTINGS,
+    ("again", "unit"): _UNIT_WORDS,
+    ("again", "mover"): ("object", "sensor"),
+    ("talk", "topic"): t.TALK,
+    ("unanswerable", "topic"): t.UNANSWERABLE,
+}
+"""What a field of an ask of a kind may be."""
+
+_REQUIRED, _OF_ANSWERS = ("topic", "edge"), ("why", "how-sure")
+"""Fields that are never left out; asks that need no proposition."""
+
+
+def _write_ask(ask: t.Ask) -> list[str]:
+    found = [ask.kind]
+    for name in t.ASKS[ask.kind]:
+        value = getattr(ask, name)
+        if name in _FLAGS:
+            found += [_FLAGS[name]] * value
+        elif name == "options":
+            found += _write_options(value)
+        elif value is not None:
+            found += _write_proposition(value) if name == "proposition" else [value]
+    return found
+
+
+def _read_ask(words: _Words) -> t.Ask:
+    kind = words.take(*t.ASKS)
+    found: dict[str, Any] = {}
+    for name in t.ASKS[kind]:
+        if name in _FLAGS:
+            found[name] = words.optional(_FLAGS[name]) is not None
+        elif name == "options":
+            found[name] = _read_options(words)
+        elif name != "proposition":
+            names = _NAMES[kind, name]
+            found[name] = words.take(*names) if name in _REQUIRED else words.optional(*names)
+        elif kind not in _OF_ANSWERS or words.has("not", *t.ATOMS):
+            found[name] = _read_proposition(words)
+    return t.Ask(kind, **found)
+
+
+_CLIPS = {name: f"of-{name}" for name in t.CLIPS}
+_PLACES = {name: f"at-{name}" for name in t.HALVES}
+_TIMES = {name: f"in-{name}" for name in t.SPANS}
+
+
+def _write_subject(subject: t.Subject) -> list[str]:
+    found = [] if subject.clip is None else [_CLIPS[subject.clip]]
+    found += [] if subject.half is None else [_PLACES[subject.half]]
+    if (span := subject.span) is not None:
+        numbers = [(word, one) for word, one in (("from", span.begin), ("to", span.end)) if one]
+        found += [] if span.name is None else [_TIMES[span.name]]
+        found += [text for word, one in numbers for text in (word, _number(one))]
+    return [*found, ">"] if found else []
+
+
+def _read_subject(words: _Words) -> t.Subject:
+    def taken(names: dict[str, str]) -> str | None:
+        word = words.optional(*names.values())
+        return next((name for name, one in names.items() if one == word), None)
+
+    start = words.at
+    clip, half, name = taken(_CLIPS), taken(_PLACES), taken(_TIMES)
+    times = ("from", "to") if words.slots or any(":" in one for one in words.words) else ()
+    begin = words.number() if "from" in times and words.optional("from") else None
+    end = words.number() if "to" in times and words.optional("to") else None
+    span = t.Span(name, begin, end) if (name, begin, end) != (None,) * 3 else None
+    if words.at > start:
+        words.take(">")
+    return t.Subject(clip, half, span)
+
+
+def _read_part(words: _Words) -> t.Part:
+    edit = []
+    while (word := words.optional(*EDIT_WORDS)) is not None:
+        edit.append(word)
+    if edit:
+        words.take(">")
+    subject = _read_subject(words)
+    return t.Part(_read_ask(words), Edit.of(*edit), subject)
+
+
+def _write_part(part: t.Part) -> list[str]:
+    edit = [*part.edit.words, ">"] if part.edit.words else []
+    return [*edit, *_write_subject(part.subject), *_write_ask(part.ask)]
+
+
+def _write_fact(fact: t.Fact) -> list[str]:
+    value = [] if fact.value is None else [fact.value]
+    return ["fact", *["not"] * fact.denied, fact.name, *value, *map(_number, fact.numbers)]
+
+
+def _read_fact(words: _Words) -> t.Fact:
+    denied = words.optional("not") is not None
+    has_numbers = words.slots or any(":" in one for one in words.words)
+    names = [name for name, (_, count) in FACTS.items() if has_numbers or not count or denied]
+    name = words.take(*names)
+    values, count = FACTS[name]
+    value = words.optional(*values) if denied else words.take(*values) if values else None
+    numbers = () if denied else tuple(words.number() for _ in range(count))
+    return t.Fact(name, value, numbers, denied)
+
+
+def write(query: t.Query) -> str:
+    """Return a query as its line of words."""
+    clauses = [*map(_write_fact, query.facts), *map(_write_part, query.parts)]
+    if query.form != "sentence":
+        clauses.append(["as", query.form])
+    return " ; ".join(" ".join(clause) for clause in clauses)
+
+
+def read(text: str, slots: int = 9) -> t.Query:
+    """Return the query of a line of words.
+
+    Args:
+        text: The line.
+        slots: How many quantities the question holds.
+
+    Raises:
+        Malformed: If it is none.
+    """
+    return _read(text.split(), slots)
+
+
+def _read(given: Sequence[str], slots: int) -> t.Query:
+    words = _Words(given, slots)
+    facts: list[t.Fact] = []
+    parts: list[t.Part] = []
+    form = "sentence"
+    while True:
+        if not parts and words.optional("fact"):
+            facts.append(_read_fact(words))
+        elif (parts or facts) and words.optional("as"):
+            form = words.take(*t.FORMS[1:])
+            break
+        else:
+            parts.append(_read_part(words))
+        if words.optional(";") is None:
+            break
+    words.close()
+    return t.Query(tuple(parts), tuple(facts), form)
+
+
+def next_words(prefix: Sequence[str], slots: int) -> frozenset[str]:
+    """Return the words that may follow a beginning, `END` among them where it is whole.
+
+    Args:
+        prefix: Words so far.
+        slots: How many quantities the question holds.
+
+    Raises:
+        Malformed: If no query begins so.
+    """
+    words = [*prefix, ""]  # no word: whatever could stand here is what is missed
+    try:
+        _read(words, slots)
+    except Malformed as missed:
+        if missed.at == len(prefix):
+            return missed.expected
+        raise
+    raise AssertionError("an empty word was read")

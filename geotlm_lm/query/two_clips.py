@@ -1,0 +1,121 @@
+"""What a query asks of two clips: how they differ, and of which something is so."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion, mirror, reverse
+from geotlm_lm.query import types as t
+from geotlm_lm.query.amounts import Missing
+from geotlm_lm.query.decision import Decision, Evidence
+
+Decide = Callable[[t.Part, Evidence, FrameSpec], Decision]
+
+_NAMES = {
+    "same": lambda motion: motion,
+    "different": lambda motion: motion,
+    "opposite": reverse,
+    "mirrored": mirror,
+}
+
+
+def decide_on_two(part: t.Part, evidence: Evidence, frame: FrameSpec, decide: Decide) -> Decision:
+    """Return what a part on two clips is answered by.
+
+    Args:
+        part: The part.
+        evidence: Of both.
+        frame: In which the recordings' facts hold.
+        decide: Answers a part on one clip.
+
+    Raises:
+        Missing: If something is compared that cannot be.
+    """
+    if evidence.second is None:
+        raise Missing("second")
+
+    def each_of(asked: t.Ask) -> tuple[Decision, Decision]:
+        return _each(replace(part, ask=asked), evidence, frame, decide)
+
+    if part.ask.kind == "compare":
+        is_amount = part.ask.of == "amount" or part.ask.relation in _OF_AMOUNTS
+        return (_compared_amounts if is_amount else _compared)(part, frame, part.ask, each_of)
+    is_which = part.ask.kind == "which-clip"
+    ask = t.Ask("claim", part.ask.proposition) if is_which else part.ask
+    first, second = each = each_of(ask)
+    moves = first.movements[:1] + second.movements[:1]
+    amounts = first.amounts + second.amounts
+    both = replace(first, part=part, movements=moves, denied=(), rest=None, amounts=amounts)
+    sure = min(first.probability, second.probability)
+    if is_which:
+        so = tuple(at for at, one in enumerate(each) if one.verdict)
+        return replace(both, verdict=None, options=so, probability=sure)
+    if first.verdict is None or second.verdict is None:
+        return replace(both, probability=sure)
+    count = first.verdict + second.verdict
+    verdict = {"both": count == 2, "each": count == 2, "either": count > 0}
+    verdict |= {"neither": count == 0, "only-one": count == 1}
+    return replace(both, verdict=verdict[part.subject.clip], probability=sure)
+
+
+def _each(
+    part: t.Part, evidence: Evidence, frame: FrameSpec, decide: Decide
+) -> tuple[Decision, Decision]:
+    plain = replace(part, subject=replace(part.subject, clip=None))
+    other = replace(evidence, belief=evidence.second, second=None)
+    found = decide(plain, replace(evidence, second=None), frame), decide(plain, other, frame)
+    for one in found:
+        if one.missing is not None:
+            raise Missing(one.missing)
+    return found
+
+
+_OF_AMOUNTS = ("more", "less", "which-more", "which-less")
+EachOf = Callable[[t.Ask], tuple[Decision, Decision]]
+
+
+def _compared(part: t.Part, frame: FrameSpec, ask: t.Ask, each_of: EachOf) -> Decision:
+    asked = t.Ask("way", of=ask.of if ask.of in t.COMPONENT_ATOMS else None)
+    each = each_of(asked)
+    motions = [_motion(one) for one in each]
+    sure = min(one.probability for one in each)
+    if ask.relation is None:
+        moves = tuple(move for one in each for move in one.movements[:1])
+        return Decision(part, frame, movements=moves, probability=sure)
+    expected = _NAMES[ask.relation](motions[0])
+    is_so = motions[1] == expected
+    if ask.of == "kind":
+        is_so = _kinds(each[0]) == _kinds(each[1])
+    verdict = is_so != (ask.relation == "different")
+    moves = tuple(move for one in each for move in one.movements[:1])
+    return Decision(part, frame, verdict=verdict, movements=moves, probability=sure)
+
+
+def _compared_amounts(part: t.Part, frame: FrameSpec, ask: t.Ask, each_of: EachOf) -> Decision:
+    of = ask.of if ask.of in t.COMPONENT_ATOMS else None
+    asked = t.Ask("amount", of=of, per="per-s" if ask.is_speed else None)
+    each = each_of(asked)
+    if any(not one.amounts for one in each) or len({one.amounts[0].unit for one in each}) > 1:
+        raise Missing("comparable")
+    amounts = tuple(one.amounts[0] for one in each)
+    more = amounts[0].mean > amounts[1].mean
+    sure = min(one.probability for one in each)
+    if ask.relation in ("more", "less"):
+        verdict = more == (ask.relation == "more")
+        return Decision(part, frame, verdict=verdict, amounts=amounts, probability=sure)
+    if ask.relation in ("which-more", "which-less"):
+        place = int(more != (ask.relation == "which-more"))
+        return Decision(part, frame, options=(place,), amounts=amounts, probability=sure)
+    alike = abs(amounts[0].mean - amounts[1].mean) <= max(one.tolerance for one in amounts)
+    verdict = None if ask.relation is None else alike == (ask.relation == "same")
+    return Decision(part, frame, verdict=verdict, amounts=amounts, probability=sure)
+
+
+def _motion(decision: Decision) -> Motion:
+    return decision.movements[0].way if decision.movements else decision.rest or Motion.STILL
+
+
+def _kinds(decision: Decision) -> set[object]:
+    return {one.component for one in decision.movements} or {decision.rest}

@@ -1,0 +1,48 @@
+"""Random edits, queries and beliefs, for the laws."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import strategies as st
+
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import COMPONENTS, WAYS, Twist
+from geotlm_lm.motion.belief import Belief
+from geotlm_lm.query.edit import EDIT_WORDS, Edit
+from geotlm_lm.query.text import END, next_words, read
+
+edits = st.lists(st.sampled_from(EDIT_WORDS), max_size=5).map(lambda words: Edit.of(*words))
+MOTIONS = tuple(Motion)
+
+
+@st.composite
+def beliefs(draw) -> Belief:
+    values = [draw(st.floats(-30, 30)) for _ in range(3)] + [draw(st.floats(-2, 2))]
+    spread = np.diag([draw(st.floats(0.01, 9)) for _ in range(4)])
+    contact = draw(st.floats(0, 1))
+    ways = {}
+    for component in COMPONENTS:
+        counts = draw(st.floats(0, 1)) * contact
+        shares = np.array([draw(st.floats(0.01, 1)) for _ in WAYS[component]])
+        ways |= dict(zip(WAYS[component], (counts * shares / shares.sum()).tolist(), strict=True))
+    readable = dict.fromkeys(COMPONENTS, True)
+    return Belief(Twist(*values), spread, ways, contact, 30.0, readable)
+
+
+_LONGER = (";", ",", "and", "or", *EDIT_WORDS)
+
+
+@st.composite
+def query_texts(draw, slots: int = 3, length: int = 14) -> str:
+    """Words drawn one by one among those that may follow, as a decoder emits them."""
+    words: list[str] = []
+    while True:
+        allowed = sorted(next_words(words, slots))
+        if allowed == [END] or (END in allowed and (len(words) >= length or draw(st.booleans()))):
+            return " ".join(words)
+        if len(words) >= length:  # the shortest way out
+            allowed = [one for one in allowed if one not in _LONGER] or allowed
+        words.append(draw(st.sampled_from([one for one in allowed if one != END])))
+
+
+queries = query_texts().map(read)

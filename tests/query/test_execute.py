@@ -1,0 +1,217 @@
+"""What is decided follows from the belief alone, whatever the wording."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import COMPONENTS, WAYS, Twist
+from geotlm_lm.motion.belief import Belief
+from geotlm_lm.query import types as t
+from geotlm_lm.query.amounts import Recording
+from geotlm_lm.query.decision import Evidence
+from geotlm_lm.query.execute import decide, execute
+from geotlm_lm.query.quantities import quantities
+from geotlm_lm.query.tell import tell
+from geotlm_lm.query.text import read
+from geotlm_lm.query.track import Event
+from tests.query.strategies import beliefs, edits, queries
+
+FRAME = FrameSpec()
+RECORDING = Recording(columns=320, rows=240, rate_hz=25.0, frames=100, used=(10, 15, 20, 25))
+
+
+def certain(*, turn=0.0, right=0.0, down=0.0, inward=0.0, contact=1.0) -> Belief:
+    """A belief that is sure of a motion."""
+    ways = dict.fromkeys((way for ways in WAYS.values() for way in ways), 0.0)
+    twist = Twist(turn, right, down, inward)
+    paths = {"turn": turn, "slide": twist.slide_px, "press": inward}
+    for component in COMPONENTS:
+        if paths[component.value]:
+            ways[twist.way(component)] = 0.99 * contact
+    readable = dict.fromkeys(COMPONENTS, True)
+    return Belief(twist, np.diag([0.1, 0.1, 0.1, 0.001]), ways, contact, 30.0, readable)
+
+
+class Whole:
+    """A recording of four seconds: held, turned clockwise, slid left, gone."""
+
+    seconds = 4.0
+
+    def belief(self, begin_s, end_s):
+        return certain(turn=10 * (end_s - begin_s))
+
+    def events(self):
+        times = (Motion.STILL, Motion.CLOCKWISE, Motion.LEFT, Motion.NONE)
+        return [Event(way, float(at), at + 1.0) for at, way in enumerate(times)]
+
+
+def answer(text, belief, *, question="", frame=FRAME, **more):
+    query = t.filled(read(text), quantities(question))
+    return execute(query, Evidence(belief, recording=RECORDING, **more), frame)[0]
+
+
+propositions = st.builds(
+    t.Proposition,
+    st.lists(st.builds(t.Literal, st.sampled_from((*t.WAY_ATOMS, "turn", "slide", "press", "move",
+                                                   "still", "touch", "none", "x", "y")),
+                       st.none(), st.booleans()), min_size=1, max_size=3).map(tuple),
+    st.sampled_from(("and", "or")),
+)  # fmt: skip
+
+
+@given(propositions, beliefs(), edits)
+@settings(max_examples=40, deadline=None)
+def test_a_claim_and_its_denial_are_never_both_so(proposition, belief, edit):
+    one, two = (
+        decide(t.Part(t.Ask("how-sure", said), edit), Evidence(belief), FRAME)
+        for said in (proposition, proposition.deny())
+    )
+    assert one.chances[0] + two.chances[0] == pytest.approx(1)
+    assert proposition.deny().deny().literals == proposition.literals
+
+
+@given(beliefs(), edits)
+@settings(max_examples=40, deadline=None)
+def test_claim_choice_and_open_question_agree(belief, edit):
+    evidence = Evidence(belief)
+    open_ = decide(t.Part(t.Ask("way", of="turn"), edit), evidence, FRAME)
+    claims = {
+        one: decide(t.Part(read(f"claim {one}").parts[0].ask, edit), evidence, FRAME)
+        for one in ("cw", "ccw")
+    }
+    choice = decide(t.Part(read("choice cw , ccw , not turn").parts[0].ask, edit), evidence, FRAME)
+    assert choice.chances[2] == pytest.approx(1 - choice.chances[0] - choice.chances[1])
+    so = [one for one in claims if claims[one].verdict]
+    if so:
+        assert open_.movements[0].way == t.WAY_ATOMS[so[0]]
+        assert choice.options == ((0,) if so == ["cw"] else (1,))
+    if open_.denied or open_.rest:
+        assert not so
+
+
+@given(st.sampled_from(["way", "way turn", "claim cw", "claim left or out", "choice left , right"]),
+       beliefs(), edits)  # fmt: skip
+@settings(max_examples=40, deadline=None)
+def test_an_edit_acts_as_on_the_belief(text, belief, edit):
+    ask = read(text).parts[0].ask
+    asked = decide(t.Part(ask, edit), Evidence(belief), FRAME)
+    seen = decide(t.Part(ask), Evidence(edit.of_belief(belief)), FRAME)
+    assert replace(asked, part=seen.part) == seen
+
+
+@given(queries, beliefs(), st.sampled_from([None, Whole()]), st.booleans())
+@settings(max_examples=30, deadline=None)
+def test_every_query_is_decided_and_told(query, belief, track, has_second):
+    numbers = (t.Quantity(12.5, "deg"), t.Quantity(0.06, "mm/px"), t.Quantity(0.5, "s"))
+    evidence = Evidence(belief, belief if has_second else None, RECORDING, track)
+    found = execute(t.filled(query, numbers), evidence, FRAME)
+    assert len(found) == len(query.parts)
+    assert all(tell(one, RECORDING) for one in found)
+
+
+@pytest.mark.parametrize(
+    ("question", "text", "verdict"),
+    [
+        ("more than 10 degrees?", "claim turn > #1", True),
+        ("more than an eighth of a turn?", "claim turn > #1", False),
+        ("less than 10 degrees?", "claim turn < #1", False),
+        ("between 10 and 20 degrees?", "claim turn in-range #1 #2", True),
+        ("about 13 degrees?", "claim turn ~ #1", True),
+        ("clockwise and more than 10 degrees?", "claim cw and turn > #1", True),
+        ("faster than 10 degrees per second?", "claim turn > #1", True),
+        ("faster than 5 rpm?", "claim turn > #1", False),
+        ("more than 10?", "claim turn > #1", True),
+        ("more than 10 degrees?", "claim move > #1", True),
+    ],
+)
+def test_an_amount_that_is_said_is_judged_in_its_unit(question, text, verdict):
+    assert answer(text, certain(turn=14), question=question).verdict is verdict
+
+
+def test_what_does_not_turn_does_not_turn_half_a_degree():
+    still = certain(right=9)
+    assert answer("claim turn ~ #1", still, question="half a degree?").verdict is False
+    assert answer("claim turn < #1", still, question="less than 5 degrees?").verdict is True
+
+
+def test_a_fact_holds_for_what_is_asked_with_it():
+    mirrored = answer("fact mirrored ; way turn", certain(turn=14))
+    assert mirrored.movements[0].way is Motion.COUNTERCLOCKWISE
+    far = answer("fact scale #1 ; amount slide", certain(right=10), question="0.06 mm per pixel")
+    assert (far.amounts[0].unit, far.amounts[0].mean) == ("mm", pytest.approx(0.857, abs=0.001))
+
+
+def test_a_thread_tightens_as_its_facts_say():
+    facts = "fact thread left ; fact side head ; claim loosen"
+    assert answer(facts, certain(turn=14)).verdict is True
+    assert answer("claim tighten", certain(turn=14)).missing == "thread"
+    frame = FrameSpec(thread="right", contact_side="head")
+    assert answer("claim tighten", certain(turn=14), frame=frame).verdict is True
+    assert answer("backwards > claim tighten", certain(turn=14), frame=frame).verdict is False
+    assert answer("behind > claim tighten", certain(turn=14), frame=frame).verdict is True
+
+
+@pytest.mark.parametrize(
+    ("text", "times"),
+    [
+        ("when turn begin", (1.0,)),
+        ("backwards > when turn begin", (2.0,)),
+        ("when lost begin", (3.0,)),
+        ("how-long move", (2.0,)),
+        ("how-often turn", (1.0,)),
+        ("order turn slide", (1.0, 2.0)),
+    ],
+)
+def test_times_are_read_off_the_track(text, times):
+    assert answer(text, certain(), track=Whole()).times == times
+
+
+def test_order_turns_round_when_played_backwards():
+    assert answer("order turn slide", certain(), track=Whole()).verdict is True
+    assert answer("backwards > order turn slide", certain(), track=Whole()).verdict is False
+
+
+def test_a_span_asks_for_a_part_of_the_track():
+    found = answer("from #1 to #2 > amount turn", certain(), question="between 1 s and 2.5 s",
+                   track=Whole())  # fmt: skip
+    assert found.amounts[0].mean == pytest.approx(15)
+
+
+def test_two_clips_are_compared_on_what_is_asked():
+    one, two = certain(turn=20), certain(turn=-10)
+    assert answer("compare opposite turn", one, second=two).verdict is True
+    assert answer("compare same way", one, second=two).verdict is False
+    assert answer("compare same kind", one, second=two).verdict is True
+    assert answer("compare more turn", one, second=two).verdict is True
+    assert answer("of-both > claim turn", one, second=two).verdict is True
+    assert answer("of-only-one > claim cw", one, second=two).verdict is True
+    assert answer("which-clip ccw", one, second=two).options == (1,)
+
+
+@pytest.mark.parametrize(
+    ("text", "belief", "sentence"),
+    [
+        ("way", certain(turn=12, right=-4),
+         "It turns clockwise, about 12 degrees and slides left, about 6 px, in the camera image."),
+        ("way turn", certain(right=9),
+         "It does not turn; it slides right, about 13 px, in the camera image."),
+        ("claim not turn", certain(turn=12),
+         "No, that is not so: it turns clockwise, about 12 degrees, in the camera image."),
+        ("undo > way turn", certain(turn=12),
+         "Turn the object counterclockwise, or turn the sensor clockwise, in the camera image."),
+        ("mirror backwards > way", certain(turn=12),
+         "It turns clockwise, about 12 degrees, in the camera image mirrored, played backwards."),
+        ("claim move", certain(), "No: it touches but does not move."),
+        ("claim touch", certain(contact=0.0), "No: nothing touches the gel."),
+        ("choice A left , B right", certain(right=9),
+         "It slides right, about 13 px, in the camera image: B."),
+        ("how-often turn", certain(), "One clip does not show that; give me the whole recording."),
+    ],
+)  # fmt: skip
+def test_a_decision_is_told(text, belief, sentence):
+    assert tell(answer(text, belief)) == sentence

@@ -1,0 +1,27 @@
+"""A follow-up stands for what was asked before it."""
+
+import pytest
+
+from geotlm_lm.query.follow_up import resumed
+from geotlm_lm.query.text import read, write
+
+
+@pytest.mark.parametrize(
+    ("before", "now", "meant"),
+    [
+        ("way", "mirror > again", "mirror > way"),
+        ("mirror > way", "mirror > again", "way"),
+        ("mirror > way", "again plain", "way"),
+        ("amount turn", "again rad", "amount turn rad"),
+        ("way", "again mm", "amount slide mm"),
+        ("sensor > way", "again object", "way"),
+        ("of-first > amount turn", "of-second > again", "of-second > amount turn"),
+        ("way ; amount", "backwards > again", "backwards > way ; backwards > amount"),
+        ("way", "fact mirrored ; again", "fact mirrored ; way"),
+        ("way ; as word", "again", "way ; as word"),
+        ("way", "claim turn", "claim turn"),
+        ("fact mirrored", "again", "not-understood"),
+    ],
+)
+def test_it_is_resumed(before, now, meant):
+    assert write(resumed(read(now), read(before))) == meant
