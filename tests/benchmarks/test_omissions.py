@@ -34,8 +34,7 @@ def test_what_the_model_leaves_out_changes_no_answer(tiny_answerer):
     omissions = model_omissions(Run(answerer_given=tiny_answerer))
     rows = {one.case: one for one in omission_rows(omissions, 1)}
     assert rows["encoding again"].detail["costs"] == {"of answers changed": 0}
-    language = rows["the language model"]
-    assert language.detail["full_ms"] > language.ms_p50  # a model against a rule
+    assert rows["the language model"].detail["costs"] == {}
 
 
 def test_an_omission_costs_what_it_cannot_tell_and_little_else():
