@@ -8,14 +8,12 @@ import torch
 from torch import Tensor
 
 from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.backbone.stem import measure_clip
 from geotlm_lm.checkpoint import Bundle
-from geotlm_lm.core.geometry import pixel_aspect
 from geotlm_lm.core.twist import Component
 from geotlm_lm.motion.belief import Belief, fused
-from geotlm_lm.motion.measured import measured
-from geotlm_lm.motion.network import BELIEF_NUMBERS, belief_of_one
+from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.recordings.touch import UNTOUCHED_PROBABILITY
+from geotlm_lm.track.believing import believed
 
 
 def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:
@@ -34,20 +32,9 @@ def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:
     return fused(belief, _first_belief(bundle, backwards))
 
 
-@torch.inference_mode()
 def _first_belief(bundle: Bundle, encoded: Encoded) -> Belief:
-    """Return what is believed of a clip seen once."""
-    perception = encoded.perception
-    inputs, motions = perception.inputs, perception.motions
-    if inputs is None or not motions:  # a released encoder has no stem of its own
-        stem = measure_clip(encoded.clip)
-        inputs, motions = torch.from_numpy(stem.inputs[None]), (stem.motions,)
-    found = torch.from_numpy(motions[0].numbers())[None]
-    aspect = pixel_aspect(*encoded.clip.frames.shape[1:3])
-    told = bundle.motion(
-        measured(inputs, found, perception.geometry, perception.fused_token, aspect)
-    )
-    belief = belief_of_one(told, doubt=encoded.doubt)
+    """Return what is believed of a clip seen once, and of contact by what the pictures tell too."""
+    belief = believed(bundle, encoded.clip, encoded.perception, encoded.doubt)
     touched = _contact(belief.contact, encoded)
     ways = {way: share * touched for way, share in belief.ways.items()}
     return replace(belief, ways=ways, contact=touched)

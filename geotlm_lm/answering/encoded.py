@@ -106,7 +106,7 @@ class Encoded:
 
 
 def with_background(clip: Clip) -> Clip:
-    """Return a clip of a few frames beside its idle gel, estimated where it is not known."""
+    """Return a clip beside its idle gel, estimated where it is not known."""
     if clip.background is None:
         clip = replace(clip, background=estimate_background(clip.frames)).with_note(
             "Background: estimated from the frames; give an idle frame for a surer answer."

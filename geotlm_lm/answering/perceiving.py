@@ -17,7 +17,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.recordings.idle import estimate_background, find_idle
+from geotlm_lm.recordings.idle import find_idle
 from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static
 from geotlm_lm.track.believing import believer
@@ -167,10 +167,7 @@ def with_idle(clip: Clip) -> Clip:
     if idle is not None:
         note = "Background: the recording's own untouched frames."
         return replace(clip, background=idle).with_note(note)
-    guessed = replace(clip, background=estimate_background(clip.frames))
-    return guessed.with_note(
-        "Background: estimated from the frames; give an idle frame for a surer answer."
-    )
+    return with_background(clip)
 
 
 def _belief(bundle: Bundle, track: Track, window: Encoded, _: Encoded) -> Belief:

@@ -6,6 +6,7 @@ They go through a bounded buffer: when the reader falls behind, the oldest are d
 from __future__ import annotations
 
 import threading
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -78,7 +79,7 @@ class LatestFrames:
             yield frame
 
 
-class Unwaiting:
+class Unwaiting(ABC):
     """A source that does not wait for its reader: a thread brings the frames into a buffer.
 
     Args:
@@ -111,6 +112,6 @@ class Unwaiting:
         else:
             self._buffer.close()
 
+    @abstractmethod
     def _bring(self) -> None:
         """Put frames into the buffer until they end or nobody reads."""
-        raise NotImplementedError

@@ -1,4 +1,4 @@
-"""What the model believes of a few frames of a stream: the learned part of a track."""
+"""What the model believes of four frames, given how they were perceived; writes no word."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from geotlm_lm.backbone.stem import measure_clip
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import pixel_aspect
+from geotlm_lm.model import Perception
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.motion.measured import measured
 from geotlm_lm.motion.network import belief_of_one
@@ -21,17 +22,27 @@ Believe = Callable[[Clip], Belief]
 def believer(bundle: Bundle) -> Believe:
     """Return what asks a bundle's perception and motion network; no word is generated."""
 
-    @torch.inference_mode()
     def believe(clip: Clip) -> Belief:
-        seen = bundle.model.perceive([clip])
-        inputs, motions = seen.inputs, seen.motions
-        if inputs is None or not motions:  # a released encoder has no stem of its own
-            stem = measure_clip(clip)
-            inputs, motions = torch.from_numpy(stem.inputs[None]), (stem.motions,)
-        found = torch.from_numpy(motions[0].numbers())[None]
-        aspect = pixel_aspect(*clip.frames.shape[1:3])
-        return belief_of_one(
-            bundle.motion(measured(inputs, found, seen.geometry, seen.fused_token, aspect))
-        )
+        return believed(bundle, clip, bundle.model.perceive([clip]))
 
     return believe
+
+
+@torch.inference_mode()
+def believed(bundle: Bundle, clip: Clip, perception: Perception, doubt: float = 1.0) -> Belief:
+    """Return what is believed of a clip seen once.
+
+    Args:
+        bundle: The model.
+        clip: Four frames with their idle gel.
+        perception: Of it, batch of one.
+        doubt: What widens the spread and flattens the probabilities.
+    """
+    inputs, motions = perception.inputs, perception.motions
+    if inputs is None or not motions:  # a released encoder has no stem of its own
+        stem = measure_clip(clip)
+        inputs, motions = torch.from_numpy(stem.inputs[None]), (stem.motions,)
+    found = torch.from_numpy(motions[0].numbers())[None]
+    aspect = pixel_aspect(*clip.frames.shape[1:3])
+    seen = measured(inputs, found, perception.geometry, perception.fused_token, aspect)
+    return belief_of_one(bundle.motion(seen), doubt=doubt)

@@ -22,8 +22,6 @@ from geotlm_lm.track.amounts import Floats, Span
 from geotlm_lm.track.events import Event
 from geotlm_lm.track.track import Track
 
-TABLE_SUFFIXES = (".csv", ".parquet", ".json")
-
 UNITS = {Component.TURN: "deg", Component.PRESS: "mm"}
 """Of a slide it is that of `Units`."""
 
@@ -176,7 +174,7 @@ class Exported:
         """Write the table of frames; of .json also events, totals, notes and what made it.
 
         Args:
-            path: Its ending, one of `TABLE_SUFFIXES`, says how.
+            path: Its ending, .csv, .parquet or .json, says how.
             made_by: Plain values that say what made it; a .parquet file keeps them as well.
 
         Raises:

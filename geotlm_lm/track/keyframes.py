@@ -83,7 +83,6 @@ class KeyFrames:
 
     def __init__(self, residual: Floats, rows: int, columns: int) -> None:
         self._size = (rows, columns)
-        self.laid = 0
         """Key frames so far."""
         self._before = Rigid()
         self._lay(residual)
@@ -124,7 +123,6 @@ class KeyFrames:
         self._pose, self._covariance = Rigid(), np.zeros((3, 3))
         # The picture's pixels may be others now: the last step is no start any more.
         self._before = Rigid(self._before.turn_rad)
-        self.laid += 1
 
     def _is_far(self, on_key: Aligned, picture: Picture) -> bool:
         pose, side = self._pose, max(picture.image.shape)

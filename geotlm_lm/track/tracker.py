@@ -52,7 +52,6 @@ class Tracker:
         self._gel: Floats | None = None
         self._before: Frames | None = None
         self._time_s, self._number = -math.inf, -1
-        self._belief_contact = 1.0
         self._late = self._flashed = self._repeated = self._lost = 0
 
     @property

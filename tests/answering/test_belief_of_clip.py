@@ -17,7 +17,7 @@ def believing(bundle, monkeypatch):
 
     def believe(*told):
         told = list(told)
-        monkeypatch.setattr(belief_of_clip, "belief_of_one", lambda *_, **__: told.pop(0))
+        monkeypatch.setattr(belief_of_clip, "believed", lambda *_, **__: told.pop(0))
         seen.clear()
         belief = Answerer(bundle).encode(recording()).belief
         assert told == []
