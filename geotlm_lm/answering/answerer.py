@@ -26,6 +26,7 @@ from geotlm_lm.answering.perceiving import (
     perceive_recording,
     track_recording,
     tracker_of,
+    with_found_idle,
     with_idle_of,
     within_span,
 )
@@ -109,6 +110,7 @@ class Answerer:
         if len(inside) <= FRAME_COUNT:
             inside = inside if span is None else with_idle_of(inside, clip)
             return perceive_clip(self.bundle, inside)
+        clip = with_found_idle(clip)  # once, for the track and for the four frames looked at
         track = self.track(clip) if track is None else track
         return perceive_recording(self.bundle, clip, track, span)
 

@@ -155,19 +155,21 @@ def within_span(bundle: Bundle, encoded: Encoded, question: str) -> tuple[Encode
 
 def with_idle_of(part: Clip, recording: Clip) -> Clip:
     """Return frames of a recording beside its idle gel, where that is known or to be found."""
-    idle = recording.background if recording.background is not None else find_idle(recording)
-    return part if idle is None else replace(part, background=idle)
+    return replace(part, background=with_found_idle(recording).background)
 
 
 def with_idle(clip: Clip) -> Clip:
     """Return a recording beside its idle gel: given, found where nothing touches, or guessed."""
-    if clip.background is not None:
+    return with_background(with_found_idle(clip))
+
+
+def with_found_idle(clip: Clip) -> Clip:
+    """Return a recording beside its idle gel, if that is given or found where nothing touches."""
+    idle = None if clip.background is not None else find_idle(clip)
+    if idle is None:
         return clip
-    idle = find_idle(clip)
-    if idle is not None:
-        note = "Background: the recording's own untouched frames."
-        return replace(clip, background=idle).with_note(note)
-    return with_background(clip)
+    note = "Background: the recording's own untouched frames."
+    return replace(clip, background=idle).with_note(note)
 
 
 def _belief(bundle: Bundle, track: Track, window: Encoded, _: Encoded) -> Belief:

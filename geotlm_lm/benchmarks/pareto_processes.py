@@ -88,5 +88,5 @@ def run_fresh(code: str, *words: str) -> list[str]:
 
 
 def long_recording(clip: Clip) -> Clip:
-    """Return 5 s at 25 fps, the idle gel and then the clip: what four frames are chosen from."""
+    """Return 5 s at 25 fps, the idle gel and then the clip: what is tracked."""
     return Clip(np.repeat(np.concatenate([clip.background[None], clip.frames]), 25, axis=0))
