@@ -52,6 +52,7 @@ class Tracker:
         self._gel: Floats | None = None
         self._before: Frames | None = None
         self._time_s, self._number = -math.inf, -1
+        self._stepped: list[int] = []
         self._late = self._flashed = self._repeated = self._lost = 0
 
     @property
@@ -92,6 +93,7 @@ class Tracker:
             self._late += 1
             return []
         self._time_s = time_s
+        self._follow_exposure(frame)
         if not self._idle.is_exposed_alike(frame):
             self._flashed += 1
             return []
@@ -111,6 +113,16 @@ class Tracker:
         self._settled()
         self._keep(self._finder.finish())
         return self.so_far
+
+    def _follow_exposure(self, frame: Frames) -> None:
+        """Take what is kept of earlier frames to be exposed as a frame is."""
+        exposure = self._idle.follow_exposure(frame)
+        if exposure is None:
+            return
+        self._stepped.append(self._number)
+        self._block.expose(exposure)
+        if self._keys is not None:
+            self._gel = small_green(self._idle.background)
 
     def _measured(self, frame: Frames) -> Row:
         strength = self._idle.strength(frame)
@@ -166,6 +178,12 @@ class Tracker:
             notes.append(
                 f"{self._flashed} frames are much brighter or darker than the idle gel and left "
                 f"out; lock the camera's exposure."
+            )
+        if self._stepped:
+            times = "once" if len(self._stepped) == 1 else f"{len(self._stepped)} times"
+            notes.append(
+                f"The exposure of the whole picture changes {times}, first in frame "
+                f"{self._stepped[0]}, and is followed; lock the camera's exposure."
             )
         if self._repeated:
             notes.append(f"{self._repeated} frames repeat the one before.")

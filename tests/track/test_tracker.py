@@ -107,6 +107,40 @@ def test_a_flash_and_a_covered_lens_change_nothing_and_are_noted(frames, track):
     assert any("brighter or darker" in note for note in found.notes)
 
 
+@pytest.mark.parametrize(("gain", "offset"), [(1.3, 5), (0.7, -3), (1.1, 0)])
+@pytest.mark.parametrize("place", [IDLE - 4, IDLE + REST // 2, IDLE + REST + TURN // 2])
+def test_an_exposure_that_steps_for_good_is_no_event_and_is_noted(
+    frames, track, gain, offset, place
+):
+    later = [np.clip(np.rint(gain * one + offset), 0, 255) for one in frames[place:]]
+    tracker = Tracker()
+    for k, frame in enumerate([*frames[:place], *later]):
+        tracker.feed(frame.astype(np.uint8), k / FPS)
+    found = tracker.finish()
+    assert len(found) == len(frames)
+    assert found.net(Component.TURN).mean == pytest.approx(track.net(Component.TURN).mean, abs=2)
+    assert [one.kind for one in found.events] == [one.kind for one in track.events]
+    assert tracker.idle.mean() == pytest.approx(110 * gain + offset, abs=2)
+    told = [note for note in found.notes if "exposure" in note]
+    assert told == [
+        f"The exposure of the whole picture changes once, first in frame {place}, and is followed; "
+        f"lock the camera's exposure."
+    ]
+
+
+def test_light_that_ramps_while_the_object_turns_is_followed(frames, track):
+    gains = np.interp(np.arange(len(frames)), [IDLE + REST + 4, IDLE + REST + 20], [1, 1.35])
+    found, _ = fed(
+        [
+            np.rint(g * one).clip(0, 255).astype(np.uint8)
+            for g, one in zip(gains, frames, strict=True)
+        ]
+    )
+    assert len(found) == len(frames)
+    assert found.net(Component.TURN).mean == pytest.approx(track.net(Component.TURN).mean, abs=2)
+    assert [one.kind for one in found.events] == [one.kind for one in track.events]
+
+
 def test_nothing_seen_of_the_gel_is_said():
     rng = np.random.default_rng(0)
     noise = rng.integers(0, 255, (20, 60, 80, 3), dtype=np.uint8)
