@@ -21,7 +21,7 @@ SMALL = (40, 30)
 """Columns and rows that exposures are compared at: noise averages out."""
 
 LEAST_GREY = 2.0
-"""Change of the middle grey level below which the alignment and the idle gel follow by themselves."""
+"""Change of the middle grey level below which alignment and idle gel follow by themselves."""
 
 STEADY_GREY = 0.5
 """Change below which the exposure is that of before."""
@@ -86,7 +86,7 @@ def exposure_step(before: Floats, after: Floats) -> Exposure | None:
     quiet = left <= np.median(left)
     earlier, later = earlier[quiet], later[quiet]
     gain, offset = _compared(earlier, later)
-    if not ((1 / MOST_GAIN < gain) & (gain < MOST_GAIN)).all():
+    if not ((gain > 1 / MOST_GAIN) & (gain < MOST_GAIN)).all():
         return None
     left = np.square(later - gain * earlier - offset).sum()
     if left > MOST_LEFT**2 * np.square(later - earlier).sum():
