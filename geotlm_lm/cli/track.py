@@ -75,6 +75,7 @@ def track(
     targets = Targets(out, plot, video)
     targets.require([one for one in (recording, background) if one is not None], is_forced=force)
     from geotlm_lm.core.frame_spec import FrameSpec
+    from geotlm_lm.recordings.legible import require_any_legible
     from geotlm_lm.recordings.read import read_clip
     from geotlm_lm.recordings.span import frames_inside
 
@@ -82,8 +83,7 @@ def track(
     clip = read_clip(
         recording, layout=layout, fps=fps, background=background, square_pixels=square_pixels
     )
-    if span is not None:
-        frames_inside(clip, span)
+    require_any_legible(clip if span is None else frames_inside(clip, span))
 
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer

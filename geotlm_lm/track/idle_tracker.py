@@ -56,7 +56,9 @@ class IdleTracker:
         """A frame that is exposed as the idle gel is, as exposures are compared."""
         self._reference_age = 0
         if idle is not None:
-            self._idle, self._small = idle.astype(np.float32), activity_grey(idle[None])[0]
+            # Contiguous: OpenCV changes it in place.
+            self._idle = np.ascontiguousarray(idle, np.float32)
+            self._small = activity_grey(idle[None])[0]
             self._colours = small_colours(idle)
 
     @property
@@ -71,7 +73,7 @@ class IdleTracker:
         colours = small_colours(frame)
         step = None if self._colours is None else exposure_step(self._colours, colours)
         if step is not None:
-            self._idle = step.applied(self._idle)
+            self._idle = np.ascontiguousarray(step.applied(self._idle))
             self._small = activity_grey(self._idle[None])[0]
             # Frames before and after do not agree with each other any more.
             self._recent.clear()

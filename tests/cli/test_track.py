@@ -9,6 +9,7 @@ import pytest
 
 from geotlm_lm.recordings import limits
 from geotlm_lm.recordings import video as videos
+from geotlm_lm.recordings.idle import estimate_background
 from geotlm_lm.track import export
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
@@ -155,6 +156,38 @@ def test_no_file_is_replaced_unasked_nor_named_wrongly(capsys, path, tmp_path):
 def test_an_untouched_gel_is_told_in_a_sentence(capsys, tmp_path):
     np.savez(tmp_path / "idle.npz", frames=CLIP.frames[:9], fps=25.0)
     assert run(capsys, tmp_path / "idle.npz")[1] == "Nothing touches in the recording.\n"
+
+
+@pytest.mark.parametrize(
+    ("grey", "sentence"),
+    [
+        (
+            0,
+            "100% of frame 0 is black, expected at most 40%; check the camera and the sensor's "
+            "lights.",
+        ),
+        (
+            255,
+            "100% of frame 0 is overexposed, expected at most 30%; shorten the camera's exposure.",
+        ),
+    ],
+)
+def test_a_recording_without_a_picture_is_refused_in_one_sentence(capsys, tmp_path, grey, sentence):
+    path = tmp_path / "none.npz"
+    np.savez(path, frames=np.full((30, 120, 160, 3), grey, np.uint8), fps=25.0)
+    assert run(capsys, path) == (3, "", f"{path}: {sentence}\n")
+
+
+def test_a_recording_in_which_nothing_changes_is_tracked_with_a_guessed_gel(
+    capsys, tmp_path, monkeypatch
+):
+    def tracker(_, recording):
+        return Tracker(idle=estimate_background(recording.frames))
+
+    monkeypatch.setattr(Measuring, "tracker", tracker)
+    frames = np.full((30, 120, 160, 3), 120, np.uint8)
+    np.savez(tmp_path / "plain.npz", frames=frames, fps=25.0)
+    assert run(capsys, tmp_path / "plain.npz")[:2] == (0, "Nothing touches in the recording.\n")
 
 
 def test_frame_numbers_stand_for_times_where_no_rate_is_known(capsys, tmp_path):
