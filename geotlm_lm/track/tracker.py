@@ -217,9 +217,9 @@ def track_of(
         return tracker.finish()
     gel = idle if idle is not None else source.background
     gel = _gel_of(source) if gel is None else gel
-    tracker, fps = Tracker(believe, idle=gel), source.fps or ASSUMED_FPS
+    tracker = Tracker(believe, idle=gel)
     for frame, number in zip(source.frames, source.frame_numbers, strict=True):
-        tracker.feed(frame, number / fps, number)
+        tracker.feed(frame, source.second_of(number, ASSUMED_FPS), number)
     return tracker.finish()
 
 
