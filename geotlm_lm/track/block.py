@@ -2,8 +2,7 @@
 
 How far it turns and slides, frames laid on each other tell; how deep it goes only the model, of
 four frames spread over the same time; when, the imprint's strength. Fusing the believed turn and
-slide as well is not taken: of 68 recordings that things are chosen by the net turn is then within
-a fifth or 5 degrees in 0.82 for 0.85.
+slide as well is not taken: real turns are then over-told.
 """
 
 from __future__ import annotations
