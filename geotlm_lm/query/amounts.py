@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from statistics import NormalDist
 
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE, TOLERANCES
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.quantities import FACTORS, Quantity, in_base
@@ -38,6 +39,10 @@ OF_ATOM: dict[str, tuple[str, int]] = {
 BASES = {"turn": "deg", "x": "px", "y": "px", "slide": "px", "inward": "mm"}
 
 
+LEAST_TIMED = 3
+"""Different frames that a speed needs."""
+
+
 class Missing(Exception):  # noqa: N818  (no error: a fact that an answer lacks)
     """A fact that is needed: "scale", "rate", "unit", "thread", "side", "track", "second"."""
 
@@ -49,9 +54,12 @@ class Recording:
     Args:
         columns: Width of the recording's frames, pixels.
         rows: Their height.
+        is_turned: Whether they are looked at turned by a quarter.
         rate_hz: Frames per second; None where it is not told.
         frames: How many there are.
         used: Numbers of the frames that the clip is of.
+        moving_s: For how long a recording that was followed moves; None of a clip.
+        step_s: Time from frame to frame, or 1 for numbers of frames in its place.
     """
 
     columns: int = 224
@@ -59,6 +67,9 @@ class Recording:
     rate_hz: float | None = None
     frames: int = 4
     used: tuple[int, ...] = (0, 1, 2, 3)
+    is_turned: bool = False
+    moving_s: float | None = None
+    step_s: float | None = None
 
     @property
     def steps(self) -> int:
@@ -67,8 +78,13 @@ class Recording:
 
     @property
     def seconds(self) -> float | None:
-        """Time from the first used frame to the last."""
-        return self.steps / self.rate_hz if self.rate_hz else None
+        """How long what moves does so: from the first used frame to the last.
+
+        Two frames alone give no time: they may be any two of a longer motion.
+        """
+        if not self.rate_hz or self.moving_s is not None:
+            return self.moving_s if self.rate_hz else None
+        return self.steps / self.rate_hz if len(set(self.used)) >= LEAST_TIMED else None
 
 
 @dataclass(frozen=True)
@@ -98,17 +114,38 @@ class Measure:
 
     @property
     def span(self) -> tuple[float, float]:
-        """The ends between which it lies nine times in ten."""
+        """The ends between which it lies nine times in ten, rounded outwards; holds the value."""
         far = SPAN_DEVIATIONS * self.deviation
         low = self.mean - far if self.atom in WAY_ATOMS else max(self.mean - far, 0.0)
-        return float(f"{low:.2g}"), float(f"{self.mean + far:.2g}")
+        low, high = 0.0 - _two_digits_up(-low), _two_digits_up(self.mean + far)
+        return min(low, self.value), max(high, self.value)
+
+    def to_dict(self) -> dict[str, float | str]:
+        """Return plain JSON values."""
+        low, high = self.span
+        return {"value": self.value, "unit": self.unit, "low": low, "high": high}
+
+    @property
+    def word(self) -> str:
+        """The amount as a program reads it: "15 deg"."""
+        return f"{self.value:g} {self.unit}"
 
     @property
     def probability(self) -> float:
-        """That the value is right within the tolerance or a fifth."""
-        far = max(self.tolerance, RELATIVE_TOLERANCE * abs(self.value))
-        bell = NormalDist(self.mean, max(self.deviation, 1e-9))
-        return bell.cdf(self.value + far) - bell.cdf(self.value - far)
+        """That the value is right within the tolerance, or a fifth of the true amount."""
+        size = abs(self.value)
+        low = min(size - self.tolerance, size / (1 + RELATIVE_TOLERANCE))
+        high = max(size + self.tolerance, size / (1 - RELATIVE_TOLERANCE))
+        bell = NormalDist(math.copysign(1, self.value) * self.mean, max(self.deviation, 1e-9))
+        return bell.cdf(high) - bell.cdf(low)
+
+
+def _two_digits_up(value: float) -> float:
+    """Return the least number of two digits that is not less."""
+    if value == 0:
+        return 0.0
+    step = 10.0 ** (math.floor(math.log10(abs(value))) - 1)
+    return float(f"{math.ceil(value / step - 1e-9) * step:.2g}")
 
 
 def bell(belief: Belief, name: str) -> tuple[float, float]:
@@ -144,31 +181,28 @@ def factor(name: str, unit: str, frame: FrameSpec, recording: Recording, belief:
     elif plain not in UNITS["length"]:
         raise Missing("unit")
     else:
-        scale = _length_factor(base, plain, _pixels(name, belief, recording), frame)
+        scale = _length_factor(name, plain, belief, frame, recording)
     return scale / _times(per, recording) if per else scale
 
 
-def _pixels(name: str, belief: Belief, recording: Recording) -> float:
-    """Return the recording's pixels per pixel of the 224-pixel image, along what is measured."""
-    across, along = recording.columns / 224, recording.rows / 224
-    if name != "slide":
-        return along if name == "y" else across
-    length = belief.mean.slide_px
-    if length == 0:
-        return across
-    return math.hypot(across * belief.mean.right_px, along * belief.mean.down_px) / length
-
-
-def _length_factor(base: str, unit: str, pixels: float, frame: FrameSpec) -> float:
-    if base == "mm":
+def _length_factor(name: str, unit: str, belief: Belief, frame: FrameSpec, recording: Recording):
+    """Return how many of a unit of length are one of the base of what is measured."""
+    if BASES[name] == "mm":
         if unit == "px":
             raise Missing("unit")
         return 1 / FACTORS["length"][unit]
-    if unit == "px":
-        return pixels
-    if frame.mm_per_px is None:
+    if unit != "px" and frame.mm_per_px is None:
         raise Missing("scale")
-    return pixels * frame.mm_per_px / FACTORS["length"][unit]
+    size = None if unit == "px" else frame.mm_per_px
+    scale = travel_scale(recording.rows, recording.columns, size)[1]
+    across, along = scale[::-1] if recording.is_turned else scale
+    factor = 1.0 if unit == "px" else 1 / FACTORS["length"][unit]
+    if name != "slide":
+        return factor * (along if name == "y" else across)
+    length = belief.mean.slide_px
+    if length == 0:
+        return factor * across
+    return factor * math.hypot(across * belief.mean.right_px, along * belief.mean.down_px) / length
 
 
 def _times(per: str, recording: Recording) -> float:
@@ -206,15 +240,23 @@ def measure(
         Missing: As `factor`.
     """
     name, sign = OF_ATOM[atom]
-    if unit is None:
-        has_scale = BASES[name] == "px" and frame.mm_per_px is not None
-        unit = "mm" if has_scale else BASES[name]
+    mean, deviation = bell(belief, name)
+    unit = unit or usual_unit(atom, frame)
     wanted = f"{unit}/{per.removeprefix('per-')}" if per in PER else unit
     scale = factor(name, wanted, frame, recording, belief)
-    mean, deviation = bell(belief, name)
-    mean = mean * sign if sign else abs(mean)
-    tolerance = TOLERANCES[BASES[name]]
-    return Measure(atom, mean * scale, deviation * scale, wanted, tolerance * scale)
+    return sized(atom, mean * sign if sign else abs(mean), deviation, wanted, scale)
+
+
+def usual_unit(atom: str, frame: FrameSpec) -> str:
+    """Return the unit that an atom's amount is told in where none is asked for."""
+    base = BASES[OF_ATOM[atom][0]]
+    return "mm" if base == "px" and frame.mm_per_px is not None else base
+
+
+def sized(atom: str, mean: float, deviation: float, unit: str, scale: float) -> Measure:
+    """Return an amount in a unit of which `scale` are one of the atom's base."""
+    tolerance = TOLERANCES[BASES[OF_ATOM[atom][0]]]
+    return Measure(atom, mean * scale, deviation * scale, unit, tolerance * scale)
 
 
 def atom_of(unit: str) -> str:

@@ -16,7 +16,7 @@ from geotlm_lm.query.types import Quantity
 
 FACTORS = {
     "angle": {"deg": 1.0, "rad": 57.29577951308232, "turn": 360.0, "arcmin": 1 / 60},
-    "length": {"mm": 1.0, "cm": 10.0, "um": 0.001, "inch": 25.4},
+    "length": {"mm": 1.0, "cm": 10.0, "um": 0.001, "inch": 25.4, "thou": 0.0254},
     "time": {"s": 1.0, "ms": 0.001, "min": 60.0},
 }
 """How many degrees, millimetres or seconds a unit is; a pixel's and a frame's size varies."""
@@ -24,6 +24,8 @@ FACTORS = {
 _FIGURE = re.compile(r"[-+−]?(?:\d+(?:[.,]\d+)*|[.,]\d+)(?:\s*/\s*\d+)?")
 _WORD = re.compile(r"[^\W\d_]+\.?|[°%/\"]|[-–]")
 _SPACES = re.compile(r"[\s_]*")
+_PER = ("per", "/", "a", "an", "each", "every", "for", "to", "in", "the", "one")
+_RATES = ("s", "min", "frame", "px", "mm", "ms", "cm", "inch")
 _ORDINAL = re.compile(r"(?:st|nd|rd|th)\b", re.IGNORECASE)
 
 
@@ -89,7 +91,7 @@ def _figure_at(text: str, at: int) -> Found | None:
 def _value(said: str) -> float | None:
     said = said.replace("−", "-").replace(" ", "")
     top, _, bottom = said.partition("/")
-    if re.fullmatch(r"[-+]?\d{1,3}(?:,\d{3})+", top):
+    if re.fullmatch(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+", top):
         top = top.replace(",", "")
     try:
         value = float(top.replace(",", "."))
@@ -99,7 +101,7 @@ def _value(said: str) -> float | None:
 
 
 def _words_at(text: str, at: int) -> Found | None:
-    if at > 0 and (text[at - 1].isalnum() or text[at - 1] in "'’"):
+    if not text[at].isalpha() or (at > 0 and (text[at - 1].isalnum() or text[at - 1] in "'’")):
         return None
     value, end = _spoken(text, at)
     if value is None:
@@ -177,17 +179,21 @@ def _unit_at(text: str, at: int, *, may_join: bool = False) -> tuple[str, int]:
     if not unit:
         return "", at
     word, after = _next_word(text, end)
-    if word in ("per", "/", "a", "an", "each", "every"):
+    for _ in range(2):  # "20 px per mm", "20 px for each mm", "20 px to the mm"
+        if word not in _PER:
+            break
         per, last = _plain_unit(text, after)
-        is_rate = per in ("s", "min", "frame", "px", "mm", "ms", "cm", "inch")
-        if per and is_rate and per != unit:
+        if per in _RATES and per != unit:
             return f"{unit}/{per}", last
+        word, after = _next_word(text, after)
     return unit, end
 
 
 def _plain_unit(text: str, at: int) -> tuple[str, int]:
     units = _lexicon()[0]
     place, said, best = at, "", ("", at)
+    if text[at : at + 1] == "-" and text[at + 1 : at + 2].isalpha():  # "a 90-degree turn"
+        place = at + 1
     for _ in range(3):
         word, place = _next_word(text, place)
         if word is None:

@@ -18,8 +18,9 @@ LEVELS = (
     {"alignment"},
     {"simulation", "recordings", "backbone", "dgr", "probe", "language", "conversation"},
     {"model", "data", "views", "motion"},
-    {"checkpoint", "query"},
+    {"checkpoint"},
     {"precision", "track"},
+    {"query"},
     {"answering", "training"},
     {"benchmarks", "reference_readings"},
     {"cli"},
@@ -35,7 +36,7 @@ FORBIDDEN = {
     "alignment": {"transformers", "scipy", "sklearn", "typer", "gradio"},
     "language": {"cv2", "typer", "gradio"},
     "conversation": {"torch", "cv2", "scipy", "sklearn", "transformers", "typer", "gradio"},
-    "query": {"torch", "cv2", "scipy", "sklearn", "transformers", "typer", "gradio"},
+    "query": {"cv2", "scipy", "sklearn", "transformers", "typer", "gradio"},
     "views": {"torch", "scipy", "sklearn", "transformers", "typer", "gradio"},
 }
 """Outside packages a room must do without, anywhere in it."""
