@@ -72,7 +72,8 @@ class Grammar:
 
     def __init__(self) -> None:
         folder = resource_dir("data_templates") / "query"
-        told = [tomllib.loads((folder / f"{name}.toml").read_text()) for name in _FILES]
+        paths = [*(folder / f"{name}.toml" for name in _FILES), *sorted(folder.glob("voices/*.toml"))]
+        told = [tomllib.loads(path.read_text(encoding="utf-8")) for path in paths]
         self.words: dict[str, Any] = {}
         for one in (tomllib.loads((folder / "lexicon.toml").read_text()), *told):
             plain = {key: part for key, part in one.items() if isinstance(part, dict)}

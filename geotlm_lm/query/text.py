@@ -212,6 +212,29 @@ def _read_subject(words: _Words) -> t.Subject:
     return t.Subject(clip, half, span)
 
 
+MOST_SLOTS = 9
+"""Quantities of a text that a query can point at."""
+
+QUERY_WORDS = tuple(
+    dict.fromkeys(
+        (
+            *(">", ";", ",", "as", "fact", "and", "or", "not", "from", "to"),
+            *(f"#{place + 1}" for place in range(MOST_SLOTS)),
+            *EDIT_WORDS,
+            *(*_CLIPS.values(), *_PLACES.values(), *_TIMES.values()),
+            *t.ASKS,
+            *_FLAGS.values(),
+            *(word for names in _NAMES.values() for word in names),
+            *(*t.ATOMS, *t.OTHER_ATOMS, *_RELATIONS.values(), *LABELS),
+            *FACTS,
+            *(word for values, _ in FACTS.values() for word in values),
+            *t.FORMS[1:],
+        )
+    )
+)
+"""Every word that a query may hold."""
+
+
 def _read_part(words: _Words) -> t.Part:
     edit = []
     while (word := words.optional(*EDIT_WORDS)) is not None:
@@ -251,7 +274,7 @@ def write(query: t.Query) -> str:
     return " ; ".join(" ".join(clause) for clause in clauses)
 
 
-def read(text: str, slots: int = 9) -> t.Query:
+def read(text: str, slots: int = MOST_SLOTS) -> t.Query:
     """Return the query of a line of words.
 
     Args:

@@ -107,7 +107,7 @@ class _Learner:
 
     def step(self, inputs: Tensor, truth: DenseTruth) -> float:
         """Take one step and return its loss."""
-        with torch.autocast(self._device, torch.bfloat16, enabled=_has_bfloat16(self._device)):
+        with torch.autocast(self._device, torch.bfloat16, enabled=has_bfloat16(self._device)):
             tokens = self.vit(inputs)
         loss = dense_loss(
             Tokens(tokens.global_token.float(), tokens.patches.float()), self.heads, truth
@@ -142,7 +142,7 @@ class _Learner:
         }
 
 
-def _has_bfloat16(device: str) -> bool:
+def has_bfloat16(device: str) -> bool:
     """Tell whether bfloat16 products are fast: 2.7 times float32 on a processor that has them."""
     return device == "cuda" or torch.ops.mkldnn._is_mkldnn_bf16_supported()
 

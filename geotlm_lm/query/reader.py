@@ -1,0 +1,199 @@
+"""Read a question: a small decoder writes its query, word by word, of well-formed ones only.
+
+It sees the text and nothing else, so what is read cannot depend on a clip. Question tokens see each
+other both ways, as the prefix of a prefix language model (Raffel et al. 2020, T5, 3.2.1).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import torch
+from safetensors.torch import load_file, save
+from tokenizers import Tokenizer
+from torch import Tensor, nn
+from torch.nn.functional import linear
+
+from geotlm_lm.core.atomic import replacing, write_text_atomically
+from geotlm_lm.core.errors import IncompatibleBundle, UsageError, first_line
+from geotlm_lm.language.decoder import Cache, LanguageSize, LlamaDecoder
+from geotlm_lm.language.weights import WHAT_DAMAGE_RAISES
+from geotlm_lm.query.quantities import Quantity
+from geotlm_lm.query.spelling import Spelling
+from geotlm_lm.query.text import END, next_words, read
+from geotlm_lm.query.types import Query, filled
+
+SIZE = LanguageSize(width=256, layers=4, heads=8, mlp=688, tactile_tokens=0, max_tokens=704)
+"""2.7 million weights; a question of 2,000 characters and a query of 64 words fit."""
+
+MOST_WORDS = 64
+DOUBTFUL = 0.02
+"""Share of its best word's probability from which on another word is worth a second reading."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a question was taken to mean.
+
+    Args:
+        line: The query's words, numbers as slots.
+        quantities: Numbers of the question, for the slots.
+        probability: That this is what was meant, calibrated.
+    """
+
+    line: str
+    quantities: tuple[Quantity, ...]
+    probability: float
+
+    @property
+    def query(self) -> Query:
+        """The query with its numbers."""
+        return filled(read(self.line, len(self.quantities)), self.quantities)
+
+
+class QuestionDecoder(nn.Module):
+    """Embeddings, decoder and tied output weights over the ids of a `Spelling`."""
+
+    def __init__(self, size: LanguageSize, vocabulary: int) -> None:
+        super().__init__()
+        self.size, self.vocabulary = size, vocabulary
+        self.decoder = LlamaDecoder(size, vocabulary)
+
+    def forward(
+        self, ids: Tensor, positions: Tensor, mask: Tensor | None, cache: Cache | None = None
+    ) -> tuple[Tensor, Cache]:
+        """Return hidden states (b, s, width) and the cache; `mask` as `LlamaDecoder` has it."""
+        return self.decoder(self.decoder.embed_tokens(ids), positions, mask, cache)
+
+    def logits(self, hidden: Tensor) -> Tensor:
+        """Return the logits over all ids."""
+        return linear(hidden, self.decoder.embed_tokens.weight)
+
+
+class Reader:
+    """Reads questions.
+
+    Args:
+        model: The weights.
+        spelling: Their ids.
+        calibration: (slope, offset) of the log-odds of a reading's probability.
+    """
+
+    def __init__(
+        self, model: QuestionDecoder, spelling: Spelling, calibration: tuple[float, float]
+    ) -> None:
+        self.model, self.spelling, self.calibration = model.eval(), spelling, calibration
+
+    def read(self, text: str) -> Reading:
+        """Return the most probable reading of a question.
+
+        Raises:
+            UsageError: If the question is empty or too long.
+        """
+        return self.readings(text, most=1)[0]
+
+    @torch.inference_mode()
+    def readings(self, text: str, most: int = 2) -> list[Reading]:
+        """Return the most probable readings, the best first; less probable ones turn off from it.
+
+        Raises:
+            UsageError: If the question is empty or too long.
+        """
+        spelled = self.spelling.question(text)
+        if len(spelled.ids) < 2:
+            raise UsageError(
+                "The question is empty; ask something like 'Which way is it turning?'."
+            )
+        room = self.model.size.max_tokens - MOST_WORDS
+        if len(spelled.ids) > room:
+            fitting = max(int(len(text) * 0.9 * room / len(spelled.ids)), 1)
+            raise UsageError(
+                f"The question has {len(text)} characters, expected at most about {fitting} of "
+                f"this kind; shorten it."
+            )
+        slots = len(spelled.found)
+        state = self._begun(spelled.ids)
+        words, chance, others = self._written(state, [], slots)
+        found = [(words, chance)]
+        for beginning, share in sorted(others, key=lambda one: -one[1])[: most - 1]:
+            rest, other, _ = self._written(state, beginning, slots)
+            found.append((rest, min(other, share)))
+        numbers = tuple(one.quantity for one in spelled.found)
+        return [
+            Reading(" ".join(words), numbers, self._calibrated(chance)) for words, chance in found
+        ]
+
+    def _begun(self, ids: list[int]) -> tuple[Tensor, Cache]:
+        row = torch.tensor([ids])
+        everything = torch.ones(1, 1, len(ids), len(ids), dtype=torch.bool)
+        return self.model(row, torch.arange(len(ids))[None], everything)
+
+    def _written(
+        self, state: tuple[Tensor, Cache], beginning: list[str], slots: int
+    ) -> tuple[list[str], float, list[tuple[list[str], float]]]:
+        """Return a query's words behind a beginning, its probability, and turnings off it."""
+        (hidden, cache), words = state, []
+        place, log_chance = cache[0][0].shape[2], 0.0
+        others: list[tuple[list[str], float]] = []
+        while len(words) < MOST_WORDS:
+            allowed = sorted(next_words(words, slots) & self.spelling.id_of.keys())
+            ids = torch.tensor([self.spelling.id_of[word] for word in allowed])
+            told = self.model.logits(hidden[0, -1]).log_softmax(-1)[ids]
+            order = told.argsort(descending=True).tolist()
+            best = order[0]
+            if len(words) < len(beginning):
+                best = allowed.index(beginning[len(words)])
+            elif len(order) > 1 and float(told[order[1]] - told[best]) > math.log(DOUBTFUL):
+                other = [*words, allowed[order[1]]]
+                if other[-1] != END:
+                    others.append((other, math.exp(log_chance + float(told[order[1]]))))
+            log_chance += float(told[best])
+            if allowed[best] == END:
+                return words, math.exp(log_chance), others
+            words.append(allowed[best])
+            hidden, cache = self._step(int(ids[best]), place, cache)
+            place += 1
+        return ["not-understood"], 0.0, others
+
+    def _step(self, number: int, place: int, cache: Cache) -> tuple[Tensor, Cache]:
+        seen = torch.ones(1, 1, 1, place + 1, dtype=torch.bool)
+        return self.model(torch.tensor([[number]]), torch.tensor([[place]]), seen, cache)
+
+    def _calibrated(self, chance: float) -> float:
+        slope, offset = self.calibration
+        chance = min(max(chance, 1e-6), 1 - 1e-6)
+        return 1 / (1 + math.exp(-(slope * math.log(chance / (1 - chance)) + offset)))
+
+    def save(self, folder: Path) -> None:
+        """Write config.json, tokenizer.json and model.safetensors (half precision), atomically."""
+        tensors = {name: one.half().contiguous() for name, one in self.model.state_dict().items()}
+        with replacing(folder / "model.safetensors") as stream:
+            stream.write(save(tensors, metadata={"format": "pt"}))
+        write_text_atomically(folder / "tokenizer.json", self.spelling.tokenizer.to_str())
+        config = {"size": asdict(self.model.size), "calibration": list(self.calibration)}
+        write_text_atomically(folder / "config.json", json.dumps(config, indent=2) + "\n")
+
+    @classmethod
+    def load(cls, folder: Path) -> Reader:
+        """Read what `save` wrote.
+
+        Raises:
+            IncompatibleBundle: If a file is missing or broken, or knows other words.
+        """
+        try:
+            config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
+            spelling = Spelling(Tokenizer.from_file(str(folder / "tokenizer.json")))
+            size = LanguageSize(**config["size"])
+            model = QuestionDecoder(size, spelling.size)
+            tensors = load_file(folder / "model.safetensors")
+            model.load_state_dict({name: one.float() for name, one in tensors.items()})
+            slope, offset = map(float, config["calibration"])
+        except WHAT_DAMAGE_RAISES as error:
+            raise IncompatibleBundle(
+                f"{folder}: the reader's files are missing, broken or do not belong together "
+                f"({first_line(error)}); save or download the model again."
+            ) from error
+        return cls(model, spelling, (slope, offset))

@@ -1,0 +1,110 @@
+"""A question as the tokens its reader sees, and a query as the tokens it writes.
+
+The text's words are byte pairs of its own vocabulary. Behind those ids lie the words of a query,
+the slots among them, and what is said of a number beside its slot: its unit and its size, roughly.
+A number's digits are never read.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from tokenizers import Tokenizer
+
+from geotlm_lm.query.quantities import Found, find
+from geotlm_lm.query.text import END, MOST_SLOTS, QUERY_WORDS
+from geotlm_lm.query.types import UNITS
+
+UNIT_WORDS = ("unit:none", "unit:per", *(f"unit:{one}" for units in UNITS.values() for one in units))
+SIZES = (0, 1, 2, 45, 90, 180, 270, 360)
+"""Values that may mean more than an amount: a mount "turned by 90 degrees"."""
+SIZE_WORDS = ("size:negative", "size:other", *(f"size:{one}" for one in SIZES))
+READ = "<read>"
+"""Ends the question; the query begins."""
+
+_WORDS = (READ, END, *QUERY_WORDS, *UNIT_WORDS, *SIZE_WORDS)
+_SPACES = re.compile(r"\s+")
+
+
+@dataclass(frozen=True)
+class Spelled:
+    """A question for its reader.
+
+    Args:
+        ids: Up to and with `READ`.
+        found: The quantities that stand as slots.
+    """
+
+    ids: list[int]
+    found: tuple[Found, ...]
+
+
+@dataclass(frozen=True)
+class Spelling:
+    """Ids of texts and of queries.
+
+    Args:
+        tokenizer: Byte pairs of question texts.
+    """
+
+    tokenizer: Tokenizer
+
+    @cached_property
+    def id_of(self) -> dict[str, int]:
+        """Id of each word that is not of the text."""
+        first = self.tokenizer.get_vocab_size()
+        return {word: first + place for place, word in enumerate(_WORDS)}
+
+    @cached_property
+    def word_of(self) -> dict[int, str]:
+        """The word of each such id."""
+        return {number: word for word, number in self.id_of.items()}
+
+    @property
+    def size(self) -> int:
+        """How many ids there are."""
+        return self.tokenizer.get_vocab_size() + len(_WORDS)
+
+    def question(self, text: str) -> Spelled:
+        """Return a question's ids: lower case, single spaces, its first numbers as slots."""
+        found = tuple(find(text)[:MOST_SLOTS])
+        ids: list[int] = []
+        at = 0
+        for place, one in enumerate(found, 1):
+            ids += self._text(text[at : one.start])
+            ids += [self.id_of[word] for word in (f"#{place}", *_said(one))]
+            at = one.end
+        ids += self._text(text[at:])
+        return Spelled([*ids, self.id_of[READ]], found)
+
+    def query(self, words: Sequence[str]) -> list[int]:
+        """Return a query's ids, its end among them."""
+        return [self.id_of[word] for word in (*words, END)]
+
+    def _text(self, text: str) -> list[int]:
+        cleaned = cleaned_text(text)
+        return self.tokenizer.encode(cleaned).ids if cleaned.strip() else []
+
+
+def cleaned_text(text: str) -> str:
+    """Return a text as it is read: lower case, single spaces."""
+    return _SPACES.sub(" ", text).lower()
+
+
+def plain_parts(text: str) -> list[str]:
+    """Return what of a text is read as byte pairs: all but its numbers."""
+    ends = [(one.start, one.end) for one in find(text)[:MOST_SLOTS]]
+    starts = [0, *(end for _, end in ends)]
+    stops = [*(start for start, _ in ends), len(text)]
+    return [cleaned_text(text[a:b]) for a, b in zip(starts, stops, strict=True)]
+
+
+def _said(found: Found) -> list[str]:
+    unit, value = found.quantity.unit, found.quantity.value
+    top, _, bottom = unit.partition("/")
+    said = [f"unit:{top}" if top else "unit:none", *(["unit:per"] if bottom else [])]
+    size = next((f"size:{one}" for one in SIZES if value == one), "size:other")
+    return [*said, "size:negative" if value < 0 else size]

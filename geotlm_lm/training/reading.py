@@ -1,0 +1,244 @@
+"""Train the reader of questions on pairs that the grammar and the corpus write.
+
+Pairs are drawn afresh every step, so that no text comes twice but by chance; families held out by
+the grammar are never drawn. Words are read from changing byte pairs (BPE-dropout, Provilkov et al.
+2020) and some are hidden, so that no phrase is known by one spelling alone.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from itertools import islice
+from pathlib import Path
+
+import torch
+from tokenizers import Tokenizer, decoders, models, pre_tokenizers, trainers
+from torch import Tensor
+from torch.nn.functional import cross_entropy
+
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.core.seeding import seed_for
+from geotlm_lm.language.decoder import EMBEDDING_DEVIATION, LanguageSize
+from geotlm_lm.query.grammar import Pair, grammar
+from geotlm_lm.query.reader import SIZE, QuestionDecoder, Reader
+from geotlm_lm.query.spelling import Spelling, plain_parts
+from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
+from geotlm_lm.training.pretraining import has_bfloat16
+
+NAME = "reading_checkpoint.pt"
+CHECKPOINT_EVERY_S = 60.0
+VOCABULARY_PAIRS = 60_000
+"""Texts that the vocabulary of byte pairs is made from."""
+
+
+@dataclass(frozen=True)
+class ReadingTraining:
+    """How the reader is trained.
+
+    Args:
+        steps: Optimiser steps.
+        batch: Questions a step.
+        learning_rate: Peak; rises over `warmup` steps and falls to nothing as a cosine.
+        warmup: Steps of the rise.
+        hidden: Share of a question's tokens that are hidden from it.
+        dropout: Share of byte pairs that are left apart.
+        corpus_share: Share of questions drawn from the corpus instead of the grammar.
+        vocabulary: Byte pairs at most.
+        seed: Of weights and draws.
+        size: How large the model is.
+    """
+
+    steps: int = 6000
+    batch: int = 96
+    learning_rate: float = 2e-3
+    warmup: int = 200
+    hidden: float = 0.06
+    dropout: float = 0.1
+    corpus_share: float = 0.1
+    vocabulary: int = 2000
+    seed: int = 0
+    size: LanguageSize = field(default_factory=lambda: SIZE)
+
+
+def train_reader(
+    config: ReadingTraining,
+    folder: Path,
+    corpus: Sequence[Pair] = (),
+    progress: Progress = silent,
+) -> Reader:
+    """Return a reader, not yet calibrated; goes on from the checkpoint in `folder`.
+
+    Args:
+        config: How to train.
+        folder: Where the checkpoint lies.
+        corpus: Questions labelled one by one, of the training split.
+        progress: Told after each step.
+
+    Raises:
+        UsageError: If the checkpoint belongs to another configuration.
+    """
+    tokenizer = train_vocabulary(config, corpus)
+    spelling = Spelling(tokenizer)
+    torch.manual_seed(seed_for(config.seed, "reading", "weights"))
+    model = QuestionDecoder(config.size, spelling.size).train()
+    initialise(model)
+    optimiser = torch.optim.AdamW(_parameter_groups(model), betas=(0.9, 0.98))
+    step = _restored(folder / NAME, config, model, optimiser)
+    draws = _draws(config, corpus, step)
+    saved_at = time.monotonic()
+    try:
+        while step < config.steps:
+            for group in optimiser.param_groups:
+                group["lr"] = rate_at(step, config)
+            loss = _step(model, spelling, optimiser, next(draws), config)
+            step += 1
+            progress(f"train reader, loss {loss:.3f}", step, config.steps)
+            if time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
+                _store(folder / NAME, config, model, optimiser, step)
+                saved_at = time.monotonic()
+    finally:
+        _store(folder / NAME, config, model, optimiser, step)
+    tokenizer.model.dropout = None
+    return Reader(model, spelling, (1.0, 0.0))
+
+
+def train_vocabulary(config: ReadingTraining, corpus: Sequence[Pair]) -> Tokenizer:
+    """Return byte pairs made from the texts of the training families."""
+    tokenizer = Tokenizer(models.BPE())
+    tokenizer.pre_tokenizer = pre_tokenizers.Sequence(
+        [
+            pre_tokenizers.Digits(individual_digits=True),
+            pre_tokenizers.ByteLevel(add_prefix_space=False),
+        ]
+    )
+    tokenizer.decoder = decoders.ByteLevel()
+    trainer = trainers.BpeTrainer(
+        vocab_size=config.vocabulary,
+        initial_alphabet=pre_tokenizers.ByteLevel.alphabet(),
+        show_progress=False,
+    )
+    pairs = [*islice(grammar().pairs(config.seed, "train"), VOCABULARY_PAIRS), *corpus]
+    texts = (part for pair in pairs for part in plain_parts(pair.text))
+    tokenizer.train_from_iterator(texts, trainer)
+    tokenizer.model.dropout = config.dropout
+    return tokenizer
+
+
+def initialise(model: QuestionDecoder) -> None:
+    """Draw every weight from torch's generator: of unit gain, narrower where a layer adds."""
+    shrink = (2 * model.size.layers) ** -0.5
+    for name, parameter in model.named_parameters():
+        if parameter.ndim < 2:
+            torch.nn.init.ones_(parameter)
+        elif "embed_tokens" in name:
+            torch.nn.init.normal_(parameter, 0.0, EMBEDDING_DEVIATION)
+        else:
+            adds = name.endswith(("o_proj.weight", "down_proj.weight"))
+            gain = parameter.shape[1] ** -0.5 * (shrink if adds else 1.0)
+            torch.nn.init.normal_(parameter, 0.0, gain)
+
+
+def rate_at(step: int, config: ReadingTraining) -> float:
+    """Return the learning rate of a step."""
+    if step < config.warmup:
+        return config.learning_rate * (step + 1) / config.warmup
+    share = (step - config.warmup) / max(config.steps - config.warmup, 1)
+    return config.learning_rate * 0.5 * (1 + math.cos(math.pi * share))
+
+
+def _draws(config: ReadingTraining, corpus: Sequence[Pair], step: int) -> Iterator[list[Pair]]:
+    """Yield the pairs of each step from one on, the same whether or not it was interrupted."""
+    while True:
+        seed = seed_for(config.seed, "reading", "pairs", step)
+        rng = random.Random(seed)
+        shown = round(config.batch * config.corpus_share) if corpus else 0
+        drawn = list(islice(grammar().pairs(seed, "train"), config.batch - shown))
+        yield drawn + rng.choices(list(corpus), k=shown) if shown else drawn
+        step += 1
+
+
+def rows_of(spelling: Spelling, pairs: Sequence[Pair], room: int) -> list[tuple[list[int], int]]:
+    """Return of each pair that fits its ids, question and query, and where the query begins."""
+    rows = []
+    for pair in pairs:
+        ids = spelling.question(pair.text).ids
+        if len(ids) + 64 <= room:
+            rows.append((ids + spelling.query(pair.query.split()), len(ids)))
+    return rows
+
+
+def batch_of(rows: Sequence[tuple[list[int], int]]) -> tuple[Tensor, Tensor, Tensor]:
+    """Return ids (b, s), what each may see (b, 1, s, s), and where a query's token is (b, s)."""
+    length = max(len(ids) for ids, _ in rows)
+    ids = torch.tensor([row + [0] * (length - len(row)) for row, _ in rows])
+    starts = torch.tensor([start for _, start in rows])[:, None]
+    ends = torch.tensor([len(row) for row, _ in rows])[:, None]
+    place = torch.arange(length)
+    causal = place[None, :] <= place[:, None]
+    mask = causal[None] | (place[None, None, :] < starts[:, None])
+    return ids, mask[:, None], (place >= starts) & (place < ends)
+
+
+def _step(
+    model: QuestionDecoder,
+    spelling: Spelling,
+    optimiser: torch.optim.Optimizer,
+    pairs: Sequence[Pair],
+    config: ReadingTraining,
+) -> float:
+    rows = sorted(rows_of(spelling, pairs, config.size.max_tokens), key=lambda row: len(row[0]))
+    count = sum(len(ids) - start for ids, start in rows)
+    optimiser.zero_grad(set_to_none=True)
+    total = 0.0
+    parts = 2
+    for place in range(parts):
+        part = rows[place * len(rows) // parts : (place + 1) * len(rows) // parts]
+        if part:
+            with torch.autocast("cpu", torch.bfloat16, enabled=has_bfloat16("cpu")):
+                loss = _loss(model, part, config.hidden)
+            (loss / count).backward()
+            total += loss.item()
+    torch.nn.utils.clip_grad_norm_(model.parameters(), 1.0)
+    optimiser.step()
+    return total / count
+
+
+def _loss(model: QuestionDecoder, rows: Sequence[tuple[list[int], int]], hidden: float) -> Tensor:
+    """Return the summed cross entropy of the query's tokens, in nats."""
+    ids, mask, is_query = batch_of(rows)
+    embedded = model.decoder.embed_tokens(ids)
+    kept = (torch.rand(ids.shape) >= hidden) | is_query
+    positions = torch.arange(ids.shape[1]).expand(len(ids), -1)
+    states, _ = model.decoder(embedded * kept[..., None], positions, mask)
+    before = states[:, :-1][is_query[:, 1:]]
+    return cross_entropy(model.logits(before).float(), ids[is_query], reduction="sum")
+
+
+def _parameter_groups(model: QuestionDecoder) -> list[dict]:
+    decayed = [p for n, p in model.named_parameters() if p.ndim == 2 and "embed_tokens" not in n]
+    plain = [p for n, p in model.named_parameters() if p.ndim < 2 or "embed_tokens" in n]
+    return [{"params": decayed, "weight_decay": 0.1}, {"params": plain, "weight_decay": 0.0}]
+
+
+def _store(path: Path, config: ReadingTraining, model, optimiser, step: int) -> None:
+    state = {"config": asdict(config), "step": step, "model": model.state_dict()}
+    save_checkpoint(path, state | {"optimiser": optimiser.state_dict()})
+
+
+def _restored(path: Path, config: ReadingTraining, model, optimiser) -> int:
+    state = load_checkpoint(path)
+    if state is None:
+        return 0
+    if state["config"] != asdict(config):
+        raise UsageError(
+            f"{path}: was trained with other settings; delete it to start over, or train into "
+            f"another folder."
+        )
+    model.load_state_dict(state["model"])
+    optimiser.load_state_dict(state["optimiser"])
+    return int(state["step"])
