@@ -38,6 +38,10 @@ OF_ATOM: dict[str, tuple[str, int]] = {
 BASES = {"turn": "deg", "x": "px", "y": "px", "slide": "px", "inward": "mm"}
 
 
+LEAST_TIMED = 3
+"""Different frames that a speed needs."""
+
+
 class Missing(Exception):  # noqa: N818  (no error: a fact that an answer lacks)
     """A fact that is needed: "scale", "rate", "unit", "thread", "side", "track", "second"."""
 
@@ -52,6 +56,8 @@ class Recording:
         rate_hz: Frames per second; None where it is not told.
         frames: How many there are.
         used: Numbers of the frames that the clip is of.
+        moving_s: For how long a recording that was followed moves; None of a clip.
+        step_s: Time from frame to frame, or 1 for numbers of frames in its place.
     """
 
     columns: int = 224
@@ -59,6 +65,8 @@ class Recording:
     rate_hz: float | None = None
     frames: int = 4
     used: tuple[int, ...] = (0, 1, 2, 3)
+    moving_s: float | None = None
+    step_s: float | None = None
 
     @property
     def steps(self) -> int:
@@ -67,8 +75,13 @@ class Recording:
 
     @property
     def seconds(self) -> float | None:
-        """Time from the first used frame to the last."""
-        return self.steps / self.rate_hz if self.rate_hz else None
+        """How long what moves does so: from the first used frame to the last.
+
+        Two frames alone give no time: they may be any two of a longer motion.
+        """
+        if not self.rate_hz or self.moving_s is not None:
+            return self.moving_s if self.rate_hz else None
+        return self.steps / self.rate_hz if len(set(self.used)) >= LEAST_TIMED else None
 
 
 @dataclass(frozen=True)
@@ -102,6 +115,16 @@ class Measure:
         far = SPAN_DEVIATIONS * self.deviation
         low = self.mean - far if self.atom in WAY_ATOMS else max(self.mean - far, 0.0)
         return float(f"{low:.2g}"), float(f"{self.mean + far:.2g}")
+
+    def to_dict(self) -> dict[str, float | str]:
+        """Return plain JSON values."""
+        low, high = self.span
+        return {"value": self.value, "unit": self.unit, "low": low, "high": high}
+
+    @property
+    def word(self) -> str:
+        """The amount as a program reads it: "15 deg"."""
+        return f"{self.value:g} {self.unit}"
 
     @property
     def probability(self) -> float:
@@ -206,15 +229,23 @@ def measure(
         Missing: As `factor`.
     """
     name, sign = OF_ATOM[atom]
-    if unit is None:
-        has_scale = BASES[name] == "px" and frame.mm_per_px is not None
-        unit = "mm" if has_scale else BASES[name]
+    mean, deviation = bell(belief, name)
+    unit = unit or usual_unit(atom, frame)
     wanted = f"{unit}/{per.removeprefix('per-')}" if per in PER else unit
     scale = factor(name, wanted, frame, recording, belief)
-    mean, deviation = bell(belief, name)
-    mean = mean * sign if sign else abs(mean)
-    tolerance = TOLERANCES[BASES[name]]
-    return Measure(atom, mean * scale, deviation * scale, wanted, tolerance * scale)
+    return sized(atom, mean * sign if sign else abs(mean), deviation, wanted, scale)
+
+
+def usual_unit(atom: str, frame: FrameSpec) -> str:
+    """Return the unit that an atom's amount is told in where none is asked for."""
+    base = BASES[OF_ATOM[atom][0]]
+    return "mm" if base == "px" and frame.mm_per_px is not None else base
+
+
+def sized(atom: str, mean: float, deviation: float, unit: str, scale: float) -> Measure:
+    """Return an amount in a unit of which `scale` are one of the atom's base."""
+    tolerance = TOLERANCES[BASES[OF_ATOM[atom][0]]]
+    return Measure(atom, mean * scale, deviation * scale, unit, tolerance * scale)
 
 
 def atom_of(unit: str) -> str:

@@ -31,6 +31,9 @@ Limit = Callable[[str, Quantity], float]
 Thread = Callable[[Motion], bool]
 """Whether a way of turning, as it is told, tightens."""
 
+Happens = Callable[[str], bool]
+"""Whether something that only a recording shows happens in it."""
+
 
 @dataclass(frozen=True)
 class State:
@@ -55,11 +58,13 @@ class Judge:
         belief: As it is seen from the point of view asked about.
         limit: Converts what is said.
         tightens: Tells tightening; raises `Missing` where facts lack.
+        happens: Tells events; raises `Missing` of a clip.
     """
 
     belief: Belief
     limit: Limit
     tightens: Thread
+    happens: Happens
 
     def chance(self, proposition: Proposition) -> float:
         """Return how probable a proposition is.
@@ -102,8 +107,11 @@ class Judge:
             wanted = dict(zip(WAYS[COMPONENT_ATOMS["turn"]], tightens, strict=True))
             return any(wanted[way] == (atom == "tighten") for way in turns)
         if atom in EVENT_ATOMS:
-            if atom not in ("made", "lost"):
-                raise Missing("track")
+            try:
+                return self.happens(atom)
+            except Missing:
+                if atom not in ("made", "lost"):
+                    raise
             return state.touches if atom == "made" else _is_lost(state)
         return {
             "move": bool(ways),

@@ -10,8 +10,24 @@ from geotlm_lm.core.twist import COMPONENT_OF, Component
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.amounts import Measure, Recording
 from geotlm_lm.query.edit import Edit
-from geotlm_lm.query.track import Track
+from geotlm_lm.query.track import Happening
 from geotlm_lm.query.types import Part
+from geotlm_lm.track.track import Track
+
+
+@dataclass(frozen=True)
+class ContactArea:
+    """Where the recorded image is touched.
+
+    Args:
+        across: Share of the width from its left border to the middle of the contact.
+        down: Share of the height from its top.
+        share: Of the image that is covered.
+    """
+
+    across: float
+    down: float
+    share: float
 
 
 @dataclass(frozen=True)
@@ -23,12 +39,16 @@ class Evidence:
         second: Of the other clip, if there is one.
         recording: The file that this clip is of.
         track: The whole recording over time, if it was followed.
+        area: Where it is touched; None where nothing is, or nobody looked.
+        reasons: Sentences on what the picture shows, before any motion is named.
     """
 
     belief: Belief
     second: Belief | None = None
     recording: Recording = field(default_factory=Recording)
     track: Track | None = None
+    area: ContactArea | None = None
+    reasons: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -41,6 +61,8 @@ class Movement:
         amount: How far; None where the picture does not tell, or no scale is known.
         chance: That it counts and goes that way.
         barely: Whether it is doubtful that it counts.
+        times: From when to when it goes on, seconds; None of a clip.
+        back_and_forth: The whole way, there and back, where that is well above the net one.
     """
 
     way: Motion
@@ -48,6 +70,8 @@ class Movement:
     amount: Measure | None
     chance: float
     barely: bool
+    times: tuple[float, float] | None = None
+    back_and_forth: Measure | None = None
 
     @property
     def component(self) -> Component:
@@ -70,6 +94,9 @@ class Decision:
         amounts: What is measured.
         chances: Of each option, movement or clip, as the ask has it.
         times: Seconds, or numbers of times.
+        happenings: Events of a recording that are told.
+        area: Where it is touched, from this point of view.
+        reasons: What the answer rests on, a sentence each.
         probability: That it is right, of the least sure thing it says.
         missing: Why it cannot be told; None where it is.
     """
@@ -84,6 +111,9 @@ class Decision:
     amounts: tuple[Measure, ...] = ()
     chances: tuple[float, ...] = ()
     times: tuple[float, ...] = ()
+    happenings: tuple[Happening, ...] = ()
+    area: ContactArea | None = None
+    reasons: tuple[str, ...] = ()
     probability: float = 1.0
     missing: str | None = None
 

@@ -9,16 +9,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from statistics import NormalDist
 
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, WAYS, Component
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import Missing, measure
-from geotlm_lm.query.decision import Decision, Evidence
+from geotlm_lm.query.amounts import Missing, bell, measure
+from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Movement
 from geotlm_lm.query.facts import with_facts
 from geotlm_lm.query.scene import Scene
-from geotlm_lm.query.track import on_track, part_of
+from geotlm_lm.query.track import on_track, part_of, peak
 from geotlm_lm.query.two_clips import decide_on_two
 
 
@@ -56,17 +58,17 @@ def _evidence_of(subject: t.Subject, evidence: Evidence) -> Evidence:
         evidence = replace(evidence, belief=evidence.second)
     if subject.span is None:
         return evidence
-    return replace(evidence, belief=part_of(evidence.track, subject.span, evidence.recording))
+    part, belief = part_of(evidence.track, evidence.belief, subject.span, evidence.recording)
+    return replace(evidence, belief=belief, track=part)
 
 
 def _of_one(part: t.Part, evidence: Evidence, frame: FrameSpec) -> Decision:
     kind = part.ask.kind
     if kind in _UNTOUCHED:
         return Decision(part, frame)
-    if kind in ("when", "how-long", "how-often", "order"):
-        verdict, times = on_track(part.ask, part.edit.within(frame), evidence.track)
-        return Decision(part, frame, verdict=verdict, times=times)
     scene = Scene(part, evidence, frame)
+    if kind in ("when", "how-long", "how-often", "order"):
+        return _timed(scene, part.ask)
     return _DECIDES[kind](scene, part.ask)
 
 
@@ -74,13 +76,43 @@ _UNTOUCHED = ("recording", "setup", "help", "talk", "unanswerable", "not-underst
 """Answered by the file, the frame or by nothing; "again" is resolved before."""
 
 
+def _timed(scene: Scene, ask: t.Ask) -> Decision:
+    found = on_track(ask, scene.edit, scene.track, scene.sized, scene.limit)
+    return scene.decision(
+        verdict=found.verdict,
+        happenings=found.happenings,
+        times=found.times,
+        probability=found.probability,
+    )
+
+
 def _way(scene: Scene, ask: t.Ask) -> Decision:
     if ask.of == "thread":
         options = tuple(t.Option(t.Proposition((t.Literal(one),))) for one in t.THREAD_ATOMS)
         return _choice(scene, t.Ask("choice", options=options))
-    of = {"x": "slide", "y": "slide", "sign": "turn"}.get(ask.of or "", ask.of)
+    if ask.of in ("x", "y"):
+        return _along(scene, ask.of)
+    of = "turn" if ask.of == "sign" else ask.of
     asked = () if of is None else (t.COMPONENT_ATOMS[of],)
     return scene.decision(**scene.telling(asked))
+
+
+def _along(scene: Scene, axis: str) -> Decision:
+    """Tell a slide's part along one axis of the image."""
+    slide = t.COMPONENT_ATOMS["slide"]
+    found = scene.telling((slide,))
+    if found.get("rest") or slide in found["denied"]:
+        return scene.decision(**found)
+    part = measure(axis, scene.belief, scene.frame, scene.recording)
+    mean, deviation = bell(scene.belief, axis)
+    way = _AXIS_WAYS[axis][mean > 0]
+    sure = NormalDist(abs(mean), max(deviation, 1e-6))
+    chance = scene.belief.counts(slide) * (1 - sure.cdf(0.0))
+    move = Movement(way, None, part, chance, barely=False)
+    return scene.decision(movements=(move,), probability=chance)
+
+
+_AXIS_WAYS = {"x": (Motion.LEFT, Motion.RIGHT), "y": (Motion.UP, Motion.DOWN)}
 
 
 def _kind(scene: Scene, _: t.Ask) -> Decision:
@@ -141,8 +173,10 @@ def _choice(scene: Scene, ask: t.Ask) -> Decision:
 
 
 def _amount(scene: Scene, ask: t.Ask) -> Decision:
-    if ask.of == "touch" or ask.measure is not None:
-        raise Missing("share" if ask.of == "touch" else "track")
+    if ask.of == "touch":
+        return _share(scene)
+    if ask.measure is not None:
+        return _extreme(scene, ask)
     atoms = {None: [], "xy": ["x", "y"]}.get(ask.of, [ask.of])
     subjects = _subjects(t.Proposition(tuple(t.Literal(one) for one in atoms or ["move"])))
     found = scene.telling(subjects)
@@ -160,6 +194,37 @@ def _amount(scene: Scene, ask: t.Ask) -> Decision:
     amounts = tuple(told(one, unit=ask.unit, per=ask.per) for one in atoms)
     sure = min([found["probability"], *(one.probability for one in amounts)])
     return scene.decision(**found | {"amounts": amounts, "probability": sure})
+
+
+def _share(scene: Scene) -> Decision:
+    area = scene.area()
+    if area is None:
+        raise Missing("share")
+    return scene.decision(area=area, probability=scene.belief.contact)
+
+
+def _extreme(scene: Scene, ask: t.Ask) -> Decision:
+    """Tell a whole way, there and back, or the greatest way or speed."""
+    subjects = _subjects(t.Proposition((t.Literal(ask.of or "move"),)))
+    found = scene.telling(subjects)
+    if not found.get("movements") or found["denied"]:
+        return scene.decision(**found)
+    component = found["movements"][0].component
+    if ask.measure == "path":
+        if scene.track is None:
+            return _amount(scene, replace(ask, measure=None))
+        span, times = scene.track.path(component), ()
+        mean, deviation = span.mean, span.deviation
+    else:
+        mean, deviation, at_s = peak(scene.track, component, is_speed=ask.per is not None)
+        times = (at_s,)
+    amount = scene.as_told(component.value, mean, deviation, unit=ask.unit)
+    if ask.measure == "peak" and ask.per is not None:
+        amount = replace(amount, unit=f"{amount.unit}/s")
+    probability = min(found["probability"], amount.probability)
+    return scene.decision(
+        **found | {"amounts": (amount,), "times": times, "probability": probability}
+    )
 
 
 def _fits(atom: str, unit: str | None) -> bool:
@@ -182,11 +247,25 @@ def _alternatives(scene: Scene, _: t.Ask) -> Decision:
 
 
 def _why(scene: Scene, ask: t.Ask) -> Decision:
-    return scene.decision(**scene.telling(_subjects(ask.proposition) if ask.proposition else ()))
+    found = scene.telling(_subjects(ask.proposition) if ask.proposition else ())
+    return scene.decision(**found, reasons=scene.evidence.reasons)
 
 
-def _place(scene: Scene, _: t.Ask) -> Decision:
-    raise Missing("place")
+def _place(scene: Scene, ask: t.Ask) -> Decision:
+    area = scene.area()
+    if area is None:
+        raise Missing("place")
+    verdict = None if ask.half is None else _lies_in(area, ask.half)
+    return scene.decision(area=area, verdict=verdict, probability=scene.belief.contact)
+
+
+def _lies_in(area: ContactArea, half: str) -> bool:
+    return {
+        "upper": area.down < 0.5,
+        "lower": area.down > 0.5,
+        "left": area.across < 0.5,
+        "right": area.across > 0.5,
+    }[half]
 
 
 _DECIDES: dict[str, Callable[[Scene, t.Ask], Decision]] = {

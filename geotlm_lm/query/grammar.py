@@ -72,7 +72,10 @@ class Grammar:
 
     def __init__(self) -> None:
         folder = resource_dir("data_templates") / "query"
-        paths = [*(folder / f"{name}.toml" for name in _FILES), *sorted(folder.glob("voices/*.toml"))]
+        paths = [
+            *(folder / f"{name}.toml" for name in _FILES),
+            *sorted(folder.glob("voices/*.toml")),
+        ]
         told = [tomllib.loads(path.read_text(encoding="utf-8")) for path in paths]
         self.words: dict[str, Any] = {}
         for one in (tomllib.loads((folder / "lexicon.toml").read_text()), *told):

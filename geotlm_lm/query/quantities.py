@@ -24,6 +24,8 @@ FACTORS = {
 _FIGURE = re.compile(r"[-+−]?(?:\d+(?:[.,]\d+)*|[.,]\d+)(?:\s*/\s*\d+)?")
 _WORD = re.compile(r"[^\W\d_]+\.?|[°%/\"]|[-–]")
 _SPACES = re.compile(r"[\s_]*")
+_PER = ("per", "/", "a", "an", "each", "every", "for", "to", "in", "the", "one")
+_RATES = ("s", "min", "frame", "px", "mm", "ms", "cm", "inch")
 _ORDINAL = re.compile(r"(?:st|nd|rd|th)\b", re.IGNORECASE)
 
 
@@ -99,7 +101,7 @@ def _value(said: str) -> float | None:
 
 
 def _words_at(text: str, at: int) -> Found | None:
-    if at > 0 and (text[at - 1].isalnum() or text[at - 1] in "'’"):
+    if not text[at].isalpha() or (at > 0 and (text[at - 1].isalnum() or text[at - 1] in "'’")):
         return None
     value, end = _spoken(text, at)
     if value is None:
@@ -177,11 +179,13 @@ def _unit_at(text: str, at: int, *, may_join: bool = False) -> tuple[str, int]:
     if not unit:
         return "", at
     word, after = _next_word(text, end)
-    if word in ("per", "/", "a", "an", "each", "every"):
+    for _ in range(2):  # "20 px per mm", "20 px for each mm", "20 px to the mm"
+        if word not in _PER:
+            break
         per, last = _plain_unit(text, after)
-        is_rate = per in ("s", "min", "frame", "px", "mm", "ms", "cm", "inch")
-        if per and is_rate and per != unit:
+        if per in _RATES and per != unit:
             return f"{unit}/{per}", last
+        word, after = _next_word(text, after)
     return unit, end
 
 

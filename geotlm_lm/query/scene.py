@@ -9,33 +9,50 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import SLIDES, Motion, reverse
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import Measure, Missing, limit, measure
+from geotlm_lm.query.amounts import OF_ATOM, Measure, Missing, factor, limit, measure, sized
+from geotlm_lm.query.amounts import usual_unit as unit_of
 from geotlm_lm.query.chance import Judge
-from geotlm_lm.query.decision import Decision, Evidence, Movement
+from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Movement
 from geotlm_lm.query.quantities import Quantity
+from geotlm_lm.query.track import happens
+from geotlm_lm.track.events import Event
+from geotlm_lm.track.whole import together_s
 
-ASLANT = 0.4
+ASLANT = 1 / 3
 """Share of a slide's lesser travel in its greater from which on both ways are told."""
 
-BARELY = (0.05, 0.75)
-"""Chance of counting between which a component that is asked about is told to move barely."""
+BARELY = (0.02, 0.75)
+"""Probability of counting between which a component that is asked about is told to move barely. Of
+270 pairs of frames of real turns 239 are believed to count at 0.5 or more, every one the right way;
+of 27 others at 0.02 or more 26 lean the true way. Of 90 real imprints without a touch and 75 held
+still none counts at 0.5, and none leans one way in a turn at 0.9."""
+
+LONGER = 1.25
+"""How many times as long as the net way the whole one is where that is told as well."""
 
 
 class Scene:
     """What is believed, seen from the point of view of one part."""
 
     def __init__(self, part: t.Part, evidence: Evidence, frame: FrameSpec) -> None:
-        self.part, self.frame = part, frame
+        self.part, self.frame, self.evidence = part, frame, evidence
         self.edit = part.edit.within(frame)
         self.belief = self.edit.of_belief(evidence.belief)
+        self.track = evidence.track
         is_turned = self.edit.rotation[0] == 0  # columns are rows then
         sides = (evidence.recording.rows, evidence.recording.columns)
         columns, rows = sides if is_turned else sides[::-1]
         self.recording = replace(evidence.recording, columns=columns, rows=rows)
-        self.judge = Judge(self.belief, self._limit, self._tightens)
+        self.judge = Judge(self.belief, self.limit, self._tightens, self._happens)
 
-    def _limit(self, name: str, said: Quantity) -> float:
+    def limit(self, name: str, said: Quantity) -> float:
+        """Return an amount that is said in the base unit of what it is compared with."""
         return limit(name, said, self.frame, self.recording, self.belief)
+
+    def _happens(self, atom: str) -> bool:
+        if self.track is None:
+            raise Missing("track")
+        return happens(atom, self.edit, self.track, self.sized)
 
     def _tightens(self, told: Motion) -> bool:
         lacking = self.frame.missing_for_thread()
@@ -55,17 +72,69 @@ class Scene:
         """Return a component as it is told."""
         belief, way = self.belief, self.belief.way(component)
         low, high = BARELY
+        aslant = self._aslant(way) if component is Component.SLIDE else None
+        sure = belief.ways[way] + (belief.ways[aslant] if aslant else 0.0)
         return Movement(
             way,
-            self._aslant(way) if component is Component.SLIDE else None,
+            aslant,
             self.amount(component.value) if belief.readable[component] else None,
-            belief.ways[way],
+            min(sure, 1.0),
             low <= belief.counts(component) < high,
+            self._times(component),
+            self._back_and_forth(component),
         )
 
     def amount(self, atom: str) -> Measure:
         """Return how far something goes, in its usual unit."""
         return measure(atom, self.belief, self.frame, self.recording)
+
+    def sized(self, event: Event, atom: str, unit: str | None = None) -> Measure:
+        """Return how far an event goes."""
+        return self.as_told(atom, abs(event.amount.mean), event.amount.deviation, event, unit)
+
+    def as_told(
+        self,
+        atom: str,
+        mean: float,
+        deviation: float,
+        event: Event | None = None,
+        unit: str | None = None,
+    ) -> Measure:
+        """Return an amount in the base unit of an atom as it is told."""
+        belief = self.belief
+        if event is not None:
+            belief = replace(belief, mean=self.edit.of_twist(event.twist))
+        unit = unit or unit_of(atom, self.frame)
+        scale = factor(OF_ATOM[atom][0], unit, self.frame, self.recording, belief)
+        return sized(atom, mean, deviation, unit, scale)
+
+    def area(self) -> ContactArea | None:
+        """Return where it is touched, from this point of view."""
+        area = self.evidence.area
+        if area is None:
+            return None
+        a, b, c, d = self.edit.rotation
+        x, y = area.across - 0.5, area.down - 0.5
+        return ContactArea(a * x + b * y + 0.5, c * x + d * y + 0.5, area.share)
+
+    def _times(self, component: Component) -> tuple[float, float] | None:
+        events = () if self.track is None else self.track.of(component)
+        events = [one for one in events if one.component is component]
+        if not events:
+            return None
+        begin, end = min(one.begin_s for one in events), max(one.end_s for one in events)
+        if self.edit.backwards:
+            total = float(self.track.times_s[0] + self.track.times_s[-1])
+            begin, end = total - end, total - begin
+        return begin, end
+
+    def _back_and_forth(self, component: Component) -> Measure | None:
+        if self.track is None or component is Component.PRESS:
+            return None
+        way, net = self.track.path(component), abs(self.track.net(component).mean)
+        if way.mean < LONGER * net or len(self.track.of(component)) < 2:
+            return None
+        return self.as_told(component.value, way.mean, way.deviation)
 
     def _aslant(self, way: Motion) -> Motion | None:
         main = abs(self.belief.mean.along(way) or 0.0)
@@ -90,3 +159,8 @@ class Scene:
             rest = self.judge.chance(t.Proposition((t.Literal("still"),)))
             return {"rest": Motion.STILL, "denied": denied, "probability": rest}
         return {"movements": moves, "denied": denied, "probability": min(sure)}
+
+    @property
+    def moving_s(self) -> float | None:
+        """How long what moves does so."""
+        return None if self.track is None else together_s(self.track.events)

@@ -18,7 +18,11 @@ from geotlm_lm.query.quantities import Found, find
 from geotlm_lm.query.text import END, MOST_SLOTS, QUERY_WORDS
 from geotlm_lm.query.types import UNITS
 
-UNIT_WORDS = ("unit:none", "unit:per", *(f"unit:{one}" for units in UNITS.values() for one in units))
+UNIT_WORDS = (
+    "unit:none",
+    "unit:per",
+    *(f"unit:{one}" for units in UNITS.values() for one in units),
+)
 SIZES = (0, 1, 2, 45, 90, 180, 270, 360)
 """Values that may mean more than an amount: a mount "turned by 90 degrees"."""
 SIZE_WORDS = ("size:negative", "size:other", *(f"size:{one}" for one in SIZES))

@@ -2,49 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, reverse
+from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass
 from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import Measure, Recording
-from geotlm_lm.query.decision import Decision, Movement
-from geotlm_lm.query.edit import Edit
+from geotlm_lm.query.amounts import Recording
+from geotlm_lm.query.decision import ContactArea, Decision
+from geotlm_lm.query.phrases import (
+    WORDS,
+    amount_phrase,
+    frame_phrase,
+    joined,
+    movement_phrase,
+    undoing_phrase,
+)
 from geotlm_lm.query.replies import replies
+from geotlm_lm.query.tell_track import moment, tell_times, times_phrase
 
-_GOES = {Component.TURN: "turns", Component.SLIDE: "slides"}
 _DENIED = {
     Component.TURN: "turn",
     Component.SLIDE: "slide",
     Component.PRESS: "press in or lift off",
 }
 _REST = {Motion.STILL: "it touches but does not move", Motion.NONE: "nothing touches the gel"}
-_UNSEEN = {
-    Component.TURN: "how far cannot be seen",
-    Component.SLIDE: "how far along the edge cannot be seen",
-    Component.PRESS: "how deep cannot be seen",
-}
 _KINDS = {
     Component.TURN: MotionClass.ROTATION,
     Component.SLIDE: MotionClass.SLIDE,
     Component.PRESS: MotionClass.PRESS,
 }
-_IMAGE_WORDS = {
-    "mirror": "mirrored",
-    "flip": "flipped upside down",
-    "half": "turned by 180 degrees",
-    "quarter-cw": "turned by 90 degrees clockwise",
-    "quarter-ccw": "turned by 90 degrees counterclockwise",
-}
-_UNIT_NAMES = {
-    "deg": "degrees",
-    "rad": "radians",
-    "turn": "turns",
-    "inch": "inches",
-}
-_ATOMS = {"move": "it moves", "touch": "it touches", "still": "it holds still"}
 SECOND_CLIP = ("the first", "the second")
+OFF_CENTRE_SHARE = 1 / 6
+"""Share of the image's side from its middle beyond which a place is no longer the middle's."""
 
 
 def tell(decision: Decision, recording: Recording | None = None) -> str:
@@ -52,9 +42,9 @@ def tell(decision: Decision, recording: Recording | None = None) -> str:
 
     Args:
         decision: What is told.
-        recording: For questions on the file itself.
+        recording: The file, for its times and for questions on itself.
     """
-    ask = decision.part.ask
+    ask, recording = decision.part.ask, recording or Recording()
     if decision.missing is not None:
         return replies()["missing"][decision.missing]
     if ask.kind == "unanswerable":
@@ -62,185 +52,158 @@ def tell(decision: Decision, recording: Recording | None = None) -> str:
     if ask.kind == "talk":
         return replies()["talk"][ask.topic]
     if ask.kind == "recording":
-        return _recording(ask.topic, recording or Recording(), decision.frame)
+        return _recording(ask.topic, recording, decision.frame)
     if ask.kind == "setup":
         return f"I tell it in this frame: {decision.frame.sentence()}."
+    if ask.kind in ("when", "how-long", "how-often", "order"):
+        return _sentence(tell_times(decision, recording))
     is_of_two = decision.part.subject.clip in t.OF_SEVERAL
     teller = _compare if is_of_two else _TELLERS.get(ask.kind)
-    return replies()["help"] if teller is None else _sentence(teller(decision))
+    return replies()["help"] if teller is None else _sentence(teller(decision, recording))
 
 
 def _sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}" + "." * (text[-1:] not in ".?!")
 
 
-def frame_phrase(edit: Edit) -> str:
-    """Return the point of view as a phrase: "in the camera image, played backwards"."""
-    place = "seen from the object's side" if edit.behind else "in the camera image"
-    image = [_IMAGE_WORDS[word] for word in edit.words if word in _IMAGE_WORDS]
-    if image:
-        place += f"{' with the image' if edit.behind else ''} {' and '.join(image)}"
-    return place + ", played backwards" * edit.backwards
-
-
-def _clause(decision: Decision, *, with_denied: bool = True) -> str:
+def _clause(decision: Decision, recording: Recording) -> str:
     """Return what moves, what of the asked does not, and the frame where a way is named."""
     edit = decision.edit
     who = "the sensor" if edit.sensor else "it"
-    denied = " or ".join(_DENIED[one] for one in decision.denied) if with_denied else ""
+    denied = " or ".join(_DENIED[one] for one in decision.denied)
     if decision.rest is not None:
         rest = _REST[decision.rest]
         return f"{who} does not {denied}: {rest}" if denied else rest
-    parts = _joined([_movement(one) for one in decision.movements])
     where = ""
     if any(one.way in DIRECTED for one in decision.movements):
-        where = f"{',' * (',' in parts)} {frame_phrase(edit)}"
+        where = f", {frame_phrase(edit)}"
     if edit.undo:
-        return _undoing(decision.movements, edit) + where
-    told = f"{who} {parts}{where}"
-    asked = [one.component for one in decision.movements]
+        return undoing_phrase(decision.movements, edit) + where
+    told = f"{who} {joined([_movement(one, recording) for one in decision.movements])}{where}"
+    for one in decision.movements:
+        if one.back_and_forth is not None:
+            told += f"; there and back {amount_phrase(one.back_and_forth)}"
     if not denied:
         return told
-    is_instead = not set(asked) & set(_asked(decision.part.ask))
+    is_instead = not set(asked_components(decision)) & {one.component for one in decision.movements}
     return f"{who} does not {denied}; {told}" if is_instead else f"{told}; {who} does not {denied}"
 
 
-def _asked(ask: t.Ask) -> tuple[Component, ...]:
-    return (t.COMPONENT_ATOMS[ask.of],) if ask.of in t.COMPONENT_ATOMS else ()
+def asked_components(decision: Decision) -> tuple[Component, ...]:
+    """Return the components that are asked about and count."""
+    of = decision.part.ask.of
+    if of in t.COMPONENT_ATOMS:
+        return (t.COMPONENT_ATOMS[of],)
+    return tuple(
+        one.component for one in decision.movements if one.component not in decision.denied
+    ) * (decision.verdict is not None)
 
 
-def _movement(move: Movement, *, verb: str | None = None) -> str:
-    way = f"{move.way.value} and a little {move.aslant.value}" if move.aslant else move.way.value
-    if move.component is Component.PRESS:
-        text = "presses in" if move.way is Motion.PRESS else "lifts off"
-        text = text if verb is None else {"turn": "press", "slide": "press"}.get(verb, text)
-    else:
-        text = f"{verb or _GOES[move.component]} {way}"
-    if move.amount is None:
-        return f"{text} ({_UNSEEN[move.component]})"
-    return f"{text}, {'barely: ' * move.barely}about {amount_phrase(move.amount)}"
+def _movement(move, recording: Recording) -> str:
+    text = movement_phrase(move)
+    return text if move.times is None else f"{text}, {times_phrase(*move.times, recording)}"
 
 
-def _undoing(moves: Sequence[Movement], edit: Edit) -> str:
-    """Return the command that takes a motion back, for either mover."""
-    verbs = {Component.TURN: "turn", Component.SLIDE: "slide"}
-    found: dict[bool, list[str]] = {False: [], True: []}
-    for move in moves:
-        for is_other in found:
-            if move.component is Component.PRESS:
-                text = "press it in" if move.way is Motion.PRESS else "lift it off"
-                found[is_other].append(text)
-                continue
-            way = reverse(move.way) if is_other else move.way
-            found[is_other].append(f"{verbs[move.component]} {{}} {way.value}")
-    movers = ("the sensor", "the object") if edit.sensor else ("the object", "the sensor")
-    one, other = (_joined(found[key]).replace("{}", who, 1).replace("{}", "it")
-                  for key, who in zip(found, movers, strict=True))  # fmt: skip
-    return one if one == other else f"{one}, or {other}"
-
-
-def _joined(parts: Sequence[str]) -> str:
-    *others, last = parts
-    return f"{', '.join(others)} and {last}" if others else last
-
-
-def amount_phrase(amount: Measure, *, with_span: bool = False) -> str:
-    """Return an amount with its unit: "12 degrees", "3.5 mm per second"."""
-    unit, _, per = amount.unit.partition("/")
-    name = _UNIT_NAMES.get(unit, unit)
-    if amount.value == 1 and name.endswith("s"):
-        name = name[:-1]
-    per = {"s": " per second", "min": " per minute", "frame": " per frame"}.get(per, "")
-    text = f"{amount.value:g} {name}{per}"
-    low, high = amount.span
-    return f"{text}, likely {low:g} to {high:g}" if with_span else text
-
-
-def _claim(decision: Decision) -> str:
+def _claim(decision: Decision, recording: Recording) -> str:
     word = "yes" if decision.verdict else "no"
     # A bare "no" to a denial could be read either way.
     if decision.part.ask.proposition.denies:
         word += ", that is so" if decision.verdict else ", that is not so"
-    return f"{word}: {_clause(decision)}"
+    return f"{word}: {_clause(decision, recording)}"
 
 
-def _choice(decision: Decision) -> str:
+def _choice(decision: Decision, recording: Recording) -> str:
     options = decision.part.ask.options
     chosen = [options[at] for at in decision.options]
     labels = [one.label for one in chosen if one.label]
-    told = _clause(decision)
+    told = _clause(decision, recording)
     if decision.part.ask.denied:
-        names = _joined([_option(one) for one in chosen]) if chosen else "none of them"
+        names = joined([option_words(one) for one in chosen]) if chosen else "none of them"
         return f"not {names}: {told}"
     if not chosen:
         return f"none of these: {told}"
     if len(options) == 2 and len(chosen) == 2:
         told = f"both: {told}"
     if any(one.proposition.literals[0].atom in t.THREAD_ATOMS for one in chosen):
-        told = f"it {_option(chosen[0])}s: {told}"
-    return f"{told}: {' and '.join(labels)}" if labels else told
+        told = f"it {chosen[0].proposition.literals[0].atom}s: {told}"
+    return f"{joined(labels)}: {told}" if labels else told
 
 
-def _option(option: t.Option) -> str:
+def option_words(option: t.Option) -> str:
+    """Return an option as words: "left and not turning"."""
     joint = f" {option.proposition.joint} "
     return joint.join(
         "not " * one.denied + WORDS.get(one.atom, one.atom) for one in option.proposition.literals
     )
 
 
-WORDS = {atom: way.value for atom, way in t.WAY_ATOMS.items()} | {"in": "pressing in"}
-WORDS |= {"out": "lifting off", "x": "horizontally", "y": "vertically", "none": "no contact"}
-"""Atoms as words, where these differ."""
-
-
-def _amount(decision: Decision) -> str:
+def _amount(decision: Decision, recording: Recording) -> str:
+    if decision.area is not None:
+        return f"about {decision.area.share:.0%} of the image is touched"
     if not decision.amounts:
-        return _clause(decision)
-    told = _joined([f"about {amount_phrase(one, with_span=True)}" for one in decision.amounts])
+        return _clause(decision, recording)
+    told = joined([f"about {amount_phrase(one, with_span=True)}" for one in decision.amounts])
+    if decision.part.ask.measure == "path":
+        told += " there and back together"
     if decision.rest is not None:
         return f"{told}; {_REST[decision.rest]}"
-    names = [one.way.value for one in decision.movements]
-    return f"{told}: {' and '.join(names)} {frame_phrase(decision.edit)}"
+    moves = [one for one in decision.movements]
+    if decision.part.ask.measure == "peak":
+        told += f", at {moment(decision.times[0], recording)}"
+    names = joined([one.way.value for one in moves])
+    times = [one.times for one in moves if one.times is not None]
+    when = f", {times_phrase(*times[0], recording)}" if len(times) == 1 else ""
+    return f"{told}: {names} {frame_phrase(decision.edit)}{when}"
 
 
-def _kind(decision: Decision) -> str:
+def _kind(decision: Decision, recording: Recording) -> str:
     if decision.rest is not None:
         return {Motion.STILL: "a still contact", Motion.NONE: "no contact"}[decision.rest]
     kinds = [_KINDS[one.component].value for one in decision.movements]
-    return f"a {' and a '.join(kinds)}: {_clause(decision)}"
+    return f"a {' and a '.join(kinds)}: {_clause(decision, recording)}"
 
 
-def _how_sure(decision: Decision) -> str:
-    return f"about {decision.probability:.0%}: {_clause(decision)}"
+def _how_sure(decision: Decision, recording: Recording) -> str:
+    return f"about {decision.probability:.0%}: {_clause(decision, recording)}"
 
 
-def _alternatives(decision: Decision) -> str:
+def _alternatives(decision: Decision, recording: Recording) -> str:
     ways = [way for ways in WAYS.values() for way in ways]
     told = {one.way for one in decision.movements}
     ranked = sorted(zip(decision.chances, ways, strict=True), key=lambda one: -one[0])
     chance, way = next(one for one in ranked if one[1] not in told)
-    return f"next likeliest is {way.value}, {chance:.0%}; {_clause(decision)}"
+    return f"next likeliest is {way.value}, {chance:.0%}; {_clause(decision, recording)}"
 
 
-def _times(decision: Decision) -> str:
-    ask, times = decision.part.ask, decision.times
-    if ask.kind == "how-often":
-        return f"{times[0]:g} time{'s' * (times[0] != 1)}"
-    if ask.kind == "how-long":
-        return f"for {times[0]:.2g} s altogether"
-    if decision.verdict is not None:
-        return "yes" if decision.verdict else "no"
-    if not times:
-        return "never in this recording"
-    return f"at {_joined([f'{one:.2f} s' for one in times])}"
+def _why(decision: Decision, recording: Recording) -> str:
+    return " ".join([*decision.reasons, f"Therefore: {_clause(decision, recording)}"])
 
 
-def _compare(decision: Decision) -> str:
+def _place(decision: Decision, _: Recording) -> str:
+    area, word = decision.area, {True: "yes: ", False: "no: ", None: ""}[decision.verdict]
+    return (
+        f"{word}in the {place_words(area)} of the image, its middle at {area.across:.0%} of the "
+        f"width and {area.down:.0%} of the height; it covers about {area.share:.0%}"
+    )
+
+
+def place_words(area: ContactArea) -> str:
+    """Return the part of the image that the middle of the contact lies in: "upper left"."""
+    places = ((area.down, "upper", "lower"), (area.across, "left", "right"))
+    named = [
+        one if share < 0.5 else other
+        for share, one, other in places
+        if abs(share - 0.5) > OFF_CENTRE_SHARE
+    ]
+    return " ".join(named) if len(named) == 2 else f"{named[0]} middle" if named else "middle"
+
+
+def _compare(decision: Decision, _: Recording) -> str:
     word = {True: "yes: ", False: "no: ", None: ""}[decision.verdict]
     if decision.amounts:
         parts = [amount_phrase(one) for one in decision.amounts]
     else:
-        parts = [_movement(one) for one in decision.movements] or ["neither moves"]
+        parts = [movement_phrase(one) for one in decision.movements] or ["neither moves"]
     if len(parts) == 2:
         parts = [f"{who}, {one}" for who, one in zip(SECOND_CLIP, parts, strict=True)]
     if decision.options:
@@ -249,7 +212,7 @@ def _compare(decision: Decision) -> str:
     return f"{word}{'; '.join(parts)}" + f" ({frame_phrase(decision.edit)})" * has_way
 
 
-def _which(decision: Decision) -> str:
+def _which(decision: Decision, _: Recording) -> str:
     return " and ".join(SECOND_CLIP[at] for at in decision.options) or "neither"
 
 
@@ -268,19 +231,16 @@ def _recording(topic: str, recording: Recording, frame: FrameSpec) -> str:
     return replies()["missing"][lacking] if found is None else _sentence(found)
 
 
-_TELLERS: dict[str, Callable[[Decision], str]] = {
+_TELLERS: dict[str, Callable[[Decision, Recording], str]] = {
     "way": _clause,
-    "why": _clause,
+    "why": _why,
     "kind": _kind,
     "claim": _claim,
     "choice": _choice,
     "amount": _amount,
+    "place": _place,
     "how-sure": _how_sure,
     "alternatives": _alternatives,
-    "when": _times,
-    "how-long": _times,
-    "how-often": _times,
-    "order": _times,
     "compare": _compare,
     "which-clip": _which,
 }

@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from geotlm_lm.conversation.wording import capitalised
 from geotlm_lm.core.labels import Motion, signed_amount
 
 Regions = Mapping[str, Mapping[str, float]]
@@ -119,11 +118,15 @@ def reasoning_steps(
     regions = evidence["regions"]
     where = "" if is_as_seen else "in the camera image"
     steps = (
-        f"{capitalised(contact_place(regions, evidence['contact_share']))}.",
-        f"{capitalised(f'{where} {halves(regions)}'.strip())}.",
+        _sentence(contact_place(regions, evidence["contact_share"])),
+        _sentence(f"{where} {halves(regions)}".strip()),
         _sums(pattern_of(regions), motion, where),
     )
     return (*(step for step in steps if step), f"Therefore: {conclusion}")
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}."
 
 
 def _sums(pattern: Pattern, motion: Motion | None, where: str) -> str:

@@ -1,0 +1,121 @@
+"""Answers in the form that was asked for: one word, a number, a sign, JSON; and as programs read
+them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import Component
+from geotlm_lm.query.amounts import Recording
+from geotlm_lm.query.decision import Decision
+from geotlm_lm.query.phrases import frame_phrase
+from geotlm_lm.query.tell import option_words, tell
+from geotlm_lm.query.tell_track import moment
+
+
+def decided(decision: Decision, recording: Recording) -> str | None:
+    """Return the word that an answer comes to, such as "yes", "clockwise" or "12 deg"."""
+    ask = decision.part.ask
+    if decision.missing is not None or ask.kind in ("why", "unanswerable", "talk", "help"):
+        return None
+    if decision.verdict is not None:
+        return "yes" if decision.verdict else "no"
+    if ask.kind == "which-clip" or (ask.kind == "compare" and decision.options):
+        return " and ".join(("first", "second")[at] for at in decision.options) or "neither"
+    if ask.kind == "choice":
+        chosen = [ask.options[at] for at in decision.options]
+        return " and ".join(one.label or option_words(one) for one in chosen) or "none"
+    if ask.kind in ("when", "how-long") and decision.times:
+        return moment(decision.times[0], recording)
+    if ask.kind == "how-often":
+        return f"{decision.times[0]:g}"
+    if decision.amounts:
+        return decision.amounts[0].word
+    if decision.area is not None:
+        return f"{decision.area.share:.0%}"
+    if ask.kind == "kind" and decision.movements:
+        kinds = {Component.TURN: "rotation"}
+        return " and ".join(
+            kinds.get(one.component, one.component.value) for one in decision.movements
+        )
+    return _motion(decision)
+
+
+def _motion(decision: Decision) -> str | None:
+    if decision.movements:
+        return decision.movements[0].way.value
+    return None if decision.rest is None else decision.rest.value
+
+
+def in_form(
+    decisions: Sequence[Decision], form: str, recording: Recording, *, sure: float = 1.0
+) -> str:
+    """Return decisions in a form of `types.FORMS`; what has no such form is told in full.
+
+    Args:
+        decisions: Of every part of a query.
+        form: Wanted.
+        recording: The file.
+        sure: Probability of the whole answer, for JSON.
+    """
+    if form == "json":
+        return json.dumps(as_json(decisions, recording, sure))
+    told = [_short(one, form, recording) or tell(one, recording) for one in decisions]
+    if form == "list" and len(told) > 1:
+        return "\n".join(f"- {one}" for one in told)
+    return " ".join(told)
+
+
+def _short(decision: Decision, form: str, recording: Recording) -> str | None:
+    word = decided(decision, recording)
+    if word is None or decision.missing is not None:
+        return None
+    if form in ("word", "brief", "letter", "yes-no"):
+        is_fitting = form != "yes-no" or decision.verdict is not None
+        return f"{word[:1].upper()}{word[1:]}" + "." if is_fitting else None
+    if form == "number":
+        return f"{decision.amounts[0].value:g}" if decision.amounts else _count(decision)
+    if form == "sign" and decision.movements:
+        positive = (Motion.CLOCKWISE, Motion.RIGHT, Motion.DOWN, Motion.PRESS)
+        return "+" if decision.movements[0].way in positive else "-"
+    return None
+
+
+def _count(decision: Decision) -> str | None:
+    return f"{decision.times[0]:g}" if decision.times else None
+
+
+def as_json(decisions: Sequence[Decision], recording: Recording, sure: float) -> dict[str, Any]:
+    """Return decisions as plain values: every component that moves, verdicts, times."""
+    found: dict[str, Any] = {}
+    for one in decisions:
+        ask = one.part.ask
+        if one.missing is not None:
+            found["missing"] = tell(one, recording)
+        if one.verdict is not None:
+            found["verdict"] = one.verdict
+        for move in one.movements:
+            name = move.component.value
+            found[name] = move.way.value
+            if move.amount is not None:
+                found[f"{name}_{move.amount.unit}"] = move.amount.value
+        for component in one.denied:
+            found[component.value] = None
+        if one.rest is not None:
+            found["motion"] = one.rest.value
+        for amount in one.amounts:
+            unit = amount.unit.replace("/", "_per_")
+            found[f"{amount.atom}_{unit}"] = amount.value
+        if one.times:
+            name = {"how-often": "count", "how-long": "seconds"}.get(ask.kind, "time_s")
+            found[name] = round(one.times[0], 3)
+        if ask.kind in ("choice", "compare", "which-clip") and one.options:
+            found["chosen"] = decided(one, recording)
+        if one.area is not None:
+            found["contact_share"] = round(one.area.share, 4)
+    where = next((frame_phrase(one.edit) for one in decisions if one.movements), None)
+    return found | ({"frame": where} if where else {}) | {"probability": round(sure, 3)}

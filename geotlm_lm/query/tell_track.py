@@ -1,0 +1,129 @@
+"""Put what happens in a recording into words: what, how far, and from when to when."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.query.amounts import Recording
+from geotlm_lm.query.decision import Decision
+from geotlm_lm.query.phrases import amount_phrase, frame_phrase
+from geotlm_lm.query.track import TOGETHER_S, Happening
+from geotlm_lm.track.events import EventKind
+
+MOST_TOLD = 6
+"""Events told one after another; of more, the largest."""
+
+_ENDS = (EventKind.TOUCH, EventKind.RELEASE)
+_NOUNS = {
+    "turn": ("turn", "turns"),
+    "slide": ("slide", "slides"),
+    "press": ("press", "presses"),
+    "touch": ("touch", "touches"),
+    "still": ("rest", "rests"),
+    "lost": ("release", "releases"),
+    "reverses": ("turn back", "turns back"),
+}
+_NEVER = {
+    "turn": "it does not turn",
+    "slide": "it does not slide",
+    "press": "it does not press in",
+    "touch": "nothing touches",
+    "made": "nothing touches",
+    "lost": "it is not let go",
+    "still": "it is never held still",
+    "reverses": "it never turns back",
+}
+
+
+def times_phrase(begin_s: float, end_s: float, recording: Recording) -> str:
+    """Return from when to when: "from 1.2 s to 3.4 s", or in frames."""
+    begin, end = moment(begin_s, recording), moment(end_s, recording)
+    return f"from {begin} to {end.removeprefix('frame ')}"
+
+
+def moment(time_s: float, recording: Recording) -> str:
+    """Return a time or a duration: "1.2 s", or a frame's number of a recording without a rate."""
+    if recording.rate_hz is not None:
+        return f"{time_s:.1f} s"
+    return f"frame {round(time_s / (recording.step_s or 1.0))}"
+
+
+def tell_times(decision: Decision, recording: Recording) -> str:
+    """Return what answers when, how long, how often and in which order."""
+    ask = decision.part.ask
+    found = largest(decision.happenings)
+    if ask.kind == "order":
+        return _order(decision, found, recording)
+    atom = ask.proposition.literals[0].atom
+    if ask.kind == "how-often":
+        count = int(decision.times[0])
+        nouns = _NOUNS.get(atom, ("time", "times"))
+        told = f"{count or 'no'} {nouns[count != 1]}"
+        return f"{told}: {_story(decision, found, recording)}" if found else told
+    if not decision.times or (ask.kind == "how-long" and not decision.times[0]):
+        return f"{_NEVER.get(atom, 'that does not happen')} in this recording"
+    if ask.kind == "how-long":
+        long = moment(decision.times[0], recording)
+        long = long.removeprefix("frame ") + " frames" if recording.rate_hz is None else long
+        return f"for {long}" + (f": {_story(decision, found, recording)}" if found else "")
+    at = moment(decision.times[0], recording)
+    if not found:
+        return f"{'it touches from' if ask.edge == 'begin' else 'it is touched until'} {at}"
+    return f"at {at}: {_story(decision, found, recording)}"
+
+
+def largest(found: Sequence[Happening]) -> list[Happening]:
+    """Return what is told of many events: where contact begins and ends, and the largest."""
+    kept = sorted(found, key=lambda one: (one.kind not in _ENDS, -one.path_px))[:MOST_TOLD]
+    return [one for one in found if one in kept]
+
+
+def _order(decision: Decision, found: Sequence[Happening], recording: Recording) -> str:
+    if not found:
+        return "it neither moves nor presses in this recording"
+    word = {True: "yes: ", False: "no: ", None: ""}[decision.verdict]
+    return f"{word}{_story(decision, found, recording)}"
+
+
+def _story(decision: Decision, found: Sequence[Happening], recording: Recording) -> str:
+    """Return events one after another, and the frame where a way is named."""
+    who = "the sensor" if decision.edit.sensor else "it"
+    told, text = list(found), ""
+    touch = next((one for one in told if one.kind is EventKind.TOUCH), None)
+    for before, one in pairwise([None, *told]):
+        clause = _clause(one, who, recording)
+        if before is None:
+            text = clause
+        elif before is touch and one.kind is EventKind.PRESS and _together(before, one):
+            text += f" and {_verb(one, '')} until {moment(one.end_s, recording)}"
+        else:
+            is_meanwhile = one.begin_s < before.end_s - TOGETHER_S
+            text += f"{'; meanwhile' if is_meanwhile else ', then'} {clause}"
+    is_directed = any(one.way in DIRECTED and one.kind is not EventKind.TOUCH for one in told)
+    return f"{text}, {frame_phrase(decision.edit)}" if is_directed else text
+
+
+def _together(before: Happening, one: Happening) -> bool:
+    return abs(one.begin_s - before.begin_s) <= TOGETHER_S
+
+
+def _clause(one: Happening, who: str, recording: Recording) -> str:
+    if one.begin_s == one.end_s or one.kind is EventKind.TOUCH:
+        return f"{_verb(one, who)} at {moment(one.begin_s, recording)}"
+    return f"{_verb(one, who)}, {times_phrase(one.begin_s, one.end_s, recording)}"
+
+
+def _verb(one: Happening, who: str) -> str:
+    if one.kind is EventKind.TOUCH:
+        return "it touches"
+    if one.kind is EventKind.STICK:
+        return "it is held still"
+    far = (
+        "" if one.amount is None or not one.amount.mean else f", about {amount_phrase(one.amount)}"
+    )
+    if one.kind in (EventKind.PRESS, EventKind.RELEASE):
+        verb = "presses in" if one.way is Motion.PRESS else "lifts off"
+        return f"{'it ' * bool(who)}{verb}{far if one.way is Motion.PRESS else ''}"
+    return f"{who} {one.kind.value}s {one.way.value}{far}"
