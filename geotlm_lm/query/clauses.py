@@ -74,7 +74,7 @@ class Around:
             mark = "" if said.endswith((".", "?")) else rng.choice((".", ".", ".", ";", " -"))
             self.sentences.append((f"{said}{mark}", fact))
         elif place == "alone_after":
-            self.late = f" {said}."
+            self.late += f" {said}."
         elif place == "before":
             self.text = f"{said} {self.text}"
         else:

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import json
+import math
 import random
 import re
 import tomllib
@@ -30,6 +32,7 @@ from geotlm_lm.query.clauses import (
 from geotlm_lm.query.noise import roughened
 from geotlm_lm.query.quantities import find
 from geotlm_lm.query.text import read, write
+from geotlm_lm.query.types import ASKS
 
 _FILES = ("ways", "claims", "choices", "amounts", "times", "about", "statements", "more", "clauses")
 _PLACES = ("before", "after", "alone", "alone_after")
@@ -37,6 +40,10 @@ _FIELD = re.compile(r"\{([\w-]+?)(\d?)\}")
 _CHOICE = re.compile(r"\[([^\[\]]*\|[^\[\]]*)\]|\{([^{}]*\|[^{}]*)\}")
 _MARK = re.compile("\ue000(\\d+)\ue001(.*?)\ue002", re.DOTALL)
 SPLITS = ("train", "validation", "test")
+
+
+LEAST_FAMILIES = 25
+"""A kind is drawn by the root of its number of families, or of this where it has fewer."""
 
 
 @dataclass(frozen=True)
@@ -106,13 +113,14 @@ class Grammar:
         kinds: dict[str, list[Family]] = {"fact": []}
         for one in self.families:
             if split in (None, split_of(one.id)):
-                kinds.setdefault(one.id.partition("/")[0], []).append(one)
+                kinds.setdefault(kind_of(one.query), []).append(one)
         clauses = [one for one in self.clauses if split in (None, "test") or _may(one, split)]
         names = sorted(kinds)
+        shares = [math.sqrt(max(len(kinds[kind]), LEAST_FAMILIES)) for kind in names]
         while True:
-            kind = rng.choice(names)
+            kind, second = rng.choices(names, shares, k=2)
             family = rng.choice(kinds[kind]) if kinds[kind] else None
-            other = rng.choice(kinds[rng.choice(names)] or [None])
+            other = rng.choice(kinds[second] or [None])
             pair = self._pair(rng, family, other, clauses)
             if pair is not None:
                 yield pair
@@ -165,7 +173,7 @@ class Grammar:
             draft.values[f"{name}{place}"] = f"\ue003{draft.numbers}"
             # The second of two numbers is the larger: spans and ranges run upwards.
             offered = [one for one in words["values"] if not place or one > draft.least]
-            value = rng.choice(offered or words["values"][-1:])
+            value = rng.choice(offered or [2 * words["values"][-1]])
             draft.least = max(value, draft.least)
             said = rng.choice(words["forms"]).replace("#", f"{value:g}")
             return f"\ue000{draft.numbers}\ue001{said}\ue002"
@@ -200,18 +208,40 @@ def _numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
     return Pair(plain, write(read(line, max(len(places), 1))), families)
 
 
+def kind_of(query: str) -> str:
+    """Return the kind of a query's first ask; "fact" of one that asks nothing."""
+    words = [word for word in query.split() if word in ASKS]
+    return words[0] if words else "fact"
+
+
 _FIXED = {"train": "train", "held": "validation", "blind": "test"}
 """Splits that a family names by the end of its id."""
 
 
 def split_of(family: str) -> str:
-    """Return the split that a family belongs to: by a hash of its id, three in five to train.
+    """Return the split that a family belongs to: by a hash of its id, four in five to train.
 
     Where a kind has few families their ids end in ".train", ".held" (validation) or ".blind".
     """
     named = _FIXED.get(family.rpartition(".")[2])
     place = int.from_bytes(hashlib.sha256(family.encode()).digest()[:4]) % 20
-    return named or ("test" if place < 4 else "validation" if place < 7 else "train")
+    return named or ("test" if place < 2 else "validation" if place < 4 else "train")
+
+
+def corpus(split: str) -> list[Pair]:
+    """Return the questions of a split that were written and labelled one by one.
+
+    Questions that begin alike and ask alike are a family.
+    """
+    path = resource_dir("data_templates") / "query" / "corpus.jsonl"
+    found = []
+    for line in path.read_text(encoding="utf-8").splitlines():
+        told = json.loads(line)
+        begins = " ".join(told["text"].lower().split()[:3])
+        family = f"corpus/{kind_of(told['query'])} {begins}"
+        if split_of(family) == split:
+            found.append(Pair(told["text"], told["query"], (family,)))
+    return found
 
 
 def _may(clause: Clause, split: str) -> bool:

@@ -22,7 +22,7 @@ def roughened(rng: random.Random, text: str) -> str:
         text = text.replace("?", " ?")
     elif drawn < 0.2:
         text = text.upper()
-    if rng.random() < 0.08:
+    if rng.random() < 0.15:
         text = _with_slip(rng, text)
     return text
 

@@ -16,7 +16,7 @@ from geotlm_lm.query.types import Quantity
 
 FACTORS = {
     "angle": {"deg": 1.0, "rad": 57.29577951308232, "turn": 360.0, "arcmin": 1 / 60},
-    "length": {"mm": 1.0, "cm": 10.0, "um": 0.001, "inch": 25.4},
+    "length": {"mm": 1.0, "cm": 10.0, "um": 0.001, "inch": 25.4, "thou": 0.0254},
     "time": {"s": 1.0, "ms": 0.001, "min": 60.0},
 }
 """How many degrees, millimetres or seconds a unit is; a pixel's and a frame's size varies."""
@@ -91,7 +91,7 @@ def _figure_at(text: str, at: int) -> Found | None:
 def _value(said: str) -> float | None:
     said = said.replace("−", "-").replace(" ", "")
     top, _, bottom = said.partition("/")
-    if re.fullmatch(r"[-+]?\d{1,3}(?:,\d{3})+", top):
+    if re.fullmatch(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+", top):
         top = top.replace(",", "")
     try:
         value = float(top.replace(",", "."))
@@ -192,6 +192,8 @@ def _unit_at(text: str, at: int, *, may_join: bool = False) -> tuple[str, int]:
 def _plain_unit(text: str, at: int) -> tuple[str, int]:
     units = _lexicon()[0]
     place, said, best = at, "", ("", at)
+    if text[at : at + 1] == "-" and text[at + 1 : at + 2].isalpha():  # "a 90-degree turn"
+        place = at + 1
     for _ in range(3):
         word, place = _next_word(text, place)
         if word is None:

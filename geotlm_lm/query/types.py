@@ -47,7 +47,7 @@ MEASURED_ATOMS = (*COMPONENT_ATOMS, *WAY_ATOMS, *AXIS_ATOMS, "touch")
 
 UNITS = {
     "angle": ("deg", "rad", "turn", "arcmin"),
-    "length": ("px", "mm", "cm", "um", "inch"),
+    "length": ("px", "mm", "cm", "um", "inch", "thou"),
     "time": ("s", "ms", "min", "frame"),
     "share": ("percent",),
 }

@@ -18,7 +18,7 @@ from pathlib import Path
 import torch
 from tokenizers import Tokenizer, decoders, models, pre_tokenizers, trainers
 from torch import Tensor
-from torch.nn.functional import cross_entropy
+from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy
 
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.progress import Progress, silent
@@ -105,6 +105,33 @@ def train_reader(
         _store(folder / NAME, config, model, optimiser, step)
     tokenizer.model.dropout = None
     return Reader(model, spelling, (1.0, 0.0))
+
+
+def calibrated(reader: Reader, pairs: Sequence[Pair]) -> Reader:
+    """Return a reader whose probabilities come true on pairs of families it has not read.
+
+    The log-odds of what it tells are scaled and shifted to the greatest likelihood of whether its
+    readings were the right ones (Platt 1999).
+    """
+    raw = Reader(reader.model, reader.spelling, (1.0, 0.0))
+    odds, right = [], []
+    for pair in pairs:
+        found = raw.read(pair.text)
+        odds.append(math.log(found.probability / (1 - found.probability)))
+        right.append(found.line == pair.query)
+    x, y = torch.tensor(odds), torch.tensor(right, dtype=torch.float32)
+    line = torch.tensor([1.0, 0.0], requires_grad=True)
+    optimiser = torch.optim.LBFGS([line], max_iter=100, line_search_fn="strong_wolfe")
+
+    def loss() -> Tensor:
+        optimiser.zero_grad()
+        value = binary_cross_entropy_with_logits(line[0] * x + line[1], y)
+        value.backward()
+        return value
+
+    optimiser.step(loss)
+    slope, offset = map(float, line.detach())
+    return Reader(reader.model, reader.spelling, (slope, offset))
 
 
 def train_vocabulary(config: ReadingTraining, corpus: Sequence[Pair]) -> Tokenizer:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.twist import COMPONENTS, WAYS, Twist
+from geotlm_lm.core.twist import COMPONENTS, WAYS, Component, Twist
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Recording
@@ -18,7 +18,9 @@ from geotlm_lm.query.execute import decide, execute
 from geotlm_lm.query.quantities import quantities
 from geotlm_lm.query.tell import tell
 from geotlm_lm.query.text import read
-from geotlm_lm.query.track import Event
+from geotlm_lm.track.amounts import Span
+from geotlm_lm.track.events import Event, EventKind
+from geotlm_lm.track.track import Track
 from tests.query.strategies import beliefs, edits, queries
 
 FRAME = FrameSpec()
@@ -37,17 +39,28 @@ def certain(*, turn=0.0, right=0.0, down=0.0, inward=0.0, contact=1.0) -> Belief
     return Belief(twist, np.diag([0.1, 0.1, 0.1, 0.001]), ways, contact, 30.0, readable)
 
 
-class Whole:
-    """A recording of four seconds: held, turned clockwise, slid left, gone."""
+def whole() -> Track:
+    """A recording of four seconds at 25 Hz: held, turned by 20 degrees, slid left, let go."""
+    times = np.arange(101) / 25
+    twists = np.zeros((101, 4))
+    twists[26:51, 0], twists[51:76, 1] = 20 / 25, -30 / 25
+    contact = np.where(times < 3.0, 1.0, 0.0)
+    turn, slide = Component.TURN, Component.SLIDE
+    events = (
+        _event(EventKind.TOUCH, 0, 0),
+        _event(EventKind.STICK, 0, 25),
+        _event(EventKind.TURN, 25, 50, Twist(20, 0, 0, 0), Span(20, 1), turn),
+        _event(EventKind.SLIDE, 50, 75, Twist(0, -30, 0, 0), Span(30, 1), slide),
+        _event(EventKind.RELEASE, 75, 75, Twist(0, 0, 0, -0.3), Span(-0.3, 0.1), Component.PRESS),
+    )
+    return Track(
+        np.arange(101), times, contact, 9 * contact, twists, np.full((101, 4, 4), 1e-4) * np.eye(4),
+        30 * contact, events, (240, 320),
+    )  # fmt: skip
 
-    seconds = 4.0
 
-    def belief(self, begin_s, end_s):
-        return certain(turn=10 * (end_s - begin_s))
-
-    def events(self):
-        times = (Motion.STILL, Motion.CLOCKWISE, Motion.LEFT, Motion.NONE)
-        return [Event(way, float(at), at + 1.0) for at, way in enumerate(times)]
+def _event(kind, begin, end, twist=Twist(0, 0, 0, 0), amount=Span(0, 0), component=None):
+    return Event(kind, begin, end, begin / 25, end / 25, twist, amount, 0.99, component)
 
 
 def answer(text, belief, *, question="", frame=FRAME, **more):
@@ -104,7 +117,7 @@ def test_an_edit_acts_as_on_the_belief(text, belief, edit):
     assert replace(asked, part=seen.part) == seen
 
 
-@given(queries, beliefs(), st.sampled_from([None, Whole()]), st.booleans())
+@given(queries, beliefs(), st.sampled_from([None, whole()]), st.booleans())
 @settings(max_examples=30, deadline=None)
 def test_every_query_is_decided_and_told(query, belief, track, has_second):
     numbers = (t.Quantity(12.5, "deg"), t.Quantity(0.06, "mm/px"), t.Quantity(0.5, "s"))
@@ -162,24 +175,51 @@ def test_a_thread_tightens_as_its_facts_say():
         ("when turn begin", (1.0,)),
         ("backwards > when turn begin", (2.0,)),
         ("when lost begin", (3.0,)),
+        ("when touch end", (2.96,)),
         ("how-long move", (2.0,)),
+        ("how-long touch", (2.96,)),
         ("how-often turn", (1.0,)),
-        ("order turn slide", (1.0, 2.0)),
+        ("how-often touch", (1.0,)),
+        ("how-often reverses", (0.0,)),
     ],
 )
 def test_times_are_read_off_the_track(text, times):
-    assert answer(text, certain(), track=Whole()).times == times
+    assert answer(text, certain(), track=whole()).times == pytest.approx(times)
+
+
+def test_the_moment_an_amount_is_passed_is_told():
+    found = answer("when turn > #1 begin", certain(), question="10 degrees", track=whole())
+    assert found.times == pytest.approx((1.52,))
 
 
 def test_order_turns_round_when_played_backwards():
-    assert answer("order turn slide", certain(), track=Whole()).verdict is True
-    assert answer("backwards > order turn slide", certain(), track=Whole()).verdict is False
+    assert answer("order turn slide", certain(), track=whole()).verdict is True
+    assert answer("backwards > order turn slide", certain(), track=whole()).verdict is False
 
 
-def test_a_span_asks_for_a_part_of_the_track():
-    found = answer("from #1 to #2 > amount turn", certain(), question="between 1 s and 2.5 s",
-                   track=Whole())  # fmt: skip
-    assert found.amounts[0].mean == pytest.approx(15)
+@pytest.mark.parametrize(
+    ("text", "question", "turned"),
+    [
+        ("from #1 to #2 > amount turn", "between 1 s and 1.5 s", 9.6),
+        ("from #1 to #2 > amount turn", "between 1 and 1.5 s", 9.6),
+        ("from #1 to #2 > amount turn", "frames 25 to 50", 20.0),
+        ("in-first-half > amount turn", "", 20.0),
+        ("in-end to #1 > amount slide", "the last 1.5 seconds", 14.4),
+    ],
+)
+def test_a_span_asks_for_a_part_of_the_track(text, question, turned):
+    found = answer(text, certain(turn=1), question=question, track=whole())
+    value = found.amounts[0].mean
+    assert value == pytest.approx(turned * (320 / 224 if "slide" in text else 1), rel=0.05)
+
+
+def test_a_recording_is_told_as_a_story():
+    told = tell(answer("order", certain(), track=whole()), RECORDING)
+    assert told == (
+        "It touches at 0.0 s, then it is held still, from 0.0 s to 1.0 s, then it turns clockwise, "
+        "about 20 degrees, from 1.0 s to 2.0 s, then it slides left, about 43 px, from 2.0 s to "
+        "3.0 s, then it lifts off at 3.0 s, in the camera image."
+    )
 
 
 def test_two_clips_are_compared_on_what_is_asked():
