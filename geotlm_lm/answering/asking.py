@@ -156,11 +156,11 @@ def _told(
         text = f"{text}"
     is_silent = all(one.missing is not None or one.part.ask.kind in _UNSURE for one in found)
     kind = first.part.ask.kind
-    is_guess = not is_silent and kind not in ("why", "how-sure") and sure < LEAST_SURE
+    is_guess = not is_silent and _is_guess(found)
     if withheld is not None:
         text, told_by = withheld, "rule"
     elif is_guess:
-        text, told_by = tentative(text, sure), "rule"
+        text, told_by = tentative(text, min(map(_motion_chance, found))), "rule"
     is_abstained = withheld is not None or is_silent or is_guess
     told = _plain(encoded, understood, first.frame, text, started)
     moves = first.movements
@@ -176,6 +176,19 @@ def _told(
         motion=MeasuredMotion.of(encoded.belief, evidence.recording, first.frame),
         told_by=told_by,
     )
+
+
+def _is_guess(found: Sequence[Decision]) -> bool:
+    """Tell whether what is told is more likely wrong than right; amounts have spans instead."""
+    told = [one for one in found if one.part.ask.kind not in ("why", "how-sure", "alternatives")]
+    return any(_motion_chance(one) < LEAST_SURE for one in told)
+
+
+def _motion_chance(decision: Decision) -> float:
+    """Return the probability of a decision but for how near its amounts are."""
+    if decision.part.ask.kind != "amount" or decision.missing is not None:
+        return decision.probability
+    return min((one.chance for one in decision.movements), default=decision.probability)
 
 
 _NO_WAY = ("recording", "setup", "help", "talk", "place", "when", "how-long", "how-often")

@@ -10,6 +10,7 @@ from typing import Any
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
+from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import Decision
 from geotlm_lm.query.phrases import frame_phrase
@@ -26,6 +27,8 @@ def decided(decision: Decision, recording: Recording) -> str | None:
         return "yes" if decision.verdict else "no"
     if ask.kind == "which-clip" or (ask.kind == "compare" and decision.options):
         return " and ".join(("first", "second")[at] for at in decision.options) or "neither"
+    if ask.of == "thread":
+        return f"{t.THREAD_ATOMS[decision.options[0]]}s" if decision.options else _motion(decision)
     if ask.kind == "choice":
         chosen = [ask.options[at] for at in decision.options]
         return " and ".join(one.label or option_words(one) for one in chosen) or "none"

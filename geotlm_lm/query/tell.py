@@ -80,6 +80,8 @@ def _clause(decision: Decision, recording: Recording) -> str:
     if edit.undo:
         return undoing_phrase(decision.movements, edit) + where
     told = f"{who} {joined([_movement(one, recording) for one in decision.movements])}{where}"
+    if decision.part.ask.of == "thread" and decision.options:
+        told = f"it {t.THREAD_ATOMS[decision.options[0]]}s: {told}"
     for one in decision.movements:
         if one.back_and_forth is not None:
             told += f"; there and back {amount_phrase(one.back_and_forth)}"
