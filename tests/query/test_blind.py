@@ -12,7 +12,7 @@ from geotlm_lm.query.types import filled
 FOLDER = Path(__file__).parent.parent
 
 
-@pytest.mark.parametrize("name", ["blind_questions"])
+@pytest.mark.parametrize("name", ["blind_questions", "tune_questions"])
 def test_every_label_is_canonical_and_its_slots_are_quantities_of_its_text(name):
     for line in FOLDER.joinpath(f"{name}.jsonl").read_text().splitlines():
         row = json.loads(line)
