@@ -31,8 +31,8 @@ from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.network import BELIEF_NUMBERS, Beliefs, MotionNetwork
 from geotlm_lm.probe.linear import LinearProbe
-from geotlm_lm.query.reader import Reader
 from geotlm_lm.probe.standardise import Standardiser
+from geotlm_lm.query.reader import Reader
 
 if TYPE_CHECKING:
     from geotlm_lm.language.generation import Speaker

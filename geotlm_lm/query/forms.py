@@ -1,6 +1,4 @@
-"""Answers in the form that was asked for: one word, a number, a sign, JSON; and as programs read
-them.
-"""
+"""Answers in the form that was asked for, and as programs read them."""
 
 from __future__ import annotations
 

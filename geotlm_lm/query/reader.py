@@ -26,8 +26,8 @@ from geotlm_lm.query.spelling import Spelling
 from geotlm_lm.query.text import END, next_words, read
 from geotlm_lm.query.types import Query, filled
 
-SIZE = LanguageSize(width=256, layers=4, heads=8, mlp=688, tactile_tokens=0, max_tokens=704)
-"""2.7 million weights; a question of 2,000 characters and a query of 64 words fit."""
+SIZE = LanguageSize(width=192, layers=4, heads=6, mlp=512, tactile_tokens=0, max_tokens=704)
+"""2.2 million weights; a question of 2,000 characters and a query of 64 words fit."""
 
 MOST_WORDS = 64
 DOUBTFUL = 0.02
