@@ -167,6 +167,7 @@ def _told(
     return replace(
         told,
         kind=kind,
+        notes=(*told.notes, *_notes(found, evidence)),
         abstained=is_abstained and kind not in ("setup", "recording", "help", "talk"),
         confidence=0.0 if is_abstained else sure,
         direction=None if is_abstained or kind in _NO_WAY else _direction(first),
@@ -189,6 +190,17 @@ def _motion_chance(decision: Decision) -> float:
     if decision.part.ask.kind != "amount" or decision.missing is not None:
         return decision.probability
     return min((one.chance for one in decision.movements), default=decision.probability)
+
+
+def _notes(found: Sequence[Decision], evidence: Evidence) -> tuple[str, ...]:
+    """Return what pixels are of, where amounts are told in them, and what a track found amiss."""
+    notes = () if evidence.track is None else evidence.track.notes
+    amounts = [one for decision in found for one in decision.amounts]
+    amounts += [one.amount for decision in found for one in decision.movements if one.amount]
+    if not any(one.unit.startswith("px") for one in amounts):
+        return notes
+    size = f"{evidence.recording.columns}x{evidence.recording.rows}"
+    return (*notes, f"Pixels are those of the {size} frames; tell the mm per pixel to have mm.")
 
 
 _NO_WAY = ("recording", "setup", "help", "talk", "place", "when", "how-long", "how-often")
