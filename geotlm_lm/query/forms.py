@@ -1,6 +1,4 @@
-"""Answers in the form that was asked for: one word, a number, a sign, JSON; and as programs read
-them.
-"""
+"""Answers in the form asked for: a word, a number, a sign, JSON; and as programs read them."""
 
 from __future__ import annotations
 
@@ -15,6 +13,7 @@ from geotlm_lm.query.decision import Decision
 from geotlm_lm.query.phrases import frame_phrase
 from geotlm_lm.query.tell import option_words, tell
 from geotlm_lm.query.tell_track import moment
+from geotlm_lm.query.types import THREAD_ATOMS
 
 
 def decided(decision: Decision, recording: Recording) -> str | None:
@@ -29,6 +28,8 @@ def decided(decision: Decision, recording: Recording) -> str | None:
     if ask.kind == "choice":
         chosen = [ask.options[at] for at in decision.options]
         return " and ".join(one.label or option_words(one) for one in chosen) or "none"
+    if ask.kind == "way" and ask.of == "thread":
+        return THREAD_ATOMS[decision.options[0]] if decision.options else "neither"
     if ask.kind in ("when", "how-long") and decision.times:
         return moment(decision.times[0], recording)
     if ask.kind == "how-often":
