@@ -31,8 +31,8 @@ from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.network import BELIEF_NUMBERS, Beliefs, MotionNetwork
 from geotlm_lm.probe.linear import LinearProbe
-from geotlm_lm.query.reader import Reader
 from geotlm_lm.probe.standardise import Standardiser
+from geotlm_lm.query.reader import Reader
 
 if TYPE_CHECKING:
     from geotlm_lm.language.generation import Speaker
@@ -139,6 +139,15 @@ def embedded_bundle_dir() -> Path:
             "this installation has no model bundle; install geotlm-lm again, or give the folder "
             "that `geotlm-lm train` wrote by --model."
         ) from error
+
+
+def embedded_reader() -> Reader:
+    """Return what reads questions in the bundle that ships with the package.
+
+    Raises:
+        IncompatibleBundle: If the installation has none.
+    """
+    return Reader.load(embedded_bundle_dir() / READER_DIR)
 
 
 def save_bundle(folder: Path, bundle: Bundle) -> None:

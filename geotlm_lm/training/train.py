@@ -15,7 +15,14 @@ import torch
 
 from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
-from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, reading_of, save_bundle
+from geotlm_lm.checkpoint import (
+    Bundle,
+    Calibration,
+    embedded_reader,
+    load_bundle,
+    reading_of,
+    save_bundle,
+)
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
@@ -110,7 +117,9 @@ def train(preset: str, out: Path, seed: int, workers: int, progress: Progress = 
         provenance = _provenance(settings, seed, workers)
         provenance |= {"device": device, "dgr_validation_accuracy": modes}
         grammar = load_templates().grammar()
-        bundle = Bundle(model, motion, speaker, grammar, Calibration(), provenance)
+        bundle = Bundle(
+            model, motion, speaker, grammar, Calibration(), provenance, embedded_reader()
+        )
         bundle.calibration = calibrated(bundle, perceived, seed)
         folder = out / "bundle"
         save_bundle(folder, bundle)
