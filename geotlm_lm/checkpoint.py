@@ -141,6 +141,15 @@ def embedded_bundle_dir() -> Path:
         ) from error
 
 
+def embedded_reader() -> Reader:
+    """Return what reads questions in the bundle that ships with the package.
+
+    Raises:
+        IncompatibleBundle: If the installation has none.
+    """
+    return Reader.load(embedded_bundle_dir() / READER_DIR)
+
+
 def save_bundle(folder: Path, bundle: Bundle) -> None:
     """Write `bundle`; the configuration goes last, so that a half-written folder does not load."""
     folder.mkdir(parents=True, exist_ok=True)

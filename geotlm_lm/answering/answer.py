@@ -9,6 +9,7 @@ from geotlm_lm.answering.measured_motion import MeasuredMotion
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.query.amounts import Measure
+from geotlm_lm.query.edit import Edit
 from geotlm_lm.query.types import Query
 
 
@@ -64,6 +65,17 @@ class Answer:
     query: str = ""
     understood: float = 1.0
     resumed: Query = field(default_factory=Query)
+
+    @property
+    def edit(self) -> Edit:
+        """The point of view that `direction` is told from: the frame's and the question's."""
+        asked = self.resumed.parts[0].edit if self.resumed.parts else Edit()
+        return asked.within(self.frame)
+
+    @property
+    def in_the_image(self) -> Motion | None:
+        """The motion it claims as the recorded image shows it; None where it claims none."""
+        return None if self.direction is None else self.edit.inverse().of_way(self.direction)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON values."""

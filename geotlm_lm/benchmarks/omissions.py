@@ -25,7 +25,7 @@ from geotlm_lm.simulation.scene import Scene
 QUESTIONS = (QUESTION, "Is it turning clockwise?", "Is anything touching the gel?")
 
 FOREIGN = "In welche Richtung dreht es sich?"
-"""Refused by a rule, before the model is asked."""
+"""Refused by a rule; the language model is not asked."""
 
 
 class Omission(NamedTuple):

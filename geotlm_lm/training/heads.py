@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING
 import torch
 
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.checkpoint import READER_DIR, Bundle, Calibration, embedded_bundle_dir
+from geotlm_lm.checkpoint import Bundle, Calibration, embedded_reader
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.measured import Measured, measured
-from geotlm_lm.query.reader import Reader
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.config import HeadsPreset, heads_preset_named
@@ -70,10 +69,8 @@ def train_heads(
     motion = train_motion(spoken_of.measured, spoken_of.labels, seed=seed, progress=progress)
     widen_spans(motion, perceived.measured, perceived.labels)
     speaker = train_speaker(spoken_of, motion, settings, seed, out, progress)
-    # Reading knows nothing of encoders.
-    reader = Reader.load(embedded_bundle_dir() / READER_DIR)
-    answers = load_templates().grammar()
-    bundle = Bundle(model, motion, speaker, answers, Calibration(), about, reader)
+    grammar = load_templates().grammar()
+    bundle = Bundle(model, motion, speaker, grammar, Calibration(), about, embedded_reader())
     bundle.calibration = calibrated(bundle, perceived, seed)
     return bundle
 
