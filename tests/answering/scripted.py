@@ -110,6 +110,9 @@ class ScriptedReader:
 
 READ = {
     "Which way?": "way",
+    "Which way is it going?": "way",
+    "Which way is it moving?": "way",
+    "Do they go the same way?": "compare same",
     "Which way is it turning?": "way turn",
     "Is it turning clockwise?": "claim cw",
     "How far?": "amount",
