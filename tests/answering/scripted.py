@@ -99,11 +99,13 @@ class ScriptedReader:
 
     def __init__(self, lines=None, probability=0.98):
         self.lines, self.probability = {**READ, **(lines or {})}, probability
+        self.heard = []
 
     def read(self, text):
         return self.readings(text)[0]
 
     def readings(self, text, most=2):
+        self.heard.append(text)
         line = self.lines.get(text, text)
         return [Reading(line, quantities(text), self.probability)]
 

@@ -80,6 +80,7 @@ def test_reasons_are_given_for_an_answer_about_one_clip(answerer, encoded):
     )
 
 
+@pytest.mark.parametrize("span", [5, (0.0, 2.5), (1,), (0, 2, 3), "ab", ()])
 def test_a_span_is_two_whole_numbers(answerer, span):
     with pytest.raises(TypeError) as caught:
         answerer.encode(recording(frames=6), span=span)
