@@ -19,9 +19,6 @@ from geotlm_lm.language.parse_answer import Slots
 DECLINED = ("refusal", "comparison", "order")
 """Kinds that one clip cannot answer."""
 
-UNDECIDED = ("evidence", "premise", "confidence")
-"""Kinds whose answers say more than a word: they are right by the motion that they name."""
-
 OF_A_RECORDING = ("when", "how-long", "how-often", "unanswerable")
 """What a question with a premise may ask that four frames cannot tell; nothing is claimed then."""
 
@@ -37,7 +34,7 @@ class Truth:
 
     Args:
         kind: Of the question, as its template calls it.
-        decided: The deciding word; None where none decides.
+        decided: The deciding word, or the kind of motion; None where the motion says it.
         direction: The motion claimed, from the point of view asked for; None where any may be.
         is_so: Whether what is claimed holds; None where nothing is.
         abstains: Whether it is to be declined.
@@ -80,18 +77,16 @@ def truth_of(
         return Truth(kind, abstains=True)
     if kind == "thread":
         return _of_thread(motion, frame)
-    if kind in UNDECIDED:
-        return Truth(kind, direction=told)
     changed = {"mirrored": mirror, "reversed": reverse, "undo": reverse}.get(kind)
     frame = replace(frame, **OTHER_FRAME.get(kind, {}))
     told = frame.tell(changed(motion) if changed else motion)
-    return Truth(kind, told.value, told)
+    return Truth(kind, direction=told)
 
 
 def _of_amount(asked: QuestionAnswer, motion: Motion, seconds: float | None) -> Truth:
     kind, unit = asked.slots.kind, asked.slots.unit
     if motion in AT_REST:
-        return Truth(kind, motion.value, motion)
+        return Truth(kind, direction=motion)
     if kind == "rate" and seconds is None:
         return Truth(kind, abstains=True)
     if motion not in DIRECTED:  # how deep a press goes, no label tells
