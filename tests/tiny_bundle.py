@@ -1,6 +1,7 @@
 """A bundle of random weights, small enough for tests of everything around the weights."""
 
 import torch
+from tokenizers import Tokenizer, models, pre_tokenizers, trainers
 
 from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.motions import MOTIONS_SHAPE
@@ -16,7 +17,10 @@ from geotlm_lm.motion.measured import measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
+from geotlm_lm.query.reader import QuestionDecoder, Reader
+from geotlm_lm.query.spelling import Spelling
 from geotlm_lm.training.language import LanguageTraining, new_speaker
+from geotlm_lm.training.reading import initialise
 
 WIDTH = 12
 
@@ -43,7 +47,22 @@ def _tiny_bundle(calibration, generator):
     calibration = calibration or Calibration(temperature=2.0, contact_threshold=0.0)
     grammar = load_templates().grammar()
     motion = untrained_motion(model.dgr)
-    return Bundle(model, motion, speaker, grammar, calibration, {"command": "test"})
+    return Bundle(model, motion, speaker, grammar, calibration, {"command": "test"}, tiny_reader())
+
+
+def tiny_reader():
+    """A reader of random weights."""
+    tokenizer = Tokenizer(models.BPE(unk_token=None))
+    tokenizer.pre_tokenizer = pre_tokenizers.ByteLevel(add_prefix_space=False)
+    trainer = trainers.BpeTrainer(
+        vocab_size=256, initial_alphabet=pre_tokenizers.ByteLevel.alphabet(), show_progress=False
+    )
+    tokenizer.train_from_iterator(["which way"], trainer)
+    spelling = Spelling(tokenizer)
+    size = LanguageSize(width=16, layers=1, heads=2, mlp=16, tactile_tokens=0, max_tokens=704)
+    model = QuestionDecoder(size, spelling.size)
+    initialise(model)
+    return Reader(model, spelling, (1.0, 0.0))
 
 
 @torch.no_grad()

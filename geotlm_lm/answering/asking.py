@@ -156,17 +156,18 @@ def _told(
         text = f"{text}"
     is_silent = all(one.missing is not None or one.part.ask.kind in _UNSURE for one in found)
     kind = first.part.ask.kind
-    is_guess = not is_silent and kind not in ("why", "how-sure") and sure < LEAST_SURE
+    is_guess = not is_silent and _is_guess(found)
     if withheld is not None:
         text, told_by = withheld, "rule"
     elif is_guess:
-        text, told_by = tentative(text, sure), "rule"
+        text, told_by = tentative(text, min(map(_motion_chance, found))), "rule"
     is_abstained = withheld is not None or is_silent or is_guess
     told = _plain(encoded, understood, first.frame, text, started)
     moves = first.movements
     return replace(
         told,
         kind=kind,
+        notes=(*told.notes, *_notes(found, evidence)),
         abstained=is_abstained and kind not in ("setup", "recording", "help", "talk"),
         confidence=0.0 if is_abstained else sure,
         direction=None if is_abstained or kind in _NO_WAY else _direction(first),
@@ -176,6 +177,30 @@ def _told(
         motion=MeasuredMotion.of(encoded.belief, evidence.recording, first.frame),
         told_by=told_by,
     )
+
+
+def _is_guess(found: Sequence[Decision]) -> bool:
+    """Tell whether what is told is more likely wrong than right; amounts have spans instead."""
+    told = [one for one in found if one.part.ask.kind not in ("why", "how-sure", "alternatives")]
+    return any(_motion_chance(one) < LEAST_SURE for one in told)
+
+
+def _motion_chance(decision: Decision) -> float:
+    """Return the probability of a decision but for how near its amounts are."""
+    if decision.part.ask.kind != "amount" or decision.missing is not None:
+        return decision.probability
+    return min((one.chance for one in decision.movements), default=decision.probability)
+
+
+def _notes(found: Sequence[Decision], evidence: Evidence) -> tuple[str, ...]:
+    """Return what pixels are of, where amounts are told in them, and what a track found amiss."""
+    notes = () if evidence.track is None else evidence.track.notes
+    amounts = [one for decision in found for one in decision.amounts]
+    amounts += [one.amount for decision in found for one in decision.movements if one.amount]
+    if not any(one.unit.startswith("px") for one in amounts):
+        return notes
+    size = f"{evidence.recording.columns}x{evidence.recording.rows}"
+    return (*notes, f"Pixels are those of the {size} frames; tell the mm per pixel to have mm.")
 
 
 _NO_WAY = ("recording", "setup", "help", "talk", "place", "when", "how-long", "how-often")

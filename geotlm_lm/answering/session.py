@@ -10,7 +10,7 @@ from geotlm_lm.answering.answer import Answer, Comparison
 from geotlm_lm.answering.argument_checks import require_encoded, require_frame
 from geotlm_lm.answering.asking import answer, compare, of_two
 from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.answering.understanding import check_question, understand
+from geotlm_lm.answering.understanding import Understood, check_question, understand
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.query.types import Query
 
@@ -99,8 +99,11 @@ class Session:
         typed = check_question(question)
         bundle, other = self.answerer.bundle, self.clips[-2] if len(self.clips) > 1 else None
         found = understand(bundle.reader, typed, self._before)
-        if other is not None and of_two(found.query):
-            reply: Reply = compare(bundle, (other, self.encoded), found, self.frame)
+        about_last = self._about_last(found)
+        if about_last is not None:
+            reply: Reply = about_last
+        elif other is not None and of_two(found.query):
+            reply = compare(bundle, (other, self.encoded), found, self.frame)
         else:
             reply = answer(bundle, self.encoded, found, self.frame, other)
         self.history.append(Turn(typed, reply, self.frame, self.encoded, self._before))
@@ -108,6 +111,25 @@ class Session:
         if found.query.parts and found.query.parts[0].ask.kind not in _REFER_BACK:
             self._before = found.query
         return reply
+
+    def _about_last(self, found: Understood) -> Answer | None:
+        """Return what is said of the last answer: how sure it is, how near, and why."""
+        last, parts = self.last, found.query.parts
+        if not isinstance(last, Answer) or len(parts) != 1 or found.ask_back is not None:
+            return None
+        ask = parts[0].ask
+        if ask.kind not in ("why", "how-sure") or ask.proposition is not None:
+            return None
+        if ask.kind == "why":
+            text = " ".join(self.answerer.why(self.encoded, last).steps)
+        elif ask.of_amount and last.amount is not None:
+            low, high = last.amount.span
+            text = f"Nine times in ten it is {low:g} to {high:g} {last.amount.unit}."
+        elif last.abstained:
+            text = last.text
+        else:
+            text = f"About {last.confidence:.0%}: {last.text}"
+        return replace(last, text=text, kind=ask.kind, told_by="rule", query=found.line)
 
     def take_back(self, question: str) -> None:
         """Forget the last turn, if this was its question, and what it said about the frame."""

@@ -75,6 +75,7 @@ def track(
     targets = Targets(out, plot, video)
     targets.require([one for one in (recording, background) if one is not None], is_forced=force)
     from geotlm_lm.core.frame_spec import FrameSpec
+    from geotlm_lm.recordings.legible import require_any_legible
     from geotlm_lm.recordings.read import read_clip
     from geotlm_lm.recordings.span import frames_inside
 
@@ -82,8 +83,7 @@ def track(
     clip = read_clip(
         recording, layout=layout, fps=fps, background=background, square_pixels=square_pixels
     )
-    if span is not None:
-        frames_inside(clip, span)
+    require_any_legible(clip if span is None else frames_inside(clip, span))
 
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer
@@ -92,7 +92,8 @@ def track(
     answerer = Answerer.load(model, precision=precision)
     tracked, is_stopped = _tracked(answerer, clip, span, is_square=bool(square_pixels))
     exported = Exported(tracked, scale)
-    targets.write(exported, clip.name, clip.fps, in_frames=clip.fps is None)
+    in_frames = clip.fps is None and not clip.times_s
+    targets.write(exported, clip.name, clip.fps, in_frames=in_frames)
     if video is not None:
         _film(video, exported, clip, is_square=bool(square_pixels))
     for note in (*clip.notes, *tracked.notes):
@@ -100,7 +101,7 @@ def track(
     if as_json:
         print(json.dumps(exported.to_dict()))
     else:
-        print("\n".join(table(exported, in_frames=clip.fps is None)))
+        print("\n".join(table(exported, in_frames=in_frames)))
     if is_stopped:
         print(f"note: Tracked as far as frame {tracked.numbers[-1]}.", file=sys.stderr)
         raise typer.Exit(INTERRUPTED)
@@ -118,14 +119,14 @@ def _tracked(
     from geotlm_lm.track.tracker import ASSUMED_FPS
 
     tracker, show, is_stopped = answerer.tracker(clip), progress_on_stderr("frames"), False
-    rate, last = clip.fps or ASSUMED_FPS, span[1] if span else clip.frame_numbers[-1]
+    last = span[1] if span else clip.frame_numbers[-1]
     total, done = last + 1, 0
     try:
         for number, frame in each_frame(clip, square_pixels=is_square):
             if span is not None and number > last:
                 break
             with uninterrupted_step():
-                tracker.feed(frame, number / rate, number)
+                tracker.feed(frame, clip.second_of(number, ASSUMED_FPS), number)
                 done = number + 1
             if done < total:
                 show("tracking", done, total)

@@ -28,6 +28,8 @@ class Clip:
         name: What errors and answers call the clip: a path or an identifier.
         frame_numbers: Where the frames stood in the recording they were taken from, from 0.
         notes: What a reader guessed or warns about, one sentence each.
+        times_s: When each frame of that recording was taken, by its number, seconds from the first
+            one on; () where they are as even as `fps` tells, or nothing tells it.
 
     Raises:
         UnreadableClip: If the frames or the background are not of this form.
@@ -41,6 +43,7 @@ class Clip:
     name: str = "clip"
     frame_numbers: tuple[int, ...] = ()
     notes: tuple[str, ...] = field(default=())
+    times_s: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         frames = self.frames
@@ -92,6 +95,19 @@ class Clip:
 
     def __len__(self) -> int:
         return len(self.frames)
+
+    def second_of(self, number: int, assumed_fps: float) -> float:
+        """Return when a frame of the recording was taken, seconds from its first one on.
+
+        Args:
+            number: Of the frame, as `frame_numbers` count.
+            assumed_fps: Frames per second where nothing tells them.
+        """
+        step_s = 1 / (self.fps or assumed_fps)
+        if not self.times_s:
+            return number * step_s
+        last = len(self.times_s) - 1
+        return self.times_s[min(number, last)] + max(number - last, 0) * step_s
 
     def select(self, indices: list[int] | tuple[int, ...]) -> Clip:
         """Return the clip of the frames at `indices`, keeping where they stood."""

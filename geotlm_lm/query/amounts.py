@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from statistics import NormalDist
 
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE, TOLERANCES
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.quantities import FACTORS, Quantity, in_base
@@ -53,6 +54,7 @@ class Recording:
     Args:
         columns: Width of the recording's frames, pixels.
         rows: Their height.
+        is_turned: Whether they are looked at turned by a quarter.
         rate_hz: Frames per second; None where it is not told.
         frames: How many there are.
         used: Numbers of the frames that the clip is of.
@@ -65,6 +67,7 @@ class Recording:
     rate_hz: float | None = None
     frames: int = 4
     used: tuple[int, ...] = (0, 1, 2, 3)
+    is_turned: bool = False
     moving_s: float | None = None
     step_s: float | None = None
 
@@ -167,31 +170,28 @@ def factor(name: str, unit: str, frame: FrameSpec, recording: Recording, belief:
     elif plain not in UNITS["length"]:
         raise Missing("unit")
     else:
-        scale = _length_factor(base, plain, _pixels(name, belief, recording), frame)
+        scale = _length_factor(name, plain, belief, frame, recording)
     return scale / _times(per, recording) if per else scale
 
 
-def _pixels(name: str, belief: Belief, recording: Recording) -> float:
-    """Return the recording's pixels per pixel of the 224-pixel image, along what is measured."""
-    across, along = recording.columns / 224, recording.rows / 224
-    if name != "slide":
-        return along if name == "y" else across
-    length = belief.mean.slide_px
-    if length == 0:
-        return across
-    return math.hypot(across * belief.mean.right_px, along * belief.mean.down_px) / length
-
-
-def _length_factor(base: str, unit: str, pixels: float, frame: FrameSpec) -> float:
-    if base == "mm":
+def _length_factor(name: str, unit: str, belief: Belief, frame: FrameSpec, recording: Recording):
+    """Return how many of a unit of length are one of the base of what is measured."""
+    if BASES[name] == "mm":
         if unit == "px":
             raise Missing("unit")
         return 1 / FACTORS["length"][unit]
-    if unit == "px":
-        return pixels
-    if frame.mm_per_px is None:
+    if unit != "px" and frame.mm_per_px is None:
         raise Missing("scale")
-    return pixels * frame.mm_per_px / FACTORS["length"][unit]
+    size = None if unit == "px" else frame.mm_per_px
+    scale = travel_scale(recording.rows, recording.columns, size)[1]
+    across, along = scale[::-1] if recording.is_turned else scale
+    factor = 1.0 if unit == "px" else 1 / FACTORS["length"][unit]
+    if name != "slide":
+        return factor * (along if name == "y" else across)
+    length = belief.mean.slide_px
+    if length == 0:
+        return factor * across
+    return factor * math.hypot(across * belief.mean.right_px, along * belief.mean.down_px) / length
 
 
 def _times(per: str, recording: Recording) -> float:

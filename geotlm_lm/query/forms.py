@@ -1,4 +1,4 @@
-"""Answers in the form asked for: a word, a number, a sign, JSON; and as programs read them."""
+"""Answers in the form that was asked for, and as programs read them."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
+from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import Decision
 from geotlm_lm.query.phrases import frame_phrase
 from geotlm_lm.query.tell import option_words, tell
 from geotlm_lm.query.tell_track import moment
-from geotlm_lm.query.types import THREAD_ATOMS
 
 
 def decided(decision: Decision, recording: Recording) -> str | None:
@@ -25,11 +25,11 @@ def decided(decision: Decision, recording: Recording) -> str | None:
         return "yes" if decision.verdict else "no"
     if ask.kind == "which-clip" or (ask.kind == "compare" and decision.options):
         return " and ".join(("first", "second")[at] for at in decision.options) or "neither"
+    if ask.of == "thread":
+        return f"{t.THREAD_ATOMS[decision.options[0]]}s" if decision.options else _motion(decision)
     if ask.kind == "choice":
         chosen = [ask.options[at] for at in decision.options]
         return " and ".join(one.label or option_words(one) for one in chosen) or "none"
-    if ask.kind == "way" and ask.of == "thread":
-        return THREAD_ATOMS[decision.options[0]] if decision.options else "neither"
     if ask.kind in ("when", "how-long") and decision.times:
         return moment(decision.times[0], recording)
     if ask.kind == "how-often":

@@ -8,7 +8,7 @@ from geotlm_lm.core.labels import Motion, reverse
 from geotlm_lm.core.twist import Component
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Measure
-from geotlm_lm.query.decision import Movement
+from geotlm_lm.query.decision import Decision, Movement
 from geotlm_lm.query.edit import Edit
 
 GOES = {Component.TURN: "turns", Component.SLIDE: "slides"}
@@ -54,6 +54,21 @@ def frame_phrase(edit: Edit) -> str:
     if image:
         place += f"{' with the image' if edit.behind else ''} {' and '.join(image)}"
     return place + ", played backwards" * edit.backwards
+
+
+def where_phrase(decision: Decision) -> str:
+    """Return the point of view of a decision: what was stated of the image, or supposed."""
+    edit, frame = decision.part.edit, decision.frame
+    is_stated = edit.rotation == Edit().rotation and not edit.behind
+    if not is_stated or (not frame.turning() and not frame.image_mirrored):
+        return frame_phrase(decision.edit)
+    seen = "seen from the object's side" if decision.edit.behind else "in the camera image"
+    changed = ["the mirror undone"] * frame.image_mirrored
+    if frame.turning():
+        # Of a quarter turn and a mirror the order matters, and is that of `FrameSpec`.
+        turned = f"the image {frame.turning()}"
+        changed = [turned, *changed] if frame.image_quarter_turn else [*changed, turned]
+    return f"{seen} with {joined(changed)}" + ", played backwards" * decision.edit.backwards
 
 
 def joined(parts: Sequence[str]) -> str:

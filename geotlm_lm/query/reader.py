@@ -26,8 +26,8 @@ from geotlm_lm.query.spelling import Spelling
 from geotlm_lm.query.text import END, next_words, read
 from geotlm_lm.query.types import Query, filled
 
-SIZE = LanguageSize(width=256, layers=4, heads=8, mlp=688, tactile_tokens=0, max_tokens=704)
-"""2.7 million weights; a question of 2,000 characters and a query of 64 words fit."""
+SIZE = LanguageSize(width=192, layers=4, heads=6, mlp=512, tactile_tokens=0, max_tokens=704)
+"""2.2 million weights; a question of 2,000 characters and a query of 64 words fit."""
 
 MOST_WORDS = 64
 DOUBTFUL = 0.02
@@ -173,7 +173,11 @@ class Reader:
         with replacing(folder / "model.safetensors") as stream:
             stream.write(save(tensors, metadata={"format": "pt"}))
         write_text_atomically(folder / "tokenizer.json", self.spelling.tokenizer.to_str())
-        config = {"size": asdict(self.model.size), "calibration": list(self.calibration)}
+        config = {
+            "size": asdict(self.model.size),
+            "calibration": list(self.calibration),
+            "words": list(self.spelling.words),
+        }
         write_text_atomically(folder / "config.json", json.dumps(config, indent=2) + "\n")
 
     @classmethod
@@ -185,7 +189,8 @@ class Reader:
         """
         try:
             config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
-            spelling = Spelling(Tokenizer.from_file(str(folder / "tokenizer.json")))
+            tokenizer = Tokenizer.from_file(str(folder / "tokenizer.json"))
+            spelling = Spelling(tokenizer, tuple(config["words"]))
             size = LanguageSize(**config["size"])
             model = QuestionDecoder(size, spelling.size)
             tensors = load_file(folder / "model.safetensors")

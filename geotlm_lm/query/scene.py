@@ -40,9 +40,7 @@ class Scene:
         self.belief = self.edit.of_belief(evidence.belief)
         self.track = evidence.track
         is_turned = self.edit.rotation[0] == 0  # columns are rows then
-        sides = (evidence.recording.rows, evidence.recording.columns)
-        columns, rows = sides if is_turned else sides[::-1]
-        self.recording = replace(evidence.recording, columns=columns, rows=rows)
+        self.recording = replace(evidence.recording, is_turned=is_turned)
         self.judge = Judge(self.belief, self.limit, self._tightens, self._happens)
 
     def limit(self, name: str, said: Quantity) -> float:

@@ -29,7 +29,7 @@ SIZE_WORDS = ("size:negative", "size:other", *(f"size:{one}" for one in SIZES))
 READ = "<read>"
 """Ends the question; the query begins."""
 
-_WORDS = (READ, END, *QUERY_WORDS, *UNIT_WORDS, *SIZE_WORDS)
+WORDS = (READ, END, *QUERY_WORDS, *UNIT_WORDS, *SIZE_WORDS)
 _SPACES = re.compile(r"\s+")
 
 
@@ -52,15 +52,17 @@ class Spelling:
 
     Args:
         tokenizer: Byte pairs of question texts.
+        words: All that is not of the text, in the order of their ids.
     """
 
     tokenizer: Tokenizer
+    words: tuple[str, ...] = WORDS
 
     @cached_property
     def id_of(self) -> dict[str, int]:
         """Id of each word that is not of the text."""
         first = self.tokenizer.get_vocab_size()
-        return {word: first + place for place, word in enumerate(_WORDS)}
+        return {word: first + place for place, word in enumerate(self.words)}
 
     @cached_property
     def word_of(self) -> dict[int, str]:
@@ -70,7 +72,7 @@ class Spelling:
     @property
     def size(self) -> int:
         """How many ids there are."""
-        return self.tokenizer.get_vocab_size() + len(_WORDS)
+        return self.tokenizer.get_vocab_size() + len(self.words)
 
     def question(self, text: str) -> Spelled:
         """Return a question's ids: lower case, single spaces, its first numbers as slots."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass
@@ -13,10 +13,10 @@ from geotlm_lm.query.decision import ContactArea, Decision
 from geotlm_lm.query.phrases import (
     WORDS,
     amount_phrase,
-    frame_phrase,
     joined,
     movement_phrase,
     undoing_phrase,
+    where_phrase,
 )
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.tell_track import moment, tell_times, times_phrase
@@ -76,10 +76,12 @@ def _clause(decision: Decision, recording: Recording) -> str:
         return f"{who} does not {denied}: {rest}" if denied else rest
     where = ""
     if any(one.way in DIRECTED for one in decision.movements):
-        where = f", {frame_phrase(edit)}"
+        where = f", {where_phrase(decision)}"
     if edit.undo:
         return undoing_phrase(decision.movements, edit) + where
-    told = f"{who} {joined([_movement(one, recording) for one in decision.movements])}{where}"
+    told = f"{who} {_all_of([_movement(one, recording) for one in decision.movements])}{where}"
+    if decision.part.ask.of == "thread" and decision.options:
+        told = f"it {t.THREAD_ATOMS[decision.options[0]]}s: {told}"
     for one in decision.movements:
         if one.back_and_forth is not None:
             told += f"; there and back {amount_phrase(one.back_and_forth)}"
@@ -87,6 +89,12 @@ def _clause(decision: Decision, recording: Recording) -> str:
         return told
     is_instead = not set(asked_components(decision)) & {one.component for one in decision.movements}
     return f"{who} does not {denied}; {told}" if is_instead else f"{told}; {who} does not {denied}"
+
+
+def _all_of(parts: Sequence[str]) -> str:
+    """Return phrases that hold commas as a list."""
+    *others, last = parts
+    return f"{', '.join(others)}, and {last}" if others else last
 
 
 def asked_components(decision: Decision) -> tuple[Component, ...]:
@@ -153,7 +161,7 @@ def _amount(decision: Decision, recording: Recording) -> str:
     names = joined([one.way.value for one in moves])
     times = [one.times for one in moves if one.times is not None]
     when = f", {times_phrase(*times[0], recording)}" if len(times) == 1 else ""
-    return f"{told}: {names} {frame_phrase(decision.edit)}{when}"
+    return f"{told}: {names} {where_phrase(decision)}{when}"
 
 
 def _kind(decision: Decision, recording: Recording) -> str:
@@ -209,7 +217,7 @@ def _compare(decision: Decision, _: Recording) -> str:
     if decision.options:
         word = f"{' and '.join(SECOND_CLIP[at] for at in decision.options)}: "
     has_way = any(one.way in DIRECTED for one in decision.movements)
-    return f"{word}{'; '.join(parts)}" + f" ({frame_phrase(decision.edit)})" * has_way
+    return f"{word}{'; '.join(parts)}" + f" ({where_phrase(decision)})" * has_way
 
 
 def _which(decision: Decision, _: Recording) -> str:

@@ -8,7 +8,7 @@ from itertools import pairwise
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import Decision
-from geotlm_lm.query.phrases import amount_phrase, frame_phrase
+from geotlm_lm.query.phrases import amount_phrase, where_phrase
 from geotlm_lm.query.track import TOGETHER_S, Happening
 from geotlm_lm.track.events import EventKind
 
@@ -102,7 +102,7 @@ def _story(decision: Decision, found: Sequence[Happening], recording: Recording)
             is_meanwhile = one.begin_s < before.end_s - TOGETHER_S
             text += f"{'; meanwhile' if is_meanwhile else ', then'} {clause}"
     is_directed = any(one.way in DIRECTED and one.kind is not EventKind.TOUCH for one in told)
-    return f"{text}, {frame_phrase(decision.edit)}" if is_directed else text
+    return f"{text}, {where_phrase(decision)}" if is_directed else text
 
 
 def _together(before: Happening, one: Happening) -> bool:

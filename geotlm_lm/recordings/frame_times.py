@@ -42,6 +42,26 @@ def rate_by(times_ms: Sequence[float], told: float) -> tuple[float | None, tuple
     )
 
 
+def uneven_times_s(times_ms: Sequence[float], fps: float | None) -> tuple[float, ...]:
+    """Return when frames were taken, seconds from the first; () where `fps` tells as much.
+
+    Args:
+        times_ms: When each frame was taken, in order; where they do not rise, they tell nothing.
+        fps: Their rate, as `rate_by` returns it.
+    """
+    times = np.asarray(times_ms, np.float64)
+    if len(times) < 2 or np.diff(times).min() <= 0:
+        return ()
+    times_s = (times - times[0]) / 1000
+    if fps and np.abs(times_s - np.arange(len(times)) / fps).max() <= ROUNDED_S:
+        return ()
+    return tuple(times_s.tolist())
+
+
+ROUNDED_S = 0.002
+"""Difference that the rounding of stamps to milliseconds makes."""
+
+
 def cut_off_note(times_ms: Sequence[float], declared: float, told: float) -> tuple[str, ...]:
     """Return a note where frames that the header declares are missing.
 

@@ -6,6 +6,8 @@ frames are refused in a sentence instead. Knows the idle gel, not what touches i
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -78,6 +80,30 @@ def require_legible(clip: Clip) -> Clip:
         idle = clip.background[::rows, ::columns].transpose(2, 0, 1)
         _require_steady(clip, sample, idle)
     return clip
+
+
+def require_any_legible(clip: Clip) -> Clip:
+    """Return a recording, unless none of the frames looked at holds a picture: a flash is no harm.
+
+    Args:
+        clip: Of any length.
+
+    Raises:
+        UnreadableClip: As of `require_legible`, about the first of them.
+    """
+    refusals = []
+    for place in sorted({round(one) for one in np.linspace(0, len(clip) - 1, LOOKED_AT)}):
+        try:
+            require_legible(replace(clip.select([place]), background=None))
+        except UnreadableClip as error:
+            refusals.append(error)
+        else:
+            return clip
+    raise refusals[0]
+
+
+LOOKED_AT = 9
+"""Frames of a recording that are looked at for a picture at most."""
 
 
 def noise_grey(lines: NDArray[np.uint8]) -> float:

@@ -43,7 +43,7 @@ def read_clip(
         layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); "BGR", or "THWC-BGR", where its
             colours are in OpenCV's order, those of a background in an array as well; None to guess
             axes and take colours for RGB. Of anything else it is not used, and a note says so.
-        fps: Frames per second of the whole recording; None to take what the file says.
+        fps: Frames per second of the whole recording, evenly; None to take what the file says.
         background: An image or .npy file of the idle gel; None to take what the file holds.
         square_pixels: Whether the camera's pixels are square though the frames are of 224 x 224;
             None to take what a .npz states by `square_pixels`, and where none does, with a note, a
@@ -73,7 +73,7 @@ def read_clip(
         clip = clip.with_note(f"The layout {checked} is not used: only arrays have one to tell.")
     require_motion(clip)
     if fps is not None:
-        clip = replace(clip, fps=fps)
+        clip = replace(clip, fps=fps, times_s=())
     if background is not None:
         clip = replace(clip, background=read_background(background, parts_of(checked)[1]))
     if square_pixels is None and path.suffix.lower() == ".npz":

@@ -15,7 +15,7 @@ import numpy as np
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings.decoding import quiet_decoders
-from geotlm_lm.recordings.frame_times import cut_off_note, rate_by
+from geotlm_lm.recordings.frame_times import cut_off_note, rate_by, uneven_times_s
 from geotlm_lm.recordings.limits import (
     DECODED_FRAMES,
     DECODING_S,
@@ -70,6 +70,7 @@ def read_video(path: Path) -> Clip:
         name=str(path),
         frame_numbers=tuple(range(0, seen, stride)),
         notes=notes,
+        times_s=uneven_times_s(times_ms, fps),
     )
 
 

@@ -17,6 +17,7 @@ from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.track.believing import Believe
+from geotlm_lm.track.exposure import Exposure
 from geotlm_lm.track.keyframes import Step
 
 Floats = NDArray[np.float64]
@@ -78,6 +79,13 @@ class Block:
         self.frames.append((row.time_s, frame))
         if len(self.frames) > KEPT_FRAMES:
             self.frames = [*self.frames[:-1:2], self.frames[-1]]
+
+    def expose(self, exposure: Exposure) -> None:
+        """Change its pictures as if they had been exposed as later ones are."""
+        self.frames = [
+            (time_s, np.rint(exposure.applied(frame)).astype(np.uint8))
+            for time_s, frame in self.frames
+        ]
 
     @property
     def is_long(self) -> bool:

@@ -13,12 +13,22 @@ from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings.idle import activity_grey, lost_share
 from geotlm_lm.recordings.imprints import FAINT_IMPRINT, band_pass
 from geotlm_lm.recordings.legible import MOST_OFFSET_GREY
+from geotlm_lm.track.exposure import (
+    STEADY_GREY,
+    Exposure,
+    exposure_step,
+    shift_grey,
+    small_colours,
+)
 
 LEARNING_FRAMES = 5
 """Frames that must agree before they are taken for the idle gel: 0.2 s of a GelSight Mini."""
 
 STEADY_FRAMES = 15
 """Frames that must agree before a lifted object is believed: a hand does not rest that still."""
+
+CHANGING_FRAMES = 10
+"""Frames over which a change of light adds up to a new exposure: a slower one is followed."""
 
 LIFTED_SHARE = 0.75
 """Share of a change that is lost structure, from which on the stream is taken to have started
@@ -42,13 +52,41 @@ class IdleTracker:
         self._recent: deque[tuple[Frames, NDArray[np.float32]]] = deque(maxlen=STEADY_FRAMES)
         self._idle: NDArray[np.float32] | None = None
         self._small: NDArray[np.float32] | None = None
+        self._colours: NDArray[np.float32] | None = None
+        """A frame that is exposed as the idle gel is, as exposures are compared."""
+        self._reference_age = 0
         if idle is not None:
-            self._idle, self._small = idle.astype(np.float32), activity_grey(idle[None])[0]
+            # Contiguous: OpenCV changes it in place.
+            self._idle = np.ascontiguousarray(idle, np.float32)
+            self._small = activity_grey(idle[None])[0]
+            self._colours = small_colours(idle)
 
     @property
     def background(self) -> Frames | None:
         """The idle gel, uint8, shape (rows, columns, 3); None while it is being learnt."""
         return None if self._idle is None else np.rint(self._idle).astype(np.uint8)
+
+    def follow_exposure(self, frame: Frames) -> Exposure | None:
+        """Return how a frame is exposed anew, if it is; the idle gel is then taken to be so too."""
+        if self._idle is None or frame.shape != self._idle.shape:
+            return None
+        colours = small_colours(frame)
+        step = None if self._colours is None else exposure_step(self._colours, colours)
+        if step is not None:
+            self._idle = np.ascontiguousarray(step.applied(self._idle))
+            self._small = activity_grey(self._idle[None])[0]
+            # Frames before and after do not agree with each other any more.
+            self._recent.clear()
+        if self.is_exposed_alike(frame) and self._is_new_reference(colours, step):
+            self._colours, self._reference_age = colours, 0
+        self._reference_age += 1
+        return step
+
+    def _is_new_reference(self, colours: NDArray[np.float32], step: Exposure | None) -> bool:
+        """Tell whether later frames are compared with this one: not while the light changes."""
+        if step is not None or self._colours is None or self._reference_age > CHANGING_FRAMES:
+            return True
+        return shift_grey(self._colours, colours) < STEADY_GREY
 
     def is_exposed_alike(self, frame: Frames) -> bool:
         """Tell whether a frame is about as bright as the idle gel: false of a flash or a cap."""
@@ -89,6 +127,7 @@ class IdleTracker:
 
     def _require_same_size(self, frame: Frames) -> None:
         before = self._recent[-1][0] if self._recent else frame
+        before = before if self._idle is None else self._idle
         if frame.shape != before.shape:
             raise UnreadableClip(
                 f"A frame of the stream is {frame.shape[1]} x {frame.shape[0]} pixels after "

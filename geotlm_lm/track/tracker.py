@@ -18,6 +18,7 @@ from geotlm_lm.recordings.imprints import FAINT_IMPRINT, imprints_of, strength_o
 from geotlm_lm.track.believing import Believe
 from geotlm_lm.track.block import Block, Row
 from geotlm_lm.track.events import Event, EventFinder, Moment
+from geotlm_lm.track.frame_clock import FrameClock
 from geotlm_lm.track.idle_tracker import IdleTracker
 from geotlm_lm.track.keyframes import KeyFrames, Step
 from geotlm_lm.track.pictures import Floats, small_green
@@ -51,8 +52,10 @@ class Tracker:
         self._keys: KeyFrames | None = None
         self._gel: Floats | None = None
         self._before: Frames | None = None
-        self._time_s, self._number = -math.inf, -1
-        self._late = self._flashed = self._repeated = self._lost = 0
+        self._clock = FrameClock()
+        self._time_s, self._number = 0.0, -1
+        self._stepped: list[int] = []
+        self._flashed = self._repeated = self._lost = 0
 
     @property
     def idle(self) -> Frames | None:
@@ -81,17 +84,19 @@ class Tracker:
         Args:
             frame: uint8, shape (rows, columns, 3), RGB; all of one size.
             time_s: When it was taken; a frame that is no later than the one before is left out, as
-                is one that is far brighter or darker than the idle gel.
+                is one that is far brighter or darker than the idle gel. Of a clock that is set back
+                the times count on.
             number: Of the frame in its recording; None counts on.
 
         Raises:
             UnreadableClip: If it is of another size than the frames before.
         """
         self._number = self._number + 1 if number is None else number
-        if time_s <= self._time_s:
-            self._late += 1
+        taken_s = self._clock.time_of(time_s, self._number)
+        if taken_s is None:
             return []
-        self._time_s = time_s
+        self._time_s = taken_s
+        self._follow_exposure(frame)
         if not self._idle.is_exposed_alike(frame):
             self._flashed += 1
             return []
@@ -111,6 +116,16 @@ class Tracker:
         self._settled()
         self._keep(self._finder.finish())
         return self.so_far
+
+    def _follow_exposure(self, frame: Frames) -> None:
+        """Take what is kept of earlier frames to be exposed as a frame is."""
+        exposure = self._idle.follow_exposure(frame)
+        if exposure is None:
+            return
+        self._stepped.append(self._number)
+        self._block.expose(exposure)
+        if self._keys is not None:
+            self._gel = small_green(self._idle.background)
 
     def _measured(self, frame: Frames) -> Row:
         strength = self._idle.strength(frame)
@@ -160,12 +175,17 @@ class Tracker:
 
     def _notes(self) -> tuple[str, ...]:
         notes = [] if self.idle is not None else [NO_IDLE]
-        if self._late:
-            notes.append(f"{self._late} frames were no later than those before and left out.")
+        notes += self._clock.notes()
         if self._flashed:
             notes.append(
                 f"{self._flashed} frames are much brighter or darker than the idle gel and left "
                 f"out; lock the camera's exposure."
+            )
+        if self._stepped:
+            times = "once" if len(self._stepped) == 1 else f"{len(self._stepped)} times"
+            notes.append(
+                f"The exposure of the whole picture changes {times}, first in frame "
+                f"{self._stepped[0]}, and is followed; lock the camera's exposure."
             )
         if self._repeated:
             notes.append(f"{self._repeated} frames repeat the one before.")
@@ -197,9 +217,9 @@ def track_of(
         return tracker.finish()
     gel = idle if idle is not None else source.background
     gel = _gel_of(source) if gel is None else gel
-    tracker, fps = Tracker(believe, idle=gel), source.fps or ASSUMED_FPS
+    tracker = Tracker(believe, idle=gel)
     for frame, number in zip(source.frames, source.frame_numbers, strict=True):
-        tracker.feed(frame, number / fps, number)
+        tracker.feed(frame, source.second_of(number, ASSUMED_FPS), number)
     return tracker.finish()
 
 

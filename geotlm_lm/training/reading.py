@@ -53,13 +53,13 @@ class ReadingTraining:
         size: How large the model is.
     """
 
-    steps: int = 6000
-    batch: int = 96
+    steps: int = 3600
+    batch: int = 128
     learning_rate: float = 2e-3
     warmup: int = 200
     hidden: float = 0.06
     dropout: float = 0.1
-    corpus_share: float = 0.1
+    corpus_share: float = 0.06
     vocabulary: int = 2000
     seed: int = 0
     size: LanguageSize = field(default_factory=lambda: SIZE)
@@ -107,7 +107,7 @@ def train_reader(
     return Reader(model, spelling, (1.0, 0.0))
 
 
-def calibrated(reader: Reader, pairs: Sequence[Pair]) -> Reader:
+def calibrated_reader(reader: Reader, pairs: Sequence[Pair]) -> Reader:
     """Return a reader whose probabilities come true on pairs of families it has not read.
 
     The log-odds of what it tells are scaled and shifted to the greatest likelihood of whether its

@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 import torch
+from geotlm_lm.answering.multi_clip import compare_directions
+from geotlm_lm.conversation.motion_answers import CAMERA
 
 from geotlm_lm import FrameSpec, Motion
 from geotlm_lm.answering import Encoded, evidence
 from geotlm_lm.answering.encoded import with_background
-from geotlm_lm.answering.multi_clip import compare_directions
 from geotlm_lm.answering.session import Session
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.view import View
 from geotlm_lm.checkpoint import Calibration
-from geotlm_lm.conversation.motion_answers import CAMERA
 from geotlm_lm.core.labels import reverse
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception

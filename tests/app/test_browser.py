@@ -9,8 +9,9 @@ import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from app import ui  # noqa: E402
 from geotlm_lm.conversation.motion_answers import CAMERA  # noqa: E402
+
+from app import ui  # noqa: E402
 from tests.app.fakes import NOTE, FakeAnswerer  # noqa: E402
 from tests.track.test_idle_tracker import gel, touched  # noqa: E402
 

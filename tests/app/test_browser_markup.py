@@ -8,8 +8,9 @@ import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from app import ui  # noqa: E402
 from geotlm_lm.conversation.motion_answers import CAMERA  # noqa: E402
+
+from app import ui  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 
 TEXT = "document.body.innerText"

@@ -5,8 +5,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-
 from geotlm_lm.answering.amounts import Amount
+
 from geotlm_lm.benchmarks.amounts import (
     AMOUNTS,
     BELIEF,

@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from geotlm_lm.conversation.short_questions import expanded_question
 
 from geotlm_lm.answering import OPEN_QUESTION, Answerer
 from geotlm_lm.benchmarks.question_truths import is_right
@@ -21,7 +22,6 @@ from geotlm_lm.benchmarks.questions import (
 )
 from geotlm_lm.benchmarks.rendering import tables
 from geotlm_lm.benchmarks.rows import Row, Run
-from geotlm_lm.conversation.short_questions import expanded_question
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionLabel, mirror, reverse
 from geotlm_lm.data.questions import questions_for

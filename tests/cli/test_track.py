@@ -9,6 +9,7 @@ import pytest
 
 from geotlm_lm.recordings import limits
 from geotlm_lm.recordings import video as videos
+from geotlm_lm.recordings.idle import estimate_background
 from geotlm_lm.track import export
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
@@ -157,20 +158,100 @@ def test_an_untouched_gel_is_told_in_a_sentence(capsys, tmp_path):
     assert run(capsys, tmp_path / "idle.npz")[1] == "Nothing touches in the recording.\n"
 
 
+@pytest.mark.parametrize(
+    ("grey", "sentence"),
+    [
+        (
+            0,
+            "100% of frame 0 is black, expected at most 40%; check the camera and the sensor's "
+            "lights.",
+        ),
+        (
+            255,
+            "100% of frame 0 is overexposed, expected at most 30%; shorten the camera's exposure.",
+        ),
+    ],
+)
+def test_a_recording_without_a_picture_is_refused_in_one_sentence(capsys, tmp_path, grey, sentence):
+    path = tmp_path / "none.npz"
+    np.savez(path, frames=np.full((30, 120, 160, 3), grey, np.uint8), fps=25.0)
+    assert run(capsys, path) == (3, "", f"{path}: {sentence}\n")
+
+
+def test_a_recording_in_which_nothing_changes_is_tracked_with_a_guessed_gel(
+    capsys, tmp_path, monkeypatch
+):
+    def tracker(_, recording):
+        return Tracker(idle=estimate_background(recording.frames))
+
+    monkeypatch.setattr(Measuring, "tracker", tracker)
+    frames = np.full((30, 120, 160, 3), 120, np.uint8)
+    np.savez(tmp_path / "plain.npz", frames=frames, fps=25.0)
+    assert run(capsys, tmp_path / "plain.npz")[:2] == (0, "Nothing touches in the recording.\n")
+
+
 def test_frame_numbers_stand_for_times_where_no_rate_is_known(capsys, tmp_path):
     np.save(tmp_path / "clip.npy", CLIP.frames)
     lines = run(capsys, tmp_path / "clip.npy", "--plot", tmp_path / "t.png")[1].splitlines()
     assert lines[1].split()[:3] == ["10", "10", "touch"]
 
 
-def test_a_video_that_does_not_fit_into_memory_is_tracked_frame_by_frame(
-    capsys, tmp_path, monkeypatch
-):
+def write_video(path):
     size = (CLIP.frames.shape[2], CLIP.frames.shape[1])
-    writer = cv2.VideoWriter(str(tmp_path / "c.avi"), cv2.VideoWriter_fourcc(*"FFV1"), 25.0, size)
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 25.0, size)
     for frame in CLIP.frames:
         writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
     writer.release()
+
+
+STEPS_S = [0.04] * 40 + [0.4] + [0.08] * 64
+
+
+class Uneven:
+    """A video of which each frame has a time of its own, as phones and screen recorders write."""
+
+    def __init__(self, *source):
+        self.video, self.seen = CAPTURE(*source), -1
+        self.retrieve, self.release = self.video.retrieve, self.video.release
+
+    def grab(self):
+        self.seen += 1
+        return self.video.grab()
+
+    def read(self):
+        self.seen += 1
+        return self.video.read()
+
+    def get(self, what):
+        if what == cv2.CAP_PROP_POS_MSEC:
+            return 700 + 1e3 * sum(STEPS_S[: self.seen])
+        return self.video.get(what)
+
+
+CAPTURE = cv2.VideoCapture
+
+
+@pytest.mark.parametrize("kept", [len(CLIP), 20])
+def test_frames_of_an_uneven_video_have_their_own_times(capsys, tmp_path, monkeypatch, kept):
+    write_video(tmp_path / "c.avi")
+    monkeypatch.setattr(videos.cv2, "VideoCapture", Uneven)
+    monkeypatch.setattr(limits, "KEPT_BYTES", kept * CLIP.frames[0].nbytes)
+    code, out, err = run(capsys, tmp_path / "c.avi", "--out", tmp_path / "t.csv")
+    rows = list(csv.DictReader((tmp_path / "t.csv").open()))
+    times = np.concatenate([[0], np.cumsum(STEPS_S)])[: len(CLIP)]
+    assert code == 0
+    assert [float(row["time_s"]) for row in rows] == pytest.approx(times.tolist())
+    (turn, _) = (line.split() for line in out.splitlines() if "  turn " in line)
+    assert turn[1] == turn[3] == "s"
+    assert float(turn[0]) == pytest.approx(times[25], abs=0.2)
+    assert float(turn[2]) == pytest.approx(times[45], abs=0.3)
+    assert err.count("No frame came for 0.40 s before frame 41") == 1
+
+
+def test_a_video_that_does_not_fit_into_memory_is_tracked_frame_by_frame(
+    capsys, tmp_path, monkeypatch
+):
+    write_video(tmp_path / "c.avi")
     monkeypatch.setattr(limits, "KEPT_BYTES", 20 * CLIP.frames[0].nbytes)
     assert len(videos.read_video(tmp_path / "c.avi")) < 21
     run(capsys, tmp_path / "c.avi", "--out", tmp_path / "t.csv")

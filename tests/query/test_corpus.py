@@ -1,30 +1,33 @@
 """The corpus and the grammar write queries that can be read, and hold whole families out."""
 
-import json
 from itertools import islice
-from pathlib import Path
 
 import pytest
 
-from geotlm_lm.query.grammar import SPLITS, grammar, split_of
+from geotlm_lm.query.grammar import SPLITS, corpus, grammar, split_of
+from geotlm_lm.query.labelled import BLIND, TUNE, Labelled, labelled
 from geotlm_lm.query.quantities import quantities
 from geotlm_lm.query.text import read, write
 from geotlm_lm.query.types import ASKS, filled
 
-LINES = Path(__file__).parent.parent.joinpath("queries.jsonl").read_text().splitlines()
-CORPUS = [json.loads(line) for line in LINES]
+CORPUS = [Labelled(one.text, (one.query,)) for split in SPLITS for one in corpus(split)]
+SETS = {"corpus": CORPUS, BLIND: labelled(BLIND), TUNE: labelled(TUNE)}
 
 
-def test_every_query_of_the_corpus_is_canonical_and_its_slots_are_quantities_of_its_text():
-    for row in CORPUS:
-        found = quantities(row["text"])
-        query = read(row["query"], len(found))
-        assert write(query) == row["query"]
-        filled(query, found)
+@pytest.mark.parametrize("name", SETS)
+def test_every_label_is_canonical_and_its_slots_are_quantities_of_its_text(name):
+    for row in SETS[name]:
+        found = quantities(row.text)
+        assert len(set(row.queries)) == len(row.queries), row.text
+        for line in row.queries:
+            query = read(line, max(len(found), 1))
+            assert write(query) == line
+            filled(query, found)
 
 
-def test_no_text_of_the_corpus_has_two_queries():
-    assert len({row["text"] for row in CORPUS}) == len(CORPUS)
+def test_no_text_has_two_labels():
+    texts = [row.text for rows in SETS.values() for row in rows if not row.asks_on]
+    assert len(set(texts)) == len(texts)
 
 
 @pytest.mark.parametrize("split", SPLITS)

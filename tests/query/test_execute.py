@@ -59,7 +59,8 @@ def whole() -> Track:
     )  # fmt: skip
 
 
-def _event(kind, begin, end, twist=Twist(0, 0, 0, 0), amount=Span(0, 0), component=None):
+def _event(kind, begin, end, twist=None, amount=None, component=None):
+    twist, amount = twist or Twist(0, 0, 0, 0), amount or Span(0, 0)
     return Event(kind, begin, end, begin / 25, end / 25, twist, amount, 0.99, component)
 
 
@@ -237,19 +238,20 @@ def test_two_clips_are_compared_on_what_is_asked():
     ("text", "belief", "sentence"),
     [
         ("way", certain(turn=12, right=-4),
-         "It turns clockwise, about 12 degrees and slides left, about 6 px, in the camera image."),
+         "It turns clockwise, about 12 degrees, and slides left, about 6 px, in the camera image."),
         ("way turn", certain(right=9),
          "It does not turn; it slides right, about 13 px, in the camera image."),
         ("claim not turn", certain(turn=12),
          "No, that is not so: it turns clockwise, about 12 degrees, in the camera image."),
         ("undo > way turn", certain(turn=12),
-         "Turn the object counterclockwise, or turn the sensor clockwise, in the camera image."),
+         "Turn the object counterclockwise, about 12 degrees, or turn the sensor clockwise, in the "
+         "camera image."),
         ("mirror backwards > way", certain(turn=12),
          "It turns clockwise, about 12 degrees, in the camera image mirrored, played backwards."),
         ("claim move", certain(), "No: it touches but does not move."),
         ("claim touch", certain(contact=0.0), "No: nothing touches the gel."),
         ("choice A left , B right", certain(right=9),
-         "It slides right, about 13 px, in the camera image: B."),
+         "B: it slides right, about 13 px, in the camera image."),
         ("how-often turn", certain(), "One clip does not show that; give me the whole recording."),
     ],
 )  # fmt: skip

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.recordings.frame_times import cut_off_note, rate_by
+from geotlm_lm.recordings.frame_times import cut_off_note, rate_by, uneven_times_s
 from geotlm_lm.recordings.read import read_clip
 
 
@@ -36,6 +36,18 @@ def test_a_rate_that_changes_is_told_to_be_none() -> None:
     assert fps is None
     assert "40 to 200 ms" in notes[0]
     assert notes[0].endswith("give that of the frames used by fps.")
+
+
+def test_uneven_times_are_kept_from_the_first_frame_on() -> None:
+    times_ms = 500 + np.cumsum([0, 40, 40, 200, 40])
+    assert uneven_times_s(times_ms, None) == pytest.approx((0, 0.04, 0.08, 0.28, 0.32))
+    assert uneven_times_s(times_ms, 25.0) != ()
+
+
+def test_even_times_and_none_are_left_to_the_rate() -> None:
+    assert uneven_times_s(np.rint(np.arange(100) * 1000 / 30), 30.0) == ()
+    assert uneven_times_s([0.0] * 9, 25.0) == ()
+    assert uneven_times_s([0.0, 40.0, 20.0, 60.0], 25.0) == ()
 
 
 def test_without_times_the_header_is_believed() -> None:

@@ -97,6 +97,72 @@ def test_dropped_repeated_and_late_frames_change_no_amount_and_are_noted(frames,
     assert any("no later" in note for note in found.notes)
 
 
+def test_a_gap_in_the_frames_is_noted_once_and_events_keep_their_times(frames, track):
+    missed = range(IDLE + REST + 4, IDLE + REST + 16)
+    kept = [k for k in range(len(frames)) if k not in missed]
+    found, _ = fed([frames[k] for k in kept], [k / FPS for k in kept])
+    (turn,), (whole,) = turns(found), turns(track)
+    assert turn.amount.mean == pytest.approx(STEP_DEG * TURN, abs=3)
+    assert turn.begin_s == pytest.approx(whole.begin_s, abs=0.2)
+    assert turn.end_s == pytest.approx(whole.end_s, abs=0.2)
+    assert found.notes == (
+        f"No frame came for 0.52 s before frame {missed[0]}: what happened meanwhile is not known.",
+    )
+
+
+def test_times_that_go_back_for_good_count_on_and_are_noted_once(frames, track):
+    back = IDLE + REST + 6
+    times = [k / FPS - (100 if k >= back else 0) for k in range(len(frames))]
+    found, _ = fed(frames, times)
+    assert found.net(Component.TURN).mean == pytest.approx(track.net(Component.TURN).mean, abs=2)
+    assert found.times_s[-1] == pytest.approx(track.times_s[-1])
+    assert [one.kind for one in found.events] == [one.kind for one in track.events]
+    assert found.notes == (
+        "2 frames were no later than those before and left out.",
+        f"The frames' times go back before frame {back + 2}; they count on from there.",
+    )
+
+
+def test_frames_without_a_time_are_left_out(frames):
+    found, _ = fed(frames[:9], [0.0, 0.04, np.nan, 0.12, np.inf, 0.2, 0.2, 0.28, 0.32])
+    assert found.numbers.tolist() == [0, 1, 3, 5, 7, 8]
+
+
+def test_frames_that_come_twice_or_in_bursts_tell_the_same_motion(frames, track):
+    twice = [frames[k // 2] for k in range(2 * len(frames))]
+    bursts = [k for k in range(len(frames)) if k % 15 < 10]
+    for found in (
+        fed(twice, [k / (2 * FPS) for k in range(len(twice))])[0],
+        fed([frames[k] for k in bursts], [k / FPS for k in bursts])[0],
+    ):
+        (turn,), (whole,) = turns(found), turns(track)
+        assert turn.amount.mean == pytest.approx(whole.amount.mean, abs=3)
+        assert turn.begin_s == pytest.approx(whole.begin_s, abs=0.2)
+        assert turn.end_s == pytest.approx(whole.end_s, abs=0.2)
+
+
+@pytest.mark.parametrize("fps", [10.0, 60.0])
+def test_the_rate_of_the_frames_changes_no_total(track, fps):
+    seconds = [
+        0,
+        IDLE / FPS,
+        (IDLE + REST) / FPS,
+        (IDLE + REST + TURN) / FPS,
+        (IDLE + 2 * REST + TURN) / FPS,
+    ]
+    times = np.arange(0, len(track) / FPS, 1 / fps)
+    angles = np.interp(times, seconds, [0, 0, 0, STEP_DEG * TURN, STEP_DEG * TURN])
+    is_touched = (times >= seconds[1]) & (times < seconds[-1])
+    made = pictures([angle if on else None for angle, on in zip(angles, is_touched, strict=True)])
+    found, _ = fed(made, times)
+    net = found.net(Component.TURN)
+    assert net.holds(STEP_DEG * TURN)
+    assert net.mean == pytest.approx(track.net(Component.TURN).mean, abs=3)
+    (turn,), (whole,) = turns(found), turns(track)
+    assert turn.begin_s == pytest.approx(whole.begin_s, abs=0.2)
+    assert turn.end_s == pytest.approx(whole.end_s, abs=0.2)
+
+
 def test_a_flash_and_a_covered_lens_change_nothing_and_are_noted(frames, track):
     bad = list(frames)
     for place in (4, IDLE + REST + 5, IDLE + REST + 6):
@@ -105,6 +171,40 @@ def test_a_flash_and_a_covered_lens_change_nothing_and_are_noted(frames, track):
     assert found.net(Component.TURN).mean == pytest.approx(track.net(Component.TURN).mean, abs=2)
     assert [one.kind for one in found.events] == [one.kind for one in track.events]
     assert any("brighter or darker" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(("gain", "offset"), [(1.3, 5), (0.7, -3), (1.1, 0)])
+@pytest.mark.parametrize("place", [IDLE - 4, IDLE + REST // 2, IDLE + REST + TURN // 2])
+def test_an_exposure_that_steps_for_good_is_no_event_and_is_noted(
+    frames, track, gain, offset, place
+):
+    later = [np.clip(np.rint(gain * one + offset), 0, 255) for one in frames[place:]]
+    tracker = Tracker()
+    for k, frame in enumerate([*frames[:place], *later]):
+        tracker.feed(frame.astype(np.uint8), k / FPS)
+    found = tracker.finish()
+    assert len(found) == len(frames)
+    assert found.net(Component.TURN).mean == pytest.approx(track.net(Component.TURN).mean, abs=2)
+    assert [one.kind for one in found.events] == [one.kind for one in track.events]
+    assert tracker.idle.mean() == pytest.approx(110 * gain + offset, abs=2)
+    told = [note for note in found.notes if "exposure" in note]
+    assert told == [
+        f"The exposure of the whole picture changes once, first in frame {place}, and is followed; "
+        f"lock the camera's exposure."
+    ]
+
+
+def test_light_that_ramps_while_the_object_turns_is_followed(frames, track):
+    gains = np.interp(np.arange(len(frames)), [IDLE + REST + 4, IDLE + REST + 20], [1, 1.35])
+    found, _ = fed(
+        [
+            np.rint(g * one).clip(0, 255).astype(np.uint8)
+            for g, one in zip(gains, frames, strict=True)
+        ]
+    )
+    assert len(found) == len(frames)
+    assert found.net(Component.TURN).mean == pytest.approx(track.net(Component.TURN).mean, abs=2)
+    assert [one.kind for one in found.events] == [one.kind for one in track.events]
 
 
 def test_nothing_seen_of_the_gel_is_said():

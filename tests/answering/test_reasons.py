@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.conversation.reasons import contact_place, halves, pattern_of, reasoning_steps
+from geotlm_lm.answering.reasons import contact_place, halves, pattern_of, reasoning_steps
 from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.dgr.regions import pool_regions, region_mass
