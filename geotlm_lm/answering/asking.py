@@ -152,8 +152,6 @@ def _told(
         text = own_words(bundle, encoded, first)
         told_by = "rule" if text is None else "model"
     text = text or in_form(found, query.form, evidence.recording, sure=sure)
-    if query.facts and any(part.ask.kind not in _UNSURE for part in query.parts):
-        text = f"{text}"
     is_silent = all(one.missing is not None or one.part.ask.kind in _UNSURE for one in found)
     kind = first.part.ask.kind
     is_guess = not is_silent and _is_guess(found)
