@@ -25,7 +25,10 @@ from geotlm_lm.query.facts import with_facts
 from geotlm_lm.query.forms import decided, in_form
 from geotlm_lm.query.replies import replies
 
-_UNSURE = ("talk", "help", "setup", "recording", "unanswerable", "not-understood", "again")
+_OF_FILE = ("setup", "recording", "help", "talk")
+"""Asks that are answered without a look at any motion."""
+
+_UNSURE = (*_OF_FILE, "unanswerable", "not-understood", "again")
 """Asks whose answers claim nothing of a motion."""
 
 
@@ -166,8 +169,8 @@ def _told(
         told,
         kind=kind,
         notes=(*told.notes, *_notes(found, evidence)),
-        abstained=is_abstained and kind not in ("setup", "recording", "help", "talk"),
-        confidence=0.0 if is_abstained else sure,
+        abstained=is_abstained and kind not in _OF_FILE,
+        confidence=sure if kind in _OF_FILE else 0.0 if is_abstained else sure,
         direction=None if is_abstained or kind in _NO_WAY else _direction(first),
         decided=None if is_abstained else decided(first, evidence.recording),
         options=_options(first, evidence),
