@@ -115,7 +115,6 @@ def perceive_recording(
         timing_ms=timing,
         track=part,
         recording=clip,
-        whole_track=track,
         believe=partial(_belief, bundle, part, window),
     )
 
