@@ -66,14 +66,12 @@ def answer(
     """
     started = time.perf_counter()
     query = understood.query
-    evidence = evidence_of(encoded)
-    columns = evidence.recording.columns
-    now = frame_after(understood, frame, columns)
+    now = frame_after(understood, frame, encoded.clip.frames.shape[2])
     if understood.ask_back is not None:
         return _plain(encoded, understood, now, understood.ask_back, started)
     if not query.parts:
         return _noted(encoded, understood, now, frame, started)
-    found = []
+    evidence, found = evidence_of(encoded), []
     for part in query.parts:
         rests_on = evidence
         if part.subject.clip in ("first", "previous") and other is not None:
