@@ -87,6 +87,14 @@ def test_turns_that_are_checked_together_add_up():
     assert FrameSpec(**there_and_back) == FrameSpec()
 
 
+def test_how_sure_an_answer_is_is_told_from_the_conversation_and_once(path):
+    answerer = FakeAnswerer()
+    shown = load_clip(answerer, path)
+    *_, first = handlers.converse(answerer, shown, "Which way?", {})
+    *_, again = handlers.converse(answerer, shown, "Are you sure?", {})
+    assert again.sentence == f"About 95%: {first.sentence.removesuffix('  (95 % sure)')}"
+
+
 def test_an_answer_stands_beside_the_probe_the_flow_and_the_regions(path):
     answerer = FakeAnswerer()
     reply = handlers.ask(answerer, load_clip(answerer, path), "Which way?")
