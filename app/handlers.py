@@ -106,7 +106,8 @@ def _open(shown: LoadedClip | None) -> LoadedClip:
 
 
 def _reply(answerer: Answerer, shown: LoadedClip, answer: Any) -> Reply:
-    is_sure_of_something = not answer.abstained and answer.options
+    says_how_sure = answer.kind == "how-sure"  # in its own words
+    is_sure_of_something = not answer.abstained and answer.options and not says_how_sure
     told = f"  ({100 * answer.confidence:.0f} % sure)" if is_sure_of_something else ""
     details = answer.to_dict()
     timing = details.get("timing_ms", {}) | shown.opinions["timing_ms"]
