@@ -155,11 +155,11 @@ class _Level:
         """Deviation of the pixels compared."""
         return float(self.values.std())
 
-    def solver_of_change(self, later: Floats, still_grey: float) -> Floats:
+    def solver_of_change(self, later: Floats, still_grey: float, least: float) -> Floats:
         """Return the same, weighing each pixel by how much it changes from this picture on."""
         change = cv2.GaussianBlur(cv2.subtract(later, self.image), (0, 0), 1.0)
         change = np.square(change.ravel()[self.compared])
-        weighted = self.jacobian * (change / (change + still_grey**2) + LEAST_WEIGHT)
+        weighted = self.jacobian * (change / (change + still_grey**2) + least)
         return _inverse(weighted @ self.jacobian.T).astype(np.float32) @ weighted
 
     @cached_property
@@ -169,6 +169,9 @@ class _Level:
 
 
 SMALL_SAMPLE = 2000
+
+LEAST_WEIGHT = 0.02
+"""Weight of a pixel that has not changed at all: stillness must stay found."""
 
 
 @lru_cache(maxsize=16)
@@ -233,6 +236,7 @@ def align(
     start: Rigid | None = None,
     *,
     still_grey: float | None = None,
+    least_weight: float = LEAST_WEIGHT,
     levels: int | None = None,
 ) -> Aligned:
     """Return the motion that lays `before` on `after`.
@@ -244,6 +248,8 @@ def align(
         still_grey: Difference of the two, in their units, at which a pixel weighs half; None weighs
             all alike. A domed pad holds a flat object's outline where it is while the object turns:
             what does not change must not hold the fit back.
+        least_weight: Then added to every weight, which are 1 at the most; a large one makes them
+            alike again.
         levels: How many sizes are used, the finest ones; None uses all.
     """
     motion = start or Rigid()
@@ -253,27 +259,28 @@ def align(
         scale = level.image.shape[1] / width
         motion = Rigid(motion.turn_rad, motion.right_px * scale, motion.down_px * scale)
         close_px = CLOSE_PX if level is before.levels[-1] else COARSELY_CLOSE_PX
-        motion, error = _refined(level, other.image, motion, still_grey, close_px)
+        weights = (still_grey, least_weight)
+        motion, error = _refined(level, other.image, motion, weights, close_px)
         motion = Rigid(motion.turn_rad, motion.right_px / scale, motion.down_px / scale)
     finest = before.levels[-1]
     residual = math.sqrt(float(error @ error) / error.size)
     return Aligned(motion, finest.inverse[:3, :3], residual, finest.contrast)
 
 
-LEAST_WEIGHT = 0.02
-"""Weight of a pixel that has not changed at all: stillness must stay found."""
-
-
 def _refined(
-    level: _Level, later: Floats, motion: Rigid, still_grey: float | None, close_px: float
+    level: _Level,
+    later: Floats,
+    motion: Rigid,
+    weights: tuple[float | None, float],
+    close_px: float,
 ) -> tuple[Rigid, Floats]:
     """Return the motion after Gauss-Newton steps, and what is left of each pixel compared."""
     rows, columns = level.image.shape
     x, y = (columns - 1) / 2, (rows - 1) / 2
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    solve = level.solver
+    solve, (still_grey, least) = level.solver, weights
     if still_grey is not None:
-        solve = level.solver_of_change(later, still_grey)
+        solve = level.solver_of_change(later, still_grey, least)
     for _ in range(ITERATIONS):
         cos, sin = math.cos(motion.turn_rad), math.sin(motion.turn_rad)
         way = np.array(

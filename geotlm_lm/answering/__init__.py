@@ -4,8 +4,8 @@ A question is read into a `Query`, decided exactly from what is believed of the 
 the language model's own words where it would write just that, else by rule.
 """
 
-from geotlm_lm.answering.answer import Answer, Comparison
-from geotlm_lm.answering.answerer import CAMERA, Answerer, Why
+from geotlm_lm.answering.answer import Answer, Comparison, Why
+from geotlm_lm.answering.answerer import CAMERA, Answerer
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.session import Session, Turn
 from geotlm_lm.answering.understanding import OPEN_QUESTION, check_question

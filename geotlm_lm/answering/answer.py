@@ -141,3 +141,16 @@ class Comparison:
             "first": self.first.to_dict(),
             "second": self.second.to_dict(),
         }
+
+
+@dataclass(frozen=True)
+class Why:
+    """The reasons for an answer.
+
+    Args:
+        steps: One sentence each, from the contact to the conclusion.
+        source: Whose words they are.
+    """
+
+    steps: tuple[str, ...]
+    source: str

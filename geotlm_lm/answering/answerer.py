@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from geotlm_lm.answering.answer import Answer, Comparison
+from geotlm_lm.answering.answer import Answer, Comparison, Why
 from geotlm_lm.answering.argument_checks import require_answer, require_encoded, require_frame
 from geotlm_lm.answering.asking import answer, compare
 from geotlm_lm.answering.belief_of_clip import belief_of
@@ -37,19 +37,6 @@ from geotlm_lm.track.tracker import Tracker
 
 CAMERA = FrameSpec()
 """Directions as the camera image shows them, of the object."""
-
-
-@dataclass(frozen=True)
-class Why:
-    """The reasons for an answer.
-
-    Args:
-        steps: One sentence each, from the contact to the conclusion.
-        source: Whose words they are.
-    """
-
-    steps: tuple[str, ...]
-    source: str
 
 
 class Answerer:

@@ -25,7 +25,10 @@ from geotlm_lm.query.facts import with_facts
 from geotlm_lm.query.forms import decided, in_form
 from geotlm_lm.query.replies import replies
 
-_UNSURE = ("talk", "help", "setup", "recording", "unanswerable", "not-understood", "again")
+_OF_FILE = ("setup", "recording", "help", "talk")
+"""Asks that are answered without a look at any motion."""
+
+_UNSURE = (*_OF_FILE, "unanswerable", "not-understood", "again")
 """Asks whose answers claim nothing of a motion."""
 
 
@@ -63,14 +66,12 @@ def answer(
     """
     started = time.perf_counter()
     query = understood.query
-    evidence = evidence_of(encoded)
-    columns = evidence.recording.columns
-    now = frame_after(understood, frame, columns)
+    now = frame_after(understood, frame, encoded.clip.frames.shape[2])
     if understood.ask_back is not None:
         return _plain(encoded, understood, now, understood.ask_back, started)
     if not query.parts:
         return _noted(encoded, understood, now, frame, started)
-    found = []
+    evidence, found = evidence_of(encoded), []
     for part in query.parts:
         rests_on = evidence
         if part.subject.clip in ("first", "previous") and other is not None:
@@ -152,8 +153,6 @@ def _told(
         text = own_words(bundle, encoded, first)
         told_by = "rule" if text is None else "model"
     text = text or in_form(found, query.form, evidence.recording, sure=sure)
-    if query.facts and any(part.ask.kind not in _UNSURE for part in query.parts):
-        text = f"{text}"
     is_silent = all(one.missing is not None or one.part.ask.kind in _UNSURE for one in found)
     kind = first.part.ask.kind
     is_guess = not is_silent and _is_guess(found)
@@ -168,8 +167,8 @@ def _told(
         told,
         kind=kind,
         notes=(*told.notes, *_notes(found, evidence)),
-        abstained=is_abstained and kind not in ("setup", "recording", "help", "talk"),
-        confidence=0.0 if is_abstained else sure,
+        abstained=is_abstained and kind not in _OF_FILE,
+        confidence=sure if kind in _OF_FILE else 0.0 if is_abstained else sure,
         direction=None if is_abstained or kind in _NO_WAY else _direction(first),
         decided=None if is_abstained else decided(first, evidence.recording),
         options=_options(first, evidence),

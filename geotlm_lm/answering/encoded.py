@@ -46,7 +46,6 @@ class Encoded:
         track: The track of the recording, or of the span of it that is asked about; None where four
             frames are all there is. The clip then holds the four that show its motion best.
         recording: What was tracked, whole.
-        whole_track: The track of all of it.
         believe: What makes the belief of its motion, once, when first asked for.
     """
 
@@ -60,7 +59,6 @@ class Encoded:
     is_static: bool = False
     track: Track | None = None
     recording: Clip | None = None
-    whole_track: Track | None = None
     believe: Callable[[Encoded], Belief] | None = None
 
     @property

@@ -26,7 +26,7 @@ def evidence_of(encoded: Encoded, other: Encoded | None = None) -> Evidence:
     )
     return Evidence(
         encoded.belief,
-        None if other is None else other.belief,
+        None if other is None else evidence_of(other),
         recording_of(encoded),
         encoded.track,
         None if encoded.is_untouched else _area(encoded, values),

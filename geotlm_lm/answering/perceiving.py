@@ -75,12 +75,15 @@ def perceive_clip(bundle: Bundle, clip: Clip) -> Encoded:
 
 def track_recording(bundle: Bundle, clip: Clip) -> Track:
     """Return the track of a recording in memory; its idle gel is found, learnt or guessed."""
-    return track_of(clip, believer(bundle))
+    return track_of(clip, believer(bundle.model, bundle.motion))
 
 
 def tracker_of(bundle: Bundle, clip: Clip | None = None) -> Tracker:
     """Return what follows frames one by one, and knows the idle gel of a recording."""
-    return Tracker(believer(bundle), idle=None if clip is None else with_idle(clip).background)
+    return Tracker(
+        believer(bundle.model, bundle.motion),
+        idle=None if clip is None else with_idle(clip).background,
+    )
 
 
 def perceive_recording(
@@ -112,7 +115,6 @@ def perceive_recording(
         timing_ms=timing,
         track=part,
         recording=clip,
-        whole_track=track,
         believe=partial(_belief, bundle, part, window),
     )
 

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
-from geotlm_lm.answering.answer import Answer, Comparison
+from geotlm_lm.answering.answer import Answer, Comparison, Why
 from geotlm_lm.answering.argument_checks import require_encoded, require_frame
 from geotlm_lm.answering.asking import answer, compare, of_two
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.understanding import Understood, check_question, understand
+from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.query.types import Query
-
-if TYPE_CHECKING:
-    from geotlm_lm.answering.answerer import Answerer
 
 Reply = Answer | Comparison
 
@@ -42,6 +40,15 @@ class Turn:
     before: Query
 
 
+class Explaining(Protocol):
+    """What a conversation needs of an `Answerer`."""
+
+    bundle: Bundle
+
+    def why(self, encoded: Encoded, answer: Answer) -> Why:
+        """Return the reasons for an answer."""
+
+
 class Session:
     """A conversation.
 
@@ -54,7 +61,7 @@ class Session:
         TypeError: If the clip is not encoded, or the frame is none.
     """
 
-    def __init__(self, answerer: Answerer, encoded: Encoded, frame: FrameSpec) -> None:
+    def __init__(self, answerer: Explaining, encoded: Encoded, frame: FrameSpec) -> None:
         require_encoded(encoded)
         require_frame(frame)
         self.answerer = answerer

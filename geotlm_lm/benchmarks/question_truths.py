@@ -15,6 +15,7 @@ from geotlm_lm.core.tolerance import within_tolerance
 from geotlm_lm.data.questions import QuestionAnswer
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.parse_answer import Slots
+from geotlm_lm.query.types import THREAD_ATOMS
 
 DECLINED = ("refusal", "comparison", "order")
 """Kinds that one clip cannot answer."""
@@ -149,7 +150,7 @@ def _is_thread(answer: Answer, truth: str) -> bool:
     proposition = answer.resumed.parts[0].ask.proposition
     if proposition is None:
         said = answer.decided or ""
-        return said in ("neither", "none") if truth == "neither" else said.startswith(truth)
+        return not said.startswith(THREAD_ATOMS) if truth == "neither" else said.startswith(truth)
     holds = (proposition.literals[0].atom == truth) != _denies(answer)
     return answer.decided == ("yes" if holds else "no")
 

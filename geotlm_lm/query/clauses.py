@@ -145,7 +145,8 @@ def may_join(family: Family, other: Family) -> bool:
     """Tell whether two questions may be asked in one breath."""
     apart = ("not-understood", "compare", "which-clip", "again", "talk", "help", "choice A")
     queries = (family.query, other.query)
-    is_plain = not any(one.complete for one in (family, other)) and " as " not in " ".join(queries)
+    words = {*family.query.split(), *other.query.split()}
+    is_plain = not any(one.complete for one in (family, other)) and not words & {"as", "fact"}
     return (
         is_plain
         and family.query != other.query

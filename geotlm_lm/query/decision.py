@@ -36,7 +36,7 @@ class Evidence:
 
     Args:
         belief: Of this clip, which is the first of two.
-        second: Of the other clip, if there is one.
+        second: The same of the other clip, if there is one.
         recording: The file that this clip is of.
         track: The whole recording over time, if it was followed.
         area: Where it is touched; None where nothing is, or nobody looked.
@@ -44,7 +44,7 @@ class Evidence:
     """
 
     belief: Belief
-    second: Belief | None = None
+    second: Evidence | None = None
     recording: Recording = field(default_factory=Recording)
     track: Track | None = None
     area: ContactArea | None = None
@@ -99,6 +99,7 @@ class Decision:
         reasons: What the answer rests on, a sentence each.
         probability: That it is right, of the least sure thing it says.
         missing: Why it cannot be told; None where it is.
+        each: Of two clips what answers the same of either.
     """
 
     part: Part
@@ -116,6 +117,7 @@ class Decision:
     reasons: tuple[str, ...] = ()
     probability: float = 1.0
     missing: str | None = None
+    each: tuple[Decision, ...] = ()
 
     @property
     def edit(self) -> Edit:

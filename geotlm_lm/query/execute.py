@@ -55,7 +55,7 @@ def _evidence_of(subject: t.Subject, evidence: Evidence) -> Evidence:
     if subject.clip == "second" or (subject.clip == "previous" and evidence.second is not None):
         if evidence.second is None:
             raise Missing("second")
-        evidence = replace(evidence, belief=evidence.second)
+        evidence = evidence.second
     if subject.span is None:
         return evidence
     part, belief = part_of(evidence.track, evidence.belief, subject.span, evidence.recording)
@@ -88,6 +88,9 @@ def _timed(scene: Scene, ask: t.Ask) -> Decision:
 
 def _way(scene: Scene, ask: t.Ask) -> Decision:
     if ask.of == "thread":
+        turn = t.COMPONENT_ATOMS["turn"]
+        if scene.belief.counts(turn) < 0.5 and scene.frame.contact_side != "side":
+            return scene.decision(**scene.telling((turn,)))  # neither tightens nor loosens
         options = tuple(t.Option(t.Proposition((t.Literal(one),))) for one in t.THREAD_ATOMS)
         return _choice(scene, t.Ask("choice", options=options))
     if ask.of in ("x", "y"):
@@ -158,7 +161,8 @@ def _choice(scene: Scene, ask: t.Ask) -> Decision:
         shares[id(one)] if id(one) in shares else rest[one.proposition.literals[0].atom]
         for one in ask.options
     )
-    found = scene.telling([one for option in named for one in _subjects(option.proposition)])
+    subjects = {one for option in named for one in _subjects(option.proposition)}
+    found = scene.telling([one for one in COMPONENTS if one in subjects])
     order = sorted(range(len(chances)), key=lambda at: -chances[at])
     if ask.denied:
         out = tuple(at for at in order if chances[at] < 0.5)

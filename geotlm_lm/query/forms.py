@@ -14,6 +14,7 @@ from geotlm_lm.query.decision import Decision
 from geotlm_lm.query.phrases import frame_phrase
 from geotlm_lm.query.tell import option_words, tell
 from geotlm_lm.query.tell_track import moment
+from geotlm_lm.query.track import Happening
 
 
 def decided(decision: Decision, recording: Recording) -> str | None:
@@ -116,7 +117,16 @@ def as_json(decisions: Sequence[Decision], recording: Recording, sure: float) ->
             found[name] = round(one.times[0], 3)
         if ask.kind in ("choice", "compare", "which-clip") and one.options:
             found["chosen"] = decided(one, recording)
+        if ask.kind == "order":
+            found["events"] = [_event(event) for event in one.happenings]
         if one.area is not None:
             found["contact_share"] = round(one.area.share, 4)
     where = next((frame_phrase(one.edit) for one in decisions if one.movements), None)
     return found | ({"frame": where} if where else {}) | {"probability": round(sure, 3)}
+
+
+def _event(event: Happening) -> dict[str, Any]:
+    told = {"kind": event.kind.value, "way": event.way.value}
+    if event.amount is not None:
+        told |= {"value": event.amount.value, "unit": event.amount.unit}
+    return told | {"begin_s": round(event.begin_s, 3), "end_s": round(event.end_s, 3)}

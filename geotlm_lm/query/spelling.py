@@ -64,11 +64,6 @@ class Spelling:
         first = self.tokenizer.get_vocab_size()
         return {word: first + place for place, word in enumerate(self.words)}
 
-    @cached_property
-    def word_of(self) -> dict[int, str]:
-        """The word of each such id."""
-        return {number: word for word, number in self.id_of.items()}
-
     @property
     def size(self) -> int:
         """How many ids there are."""

@@ -206,22 +206,33 @@ def place_words(area: ContactArea) -> str:
     return " ".join(named) if len(named) == 2 else f"{named[0]} middle" if named else "middle"
 
 
-def _compare(decision: Decision, _: Recording) -> str:
+def _compare(decision: Decision, recording: Recording) -> str:
     word = {True: "yes: ", False: "no: ", None: ""}[decision.verdict]
-    if decision.amounts:
-        parts = [amount_phrase(one) for one in decision.amounts]
-    else:
-        parts = [movement_phrase(one) for one in decision.movements] or ["neither moves"]
-    if len(parts) == 2:
-        parts = [f"{who}, {one}" for who, one in zip(SECOND_CLIP, parts, strict=True)]
     if decision.options:
         word = f"{' and '.join(SECOND_CLIP[at] for at in decision.options)}: "
-    has_way = any(one.way in DIRECTED for one in decision.movements)
-    return f"{word}{'; '.join(parts)}" + f" ({where_phrase(decision)})" * has_way
+    if decision.amounts and len(decision.amounts) == len(decision.each):
+        parts = [f"about {amount_phrase(one)}" for one in decision.amounts]
+    else:
+        parts = [_of_one(one) for one in decision.each]
+    told = "; ".join(f"{who} {one}" for who, one in zip(SECOND_CLIP, parts, strict=True))
+    ways = [move.way for one in decision.each for move in one.movements]
+    is_directed = not decision.amounts and any(way in DIRECTED for way in ways)
+    return f"{word}{told}" + f", {where_phrase(decision)}" * is_directed
+
+
+def _of_one(decision: Decision) -> str:
+    """Return what one of two clips shows as a predicate."""
+    if decision.rest is not None:
+        return {Motion.STILL: "touches but does not move", Motion.NONE: "is untouched"}[
+            decision.rest
+        ]
+    return _all_of([movement_phrase(one) for one in decision.movements])
 
 
 def _which(decision: Decision, _: Recording) -> str:
-    return " and ".join(SECOND_CLIP[at] for at in decision.options) or "neither"
+    chosen = " and ".join(SECOND_CLIP[at] for at in decision.options) or "neither"
+    parts = [f"{who} {_of_one(one)}" for who, one in zip(SECOND_CLIP, decision.each, strict=True)]
+    return f"{chosen}: {'; '.join(parts)}, {where_phrase(decision)}"
 
 
 def _recording(topic: str, recording: Recording, frame: FrameSpec) -> str:

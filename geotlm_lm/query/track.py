@@ -183,9 +183,9 @@ def happens(atom: str, edit: Edit, track: Track, sized: Sized) -> bool:
 def seen(track: Track, edit: Edit, sized: Sized) -> list[Happening]:
     """Return a recording's events from a point of view, by when they begin."""
     total = float(track.times_s[0] + track.times_s[-1])
-    found = []
+    found = _touches(track, total) if edit.backwards else []
     for event in track.events:
-        if event.kind is EventKind.SLIP or event.kind not in TOLD:
+        if event.kind not in TOLD or (edit.backwards and event.kind is EventKind.TOUCH):
             continue
         path = 0.0 if event.component is None else path_of_event(track, event)
         if event.component is not None and path < COUNTING_PX:  # a span cut off the rest
@@ -198,6 +198,13 @@ def seen(track: Track, edit: Edit, sized: Sized) -> list[Happening]:
         amount = None if event.component is None else sized(event, event.component.value)
         found.append(Happening(kind, way, begin, end, amount, path, event.probability))
     return sorted(found, key=_by_begin)
+
+
+def _touches(track: Track, total: float) -> list[Happening]:
+    """Return where contact begins when a recording is played backwards: where it ended."""
+    ends = [total - end for _, end in track.contacts() if end < track.times_s[-1]]
+    sure = float(track.contact.max(initial=0.0))
+    return [Happening(EventKind.TOUCH, Motion.PRESS, at, at, None, 0.0, sure) for at in ends]
 
 
 def motion_of(event: Event) -> Motion:

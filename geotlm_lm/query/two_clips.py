@@ -8,7 +8,7 @@ from dataclasses import replace
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, mirror, reverse
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import Missing
+from geotlm_lm.query.amounts import Missing, Recording
 from geotlm_lm.query.decision import Decision, Evidence
 
 Decide = Callable[[t.Part, Evidence, FrameSpec], Decision]
@@ -41,13 +41,14 @@ def decide_on_two(part: t.Part, evidence: Evidence, frame: FrameSpec, decide: De
 
     if part.ask.kind == "compare":
         is_amount = part.ask.of == "amount" or part.ask.relation in _OF_AMOUNTS
-        return (_compared_amounts if is_amount else _compared)(part, frame, part.ask, each_of)
+        if not is_amount:
+            return _compared(part, frame, part.ask, each_of)
+        recordings = (evidence.recording, evidence.second.recording)
+        return _compared_amounts(part, frame, recordings, each_of)
     is_which = part.ask.kind == "which-clip"
     ask = t.Ask("claim", part.ask.proposition) if is_which else part.ask
     first, second = each = each_of(ask)
-    moves = first.movements[:1] + second.movements[:1]
-    amounts = first.amounts + second.amounts
-    both = replace(first, part=part, movements=moves, denied=(), rest=None, amounts=amounts)
+    both = Decision(part, frame, amounts=first.amounts + second.amounts, each=each)
     sure = min(first.probability, second.probability)
     if is_which:
         so = tuple(at for at, one in enumerate(each) if one.verdict)
@@ -64,8 +65,10 @@ def _each(
     part: t.Part, evidence: Evidence, frame: FrameSpec, decide: Decide
 ) -> tuple[Decision, Decision]:
     plain = replace(part, subject=replace(part.subject, clip=None))
-    other = replace(evidence, belief=evidence.second, second=None)
-    found = decide(plain, replace(evidence, second=None), frame), decide(plain, other, frame)
+    found = (
+        decide(plain, replace(evidence, second=None), frame),
+        decide(plain, evidence.second, frame),
+    )
     for one in found:
         if one.missing is not None:
             raise Missing(one.missing)
@@ -82,35 +85,39 @@ def _compared(part: t.Part, frame: FrameSpec, ask: t.Ask, each_of: EachOf) -> De
     motions = [_motion(one) for one in each]
     sure = min(one.probability for one in each)
     if ask.relation is None:
-        moves = tuple(move for one in each for move in one.movements[:1])
-        return Decision(part, frame, movements=moves, probability=sure)
+        return Decision(part, frame, probability=sure, each=each)
     expected = _NAMES[ask.relation](motions[0])
     is_so = motions[1] == expected
     if ask.of == "kind":
         is_so = _kinds(each[0]) == _kinds(each[1])
     verdict = is_so != (ask.relation == "different")
-    moves = tuple(move for one in each for move in one.movements[:1])
-    return Decision(part, frame, verdict=verdict, movements=moves, probability=sure)
+    return Decision(part, frame, verdict=verdict, probability=sure, each=each)
 
 
-def _compared_amounts(part: t.Part, frame: FrameSpec, ask: t.Ask, each_of: EachOf) -> Decision:
+def _compared_amounts(
+    part: t.Part, frame: FrameSpec, recordings: tuple[Recording, Recording], each_of: EachOf
+) -> Decision:
+    ask = part.ask
     of = ask.of if ask.of in t.COMPONENT_ATOMS else None
     asked = t.Ask("amount", of=of, per="per-s" if ask.is_speed else None)
     each = each_of(asked)
     if any(not one.amounts for one in each) or len({one.amounts[0].unit for one in each}) > 1:
         raise Missing("comparable")
     amounts = tuple(one.amounts[0] for one in each)
+    sizes = {(one.rows, one.columns) for one in recordings}
+    if len(sizes) > 1 and amounts[0].unit.startswith("px"):
+        raise Missing("comparable")
     more = amounts[0].mean > amounts[1].mean
     sure = min(one.probability for one in each)
     if ask.relation in ("more", "less"):
         verdict = more == (ask.relation == "more")
-        return Decision(part, frame, verdict=verdict, amounts=amounts, probability=sure)
+        return Decision(part, frame, verdict=verdict, amounts=amounts, probability=sure, each=each)
     if ask.relation in ("which-more", "which-less"):
         place = int(more != (ask.relation == "which-more"))
-        return Decision(part, frame, options=(place,), amounts=amounts, probability=sure)
+        return Decision(part, frame, options=(place,), amounts=amounts, probability=sure, each=each)
     alike = abs(amounts[0].mean - amounts[1].mean) <= max(one.tolerance for one in amounts)
     verdict = None if ask.relation is None else alike == (ask.relation == "same")
-    return Decision(part, frame, verdict=verdict, amounts=amounts, probability=sure)
+    return Decision(part, frame, verdict=verdict, amounts=amounts, probability=sure, each=each)
 
 
 def _motion(decision: Decision) -> Motion:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.twist import STILL_MM, STILL_PX, Component, Twist
-from geotlm_lm.track.amounts import COLUMNS, Span, amount_of
+from geotlm_lm.track.amounts import COLUMNS, SPAN_DEVIATIONS, Span, amount_of
 from geotlm_lm.track.legs import Leg, Legs, Point
 
 Floats = NDArray[np.float64]
@@ -56,6 +56,12 @@ TOUCH_S = 0.15
 LEAST_DEG, LEAST_TURN_PX, LEAST_SLIDE_PX, LEAST_MM = 2.5, 1.5, 2.0, 0.15
 """Way without which a turn (in degrees, and as a path at the contact's radius), a slide or a press
 is no event: between the noise of a held object's track and what `core.twist` counts."""
+
+LEAK = 0.25
+"""Share of a slide that may be read as a turn, as a path at the contact's radius, too."""
+
+JERK_S = 0.13
+"""Time below which a turn may be a step that was measured wrong: it must go twice as far."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +129,7 @@ class EventFinder:
         self._legs: dict[Component, Legs] = {}
         self._touched: Moment | None = None
         self._last: Moment | None = None
-        self._free_since = 0
+        self._free_since, self._least_deg = 0, LEAST_DEG
         self._waiting: list[Event] = []
 
     def push(self, moment: Moment) -> list[Event]:
@@ -149,8 +155,9 @@ class EventFinder:
     def _touch(self, moment: Moment) -> None:
         self._touched, self._free_since = moment, moment.place
         least = math.degrees(LEAST_TURN_PX / max(moment.radius_px, 1.0))
+        self._least_deg = max(LEAST_DEG, least)
         self._legs = {
-            Component.TURN: Legs(max(LEAST_DEG, least)),
+            Component.TURN: Legs(self._least_deg),
             Component.SLIDE: Legs(LEAST_SLIDE_PX),
             Component.PRESS: Legs(LEAST_MM),
         }
@@ -177,11 +184,20 @@ class EventFinder:
         kinds = {Component.TURN: EventKind.TURN, Component.SLIDE: EventKind.SLIDE}
         kind = kinds.get(component, EventKind.PRESS if way > 0 else EventKind.RELEASE)
         moved = self._event(kind, begin, end, component)
+        if kind is EventKind.TURN and not self._is_sure(moved, end.radius_px):
+            return []
         stick = [] if component is Component.PRESS else self._stick(self._resting_until(leg.begin))
         is_slip = stick and stick[0].end == begin.number
         slip = [self._event(EventKind.SLIP, begin, end, component)] if is_slip else []
         self._free_since = max(self._free_since, leg.end)
         return [*stick, moved, *slip]
+
+    def _is_sure(self, turn: Event, radius_px: float) -> bool:
+        """Tell whether a turn is more than what a slide or a step gone wrong may look like."""
+        leak = math.degrees(LEAK * turn.twist.slide_px / max(radius_px, 1.0))
+        doubt = SPAN_DEVIATIONS * math.hypot(turn.amount.deviation, leak)
+        least = self._least_deg * (2 if turn.seconds < JERK_S else 1)
+        return abs(turn.amount.mean) > max(doubt, least)
 
     def _resting_until(self, begin: int) -> int:
         """Return when a rest ended: at the beginning of a leg, or of one that is not over yet."""
@@ -194,7 +210,7 @@ class EventFinder:
         for component, legs in self._legs.items():
             for leg in legs.finish():
                 told = self._over(component, leg)
-                if is_let_go and told[0].kind is EventKind.RELEASE:
+                if is_let_go and told and told[0].kind is EventKind.RELEASE:
                     lifting = leg.begin
                     continue
                 events += told

@@ -18,7 +18,7 @@ from pathlib import Path
 import torch
 from tokenizers import Tokenizer, decoders, models, pre_tokenizers, trainers
 from torch import Tensor
-from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy
+from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy, pad
 
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.progress import Progress, silent
@@ -201,7 +201,7 @@ def rows_of(spelling: Spelling, pairs: Sequence[Pair], room: int) -> list[tuple[
 
 def batch_of(rows: Sequence[tuple[list[int], int]]) -> tuple[Tensor, Tensor, Tensor]:
     """Return ids (b, s), what each may see (b, 1, s, s), and where a query's token is (b, s)."""
-    length = max(len(ids) for ids, _ in rows)
+    length = _rounded(max(len(ids) for ids, _ in rows), 8)
     ids = torch.tensor([row + [0] * (length - len(row)) for row, _ in rows])
     starts = torch.tensor([start for _, start in rows])[:, None]
     ends = torch.tensor([len(row) for row, _ in rows])[:, None]
@@ -242,8 +242,16 @@ def _loss(model: QuestionDecoder, rows: Sequence[tuple[list[int], int]], hidden:
     kept = (torch.rand(ids.shape) >= hidden) | is_query
     positions = torch.arange(ids.shape[1]).expand(len(ids), -1)
     states, _ = model.decoder(embedded * kept[..., None], positions, mask)
-    before = states[:, :-1][is_query[:, 1:]]
-    return cross_entropy(model.logits(before).float(), ids[is_query], reduction="sum")
+    before, wanted = states[:, :-1][is_query[:, 1:]], ids[is_query]
+    spare = _rounded(len(wanted), 64) - len(wanted)
+    before, wanted = pad(before, (0, 0, 0, spare)), pad(wanted, (0, spare), value=-1)
+    logits = model.logits(before).float()
+    return cross_entropy(logits, wanted, reduction="sum", ignore_index=-1)
+
+
+def _rounded(count: int, step: int) -> int:
+    """Return a size rounded up: kernels are made once a shape, so few shapes are few kernels."""
+    return -(-count // step) * step
 
 
 def _parameter_groups(model: QuestionDecoder) -> list[dict]:

@@ -171,7 +171,7 @@ def test_two_clips_are_compared(bundle):
     first, second = (answerer.encode(recording(seed=seed)) for seed in (1, 2))
     same = answerer.compare(first, second, "Do they turn the same way?")
     assert (same.decided, same.relation, same.abstained) == ("yes", "same", False)
-    assert same.text.startswith("Yes: the first, turns clockwise, about 12 degrees; the second,")
+    assert same.text.startswith("Yes: the first turns clockwise, about 12 degrees; the second ")
     assert answerer.compare(first, second, "of-second > way turn").decided == "clockwise"
     which = answerer.compare(first, second, "which-clip ccw")
     assert (which.decided, which.relation) == ("neither", "same")

@@ -28,7 +28,9 @@ def as_json(answer):
 LINES = (
     "way", "kind", "claim cw", "choice A left , B right", "amount", "amount turn deg per-s",
     "when turn begin", "how-long turn", "how-often turn", "order", "why", "how-sure cw", "place",
-    "alternatives", "compare same", "which-clip cw", "recording frames", "setup frame", "again", "help",
+    "alternatives", "compare same", "which-clip cw", "recording frames", "setup frame",
+    "again",
+    "help",
     "talk thanks", "unanswerable force", "not-understood", "fact mirrored", "undo > way",
     "way ; amount",
 )  # fmt: skip

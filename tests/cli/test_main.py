@@ -35,11 +35,6 @@ WRONG_CALLS = {
         ["answer", "--clip", "clip.npy", "--q", "  "],
         "The question is empty; ask for example --q 'Which way is it turning?'.\n",
     ),
-    "question that is too long": (
-        ["answer", "--clip", "clip.npy", "--q", "x" * 501],
-        "the question has 501 characters, expected at most 500; ask one short question at a "
-        "time.\n",
-    ),
     "question that is no text": (
         ["answer", "--clip", "clip.npy", "--q", "which \udcff way"],
         "The question holds bytes that are no text; give it in UTF-8.\n",

@@ -122,7 +122,7 @@ def test_an_edit_acts_as_on_the_belief(text, belief, edit):
 @settings(max_examples=30, deadline=None)
 def test_every_query_is_decided_and_told(query, belief, track, has_second):
     numbers = (t.Quantity(12.5, "deg"), t.Quantity(0.06, "mm/px"), t.Quantity(0.5, "s"))
-    evidence = Evidence(belief, belief if has_second else None, RECORDING, track)
+    evidence = Evidence(belief, Evidence(belief) if has_second else None, RECORDING, track)
     found = execute(t.filled(query, numbers), evidence, FRAME)
     assert len(found) == len(query.parts)
     assert all(tell(one, RECORDING) for one in found)
@@ -223,15 +223,21 @@ def test_a_recording_is_told_as_a_story():
     )
 
 
-def test_two_clips_are_compared_on_what_is_asked():
-    one, two = certain(turn=20), certain(turn=-10)
-    assert answer("compare opposite turn", one, second=two).verdict is True
-    assert answer("compare same way", one, second=two).verdict is False
-    assert answer("compare same kind", one, second=two).verdict is True
-    assert answer("compare more turn", one, second=two).verdict is True
-    assert answer("of-both > claim turn", one, second=two).verdict is True
-    assert answer("of-only-one > claim cw", one, second=two).verdict is True
-    assert answer("which-clip ccw", one, second=two).options == (1,)
+@pytest.mark.parametrize(
+    ("text", "verdict"),
+    [
+        ("compare opposite turn", True),
+        ("compare same way", False),
+        ("compare same kind", True),
+        ("compare more turn", True),
+        ("of-both > claim turn", True),
+        ("of-only-one > claim cw", True),
+    ],
+)
+def test_two_clips_are_compared_on_what_is_asked(text, verdict):
+    two = Evidence(certain(turn=-10), recording=RECORDING)
+    assert answer(text, certain(turn=20), second=two).verdict is verdict
+    assert answer("which-clip ccw", certain(turn=20), second=two).options == (1,)
 
 
 @pytest.mark.parametrize(
