@@ -114,10 +114,11 @@ class Measure:
 
     @property
     def span(self) -> tuple[float, float]:
-        """The ends between which it lies nine times in ten."""
+        """The ends between which it lies nine times in ten, rounded outwards; holds the value."""
         far = SPAN_DEVIATIONS * self.deviation
         low = self.mean - far if self.atom in WAY_ATOMS else max(self.mean - far, 0.0)
-        return float(f"{low:.2g}"), float(f"{self.mean + far:.2g}")
+        low, high = 0.0 - _two_digits_up(-low), _two_digits_up(self.mean + far)
+        return min(low, self.value), max(high, self.value)
 
     def to_dict(self) -> dict[str, float | str]:
         """Return plain JSON values."""
@@ -131,10 +132,20 @@ class Measure:
 
     @property
     def probability(self) -> float:
-        """That the value is right within the tolerance or a fifth."""
-        far = max(self.tolerance, RELATIVE_TOLERANCE * abs(self.value))
-        bell = NormalDist(self.mean, max(self.deviation, 1e-9))
-        return bell.cdf(self.value + far) - bell.cdf(self.value - far)
+        """That the value is right within the tolerance, or a fifth of the true amount."""
+        size = abs(self.value)
+        low = min(size - self.tolerance, size / (1 + RELATIVE_TOLERANCE))
+        high = max(size + self.tolerance, size / (1 - RELATIVE_TOLERANCE))
+        bell = NormalDist(math.copysign(1, self.value) * self.mean, max(self.deviation, 1e-9))
+        return bell.cdf(high) - bell.cdf(low)
+
+
+def _two_digits_up(value: float) -> float:
+    """Return the least number of two digits that is not less."""
+    if value == 0:
+        return 0.0
+    step = 10.0 ** (math.floor(math.log10(abs(value))) - 1)
+    return float(f"{math.ceil(value / step - 1e-9) * step:.2g}")
 
 
 def bell(belief: Belief, name: str) -> tuple[float, float]:

@@ -42,7 +42,7 @@ def test_a_model_trained_for_evidence_gives_reasons_in_its_words_where_it_feels_
     assert why.steps[-3] == (
         "Measured from the first frame to the last: a turn clockwise of about 12 degrees, likely "
         "11 to 13; a slide left of about 0 px, likely 0 to 0.00047; a growth of the contact of "
-        "about 0.2 mm, likely 0.15 to 0.17."
+        "about 0.2 mm, likely 0.14 to 0.2."
     )
     assert why.steps[-1].startswith("Therefore: It turns clockwise, about 12 degrees, and presses")
     assert (sentence in " ".join(why.steps)) == (said is Motion.CLOCKWISE)

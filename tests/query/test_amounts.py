@@ -1,0 +1,36 @@
+"""How far it went: what is told of a bell, and the span it lies in."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from geotlm_lm.core.tolerance import TOLERANCES, within_tolerance
+from geotlm_lm.query.amounts import BASES, OF_ATOM, Measure, sized
+
+amounts = st.builds(
+    sized,
+    st.sampled_from(sorted(OF_ATOM)),
+    st.floats(-60, 60),
+    st.floats(0.001, 9),
+    st.just("unit"),
+    st.floats(0.01, 100),
+)
+
+
+@given(amounts)
+def test_any_bell_gives_a_value_inside_its_span(told):
+    low, high = told.span
+    assert low <= told.value <= high
+    assert 0 < told.probability <= 1
+
+
+@pytest.mark.parametrize("mean", [0.3, 1.5, 5, 11, 25, 60])
+@pytest.mark.parametrize("deviation", [0.05, 1.0, 4.0])
+def test_the_probability_is_the_share_of_true_amounts_it_is_right_of(mean, deviation):
+    told = Measure("turn", mean, deviation, "deg", TOLERANCES[BASES["turn"]])
+    true = np.random.default_rng(0).normal(mean, deviation, 20_000)
+    right = np.mean([within_tolerance(told.value, one, "deg") for one in true])
+    assert told.probability == pytest.approx(right, abs=0.015)
+    low, high = told.span
+    assert np.mean((true >= low) & (true <= high)) + np.mean(true < 0) >= 0.9 - 0.015
