@@ -57,8 +57,8 @@ def test_the_talk_goes_as_it_should(talk):
     assert talk[4].startswith("I need the thread and the side that is touched;")
     assert talk[5].startswith("Noted: camera image")
     assert talk[6].startswith(("Yes: it turns clockwise", "It tightens: it turns clockwise"))
-    assert talk[8].startswith("No: the first, turns clockwise, about ")
-    assert "the second, turns counterclockwise, about " in talk[8]
+    assert talk[8].startswith("No: the first turns clockwise, about ")
+    assert "the second turns counterclockwise, about " in talk[8]
     assert talk[9] == "Please ask in English."
 
 

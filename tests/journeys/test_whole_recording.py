@@ -62,14 +62,14 @@ def test_the_net_turn_holds_the_truth_and_spans_are_tracked_inside(answerer, who
     assert low <= TURN_DEG - BACK_DEG <= high
     part = answerer.ask(whole, f"Which way did it turn after {BACK / FPS:.1f} s?")
     assert part.direction is Motion.COUNTERCLOCKWISE
-    bracketed = answerer.encode(whole.recording, span=(TURN, TURN_END), track=whole.whole_track)
+    bracketed = answerer.encode(whole.recording, span=(TURN, TURN_END), track=whole.track)
     assert answerer.ask(bracketed, "Which way is it turning?").direction is Motion.CLOCKWISE
 
 
 def test_a_motion_of_a_stream_is_answered_by_its_track_and_the_frames_that_are_kept(
     answerer, whole
 ):
-    part = whole.whole_track.between(TURN, TURN_END)
+    part = whole.track.between(TURN, TURN_END)
     kept = whole.recording.select(range(TURN, TURN_END, 2))
     answer = answerer.ask(answerer.encode(kept, track=part), "How far did it turn?")
     assert answer.amount.value == pytest.approx(part.net_twist.turn_deg, rel=0.1)
