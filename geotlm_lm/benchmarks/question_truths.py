@@ -17,7 +17,7 @@ from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.query.types import THREAD_ATOMS
 
-DECLINED = ("refusal", "comparison", "order")
+DECLINED = ("refusal", "comparison")
 """Kinds that one clip cannot answer."""
 
 OF_A_RECORDING = ("when", "how-long", "how-often", "unanswerable")
@@ -113,6 +113,8 @@ def is_right(answer: Answer, truth: Truth) -> bool:
     """
     if truth.kind == "premise" and answer.kind in OF_A_RECORDING:
         return answer.abstained
+    if truth.kind == "order" and answer.abstained:  # one clip shows no order, but a motion
+        return True
     if answer.abstained != truth.abstains:
         return False
     if truth.abstains:

@@ -245,6 +245,7 @@ def test_two_clips_are_compared_on_what_is_asked(text, verdict):
     [
         ("way", certain(turn=12, right=-4),
          "It turns clockwise, about 12 degrees, and slides left, about 6 px, in the camera image."),
+        ("order", certain(turn=12), "It turns clockwise, about 12 degrees, in the camera image."),
         ("way turn", certain(right=9),
          "It does not turn; it slides right, about 13 px, in the camera image."),
         ("claim not turn", certain(turn=12),
