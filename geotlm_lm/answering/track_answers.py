@@ -10,16 +10,14 @@ from geotlm_lm.answering.answer import Answer
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.measured_motion import MeasuredMotion
 from geotlm_lm.answering.track_wording import (
-    TOGETHER_S,
     TrackWording,
-    motion_of,
     times_of,
 )
 from geotlm_lm.conversation.track_questions import Doing, TrackAsk, asked_doing, track_ask
 from geotlm_lm.conversation.wording import capitalised, frame_phrase
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED
-from geotlm_lm.track.events import MOVING, Event, EventKind
+from geotlm_lm.track.events import MOVING, TOGETHER_S, Event, EventKind
 from geotlm_lm.track.whole import main_event, path_of_event, together_s
 
 TOLD = (EventKind.TOUCH, EventKind.PRESS, *MOVING, EventKind.STICK, EventKind.RELEASE)
@@ -114,7 +112,7 @@ class _Telling:
             told = self._last(told)
         elif ask is TrackAsk.NEXT:
             told = [one for one in told if one not in self._first(told)] or told
-        directed = [one for one in told if motion_of(one) in DIRECTED]
+        directed = [one for one in told if one.motion in DIRECTED]
         where = f", {frame_phrase(self.frame)}" if directed else ""
         main = max(directed, key=self._path, default=told[0])
         sure = min(one.probability for one in told)
@@ -168,7 +166,7 @@ class _Telling:
         named = {"px": "pixels", "mm": "millimetres"}[unit]
         if one.kind is EventKind.TURN:
             named, per_px = "degrees", 1.0
-        at, way = self.words.time(time_s), self.frame.tell(motion_of(one))
+        at, way = self.words.time(time_s), self.frame.tell(one.motion)
         text = f"It is fastest at {at}: about {abs(speed) * per_px:.2g} {named} per second"
         return self._answer(f"{text}, {way.value}.", one.probability, one, decided=at)
 
@@ -259,7 +257,7 @@ class _Telling:
     def _answer(
         self, text: str, sure: float, event: Event | None, decided: str | None = None
     ) -> Answer:
-        motion = None if event is None else self.frame.tell(motion_of(event))
+        motion = None if event is None else self.frame.tell(event.motion)
         amount = None
         if event is not None and event.component is not None:
             amount = self.words.amount(event)

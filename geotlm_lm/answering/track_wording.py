@@ -12,17 +12,13 @@ from geotlm_lm.answering.amounts import Amount, Measure
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.measured_motion import pixel_scale
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.tolerance import TOLERANCES
 from geotlm_lm.core.twist import COUNTING_PX, Component
-from geotlm_lm.track.events import Event, EventKind
+from geotlm_lm.track.events import TOGETHER_S, Event, EventKind
 from geotlm_lm.track.whole import path_of_event
 
 MOST_TOLD = 6
 """Events told one after another; of more, the largest."""
-
-TOGETHER_S = 0.2
-"""Events that begin or end no farther apart do so in the same moment."""
 
 LONGER = 1.25
 """How many times as long as the net way the whole one is where that is told as well."""
@@ -30,19 +26,10 @@ LONGER = 1.25
 ENDS_OF_CONTACT = (EventKind.TOUCH, EventKind.RELEASE)
 
 
-def motion_of(event: Event) -> Motion:
-    """Return which of the ten words an event is, in the camera image."""
-    if event.kind is EventKind.TOUCH:
-        return Motion.PRESS
-    if event.kind is EventKind.STICK:
-        return Motion.STILL
-    return event.twist.way(event.component)
-
-
 def times_of(encoded: Encoded, events: Sequence[Event]) -> str:
     """Return from when to when events went on: "from 1.2 s to 3.4 s", or in frames."""
     first, last = min(events, key=lambda one: one.begin), max(events, key=lambda one: one.end)
-    if encoded.clip.fps is None:
+    if not encoded.clip.is_timed:
         return f"from frame {first.begin} to {last.end}"
     return f"from {seconds(first.begin_s)} to {seconds(last.end_s)}"
 
@@ -150,7 +137,7 @@ class TrackWording:
             return f"it presses in{amount}{times}"
         who = "the sensor" if self._frame.actor == "sensor" else "it"
         verb = "slips" if event.kind is EventKind.SLIP else f"{event.component.value}s"
-        return f"{who} {verb} {self._frame.tell(motion_of(event)).value}{amount}{times}"
+        return f"{who} {verb} {self._frame.tell(event.motion).value}{amount}{times}"
 
     def amount(self, event: Event) -> Amount:
         """Return how far an event goes, in the unit that is told."""
@@ -171,14 +158,14 @@ class TrackWording:
 
     def time(self, time_s: float) -> str:
         """Return a moment: "1.2 s", or "frame 31" of a recording without a frame rate."""
-        if self._encoded.clip.fps is not None:
+        if self._encoded.clip.is_timed:
             return seconds(time_s)
         place = min(int(np.searchsorted(self._track.times_s, time_s)), len(self._track) - 1)
         return f"frame {self._track.numbers[place]}"
 
     def long(self, duration_s: float) -> str:
         """Return a duration: "1.2 s", or "31 frames"."""
-        if self._encoded.clip.fps is not None:
+        if self._encoded.clip.is_timed:
             return seconds(duration_s)
         track = self._track
         step = np.median(np.diff(track.times_s)) / np.median(np.diff(track.numbers))

@@ -78,7 +78,8 @@ _UNTOUCHED = ("recording", "setup", "help", "talk", "unanswerable", "not-underst
 
 def _timed(scene: Scene, ask: t.Ask) -> Decision:
     if ask == t.Ask("order") and scene.track is None:  # "what happens?" of a clip
-        return _way(scene, t.Ask("way"))
+        way = t.Ask("way")
+        return replace(_way(scene, way), part=replace(scene.part, ask=way))
     found = on_track(ask, scene.edit, scene.track, scene.sized, scene.limit)
     return scene.decision(
         verdict=found.verdict,
