@@ -13,6 +13,9 @@ from .error_display import gradio
 SHOWN_S = 10.0
 """Time in which a browser has long fetched a live picture; ten of them come a second."""
 
+LATE_S = 10.0
+"""Time in which a page that was closed may still tell of an upload; after that it has come back."""
+
 DELETE_CACHE = (600, 86400)
 """Every ten minutes, what is older than a day goes: programs have no visit that ends."""
 
@@ -22,14 +25,23 @@ class SessionFiles:
 
     def __init__(self) -> None:
         self._held: dict[str, set[str]] = defaultdict(set)
+        self._ended_s: dict[str, float] = {}
 
     def hold(self, session: str, paths: list[str] | str | None) -> None:
-        """Note what a session has uploaded."""
+        """Note what a session has uploaded; what arrives just after its end goes at once."""
         given = [paths] if isinstance(paths, str) else paths or []
         self._held[session].update(given)
+        if time.time() - self._ended_s.get(session, -LATE_S) < LATE_S:
+            self._release(session)
 
     def drop(self, session: str) -> None:
         """Remove the uploads of a session that has ended, unless another holds them as well."""
+        now = time.time()
+        self._ended_s = {one: at for one, at in self._ended_s.items() if now - at < LATE_S}
+        self._ended_s[session] = now
+        self._release(session)
+
+    def _release(self, session: str) -> None:
         ended = self._held.pop(session, set())
         for path in ended - set().union(*self._held.values()):
             _remove(path)

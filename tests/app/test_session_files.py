@@ -36,6 +36,16 @@ def test_uploads_go_with_the_last_session_that_holds_them(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_an_upload_that_is_told_of_after_the_end_goes_at_once(tmp_path, monkeypatch):
+    files, now = SessionFiles(), time.time()
+    files.drop("first")
+    files.hold("first", stored(tmp_path, "late"))
+    assert list(tmp_path.iterdir()) == []
+    monkeypatch.setattr(session_files, "time", SimpleNamespace(time=lambda: now + 20))
+    files.hold("first", stored(tmp_path, "back"))
+    assert [one.name for one in tmp_path.iterdir()] == ["back"]
+
+
 def test_a_live_picture_is_removed_once_it_was_seen(tmp_path, monkeypatch):
     part = SimpleNamespace(temp_files={stored(tmp_path, "seen"), str(tmp_path / "gone" / "x")})
     now = time.time()
