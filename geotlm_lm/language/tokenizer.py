@@ -7,7 +7,7 @@ that no question is unreadable.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from itertools import chain
 
 from tokenizers import Tokenizer, decoders, models, pre_tokenizers, trainers
@@ -36,6 +36,18 @@ def train_tokenizer(corpus: Iterable[str], vocabulary_size: int = VOCABULARY_SIZ
         corpus: Questions and answers as they will be read and written.
         vocabulary_size: Upper bound; at least the 256 bytes and the special tokens.
     """
+    words = SLOT_WORDS * _WORD_ROUNDS
+    return byte_pairs(chain(corpus, words), vocabulary_size, special=SPECIAL_TOKENS)
+
+
+def byte_pairs(texts: Iterable[str], size: int, special: Sequence[str] = ()) -> Tokenizer:
+    """Return byte pairs made from texts; digits stay single, and every byte has a token.
+
+    Args:
+        texts: As they will be read.
+        size: Upper bound of the vocabulary.
+        special: Tokens that come first.
+    """
     tokenizer = Tokenizer(models.BPE())
     tokenizer.pre_tokenizer = pre_tokenizers.Sequence(
         [
@@ -45,12 +57,12 @@ def train_tokenizer(corpus: Iterable[str], vocabulary_size: int = VOCABULARY_SIZ
     )
     tokenizer.decoder = decoders.ByteLevel()
     trainer = trainers.BpeTrainer(
-        vocab_size=vocabulary_size,
-        special_tokens=list(SPECIAL_TOKENS),
+        vocab_size=size,
+        special_tokens=list(special),
         initial_alphabet=pre_tokenizers.ByteLevel.alphabet(),
         show_progress=False,
     )
-    tokenizer.train_from_iterator(chain(corpus, SLOT_WORDS * _WORD_ROUNDS), trainer)
+    tokenizer.train_from_iterator(texts, trainer)
     return tokenizer
 
 

@@ -24,7 +24,7 @@ from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.core.seeding import generator_for, seed_for
 from geotlm_lm.data.questions import questions_for, training_corpus, with_typo
-from geotlm_lm.language.decoder import LanguageSize, TactileDecoder
+from geotlm_lm.language.decoder import LanguageSize, TactileDecoder, initialise
 from geotlm_lm.language.generation import Speaker
 from geotlm_lm.language.prompt import PromptEncoder
 from geotlm_lm.language.tokenizer import VOCABULARY_SIZE, clean_question, train_tokenizer
@@ -117,7 +117,7 @@ def train_language(
         raise ValueError("a fused token holds values that are not finite")
     speaker = new_speaker(fused_tokens, config)
     model = speaker.model.train()
-    optimiser = torch.optim.AdamW(_parameter_groups(model), betas=(0.9, 0.98))
+    optimiser = torch.optim.AdamW(parameter_groups(model), betas=(0.9, 0.98))
     step = restore_language(folder, config, model, optimiser)
     asked = [row for row, label in enumerate(labels) if label.is_readable]
     shares, felt = drawing_shares([labels[row] for row in asked]), felt_words(labels)
@@ -166,7 +166,7 @@ def new_speaker(fused_tokens: Tensor, config: LanguageTraining) -> Speaker:
             vocabulary=tokenizer.get_vocab_size(),
             tactile_id=prompts.tactile_id,
         )
-    model.initialise(_torch_generator(config.seed, "weights"))
+    initialise(model, size.layers, _torch_generator(config.seed, "weights"))
     model.projector.standardise_by(fused_tokens)
     return Speaker(model, prompts)
 
@@ -269,7 +269,8 @@ def _by_length(
     return [part.tolist() for part in np.array_split(order, parts) if len(part)]
 
 
-def _parameter_groups(model: TactileDecoder) -> list[dict]:
+def parameter_groups(model: torch.nn.Module) -> list[dict]:
+    """Return the weights of a decoder for its optimiser: the matrices decay, the others do not."""
     decayed = [p for n, p in model.named_parameters() if p.ndim == 2 and "embed_tokens" not in n]
     plain = [p for n, p in model.named_parameters() if p.ndim < 2 or "embed_tokens" in n]
     return [

@@ -2,7 +2,8 @@
 
 Pairs are drawn afresh every step, so that no text comes twice but by chance; families held out by
 the grammar are never drawn. Words are read from changing byte pairs (BPE-dropout, Provilkov et al.
-2020) and some are hidden, so that no phrase is known by one spelling alone.
+2020) and some are hidden, so that no phrase is known by one spelling alone. Which byte pairs change
+no seed governs, as the tokenizer draws them: two runs of one seed are alike, not equal.
 """
 
 from __future__ import annotations
@@ -16,18 +17,20 @@ from itertools import islice
 from pathlib import Path
 
 import torch
-from tokenizers import Tokenizer, decoders, models, pre_tokenizers, trainers
+from tokenizers import Tokenizer
 from torch import Tensor
 from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy, pad
 
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.seeding import seed_for
-from geotlm_lm.language.decoder import EMBEDDING_DEVIATION, LanguageSize
+from geotlm_lm.language.decoder import LanguageSize, initialise
+from geotlm_lm.language.tokenizer import byte_pairs
 from geotlm_lm.query.grammar import Pair, grammar
-from geotlm_lm.query.reader import SIZE, QuestionDecoder, Reader
+from geotlm_lm.query.reader import MOST_WORDS, SIZE, QuestionDecoder, Reader
 from geotlm_lm.query.spelling import Spelling, plain_parts
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
+from geotlm_lm.training.language import parameter_groups
 from geotlm_lm.training.pretraining import has_bfloat16
 
 NAME = "reading_checkpoint.pt"
@@ -84,10 +87,10 @@ def train_reader(
     """
     tokenizer = train_vocabulary(config, corpus)
     spelling = Spelling(tokenizer)
-    torch.manual_seed(seed_for(config.seed, "reading", "weights"))
-    model = QuestionDecoder(config.size, spelling.size).train()
-    initialise(model)
-    optimiser = torch.optim.AdamW(_parameter_groups(model), betas=(0.9, 0.98))
+    with torch.random.fork_rng(devices=[]):  # torch draws what is drawn again below
+        model = QuestionDecoder(config.size, spelling.size).train()
+    initialise(model, config.size.layers, _generator(config.seed, "weights"))
+    optimiser = torch.optim.AdamW(parameter_groups(model), betas=(0.9, 0.98))
     step = _restored(folder / NAME, config, model, optimiser)
     draws = _draws(config, corpus, step)
     saved_at = time.monotonic()
@@ -95,7 +98,8 @@ def train_reader(
         while step < config.steps:
             for group in optimiser.param_groups:
                 group["lr"] = rate_at(step, config)
-            loss = _step(model, spelling, optimiser, next(draws), config)
+            hides = _generator(config.seed, "hidden", step)
+            loss = _step(model, spelling, optimiser, next(draws), config, hides)
             step += 1
             progress(f"train reader, loss {loss:.3f}", step, config.steps)
             if time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
@@ -136,38 +140,11 @@ def calibrated_reader(reader: Reader, pairs: Sequence[Pair]) -> Reader:
 
 def train_vocabulary(config: ReadingTraining, corpus: Sequence[Pair]) -> Tokenizer:
     """Return byte pairs made from the texts of the training families."""
-    tokenizer = Tokenizer(models.BPE())
-    tokenizer.pre_tokenizer = pre_tokenizers.Sequence(
-        [
-            pre_tokenizers.Digits(individual_digits=True),
-            pre_tokenizers.ByteLevel(add_prefix_space=False),
-        ]
-    )
-    tokenizer.decoder = decoders.ByteLevel()
-    trainer = trainers.BpeTrainer(
-        vocab_size=config.vocabulary,
-        initial_alphabet=pre_tokenizers.ByteLevel.alphabet(),
-        show_progress=False,
-    )
     pairs = [*islice(grammar().pairs(config.seed, "train"), VOCABULARY_PAIRS), *corpus]
     texts = (part for pair in pairs for part in plain_parts(pair.text))
-    tokenizer.train_from_iterator(texts, trainer)
+    tokenizer = byte_pairs(texts, config.vocabulary)
     tokenizer.model.dropout = config.dropout
     return tokenizer
-
-
-def initialise(model: QuestionDecoder) -> None:
-    """Draw every weight from torch's generator: of unit gain, narrower where a layer adds."""
-    shrink = (2 * model.size.layers) ** -0.5
-    for name, parameter in model.named_parameters():
-        if parameter.ndim < 2:
-            torch.nn.init.ones_(parameter)
-        elif "embed_tokens" in name:
-            torch.nn.init.normal_(parameter, 0.0, EMBEDDING_DEVIATION)
-        else:
-            adds = name.endswith(("o_proj.weight", "down_proj.weight"))
-            gain = parameter.shape[1] ** -0.5 * (shrink if adds else 1.0)
-            torch.nn.init.normal_(parameter, 0.0, gain)
 
 
 def rate_at(step: int, config: ReadingTraining) -> float:
@@ -179,7 +156,7 @@ def rate_at(step: int, config: ReadingTraining) -> float:
 
 
 def _draws(config: ReadingTraining, corpus: Sequence[Pair], step: int) -> Iterator[list[Pair]]:
-    """Yield the pairs of each step from one on, the same whether or not it was interrupted."""
+    """Yield the pairs of each step from one on."""
     while True:
         seed = seed_for(config.seed, "reading", "pairs", step)
         rng = random.Random(seed)
@@ -194,7 +171,7 @@ def rows_of(spelling: Spelling, pairs: Sequence[Pair], room: int) -> list[tuple[
     rows = []
     for pair in pairs:
         ids = spelling.question(pair.text).ids
-        if len(ids) + 64 <= room:
+        if len(ids) + MOST_WORDS <= room:
             rows.append((ids + spelling.query(pair.query.split()), len(ids)))
     return rows
 
@@ -217,6 +194,7 @@ def _step(
     optimiser: torch.optim.Optimizer,
     pairs: Sequence[Pair],
     config: ReadingTraining,
+    hides: torch.Generator,
 ) -> float:
     rows = sorted(rows_of(spelling, pairs, config.size.max_tokens), key=lambda row: len(row[0]))
     count = sum(len(ids) - start for ids, start in rows)
@@ -227,7 +205,7 @@ def _step(
         part = rows[place * len(rows) // parts : (place + 1) * len(rows) // parts]
         if part:
             with torch.autocast("cpu", torch.bfloat16, enabled=has_bfloat16("cpu")):
-                loss = _loss(model, part, config.hidden)
+                loss = _loss(model, part, config.hidden, hides)
             (loss / count).backward()
             total += loss.item()
     torch.nn.utils.clip_grad_norm_(model.parameters(), 1.0)
@@ -235,11 +213,16 @@ def _step(
     return total / count
 
 
-def _loss(model: QuestionDecoder, rows: Sequence[tuple[list[int], int]], hidden: float) -> Tensor:
+def _loss(
+    model: QuestionDecoder,
+    rows: Sequence[tuple[list[int], int]],
+    hidden: float,
+    hides: torch.Generator,
+) -> Tensor:
     """Return the summed cross entropy of the query's tokens, in nats."""
     ids, mask, is_query = batch_of(rows)
     embedded = model.decoder.embed_tokens(ids)
-    kept = (torch.rand(ids.shape) >= hidden) | is_query
+    kept = (torch.rand(ids.shape, generator=hides) >= hidden) | is_query
     positions = torch.arange(ids.shape[1]).expand(len(ids), -1)
     states, _ = model.decoder(embedded * kept[..., None], positions, mask)
     before, wanted = states[:, :-1][is_query[:, 1:]], ids[is_query]
@@ -249,15 +232,13 @@ def _loss(model: QuestionDecoder, rows: Sequence[tuple[list[int], int]], hidden:
     return cross_entropy(logits, wanted, reduction="sum", ignore_index=-1)
 
 
+def _generator(seed: int, *names: str | int) -> torch.Generator:
+    return torch.Generator().manual_seed(seed_for(seed, "reading", *names))
+
+
 def _rounded(count: int, step: int) -> int:
     """Return a size rounded up: kernels are made once a shape, so few shapes are few kernels."""
     return -(-count // step) * step
-
-
-def _parameter_groups(model: QuestionDecoder) -> list[dict]:
-    decayed = [p for n, p in model.named_parameters() if p.ndim == 2 and "embed_tokens" not in n]
-    plain = [p for n, p in model.named_parameters() if p.ndim < 2 or "embed_tokens" in n]
-    return [{"params": decayed, "weight_decay": 0.1}, {"params": plain, "weight_decay": 0.0}]
 
 
 def _store(path: Path, config: ReadingTraining, model, optimiser, step: int) -> None:
