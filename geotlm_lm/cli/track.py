@@ -92,7 +92,7 @@ def track(
     answerer = Answerer.load(model, precision=precision)
     tracked, is_stopped = _tracked(answerer, clip, span, is_square=bool(square_pixels))
     exported = Exported(tracked, scale)
-    in_frames = clip.fps is None and not clip.times_s
+    in_frames = not clip.is_timed
     targets.write(exported, clip.name, clip.fps, in_frames=in_frames)
     if video is not None:
         _film(video, exported, clip, is_square=bool(square_pixels))

@@ -96,6 +96,11 @@ class Clip:
     def __len__(self) -> int:
         return len(self.frames)
 
+    @property
+    def is_timed(self) -> bool:
+        """Whether it is known when its frames were taken."""
+        return self.fps is not None or bool(self.times_s)
+
     def second_of(self, number: int, assumed_fps: float) -> float:
         """Return when a frame of the recording was taken, seconds from its first one on.
 

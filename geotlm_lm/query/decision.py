@@ -10,7 +10,7 @@ from geotlm_lm.core.twist import COMPONENT_OF, Component
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.amounts import Measure, Recording
 from geotlm_lm.query.edit import Edit
-from geotlm_lm.query.track import Happening
+from geotlm_lm.query.happenings import Happening
 from geotlm_lm.query.types import Part
 from geotlm_lm.track.track import Track
 

@@ -11,10 +11,10 @@ from geotlm_lm.core.twist import Component
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import Decision
+from geotlm_lm.query.happenings import Happening
 from geotlm_lm.query.phrases import frame_phrase
 from geotlm_lm.query.tell import option_words, tell
 from geotlm_lm.query.tell_track import moment
-from geotlm_lm.query.track import Happening
 
 
 def decided(decision: Decision, recording: Recording) -> str | None:
@@ -24,7 +24,7 @@ def decided(decision: Decision, recording: Recording) -> str | None:
         return None
     if decision.verdict is not None:
         return "yes" if decision.verdict else "no"
-    if ask.kind == "which-clip" or (ask.kind == "compare" and decision.options):
+    if ask.kind == "which-clip" or ask.relation in ("which-more", "which-less"):
         return " and ".join(("first", "second")[at] for at in decision.options) or "neither"
     if ask.of == "thread":
         return f"{t.THREAD_ATOMS[decision.options[0]]}s" if decision.options else _motion(decision)

@@ -20,11 +20,11 @@ from torch.nn.functional import linear
 from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import IncompatibleBundle, UsageError, first_line
 from geotlm_lm.language.decoder import Cache, LanguageSize, LlamaDecoder
-from geotlm_lm.language.weights import WHAT_DAMAGE_RAISES
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.spelling import Spelling
-from geotlm_lm.query.text import END, next_words, read
+from geotlm_lm.query.text import next_words, read
 from geotlm_lm.query.types import Query, filled
+from geotlm_lm.query.words import END
 
 SIZE = LanguageSize(width=192, layers=4, heads=6, mlp=512, tactile_tokens=0, max_tokens=704)
 """2.2 million weights; a question of 2,000 characters and a query of 64 words fit."""
@@ -196,7 +196,7 @@ class Reader:
             tensors = load_file(folder / "model.safetensors")
             model.load_state_dict({name: one.float() for name, one in tensors.items()})
             slope, offset = map(float, config["calibration"])
-        except WHAT_DAMAGE_RAISES as error:
+        except Exception as error:  # tokenizers raises nothing narrower
             raise IncompatibleBundle(
                 f"{folder}: the reader's files are missing, broken or do not belong together "
                 f"({first_line(error)}); save or download the model again."

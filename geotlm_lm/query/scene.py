@@ -13,8 +13,8 @@ from geotlm_lm.query.amounts import OF_ATOM, Measure, Missing, factor, limit, me
 from geotlm_lm.query.amounts import usual_unit as unit_of
 from geotlm_lm.query.chance import Judge
 from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Movement
+from geotlm_lm.query.happenings import happens
 from geotlm_lm.query.quantities import Quantity
-from geotlm_lm.query.track import happens
 from geotlm_lm.track.events import Event
 from geotlm_lm.track.whole import together_s
 
@@ -53,6 +53,8 @@ class Scene:
         return happens(atom, self.edit, self.track, self.sized)
 
     def _tightens(self, told: Motion) -> bool:
+        if self.belief.counts(Component.TURN) < 0.5 and self.frame.contact_side != "side":
+            return told is Motion.CLOCKWISE  # it hardly turns: neither is probable, whatever thread
         lacking = self.frame.missing_for_thread()
         if lacking or self.frame.contact_side == "side":
             raise Missing("thread" if lacking else "side")

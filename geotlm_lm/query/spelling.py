@@ -15,8 +15,9 @@ from functools import cached_property
 from tokenizers import Tokenizer
 
 from geotlm_lm.query.quantities import Found, find
-from geotlm_lm.query.text import END, MOST_SLOTS, QUERY_WORDS
+from geotlm_lm.query.text import MOST_SLOTS, QUERY_WORDS
 from geotlm_lm.query.types import UNITS
+from geotlm_lm.query.words import END
 
 UNIT_WORDS = (
     "unit:none",

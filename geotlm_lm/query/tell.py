@@ -208,8 +208,8 @@ def place_words(area: ContactArea) -> str:
 
 def _compare(decision: Decision, recording: Recording) -> str:
     word = {True: "yes: ", False: "no: ", None: ""}[decision.verdict]
-    if decision.options:
-        word = f"{' and '.join(SECOND_CLIP[at] for at in decision.options)}: "
+    if decision.part.ask.relation in ("which-more", "which-less"):
+        word = f"{' and '.join(SECOND_CLIP[at] for at in decision.options) or 'neither'}: "
     if decision.amounts and len(decision.amounts) == len(decision.each):
         parts = [f"about {amount_phrase(one)}" for one in decision.amounts]
     else:

@@ -8,9 +8,9 @@ from itertools import pairwise
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import Decision
+from geotlm_lm.query.happenings import Happening
 from geotlm_lm.query.phrases import amount_phrase, where_phrase
-from geotlm_lm.query.track import TOGETHER_S, Happening
-from geotlm_lm.track.events import EventKind
+from geotlm_lm.track.events import TOGETHER_S, EventKind
 
 MOST_TOLD = 6
 """Events told one after another; of more, the largest."""

@@ -11,66 +11,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from geotlm_lm.core.errors import UsageError
 from geotlm_lm.query import types as t
 from geotlm_lm.query.edit import EDIT_WORDS, Edit
 from geotlm_lm.query.facts import FACTS
-
-END = "<end>"
-"""Stands among the next words where a query may end."""
+from geotlm_lm.query.words import Malformed, Words
 
 LABELS = (*"ABCDEF", *"123456")
 _RELATIONS = {"more": ">", "less": "<", "about": "~", "between": "in-range"}
 _UNIT_WORDS = tuple(unit for units in t.UNITS.values() for unit in units)
-
-
-class Malformed(UsageError):
-    """A text is no query: the word found and those that could stand there."""
-
-    def __init__(self, words: Sequence[str], at: int, expected: Sequence[str]) -> None:
-        found = repr(words[at]) if at < len(words) else "nothing more"
-        super().__init__(
-            f"A query had {found} after {' '.join(words[:at])!r}, expected one of "
-            f"{', '.join(sorted(expected))}; write one of these there."
-        )
-        self.at, self.expected = at, frozenset(expected)
-
-
-class _Words:
-    """Words read from the left; remembers what could have stood at the present place."""
-
-    def __init__(self, words: Sequence[str], slots: int) -> None:
-        self.words, self.at, self.slots = list(words), 0, slots
-        self.expected: set[str] = set()
-
-    def has(self, *names: str) -> bool:
-        """Tell whether one of some words is next."""
-        self.expected.update(names)
-        return self.at < len(self.words) and self.words[self.at] in names
-
-    def take(self, *names: str) -> str:
-        """Return the next word, which must be one of some."""
-        if not self.has(*names):
-            raise Malformed(self.words, self.at, sorted(self.expected))
-        self.at, self.expected = self.at + 1, set()
-        return self.words[self.at - 1]
-
-    def optional(self, *names: str) -> str | None:
-        """Return the next word if it is one of some."""
-        return self.take(*names) if self.has(*names) else None
-
-    def number(self) -> t.Number:
-        """Return a slot, or a quantity written out as "12.5:deg"."""
-        if self.at < len(self.words) and ":" in self.words[self.at]:
-            value, _, unit = self.words[self.at].partition(":")
-            self.at, self.expected = self.at + 1, set()
-            return t.Quantity(float(value), unit)
-        return t.Slot(int(self.take(*(f"#{k + 1}" for k in range(self.slots)))[1:]))
-
-    def close(self) -> None:
-        """Require that no word is left."""
-        if self.at < len(self.words):
-            raise Malformed(self.words, self.at, sorted({*self.expected, END}))
 
 
 def _number(value: t.Number) -> str:
@@ -88,7 +36,7 @@ def _write_proposition(value: t.Proposition) -> list[str]:
     return found
 
 
-def _read_proposition(words: _Words) -> t.Proposition:
+def _read_proposition(words: Words) -> t.Proposition:
     literals, joint = [], None
     while True:
         denied = words.optional("not") is not None
@@ -116,7 +64,7 @@ def _write_options(options: tuple[t.Option, ...]) -> list[str]:
     return found
 
 
-def _read_options(words: _Words) -> tuple[t.Option, ...]:
+def _read_options(words: Words) -> tuple[t.Option, ...]:
     found = []
     while not found or words.optional(",") is not None:
         label = words.optional(*LABELS)
@@ -165,7 +113,7 @@ def _write_ask(ask: t.Ask) -> list[str]:
     return found
 
 
-def _read_ask(words: _Words) -> t.Ask:
+def _read_ask(words: Words) -> t.Ask:
     kind = words.take(*t.ASKS)
     found: dict[str, Any] = {}
     for name in t.ASKS[kind]:
@@ -196,7 +144,7 @@ def _write_subject(subject: t.Subject) -> list[str]:
     return [*found, ">"] if found else []
 
 
-def _read_subject(words: _Words) -> t.Subject:
+def _read_subject(words: Words) -> t.Subject:
     def taken(names: dict[str, str]) -> str | None:
         word = words.optional(*names.values())
         return next((name for name, one in names.items() if one == word), None)
@@ -235,7 +183,7 @@ QUERY_WORDS = tuple(
 """Every word that a query may hold."""
 
 
-def _read_part(words: _Words) -> t.Part:
+def _read_part(words: Words) -> t.Part:
     edit = []
     while (word := words.optional(*EDIT_WORDS)) is not None:
         edit.append(word)
@@ -255,7 +203,7 @@ def _write_fact(fact: t.Fact) -> list[str]:
     return ["fact", *["not"] * fact.denied, fact.name, *value, *map(_number, fact.numbers)]
 
 
-def _read_fact(words: _Words) -> t.Fact:
+def _read_fact(words: Words) -> t.Fact:
     denied = words.optional("not") is not None
     has_numbers = words.slots or any(":" in one for one in words.words)
     names = [name for name, (_, count) in FACTS.items() if has_numbers or not count or denied]
@@ -288,7 +236,7 @@ def read(text: str, slots: int = MOST_SLOTS) -> t.Query:
 
 
 def _read(given: Sequence[str], slots: int) -> t.Query:
-    words = _Words(given, slots)
+    words = Words(given, slots)
     facts: list[t.Fact] = []
     parts: list[t.Part] = []
     form = "sentence"

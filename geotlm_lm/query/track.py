@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
-from geotlm_lm.core.labels import Motion, reverse
-from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, COUNTING_PX, Component
+from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import OF_ATOM, Measure, Missing, Recording
+from geotlm_lm.query.amounts import OF_ATOM, Missing, Recording
 from geotlm_lm.query.edit import Edit
+from geotlm_lm.query.happenings import Happening, Sized, by_begin, is_so, seen, turned_back
 from geotlm_lm.query.quantities import in_base
-from geotlm_lm.track.events import Event, EventKind
+from geotlm_lm.track.events import TOGETHER_S, EventKind
 from geotlm_lm.track.track import Track
-from geotlm_lm.track.whole import belief_of_track, path_of_event, together_s
+from geotlm_lm.track.whole import belief_of_track, together_s
 
 _NAMED = {
     "whole": (0.0, 1.0),
@@ -27,40 +26,6 @@ _NAMED = {
     "second-half": (0.5, 1.0),
 }
 """Shares of a recording's time that a name stands for."""
-
-TOGETHER_S = 0.2
-"""Events that begin or end no farther apart do so in the same moment."""
-
-_BACKWARDS = {EventKind.PRESS: EventKind.RELEASE, EventKind.RELEASE: EventKind.PRESS}
-TOLD = (*(EventKind.TOUCH, EventKind.PRESS, EventKind.TURN, EventKind.SLIDE),
-        *(EventKind.STICK, EventKind.RELEASE))  # fmt: skip
-"""Kinds of a story's events; a slip is a turn or a slide that is told already."""
-
-Sized = Callable[[Event, str], Measure]
-"""(event, atom) -> how far it goes, as it is told."""
-
-
-@dataclass(frozen=True)
-class Happening:
-    """An event as it is told, from a point of view.
-
-    Args:
-        kind: What happens.
-        way: Where it goes; of a touch a press, of a stick stillness.
-        begin_s: When it begins.
-        end_s: When it ends.
-        amount: How far it goes; None of a touch or a stick.
-        path_px: How far it moves the imprint.
-        probability: That it happens.
-    """
-
-    kind: EventKind
-    way: Motion
-    begin_s: float
-    end_s: float
-    amount: Measure | None
-    path_px: float
-    probability: float
 
 
 @dataclass(frozen=True)
@@ -161,68 +126,17 @@ def on_track(
         return Timed(None, tuple(turns), (float(len(turned_back(turns))),), _sure(turns, track))
     if _atoms(ask.proposition) == ["touch"] and ask.kind in ("when", "how-often"):
         return _contacts(ask, edit, track)
-    chosen = [one for one in found if _is(one, ask.proposition, found)]
+    chosen = [one for one in found if is_so(one, ask.proposition, found)]
     if ask.kind == "when" and (crossed := _crossing(ask.proposition, edit, track, limit)):
         return Timed(None, tuple(chosen), crossed, _sure(chosen, track))
     if ask.kind == "how-often":
         return Timed(None, tuple(chosen), (float(len(chosen)),), _sure(chosen, track))
     if ask.kind == "how-long":
         return Timed(None, tuple(chosen), (_together(ask, chosen, track),), _sure(chosen, track))
-    times = [one.begin_s if ask.edge == "begin" else one.end_s for one in chosen]
-    times = times[:1] if ask.edge == "begin" else times[-1:]
+    # That it stops is where its last motion ends.
+    begins = ask.edge == "begin" and _atoms(ask.proposition) != ["stops"]
+    times = [one.begin_s for one in chosen][:1] if begins else [one.end_s for one in chosen][-1:]
     return Timed(None, tuple(chosen), tuple(times), _sure(chosen, track))
-
-
-def happens(atom: str, edit: Edit, track: Track, sized: Sized) -> bool:
-    """Tell whether something that only a recording shows happens in it."""
-    found = seen(track, edit, sized)
-    proposition = t.Proposition((t.Literal(atom),))
-    return any(_is(one, proposition, found) for one in found)
-
-
-def seen(track: Track, edit: Edit, sized: Sized) -> list[Happening]:
-    """Return a recording's events from a point of view, by when they begin."""
-    total = float(track.times_s[0] + track.times_s[-1])
-    found = _touches(track, total) if edit.backwards else []
-    for event in track.events:
-        if event.kind not in TOLD or (edit.backwards and event.kind is EventKind.TOUCH):
-            continue
-        path = 0.0 if event.component is None else path_of_event(track, event)
-        if event.component is not None and path < COUNTING_PX:  # a span cut off the rest
-            continue
-        begin, end, kind = event.begin_s, event.end_s, event.kind
-        if edit.backwards:
-            begin, end = total - end, total - begin
-            kind = _BACKWARDS.get(kind, kind)
-        way = edit.of_way(motion_of(event)) if event.component else motion_of(event)
-        amount = None if event.component is None else sized(event, event.component.value)
-        found.append(Happening(kind, way, begin, end, amount, path, event.probability))
-    return sorted(found, key=_by_begin)
-
-
-def _touches(track: Track, total: float) -> list[Happening]:
-    """Return where contact begins when a recording is played backwards: where it ended."""
-    ends = [total - end for _, end in track.contacts() if end < track.times_s[-1]]
-    sure = float(track.contact.max(initial=0.0))
-    return [Happening(EventKind.TOUCH, Motion.PRESS, at, at, None, 0.0, sure) for at in ends]
-
-
-def motion_of(event: Event) -> Motion:
-    """Return which of the ten words an event is, in the recorded image."""
-    if event.kind is EventKind.TOUCH:
-        return Motion.PRESS
-    if event.kind is EventKind.STICK:
-        return Motion.STILL
-    return event.twist.way(event.component)
-
-
-def turned_back(turns: Sequence[Happening]) -> list[Happening]:
-    """Return the turns that go against the one before."""
-    return [one for before, one in pairwise(turns) if one.way is reverse(before.way)]
-
-
-def _by_begin(one: Happening) -> tuple:
-    return (one.begin_s, one.kind is not EventKind.TOUCH, one.kind is EventKind.RELEASE)
 
 
 def _order(ask: t.Ask, found: Sequence[Happening], track: Track) -> Timed:
@@ -232,14 +146,14 @@ def _order(ask: t.Ask, found: Sequence[Happening], track: Track) -> Timed:
     for atom in (ask.of, ask.then):
         if atom is not None:
             said = t.Proposition((t.Literal(atom),))
-            firsts.append(next((one for one in found if _is(one, said, found)), None))
+            firsts.append(next((one for one in found if is_so(one, said, found)), None))
     if None in firsts:
         return Timed(False, tuple(one for one in firsts if one), (), _sure(found, track))
     if len(firsts) == 1:
-        is_so = firsts[0].begin_s <= found[0].begin_s + TOGETHER_S
-        return Timed(is_so, tuple(found), (), _sure(found, track))
-    is_so = firsts[0].begin_s < firsts[1].begin_s
-    return Timed(is_so, tuple(sorted(firsts, key=_by_begin)), (), _sure(firsts, track))
+        verdict = firsts[0].begin_s <= found[0].begin_s + TOGETHER_S
+        return Timed(verdict, tuple(found), (), _sure(found, track))
+    verdict = firsts[0].begin_s < firsts[1].begin_s
+    return Timed(verdict, tuple(sorted(firsts, key=by_begin)), (), _sure(firsts, track))
 
 
 def _contacts(ask: t.Ask, edit: Edit, track: Track) -> Timed:
@@ -292,38 +206,6 @@ def _crossing(
     far = far * sign if sign else np.abs(far)
     beyond = np.flatnonzero(far >= least)
     return (float(track.times_s[beyond[0]]),) if len(beyond) else ()
-
-
-def _is(one: Happening, proposition: t.Proposition, found: Sequence[Happening]) -> bool:
-    held = [_has(one, each.atom, found) != each.denied for each in proposition.literals]
-    return all(held) if proposition.joint == "and" else any(held)
-
-
-def _has(one: Happening, atom: str, found: Sequence[Happening]) -> bool:
-    moves = one.kind in (EventKind.TURN, EventKind.SLIDE)
-    if atom in t.WAY_ATOMS:
-        return one.kind is not EventKind.TOUCH and one.way is t.WAY_ATOMS[atom]
-    if atom in t.COMPONENT_ATOMS:
-        component = COMPONENT_OF.get(one.way) if one.kind is not EventKind.TOUCH else None
-        return component is t.COMPONENT_ATOMS[atom] and one.kind is not EventKind.RELEASE
-    if atom == "reverses":
-        return one in turned_back(
-            [each for each in found if each.kind is one.kind is EventKind.TURN]
-        )
-    if atom in ("speeds", "slows", *t.THREAD_ATOMS):
-        raise Missing("speeds")
-    return {
-        "move": moves,
-        "starts": moves,
-        "stops": moves,
-        "still": one.kind is EventKind.STICK,
-        "none": one.kind is EventKind.RELEASE,
-        "lost": one.kind is EventKind.RELEASE,
-        "touch": one.kind is EventKind.TOUCH,
-        "made": one.kind is EventKind.TOUCH,
-        "x": moves and one.way in (Motion.LEFT, Motion.RIGHT),
-        "y": moves and one.way in (Motion.UP, Motion.DOWN),
-    }[atom]
 
 
 def peak(

@@ -87,7 +87,8 @@ def _compared(part: t.Part, frame: FrameSpec, ask: t.Ask, each_of: EachOf) -> De
     if ask.relation is None:
         return Decision(part, frame, probability=sure, each=each)
     expected = _NAMES[ask.relation](motions[0])
-    is_so = motions[1] == expected
+    # What rests is no opposite of itself.
+    is_so = motions[1] == expected and (ask.relation != "opposite" or motions[0] != expected)
     if ask.of == "kind":
         is_so = _kinds(each[0]) == _kinds(each[1])
     verdict = is_so != (ask.relation == "different")
@@ -101,23 +102,39 @@ def _compared_amounts(
     of = ask.of if ask.of in t.COMPONENT_ATOMS else None
     asked = t.Ask("amount", of=of, per="per-s" if ask.is_speed else None)
     each = each_of(asked)
+    sure = min(one.probability for one in each)
+    if of is not None and not all(one.amounts for one in each):
+        # What does not go a way at all goes less far than what does.
+        goes = [bool(one.amounts) for one in each]
+        return _which_goes(part, frame, each, goes, sure)
     if any(not one.amounts for one in each) or len({one.amounts[0].unit for one in each}) > 1:
         raise Missing("comparable")
     amounts = tuple(one.amounts[0] for one in each)
     sizes = {(one.rows, one.columns) for one in recordings}
     if len(sizes) > 1 and amounts[0].unit.startswith("px"):
         raise Missing("comparable")
-    more = amounts[0].mean > amounts[1].mean
-    sure = min(one.probability for one in each)
-    if ask.relation in ("more", "less"):
-        verdict = more == (ask.relation == "more")
-        return Decision(part, frame, verdict=verdict, amounts=amounts, probability=sure, each=each)
-    if ask.relation in ("which-more", "which-less"):
-        place = int(more != (ask.relation == "which-more"))
-        return Decision(part, frame, options=(place,), amounts=amounts, probability=sure, each=each)
     alike = abs(amounts[0].mean - amounts[1].mean) <= max(one.tolerance for one in amounts)
-    verdict = None if ask.relation is None else alike == (ask.relation == "same")
-    return Decision(part, frame, verdict=verdict, amounts=amounts, probability=sure, each=each)
+    is_first = amounts[0].mean > amounts[1].mean
+    goes = [not alike and is_first, not alike and not is_first]
+    return replace(_which_goes(part, frame, each, goes, sure), amounts=amounts)
+
+
+def _which_goes(
+    part: t.Part, frame: FrameSpec, each: tuple[Decision, Decision], goes: list[bool], sure: float
+) -> Decision:
+    """Return what a comparison of amounts comes to; `goes` tells which clip goes farther."""
+    first, second = goes
+    relation, alike = part.ask.relation, first == second
+    farther = () if alike else (int(second),)
+    found: dict[str, object] = {}
+    if relation in ("which-more", "which-less"):
+        less = tuple(1 - at for at in farther)
+        found = {"options": farther if relation == "which-more" else less}
+    elif relation in ("more", "less"):
+        found = {"verdict": not alike and first == (relation == "more")}
+    elif relation is not None:
+        found = {"verdict": alike == (relation == "same")}
+    return Decision(part, frame, probability=sure, each=each, **found)
 
 
 def _motion(decision: Decision) -> Motion:

@@ -13,6 +13,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import STILL_MM, STILL_PX, Component, Twist
 from geotlm_lm.track.amounts import COLUMNS, SPAN_DEVIATIONS, Span, amount_of
 from geotlm_lm.track.legs import Leg, Legs, Point
@@ -49,6 +50,9 @@ COMPONENT_OF = {
 }
 
 STICK_S = 0.3
+
+TOGETHER_S = 0.2
+"""Events that begin or end no farther apart are told to do so in the same moment."""
 
 TOUCH_S = 0.15
 """Time that contact must last to be a touch: a lamp, or a codec that starts sharp, is shorter."""
@@ -89,6 +93,15 @@ class Event:
     amount: Span
     probability: float
     component: Component | None = None
+
+    @property
+    def motion(self) -> Motion:
+        """Which of the ten words it is, in the recorded image."""
+        if self.kind is EventKind.TOUCH:
+            return Motion.PRESS
+        if self.kind is EventKind.STICK:
+            return Motion.STILL
+        return self.twist.way(self.component)
 
     @property
     def seconds(self) -> float:

@@ -93,7 +93,6 @@ class KeyFrames:
 
     def __init__(self, residual: Floats, rows: int, columns: int) -> None:
         self._size = (rows, columns)
-        """Key frames so far."""
         self._before = Rigid()
         self._lay(residual)
 

@@ -9,7 +9,8 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, WAYS, Twist
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.edit import EDIT_WORDS, Edit
-from geotlm_lm.query.text import END, next_words, read
+from geotlm_lm.query.text import next_words, read
+from geotlm_lm.query.words import END
 
 edits = st.lists(st.sampled_from(EDIT_WORDS), max_size=5).map(lambda words: Edit.of(*words))
 MOTIONS = tuple(Motion)

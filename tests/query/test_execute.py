@@ -164,6 +164,7 @@ def test_a_thread_tightens_as_its_facts_say():
     facts = "fact thread left ; fact side head ; claim loosen"
     assert answer(facts, certain(turn=14)).verdict is True
     assert answer("claim tighten", certain(turn=14)).missing == "thread"
+    assert answer("claim tighten", certain(right=9)).verdict is False
     frame = FrameSpec(thread="right", contact_side="head")
     assert answer("claim tighten", certain(turn=14), frame=frame).verdict is True
     assert answer("backwards > claim tighten", certain(turn=14), frame=frame).verdict is False
@@ -177,6 +178,7 @@ def test_a_thread_tightens_as_its_facts_say():
         ("backwards > when turn begin", (2.0,)),
         ("when lost begin", (3.0,)),
         ("when touch end", (2.96,)),
+        ("when stops begin", (3.0,)),
         ("how-long move", (2.0,)),
         ("how-long touch", (2.96,)),
         ("how-often turn", (1.0,)),

@@ -4,8 +4,9 @@ import pytest
 from hypothesis import given, settings
 
 from geotlm_lm.query.quantities import quantities
-from geotlm_lm.query.text import Malformed, next_words, read, write
+from geotlm_lm.query.text import next_words, read, write
 from geotlm_lm.query.types import Quantity, filled
+from geotlm_lm.query.words import Malformed
 from tests.query.strategies import queries, query_texts
 
 

@@ -41,6 +41,7 @@ def test_two_ways_are_the_same_different_opposite_or_mirrored(one):
     [
         ("compare which-more", "clockwise", "left", RECORDING, "comparable"),
         ("compare which-more", "left", "press", RECORDING, "comparable"),
+        ("compare which-more turn", "clockwise", "left", RECORDING, None),
         ("compare which-more", "left", "left", OTHER_SIZE, "comparable"),
         ("compare which-more", "clockwise", "clockwise", OTHER_SIZE, None),
         ("compare which-more", "press", "press", OTHER_SIZE, None),
@@ -48,3 +49,20 @@ def test_two_ways_are_the_same_different_opposite_or_mirrored(one):
 )
 def test_amounts_of_different_things_are_not_compared(text, one, other, recording, missing):
     assert compared(text, one, other, recording).missing == missing
+
+
+@pytest.mark.parametrize(
+    ("text", "one", "other", "options", "verdict"),
+    [
+        ("compare which-more turn", "clockwise", "clockwise", (), None),
+        ("compare which-more turn", "left", "clockwise", (1,), None),
+        ("compare which-less turn", "left", "clockwise", (0,), None),
+        ("compare which-more turn", "left", "right", (), None),
+        ("compare more turn", "clockwise", "clockwise", (), False),
+        ("compare same amount", "clockwise", "clockwise", (), True),
+        ("compare opposite", "still", "still", (), False),
+    ],
+)
+def test_what_is_alike_is_neither_more_nor_opposite(text, one, other, options, verdict):
+    found = compared(text, one, other)
+    assert (found.options, found.verdict) == (options, verdict)

@@ -1,0 +1,124 @@
+"""What happens in a recording, seen from a point of view, and of what a proposition is so."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from geotlm_lm.core.labels import Motion, reverse
+from geotlm_lm.core.twist import COMPONENT_OF, COUNTING_PX
+from geotlm_lm.query import types as t
+from geotlm_lm.query.amounts import Measure, Missing
+from geotlm_lm.query.edit import Edit
+from geotlm_lm.track.events import Event, EventKind
+from geotlm_lm.track.track import Track
+from geotlm_lm.track.whole import path_of_event
+
+_BACKWARDS = {EventKind.PRESS: EventKind.RELEASE, EventKind.RELEASE: EventKind.PRESS}
+TOLD = (*(EventKind.TOUCH, EventKind.PRESS, EventKind.TURN, EventKind.SLIDE),
+        *(EventKind.STICK, EventKind.RELEASE))  # fmt: skip
+"""Kinds of a story's events; a slip is a turn or a slide that is told already."""
+
+Sized = Callable[[Event, str], Measure]
+"""(event, atom) -> how far it goes, as it is told."""
+
+
+@dataclass(frozen=True)
+class Happening:
+    """An event as it is told, from a point of view.
+
+    Args:
+        kind: What happens.
+        way: Where it goes; of a touch a press, of a stick stillness.
+        begin_s: When it begins.
+        end_s: When it ends.
+        amount: How far it goes; None of a touch or a stick.
+        path_px: How far it moves the imprint.
+        probability: That it happens.
+    """
+
+    kind: EventKind
+    way: Motion
+    begin_s: float
+    end_s: float
+    amount: Measure | None
+    path_px: float
+    probability: float
+
+
+def seen(track: Track, edit: Edit, sized: Sized) -> list[Happening]:
+    """Return a recording's events from a point of view, by when they begin."""
+    total = float(track.times_s[0] + track.times_s[-1])
+    found = _touches(track, total) if edit.backwards else []
+    for event in track.events:
+        if event.kind not in TOLD or (edit.backwards and event.kind is EventKind.TOUCH):
+            continue
+        path = 0.0 if event.component is None else path_of_event(track, event)
+        if event.component is not None and path < COUNTING_PX:  # a span cut off the rest
+            continue
+        begin, end, kind = event.begin_s, event.end_s, event.kind
+        if edit.backwards:
+            begin, end = total - end, total - begin
+            kind = _BACKWARDS.get(kind, kind)
+        way = edit.of_way(event.motion) if event.component else event.motion
+        amount = None if event.component is None else sized(event, event.component.value)
+        found.append(Happening(kind, way, begin, end, amount, path, event.probability))
+    return sorted(found, key=by_begin)
+
+
+def _touches(track: Track, total: float) -> list[Happening]:
+    """Return where contact begins when a recording is played backwards: where it ended."""
+    ends = [total - end for _, end in track.contacts() if end < track.times_s[-1]]
+    sure = float(track.contact.max(initial=0.0))
+    return [Happening(EventKind.TOUCH, Motion.PRESS, at, at, None, 0.0, sure) for at in ends]
+
+
+def turned_back(turns: Sequence[Happening]) -> list[Happening]:
+    """Return the turns that go against the one before."""
+    return [one for before, one in pairwise(turns) if one.way is reverse(before.way)]
+
+
+def happens(atom: str, edit: Edit, track: Track, sized: Sized) -> bool:
+    """Tell whether something that only a recording shows happens in it."""
+    found = seen(track, edit, sized)
+    proposition = t.Proposition((t.Literal(atom),))
+    return any(is_so(one, proposition, found) for one in found)
+
+
+def is_so(one: Happening, proposition: t.Proposition, found: Sequence[Happening]) -> bool:
+    """Tell whether a proposition is so of one of a recording's events."""
+    held = [_has(one, each.atom, found) != each.denied for each in proposition.literals]
+    return all(held) if proposition.joint == "and" else any(held)
+
+
+def by_begin(one: Happening) -> tuple[float, bool, bool]:
+    """Return what events are sorted by: of one moment a touch is the first, a release the last."""
+    return (one.begin_s, one.kind is not EventKind.TOUCH, one.kind is EventKind.RELEASE)
+
+
+def _has(one: Happening, atom: str, found: Sequence[Happening]) -> bool:
+    moves = one.kind in (EventKind.TURN, EventKind.SLIDE)
+    if atom in t.WAY_ATOMS:
+        return one.kind is not EventKind.TOUCH and one.way is t.WAY_ATOMS[atom]
+    if atom in t.COMPONENT_ATOMS:
+        component = COMPONENT_OF.get(one.way) if one.kind is not EventKind.TOUCH else None
+        return component is t.COMPONENT_ATOMS[atom] and one.kind is not EventKind.RELEASE
+    if atom == "reverses":
+        return one in turned_back(
+            [each for each in found if each.kind is one.kind is EventKind.TURN]
+        )
+    if atom in ("speeds", "slows", *t.THREAD_ATOMS):
+        raise Missing("speeds")
+    return {
+        "move": moves,
+        "starts": moves,
+        "stops": moves,
+        "still": one.kind is EventKind.STICK,
+        "none": one.kind is EventKind.RELEASE,
+        "lost": one.kind is EventKind.RELEASE,
+        "touch": one.kind is EventKind.TOUCH,
+        "made": one.kind is EventKind.TOUCH,
+        "x": moves and one.way in (Motion.LEFT, Motion.RIGHT),
+        "y": moves and one.way in (Motion.UP, Motion.DOWN),
+    }[atom]

@@ -1,0 +1,60 @@
+"""Read a line of words from the left, and know at each place what could have stood there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.query import types as t
+
+END = "<end>"
+"""Stands among the next words where a query may end."""
+
+
+class Malformed(UsageError):
+    """A text is no query: the word found and those that could stand there."""
+
+    def __init__(self, words: Sequence[str], at: int, expected: Sequence[str]) -> None:
+        found = repr(words[at]) if at < len(words) else "nothing more"
+        super().__init__(
+            f"A query had {found} after {' '.join(words[:at])!r}, expected one of "
+            f"{', '.join(sorted(expected))}; write one of these there."
+        )
+        self.at, self.expected = at, frozenset(expected)
+
+
+class Words:
+    """Words read from the left; remembers what could have stood at the present place."""
+
+    def __init__(self, words: Sequence[str], slots: int) -> None:
+        self.words, self.at, self.slots = list(words), 0, slots
+        self.expected: set[str] = set()
+
+    def has(self, *names: str) -> bool:
+        """Tell whether one of some words is next."""
+        self.expected.update(names)
+        return self.at < len(self.words) and self.words[self.at] in names
+
+    def take(self, *names: str) -> str:
+        """Return the next word, which must be one of some."""
+        if not self.has(*names):
+            raise Malformed(self.words, self.at, sorted(self.expected))
+        self.at, self.expected = self.at + 1, set()
+        return self.words[self.at - 1]
+
+    def optional(self, *names: str) -> str | None:
+        """Return the next word if it is one of some."""
+        return self.take(*names) if self.has(*names) else None
+
+    def number(self) -> t.Number:
+        """Return a slot, or a quantity written out as "12.5:deg"."""
+        if self.at < len(self.words) and ":" in self.words[self.at]:
+            value, _, unit = self.words[self.at].partition(":")
+            self.at, self.expected = self.at + 1, set()
+            return t.Quantity(float(value), unit)
+        return t.Slot(int(self.take(*(f"#{k + 1}" for k in range(self.slots)))[1:]))
+
+    def close(self) -> None:
+        """Require that no word is left."""
+        if self.at < len(self.words):
+            raise Malformed(self.words, self.at, sorted({*self.expected, END}))
