@@ -50,7 +50,8 @@ class ReadingTraining:
         warmup: Steps of the rise.
         hidden: Share of a question's tokens that are hidden from it.
         dropout: Share of byte pairs that are left apart.
-        corpus_share: Share of questions drawn from the corpus instead of the grammar.
+        corpus_share: Share of questions drawn from the corpus instead of the grammar, half of them
+            with the grammar's clauses around.
         vocabulary: Byte pairs at most.
         seed: Of weights and draws.
         size: How large the model is.
@@ -62,7 +63,7 @@ class ReadingTraining:
     warmup: int = 200
     hidden: float = 0.06
     dropout: float = 0.1
-    corpus_share: float = 0.06
+    corpus_share: float = 0.12
     vocabulary: int = 2000
     seed: int = 0
     size: LanguageSize = field(default_factory=lambda: SIZE)
@@ -162,7 +163,9 @@ def _draws(config: ReadingTraining, corpus: Sequence[Pair], step: int) -> Iterat
         rng = random.Random(seed)
         shown = round(config.batch * config.corpus_share) if corpus else 0
         drawn = list(islice(grammar().pairs(seed, "train"), config.batch - shown))
-        yield drawn + rng.choices(list(corpus), k=shown) if shown else drawn
+        labelled = rng.choices(list(corpus), k=shown) if shown else []
+        labelled[::2] = [grammar().surrounded(rng, pair) for pair in labelled[::2]]
+        yield drawn + labelled
         step += 1
 
 
