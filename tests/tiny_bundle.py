@@ -1,7 +1,6 @@
 """A bundle of random weights, small enough for tests of everything around the weights."""
 
 import torch
-from tokenizers import Tokenizer, models, pre_tokenizers, trainers
 
 from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.motions import MOTIONS_SHAPE
@@ -11,7 +10,8 @@ from geotlm_lm.checkpoint import Bundle, Calibration
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.dgr.encoder import DGR
-from geotlm_lm.language.decoder import LanguageSize
+from geotlm_lm.language.decoder import LanguageSize, initialise
+from geotlm_lm.language.tokenizer import byte_pairs
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.measured import measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
@@ -20,7 +20,6 @@ from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.query.reader import QuestionDecoder, Reader
 from geotlm_lm.query.spelling import Spelling
 from geotlm_lm.training.language import LanguageTraining, new_speaker
-from geotlm_lm.training.reading import initialise
 
 WIDTH = 12
 
@@ -52,16 +51,10 @@ def _tiny_bundle(calibration, generator):
 
 def tiny_reader():
     """A reader of random weights."""
-    tokenizer = Tokenizer(models.BPE(unk_token=None))
-    tokenizer.pre_tokenizer = pre_tokenizers.ByteLevel(add_prefix_space=False)
-    trainer = trainers.BpeTrainer(
-        vocab_size=256, initial_alphabet=pre_tokenizers.ByteLevel.alphabet(), show_progress=False
-    )
-    tokenizer.train_from_iterator(["which way"], trainer)
-    spelling = Spelling(tokenizer)
+    spelling = Spelling(byte_pairs(["which way"], 256))
     size = LanguageSize(width=16, layers=1, heads=2, mlp=16, tactile_tokens=0, max_tokens=704)
     model = QuestionDecoder(size, spelling.size)
-    initialise(model)
+    initialise(model, size.layers, torch.Generator().manual_seed(0))
     return Reader(model, spelling, (1.0, 0.0))
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from geotlm_lm.answering.answer import Answer, Comparison, Why
 from geotlm_lm.answering.argument_checks import require_answer, require_encoded, require_frame
-from geotlm_lm.answering.asking import answer, compare
+from geotlm_lm.answering.asking import answer, compare, says
 from geotlm_lm.answering.belief_of_clip import belief_of
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.own_words import own_evidence
@@ -144,7 +144,9 @@ class Answerer:
         """
         encoded = self._believing(encoded)
         require_frame(frame)
-        found = understand(self.bundle.reader, check_question(question))
+        found = understand(
+            self.bundle.reader, check_question(question), says=lambda one: says(one, frame, encoded)
+        )
         return answer(self.bundle, encoded, found, frame)
 
     def stream(
@@ -175,7 +177,9 @@ class Answerer:
         """
         clips = (self._believing(first), self._believing(second))
         require_frame(frame)
-        found = understand(self.bundle.reader, check_question(question))
+        found = understand(
+            self.bundle.reader, check_question(question), says=lambda one: says(one, frame, *clips)
+        )
         return compare(self.bundle, clips, found, frame)
 
     def why(self, encoded: Encoded, answer: Answer) -> Why:

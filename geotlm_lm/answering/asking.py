@@ -34,16 +34,17 @@ _UNSURE = (*_OF_FILE, "unanswerable", "not-understood", "again")
 
 def of_two(query: t.Query) -> bool:
     """Tell whether a query asks about two clips."""
-    return any(
-        part.ask.kind in ("compare", "which-clip") or part.subject.clip in t.OF_SEVERAL
-        for part in query.parts
-    )
+    return any(map(_is_of_two, query.parts))
 
 
-def frame_after(understood: Understood, frame: FrameSpec, columns: int) -> FrameSpec:
+def _is_of_two(part: t.Part) -> bool:
+    return part.ask.kind in ("compare", "which-clip") or part.subject.clip in t.OF_SEVERAL
+
+
+def frame_after(query: t.Query, frame: FrameSpec, columns: int) -> FrameSpec:
     """Return the frame in which the facts that were stated hold."""
     try:
-        return with_facts(frame, understood.query.facts, columns)
+        return with_facts(frame, query.facts, columns)
     except UsageError:  # no camera has such pixels; the answer says so
         return frame
 
@@ -66,21 +67,39 @@ def answer(
     """
     started = time.perf_counter()
     query = understood.query
-    now = frame_after(understood, frame, encoded.clip.frames.shape[2])
+    now = frame_after(query, frame, encoded.clip.frames.shape[2])
     if understood.ask_back is not None:
         return _plain(encoded, understood, now, understood.ask_back, started)
     if not query.parts:
-        return _noted(encoded, understood, now, frame, started)
-    evidence, found = evidence_of(encoded), []
+        return _noted(encoded, understood, frame, started)
+    clips = (encoded,) if other is None else (other, encoded)
+    found = _decisions(query, now, clips)
+    return _told(bundle, encoded, understood, found, evidence_of(encoded), started)
+
+
+def says(query: t.Query, frame: FrameSpec, *clips: Encoded) -> tuple[str, FrameSpec]:
+    """Return what is answered to a query in plain words, and the frame that holds from then on.
+
+    Args:
+        query: What is asked.
+        frame: What held before.
+        *clips: One, or two that follow each other.
+    """
+    now = frame_after(query, frame, clips[-1].clip.frames.shape[2])
+    found = _decisions(query, now, clips)
+    return in_form(found, query.form, evidence_of(*clips).recording), now
+
+
+def _decisions(query: t.Query, now: FrameSpec, clips: Sequence[Encoded]) -> tuple[Decision, ...]:
+    found = []
     for part in query.parts:
-        rests_on = evidence
-        if part.subject.clip in ("first", "previous") and other is not None:
-            rests_on = evidence_of(other)
-        elif part.subject.clip in ("first", "second"):  # of one clip: it is meant
-            part = replace(part, subject=replace(part.subject, clip=None))
+        if _is_of_two(part):
+            found.append(decide(part, evidence_of(*clips), now))
+            continue
+        about = clips[0] if part.subject.clip in ("first", "previous") else clips[-1]
         plain = replace(part, subject=replace(part.subject, clip=None))
-        found.append(decide(plain if other is not None else part, rests_on, now))
-    return _told(bundle, encoded, understood, tuple(found), evidence, started)
+        found.append(decide(plain, evidence_of(about), now))
+    return tuple(found)
 
 
 def compare(
@@ -92,7 +111,7 @@ def compare(
     """Answer a question about two clips."""
     first, second = clips
     evidence = evidence_of(first, second)
-    now = frame_after(understood, frame, evidence.recording.columns)
+    now = frame_after(understood.query, frame, evidence.recording.columns)
     open_ = Understood(t.Query((t.Part(t.Ask("way")),)), "way", 1.0)
     each = [answer(bundle, one, open_, now) for one in clips]
     query = understood.query
@@ -100,7 +119,7 @@ def compare(
         found = [answer(bundle, second, understood, now)]
         text, sure, word = found[0].text, 0.0, None
     else:
-        decisions = [_of_two(one, clips, evidence, now) for one in query.parts]
+        decisions = _decisions(query, now, clips)
         sure = understood.probability * min(one.probability for one in decisions)
         text = in_form(decisions, query.form, evidence.recording, sure=sure)
         word = decided(decisions[0], evidence.recording)
@@ -113,16 +132,6 @@ def compare(
     if kind == "compare" and word is None and sure > 0:
         word = relation
     return Comparison(text, relation, sure, sure == 0.0, *each, word, kind, now, query)
-
-
-def _of_two(
-    part: t.Part, clips: tuple[Encoded, Encoded], evidence: Evidence, frame: FrameSpec
-) -> Decision:
-    if of_two(t.Query((part,))):
-        return decide(part, evidence, frame)
-    which = {"first": 0, "previous": 0}.get(part.subject.clip or "", 1)
-    plain = replace(part, subject=replace(part.subject, clip=None))
-    return decide(plain, evidence_of(clips[which]), frame)
 
 
 def _relation(each: Sequence[Answer]) -> str:
@@ -233,13 +242,12 @@ def _options(decision: Decision, evidence: Evidence) -> dict[str, float]:
     return found | {"still": still, "none": 1 - touching}
 
 
-def _noted(
-    encoded: Encoded, understood: Understood, now: FrameSpec, before: FrameSpec, started: float
-) -> Answer:
-    if now == before and any(one.name in ("scale", "view") for one in understood.query.facts):
-        return _plain(encoded, understood, now, replies()["missing"]["pixel"], started)
-    text = f"Noted: {now.summary()}."
-    told = _plain(encoded, understood, now, text, started)
+def _noted(encoded: Encoded, understood: Understood, before: FrameSpec, started: float) -> Answer:
+    try:
+        now = with_facts(before, understood.query.facts, encoded.clip.frames.shape[2])
+    except UsageError:  # no camera has such pixels
+        return _plain(encoded, understood, before, replies()["missing"]["pixel"], started)
+    told = _plain(encoded, understood, now, f"Noted: {now.summary()}.", started)
     return replace(told, abstained=False, confidence=understood.probability)
 
 

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from geotlm_lm.answering.answer import Answer, Comparison, Why
 from geotlm_lm.answering.argument_checks import require_encoded, require_frame
-from geotlm_lm.answering.asking import answer, compare, of_two
+from geotlm_lm.answering.asking import answer, compare, frame_after, of_two, says
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.understanding import Understood, check_question, understand
 from geotlm_lm.checkpoint import Bundle
@@ -79,7 +79,7 @@ class Session:
     def last(self) -> Reply | None:
         """The last answer about a clip: neither talk nor a fact."""
         replies = (turn.answer for turn in reversed(self.history))
-        return next((one for one in replies if one.kind not in ("fact", *_REFER_BACK)), None)
+        return next(filter(_is_about_clip, replies), None)
 
     def add_clip(self, encoded: Encoded) -> None:
         """Make another clip the one that questions are about; comparisons look back at the last.
@@ -104,24 +104,33 @@ class Session:
             UsageError: If the question is empty or too long.
         """
         typed = check_question(question)
-        bundle, other = self.answerer.bundle, self.clips[-2] if len(self.clips) > 1 else None
-        found = understand(bundle.reader, typed, self._before)
+        bundle, clips = self.answerer.bundle, self.clips[-2:]
+        found = understand(
+            bundle.reader, typed, self._before, lambda one: says(one, self.frame, *clips)
+        )
         about_last = self._about_last(found)
         if about_last is not None:
             reply: Reply = about_last
-        elif other is not None and of_two(found.query):
-            reply = compare(bundle, (other, self.encoded), found, self.frame)
+        elif len(clips) == 2 and of_two(found.query):
+            reply = compare(bundle, (clips[0], clips[1]), found, self.frame)
         else:
+            other = clips[0] if len(clips) == 2 else None
             reply = answer(bundle, self.encoded, found, self.frame, other)
         self.history.append(Turn(typed, reply, self.frame, self.encoded, self._before))
-        self.frame = _lasting(reply.frame, self.frame, found.ask_back is not None)
+        if found.ask_back is None:
+            columns = self.encoded.clip.frames.shape[2]
+            self.frame = frame_after(found.query, self.frame, columns)
         if found.query.parts and found.query.parts[0].ask.kind not in _REFER_BACK:
             self._before = found.query
         return reply
 
     def _about_last(self, found: Understood) -> Answer | None:
-        """Return what is said of the last answer: how sure it is, how near, and why."""
-        last, parts = self.last, found.query.parts
+        """Return what is said of the last answer about this clip: how sure, how near, and why."""
+        turns = (turn for turn in reversed(self.history) if _is_about_clip(turn.answer))
+        turn = next(turns, None)
+        if turn is None or turn.encoded is not self.encoded:
+            return None
+        last, parts = turn.answer, found.query.parts
         if not isinstance(last, Answer) or len(parts) != 1 or found.ask_back is not None:
             return None
         ask = parts[0].ask
@@ -167,5 +176,5 @@ def in_pieces(reply: Reply) -> Iterator[str | Reply]:
     yield reply
 
 
-def _lasting(stated: FrameSpec, before: FrameSpec, is_asked_back: bool) -> FrameSpec:
-    return before if is_asked_back else stated
+def _is_about_clip(reply: Reply) -> bool:
+    return reply.kind not in ("fact", *_REFER_BACK)

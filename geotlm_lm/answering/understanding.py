@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.query import types as t
 from geotlm_lm.query.follow_up import resumed
-from geotlm_lm.query.reader import Reader
+from geotlm_lm.query.reader import Reader, Reading
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.say_back import say_back
 
 UNDERSTOOD = 0.5
 """Probability of a reading below which it is asked back instead of answered."""
+
+SURE = 0.85
+"""Probability of a reading from which on no other one is looked at."""
+MOST_READINGS = 5
+"""How many readings are looked at where the first is not sure."""
 
 OPEN_QUESTION = "Which way is it moving?"
 
@@ -44,7 +50,7 @@ def check_question(question: object) -> str:
     """Return a question without the white space around it.
 
     Raises:
-        UsageError: If it is empty.
+        UsageError: If it is empty, or holds what is no character.
         TypeError: If it is no text.
     """
     if not isinstance(question, str):
@@ -54,38 +60,64 @@ def check_question(question: object) -> str:
         )
     if not question.strip():
         raise UsageError(f"The question is empty; ask something like '{OPEN_QUESTION}'.")
+    try:
+        question.encode()
+    except UnicodeEncodeError as error:
+        raise UsageError(
+            f"The question holds half a character at place {error.start + 1}; type it again."
+        ) from None
     return question.strip()
 
 
-def understand(reader: Reader, question: str, before: t.Query | None = None) -> Understood:
+def understand(
+    reader: Reader,
+    question: str,
+    before: t.Query | None = None,
+    says: Callable[[t.Query], object] | None = None,
+) -> Understood:
     """Read a question.
+
+    Readings that come to the same answer are one: their chances are added.
 
     Args:
         reader: The model that reads.
         question: As it was typed.
         before: What was asked last, if anything was.
+        says: Returns what is answered to a query; None where the query itself is wanted.
 
     Raises:
         UsageError: If the question is too long.
     """
     started = time.perf_counter()
-    best = reader.read(question)
-    query = resumed(best.query, before or t.Query())
+    best, before = reader.read(question), before or t.Query()
+    query = resumed(best.query, before)
     found = Understood(query, best.line, best.probability)
     unclear = [one.value for one in query.facts if one.name == "unclear"]
     if unclear:
         found = replace(found, ask_back=replies()["unclear"][unclear[0]])
-    elif best.probability < UNDERSTOOD and not _is_needless(query):
-        found = replace(found, ask_back=_asked_back(reader, question, best.query))
+    elif best.probability < SURE:
+        readings = reader.readings(question, MOST_READINGS)
+        if says is not None:
+            sure = _agreed(reader, readings, lambda one: says(resumed(one.query, before)))
+            found = replace(found, probability=sure)
+        if found.probability < UNDERSTOOD and not _is_needless(query):
+            found = replace(found, ask_back=_asked_back(readings))
     return replace(found, milliseconds=1e3 * (time.perf_counter() - started))
+
+
+def _agreed(
+    reader: Reader, readings: Sequence[Reading], says: Callable[[Reading], object]
+) -> float:
+    """Return the probability of all readings that are answered as the first is."""
+    answer = says(readings[0])
+    chance = sum(one.chance for one in readings[1:] if says(one) == answer)
+    return reader.calibrated(readings[0].chance + chance)
 
 
 def _is_needless(query: t.Query) -> bool:
     return bool(query.parts) and all(one.ask.kind in _NEEDLESS for one in query.parts)
 
 
-def _asked_back(reader: Reader, question: str, best: t.Query) -> str:
-    said = [say_back(one.query) for one in reader.readings(question)[1:]]
-    said = [say_back(best), *said]
-    said = [one for place, one in enumerate(said) if one not in said[:place]]
+def _asked_back(readings: Sequence[Reading]) -> str:
+    said = list(dict.fromkeys(say_back(one.query) for one in readings))[:2]
     return replies()["asked_back"].format(" or ".join(f"'{one}'" for one in said))

@@ -40,6 +40,8 @@ _NEVER = {
 def times_phrase(begin_s: float, end_s: float, recording: Recording) -> str:
     """Return from when to when: "from 1.2 s to 3.4 s", or in frames."""
     begin, end = moment(begin_s, recording), moment(end_s, recording)
+    if begin == end:
+        return f"at {begin}"
     return f"from {begin} to {end.removeprefix('frame ')}"
 
 
@@ -97,7 +99,8 @@ def _story(decision: Decision, found: Sequence[Happening], recording: Recording)
         if before is None:
             text = clause
         elif before is touch and one.kind is EventKind.PRESS and _together(before, one):
-            text += f" and {_verb(one, '')} until {moment(one.end_s, recording)}"
+            pressed = _verb(one, "")
+            text += f" and {pressed}{',' * (',' in pressed)} until {moment(one.end_s, recording)}"
         else:
             is_meanwhile = one.begin_s < before.end_s - TOGETHER_S
             text += f"{'; meanwhile' if is_meanwhile else ', then'} {clause}"
