@@ -23,8 +23,11 @@ MOST_READINGS = 5
 
 OPEN_QUESTION = "Which way is it moving?"
 
+NEEDLESS = 0.25
+"""The same for answers that turn nobody the wrong way."""
+
 _NEEDLESS = ("talk", "help", "unanswerable", "not-understood")
-"""Asks whose answers turn nobody the wrong way: they are given however unsure the reading."""
+"""Asks that are answered so."""
 
 
 @dataclass(frozen=True)
@@ -92,16 +95,15 @@ def understand(
     best, before = reader.read(question), before or t.Query()
     query = resumed(best.query, before)
     found = Understood(query, best.line, best.probability)
+    readings = [best] if best.probability >= SURE else reader.readings(question, MOST_READINGS)
+    if says is not None and len(readings) > 1:
+        sure = _agreed(reader, readings, lambda one: says(resumed(one.query, before)))
+        found = replace(found, probability=sure)
     unclear = [one.value for one in query.facts if one.name == "unclear"]
-    if unclear:
+    if found.probability < (NEEDLESS if _is_needless(query) else UNDERSTOOD):
+        found = replace(found, ask_back=_asked_back(readings))
+    elif unclear:
         found = replace(found, ask_back=replies()["unclear"][unclear[0]])
-    elif best.probability < SURE:
-        readings = reader.readings(question, MOST_READINGS)
-        if says is not None:
-            sure = _agreed(reader, readings, lambda one: says(resumed(one.query, before)))
-            found = replace(found, probability=sure)
-        if found.probability < UNDERSTOOD and not _is_needless(query):
-            found = replace(found, ask_back=_asked_back(readings))
     return replace(found, milliseconds=1e3 * (time.perf_counter() - started))
 
 
