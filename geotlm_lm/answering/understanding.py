@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from geotlm_lm.core.errors import UsageError
 from geotlm_lm.query import types as t
 from geotlm_lm.query.follow_up import resumed
 from geotlm_lm.query.reader import Reader, Reading
@@ -20,8 +19,6 @@ SURE = 0.85
 """Probability of a reading from which on no other one is looked at."""
 MOST_READINGS = 5
 """How many readings are looked at where the first is not sure."""
-
-OPEN_QUESTION = "Which way is it moving?"
 
 NEEDLESS = 0.25
 """The same for answers that turn nobody the wrong way."""
@@ -47,29 +44,6 @@ class Understood:
     probability: float
     ask_back: str | None = None
     milliseconds: float = 0.0
-
-
-def check_question(question: object) -> str:
-    """Return a question without the white space around it.
-
-    Raises:
-        UsageError: If it is empty, or holds what is no character.
-        TypeError: If it is no text.
-    """
-    if not isinstance(question, str):
-        raise TypeError(
-            f"a question is a text, found {type(question).__name__}; give one such as "
-            f"'{OPEN_QUESTION}'"
-        )
-    if not question.strip():
-        raise UsageError(f"The question is empty; ask something like '{OPEN_QUESTION}'.")
-    try:
-        question.encode()
-    except UnicodeEncodeError as error:
-        raise UsageError(
-            f"The question holds half a character at place {error.start + 1}; type it again."
-        ) from None
-    return question.strip()
 
 
 def understand(
