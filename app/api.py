@@ -81,7 +81,7 @@ class Api:
 
         Args:
             clip: Recording: an upload, its address, or a data URI in base64.
-            question: In plain English, at most 500 characters.
+            question: In plain English.
 
         Returns:
             Words, direction (camera image, object relative to sensor), confidence, evidence.
@@ -97,10 +97,10 @@ class Api:
         Returns:
             Contact, shear change of seven regions and of each patch; x right, y down, unitless.
         """
-        from geotlm_lm import evidence as evidence_of
+        from geotlm_lm import regions_of
 
         shown = self._shown(clip)
-        return evidence_of(shown.encoded) | {
+        return regions_of(shown.encoded) | {
             "shear_change": shown.seen.shear_change.round(4).tolist(),
             "contact_mask": shown.seen.mask.round(4).tolist(),
             "frames_used": list(shown.encoded.clip.frame_numbers),

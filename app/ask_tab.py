@@ -8,8 +8,6 @@ from functools import partial
 from html import escape, unescape
 from typing import TYPE_CHECKING, Any
 
-from geotlm_lm import MAX_QUESTION_CHARACTERS
-
 from . import clip_side, handlers
 from .error_display import gradio, literal, model_at, with_errors_shown
 from .facts import facts_of, fields_of, frame_preview, update_facts
@@ -22,6 +20,9 @@ ANSWER_PARTS = ("notes", "probabilities", "band", "verdicts", "regions", "timing
 
 FRAME_PARTS = ("frame", "mm_per_px", "viewpoint", "told")
 """What the other side shows of the frame of reference, yielded after the motion that was told."""
+
+MOST_CHARACTERS = 2000
+"""Of a question; a longer one is more than what reads it takes."""
 
 Messages = list[dict[str, Any]]
 
@@ -55,7 +56,7 @@ def _talk_side(gr: Any) -> dict[str, Any]:
     side["question"] = gr.Textbox(
         label="Question",
         value=handlers.EXAMPLE_QUESTIONS[0],
-        max_length=MAX_QUESTION_CHARACTERS,
+        max_length=MOST_CHARACTERS,
     )
     with gr.Row():
         side["ask"] = gr.Button("Ask", variant="primary")
@@ -129,7 +130,7 @@ def _answer(
     facts: list[str],
     mm_per_px: float | None,
 ) -> Iterator[tuple]:
-    """Yield the conversation as words are generated, and with the last all that stands beside."""
+    """Yield the conversation word by word, and with the last all that stands beside."""
     before = [*(chat or []), _message("user", question)]
     skip, said = gradio().skip(), ""
     field = ""  # emptied once: what is typed meanwhile is the next question

@@ -126,12 +126,11 @@ def perceive(
         span: First and last frame to use; None to use all.
         depth_mm: True indentation of each frame, where it was simulated.
     """
-    from geotlm_lm import shows_contact  # by now the model is loaded
-
     encoded = answerer.encode(recording, span=span)
     clip = encoded.clip
     geometry = encoded.perception.geometry
     field, mask = (np.asarray(x[0], np.float32) for x in (geometry.shear_change, geometry.mask))
+    threshold = answerer.bundle.calibration.contact_threshold
     captions = [f"frame {number}" for number in clip.frame_numbers]
     return LoadedClip(
         encoded=encoded,
@@ -142,7 +141,7 @@ def perceive(
             mask,
             encoded.view,
             depth_mm,
-            has_contact=shows_contact(answerer.bundle, encoded),
+            has_contact=not encoded.is_untouched and encoded.contact_share >= threshold,
         ),
         opinions=second_opinions(answerer, encoded).to_dict(),
         frames=list(zip(clip.frames, captions, strict=True)),

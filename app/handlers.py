@@ -23,21 +23,21 @@ SUGGESTED_QUESTIONS = {
     "direction": "Which way is the object turning?",
     "yes or no": "Is it sliding to the left?",
     "choice": "A) clockwise B) counterclockwise C) still. Which one?",
-    "kind of motion": "Is this a rotation, a slide, a press or nothing?",
+    "kind of motion": "What kind of motion is it?",
+    "how far": "How many degrees did it turn?",
     "contact": "Is anything touching the gel?",
     "moving at all": "Is it moving at all?",
+    "another view": "Which way does it go, seen from the object's side?",
+    "reasons": "Why do you say so?",
     "not for touch": "What colour is it?",
 }
-"""One question of each type that the model was trained on."""
+"""One question of each sort that is answered often."""
 
 EXAMPLE_QUESTIONS = tuple(SUGGESTED_QUESTIONS.values())
 
 DIRECTION_QUESTION = "Which way is it moving?"
 AMOUNT_QUESTION = "How far did it go?"
 """Asked of both clips of a comparison, and of what was just simulated."""
-
-NAMES_MOTION = ("direction", "viewpoint", "actor")
-"""Kinds of question whose answer names the motion of the clip as its frame tells it."""
 
 EXAMPLE_CLIPS = sorted(str(path) for path in (Path(__file__).parent / "examples").glob("*.npz"))
 
@@ -82,7 +82,7 @@ def converse(
     """Answer the next question of the conversation about the clip that is shown.
 
     Yields:
-        The answer's words piece by piece, as they are generated, and last the reply.
+        The answer's words one by one, and last the reply.
 
     Args:
         answerer: The model.
@@ -106,13 +106,14 @@ def _open(shown: LoadedClip | None) -> LoadedClip:
 
 
 def _reply(answerer: Answerer, shown: LoadedClip, answer: Any) -> Reply:
-    is_sure_of_something = not answer.abstained and answer.options
+    says_how_sure = answer.kind == "how-sure"  # in its own words
+    is_sure_of_something = not answer.abstained and answer.options and not says_how_sure
     told = f"  ({100 * answer.confidence:.0f} % sure)" if is_sure_of_something else ""
     details = answer.to_dict()
     timing = details.get("timing_ms", {}) | shown.opinions["timing_ms"]
     return Reply(
         sentence=answer.text + told,
-        motion=_in_the_image(answer),
+        motion=answer.in_the_image,
         probabilities=dict(answer.options),
         details=details | {"second_opinions": shown.opinions},
         notes=_notes(answer, shown),
@@ -126,13 +127,6 @@ def _reply(answerer: Answerer, shown: LoadedClip, answer: Any) -> Reply:
 def _notes(answer: Any, shown: LoadedClip) -> str:
     """Return what is to be known of the answer: neither of the clip, nor said in it already."""
     return "\n".join(f"- {note}" for note in answer.notes if note not in shown.encoded.clip.notes)
-
-
-def _in_the_image(answer: Any) -> Motion | None:
-    """Return the motion an answer names, as the camera image shows it."""
-    if answer.direction is None or answer.kind not in NAMES_MOTION:
-        return None
-    return answer.frame.in_the_image(answer.direction)
 
 
 def compare(
@@ -177,36 +171,22 @@ def region_rows(evidence: dict[str, Any]) -> list[list[Any]]:
 
 
 def _verdicts(answer: Any, opinions: dict[str, Any]) -> list[list[Any]]:
-    """Return the motion that each method reads, all of them told in the answer's frame."""
+    """Return the motion that each method reads, all told from the answer's point of view."""
     probe, flow = opinions["probe"], opinions["optical_flow"]
     said = answer.to_dict().get("direction") or "-"
     sure = f"{100 * probe['probability']:.0f} % (not calibrated)"
     return [
         ["language model", said, answer.text],
-        ["linear probe", answer.frame.tell(Motion(probe["motion"])).value, sure],
-        [
-            "optical flow",
-            answer.frame.tell(Motion(flow["motion"])).value,
-            _moved(flow, answer.frame),
-        ],
+        ["linear probe", answer.edit.of_way(Motion(probe["motion"])).value, sure],
+        ["optical flow", answer.edit.of_way(Motion(flow["motion"])).value, _moved(flow, answer)],
     ]
 
 
-_STEPS = {Motion.RIGHT: (1, 0), Motion.LEFT: (-1, 0), Motion.DOWN: (0, 1), Motion.UP: (0, -1)}
-
-
-def _moved(flow: dict[str, Any], frame: FrameSpec) -> str:
-    """Return how far it went as a frame tells it; 0.0 has no sign of its own."""
-    across, along = (_STEPS[frame.tell(motion)] for motion in (Motion.RIGHT, Motion.DOWN))
-    right, down = (
-        flow["slide_x_px"] * one + flow["slide_y_px"] * other
-        for one, other in zip(across, along, strict=True)
-    )
-    turn = 1 if frame.tell(Motion.CLOCKWISE) is Motion.CLOCKWISE else -1
-    return (
-        f"{turn * flow['rotation_deg'] + 0.0:+.1f} degrees, {right + 0.0:+.1f} px right, "
-        f"{down + 0.0:+.1f} px down"
-    )
+def _moved(flow: dict[str, Any], answer: Any) -> str:
+    """Return how far it went, from an answer's point of view; 0.0 has no sign of its own."""
+    fitted = (flow["rotation_deg"], flow["slide_x_px"], flow["slide_y_px"], 0.0)
+    turn, right, down, _ = answer.edit.matrix @ fitted + 0.0
+    return f"{turn:+.1f} degrees, {right:+.1f} px right, {down:+.1f} px down"
 
 
 def _band(answerer: Answerer, details: dict[str, Any]) -> str:

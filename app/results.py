@@ -35,7 +35,7 @@ class Amount(TypedDict):
     """How far or how fast, and the span it lies in nine times in ten, in `unit`."""
 
     value: float
-    unit: Literal["deg", "px", "mm", "deg/s", "px/s", "mm/s"]
+    unit: str
     low: float
     high: float
 
@@ -54,7 +54,9 @@ class AnswerResult(TypedDict):
     frame: dict[str, Any]
     options: dict[str, float]
     timing_ms: dict[str, float]
-    kind: str | None
+    kind: str
+    query: str
+    understood: float
     evidence: Evidence
     frames_used: list[int]
     notes: list[str]

@@ -32,15 +32,17 @@ from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.network import BELIEF_NUMBERS, Beliefs, MotionNetwork
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
+from geotlm_lm.query.reader import Reader
 
 if TYPE_CHECKING:
     from geotlm_lm.language.generation import Speaker
     from geotlm_lm.language.parse_answer import AnswerGrammar
 
-BUNDLE_FORMAT = 6
+BUNDLE_FORMAT = 7
 CONFIG_FILE = "config.json"
 PERCEPTION_FILE = "perception.safetensors"
 LANGUAGE_DIR = "language"
+READER_DIR = "reader"
 GRAMMAR_FILE = "answers.json"
 CARD_FILE = "README.md"
 
@@ -95,11 +97,13 @@ class Bundle:
     grammar: AnswerGrammar
     calibration: Calibration
     provenance: dict[str, Any]
+    reader: Reader
 
     def digest(self) -> str:
         """Return twelve hex digits of the weights and the calibration, for run records."""
         found = hashlib.sha256(repr(self.calibration).encode())
         states = _perception_states(self) | {"language": self.speaker.model.state_dict()}
+        states |= {"reader": self.reader.model.state_dict()}
         for part, state in states.items():
             for name, value in state.items():
                 found.update(f"{part}.{name}".encode())
@@ -137,6 +141,15 @@ def embedded_bundle_dir() -> Path:
         ) from error
 
 
+def embedded_reader() -> Reader:
+    """Return what reads questions in the bundle that ships with the package.
+
+    Raises:
+        IncompatibleBundle: If the installation has none.
+    """
+    return Reader.load(embedded_bundle_dir() / READER_DIR)
+
+
 def save_bundle(folder: Path, bundle: Bundle) -> None:
     """Write `bundle`; the configuration goes last, so that a half-written folder does not load."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -150,6 +163,7 @@ def save_bundle(folder: Path, bundle: Bundle) -> None:
     stored = {name: value.half().contiguous() for name, value in tensors.items()}
     save_file(stored, folder / PERCEPTION_FILE, metadata={"format": str(BUNDLE_FORMAT)})
     bundle.speaker.save(folder / LANGUAGE_DIR)
+    bundle.reader.save(folder / READER_DIR)
     bundle.grammar.save(folder / GRAMMAR_FILE)
     for path in folder.rglob("*.safetensors"):
         path.chmod(0o644)  # safetensors writes for the owner's eyes only
@@ -192,7 +206,8 @@ def load_bundle(folder: Path | None = None) -> Bundle:
             f"{PERCEPTION_FILE} gives {width}; copy the bundle again."
         )
     grammar = AnswerGrammar.load(folder / GRAMMAR_FILE)
-    return Bundle(model, motion, speaker, grammar, calibration, provenance)
+    reader = Reader.load(folder / READER_DIR)
+    return Bundle(model, motion, speaker, grammar, calibration, provenance, reader)
 
 
 def read_config(folder: Path) -> dict[str, Any]:

@@ -7,11 +7,13 @@ import torch
 
 import geotlm_lm
 from geotlm_lm.answering import Answerer
-from tests.conversation.questions import encoded_examples, remembering
+from geotlm_lm.recordings.read import read_clip
 from tests.tiny_bundle import tiny_bundle
 
 BUNDLE = Path(geotlm_lm.__file__).parent / "bundle"
 REAL = Path(__file__).resolve().parents[2] / "shared" / "real"
+EXAMPLES = Path(__file__).resolve().parents[1] / "app" / "examples"
+SHOWN = ("bottle_cap_clockwise", "hex_nut_counterclockwise", "pen_clip_left")
 
 
 @pytest.fixture(scope="session")
@@ -38,12 +40,6 @@ def answerer():
 
 
 @pytest.fixture(scope="session")
-def shipped(answerer):
-    """The shipped model, which works out nothing twice."""
-    return remembering(answerer)
-
-
-@pytest.fixture(scope="session")
-def examples(shipped):
+def examples(answerer):
     """Example clips that the shipped model has perceived, by name."""
-    return encoded_examples(shipped)
+    return {name: answerer.encode(read_clip(EXAMPLES / f"{name}.npz")) for name in SHOWN}

@@ -51,6 +51,8 @@ def test_a_loaded_bundle_perceives_and_speaks_as_the_saved_one(saved):
     assert loaded.grammar == bundle.grammar
     assert loaded.calibration == bundle.calibration
     assert loaded.provenance == {"command": "test"}
+    assert loaded.reader.spelling.words == bundle.reader.spelling.words
+    assert loaded.reader.calibration == bundle.reader.calibration
 
 
 def test_saving_what_was_loaded_changes_no_byte(saved, tmp_path):
@@ -68,10 +70,11 @@ def test_the_digest_tells_bundles_apart_by_weights_and_calibration(saved):
     assert one.digest() == two.digest()
     two.calibration = Calibration(temperature=3.0)
     assert one.digest() != two.digest()
-    two = load_bundle(folder)
-    with torch.no_grad():
-        two.model.probe.head.bias[0] += 1e-3
-    assert one.digest() != two.digest()
+    for part in (two.model.probe, two.reader.model):
+        two.calibration, before = one.calibration, two.digest()
+        with torch.no_grad():
+            next(part.parameters())[0] += 1e-3
+        assert two.digest() != before
 
 
 def test_a_folder_without_a_bundle_is_refused(tmp_path):
@@ -90,7 +93,7 @@ def test_another_format_is_refused(saved, tmp_path):
     with pytest.raises(IncompatibleBundle) as caught:
         load_bundle(tmp_path)
     assert str(caught.value) == (
-        f"{tmp_path}: the bundle has format 99, this version reads 6; train it again or install "
+        f"{tmp_path}: the bundle has format 99, this version reads 7; train it again or install "
         f"the matching geotlm-lm."
     )
 
@@ -139,3 +142,11 @@ def test_a_language_model_of_another_width_is_refused(saved, tmp_path):
         f"{tmp_path / 'bundle'}: language reads 5 numbers of a clip, perception.safetensors "
         f"gives {WIDTH + BELIEF_NUMBERS}; copy the bundle again."
     )
+
+
+@pytest.mark.parametrize("name", ["config.json", "tokenizer.json", "model.safetensors"])
+def test_a_bundle_without_its_reader_is_refused(saved, tmp_path, name):
+    shutil.copytree(saved[0], tmp_path / "bundle")
+    (tmp_path / "bundle" / "reader" / name).unlink()
+    with pytest.raises(IncompatibleBundle, match=r"reader: the reader's files are missing, broken"):
+        load_bundle(tmp_path / "bundle")

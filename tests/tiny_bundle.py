@@ -10,12 +10,15 @@ from geotlm_lm.checkpoint import Bundle, Calibration
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.dgr.encoder import DGR
-from geotlm_lm.language.decoder import LanguageSize
+from geotlm_lm.language.decoder import LanguageSize, initialise
+from geotlm_lm.language.tokenizer import byte_pairs
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.measured import measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
+from geotlm_lm.query.reader import QuestionDecoder, Reader
+from geotlm_lm.query.spelling import Spelling
 from geotlm_lm.training.language import LanguageTraining, new_speaker
 
 WIDTH = 12
@@ -43,7 +46,16 @@ def _tiny_bundle(calibration, generator):
     calibration = calibration or Calibration(temperature=2.0, contact_threshold=0.0)
     grammar = load_templates().grammar()
     motion = untrained_motion(model.dgr)
-    return Bundle(model, motion, speaker, grammar, calibration, {"command": "test"})
+    return Bundle(model, motion, speaker, grammar, calibration, {"command": "test"}, tiny_reader())
+
+
+def tiny_reader():
+    """A reader of random weights."""
+    spelling = Spelling(byte_pairs(["which way"], 256))
+    size = LanguageSize(width=16, layers=1, heads=2, mlp=16, tactile_tokens=0, max_tokens=704)
+    model = QuestionDecoder(size, spelling.size)
+    initialise(model, size.layers, torch.Generator().manual_seed(0))
+    return Reader(model, spelling, (1.0, 0.0))
 
 
 @torch.no_grad()

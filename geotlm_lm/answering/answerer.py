@@ -1,26 +1,18 @@
-"""The model behind one object: encode a clip once, then ask, compare, order and explain."""
+"""The model behind one object: encode a clip once, then ask, compare and explain."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from geotlm_lm.answering.answer import Answer
-from geotlm_lm.answering.answer_assembly import is_camera_frame, own_evidence
-from geotlm_lm.answering.argument_checks import (
-    require_answer,
-    require_encoded,
-    require_frame,
-    require_kind,
-)
+from geotlm_lm.answering.answer import Answer, Comparison, Why
+from geotlm_lm.answering.argument_checks import require_answer, require_encoded, require_frame
+from geotlm_lm.answering.asking import answer, compare, says
 from geotlm_lm.answering.belief_of_clip import belief_of
-from geotlm_lm.answering.clip_comparison import compare_clips
 from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.answering.measured_motion import felt_of
-from geotlm_lm.answering.model_query import EVIDENCE_QUESTION, ModelCheck, score
-from geotlm_lm.answering.multi_clip import Comparison, Order, order_of_motions
+from geotlm_lm.answering.own_words import own_evidence
 from geotlm_lm.answering.perceiving import (
     perceive_clip,
     perceive_recording,
@@ -28,35 +20,24 @@ from geotlm_lm.answering.perceiving import (
     tracker_of,
     with_found_idle,
     with_idle_of,
-    within_span,
 )
-from geotlm_lm.answering.question_routing import answer_question
-from geotlm_lm.answering.session import Session
-from geotlm_lm.answering.streaming import Listener, answer_pieces
+from geotlm_lm.answering.reasons import reasoning_steps
+from geotlm_lm.answering.session import Session, in_pieces
+from geotlm_lm.answering.understanding import understand
 from geotlm_lm.checkpoint import Bundle, load_bundle
-from geotlm_lm.conversation.motion_answers import CAMERA
-from geotlm_lm.conversation.question import OPEN_QUESTION, check_question
-from geotlm_lm.conversation.reasons import reasoning_steps
-from geotlm_lm.conversation.wording import decapitalised, frame_summary
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.question import check_question
+from geotlm_lm.core.twist import COMPONENTS
+from geotlm_lm.query.edit import Edit
 from geotlm_lm.recordings.span import frames_inside, require_motion
 from geotlm_lm.track.track import Track
 from geotlm_lm.track.tracker import Tracker
 
-
-@dataclass(frozen=True)
-class Why:
-    """The reasons for an answer.
-
-    Args:
-        steps: One sentence each, from the contact to the conclusion.
-        source: Whose words they are.
-    """
-
-    steps: tuple[str, ...]
-    source: str
+CAMERA = FrameSpec()
+"""Directions as the camera image shows them, of the object."""
 
 
 class Answerer:
@@ -148,23 +129,15 @@ class Answerer:
         """
         return Session(self, encoded, frame)
 
-    def ask(
-        self,
-        encoded: Encoded,
-        question: str,
-        *,
-        frame: FrameSpec = CAMERA,
-        listen: Listener | None = None,
-    ) -> Answer:
+    def ask(self, encoded: Encoded, question: str, *, frame: FrameSpec = CAMERA) -> Answer:
         """Answer `question` about an encoded clip.
 
-        Facts that the question begins with ("The image is mirrored. Which way?") hold for it.
+        Facts that the question states ("The image is mirrored. Which way?") hold for it.
 
         Args:
             encoded: The clip.
             question: In English; a fact about the frame alone is noted.
             frame: In which to tell directions.
-            listen: Told the model's words piece by piece, as far as they stand in the answer.
 
         Raises:
             UsageError: If the question is empty or too long.
@@ -172,32 +145,20 @@ class Answerer:
         """
         encoded = self._believing(encoded)
         require_frame(frame)
-        question = check_question(question)
-        if encoded.track is not None:
-            encoded, question = within_span(self.bundle, encoded, question)
-        return answer_question(self.bundle, encoded, question, frame, listen)
+        found = understand(
+            self.bundle.reader, check_question(question), says=lambda one: says(one, frame, encoded)
+        )
+        return answer(self.bundle, encoded, found, frame)
 
     def stream(
         self, encoded: Encoded, question: str, *, frame: FrameSpec = CAMERA
     ) -> Iterator[str | Answer]:
-        """Yield the answer's text piece by piece as it is generated, and last the `Answer`.
+        """Yield the answer's text word by word, and last the `Answer`.
 
         Raises:
             UsageError: As `ask` does, at the first piece.
         """
-        return answer_pieces(lambda listen: self.ask(encoded, question, frame=frame, listen=listen))
-
-    def score(self, encoded: Encoded, question: str, kind: str = "direction") -> dict[str, float]:
-        """Return the calibrated probability of every answer of `kind`, by its deciding word.
-
-        Raises:
-            UsageError: If the question is empty or too long, or the model knows no such kind.
-            TypeError: If the clip is not encoded, or the question no text.
-        """
-        require_encoded(encoded)
-        require_kind(kind, self.bundle.grammar.kinds)
-        question = check_question(question)
-        return score(self.bundle, encoded, question, kind)
+        yield from in_pieces(self.ask(encoded, question, frame=frame))
 
     def compare(
         self,
@@ -209,8 +170,7 @@ class Answerer:
     ) -> Comparison:
         """Answer a question about two clips: whether they go the same way, which goes further.
 
-        Which way one of them goes, "the second one", is told as well; what is neither about
-        directions nor about amounts is declined.
+        Which way one of them goes, "the second one", is told as well.
 
         Raises:
             UsageError: If the question is empty or too long.
@@ -218,19 +178,10 @@ class Answerer:
         """
         clips = (self._believing(first), self._believing(second))
         require_frame(frame)
-        question = check_question(question)
-        return compare_clips(self.bundle, clips, question, frame)
-
-    def order(self, parts: Sequence[Encoded], *, frame: FrameSpec = CAMERA) -> Order:
-        """Tell the motions of `parts`, clips of one recording in the order of time.
-
-        Raises:
-            ValueError: If there are fewer than two parts.
-            TypeError: If one of them is not encoded, or the frame is none.
-        """
-        if len(parts) < 2:
-            raise ValueError(f"an order takes 2 clips or more, found {len(parts)}")
-        return order_of_motions([self.ask(one, OPEN_QUESTION, frame=frame) for one in parts])
+        found = understand(
+            self.bundle.reader, check_question(question), says=lambda one: says(one, frame, *clips)
+        )
+        return compare(self.bundle, clips, found, frame)
 
     def why(self, encoded: Encoded, answer: Answer) -> Why:
         """Return the reasons for `answer`: by rule from the geometry, and in the model's words.
@@ -245,26 +196,29 @@ class Answerer:
         """
         encoded = self._believing(encoded)
         require_answer(answer)
-        claim = None if answer.kind in _CLAIM_ANOTHER_MOTION else answer.direction
-        motion = None if claim is None else answer.frame.in_the_image(claim)
+        edits = {part.edit for part in answer.resumed.parts} or {Edit()}
+        is_plain = edits == {Edit()}
+        motion = None if answer.direction is None else answer.frame.in_the_image(answer.direction)
+        is_as_seen = Edit.of_frame(answer.frame) == Edit()
         place, *steps, conclusion = reasoning_steps(
-            answer.evidence, answer.text, motion, is_as_seen=is_camera_frame(answer.frame)
+            answer.evidence, answer.text, motion if is_plain else None, is_as_seen=is_as_seen
         )
-        frame = f"The answer is told in this frame: {frame_summary(answer.frame)}."
+        frame = f"The answer is told in this frame: {answer.frame.summary()}."
         measured = [] if answer.motion is None else [answer.motion.sentence()]
         own = () if answer.abstained else self._own_reasons(encoded)
         if not own:
             source = "by rule, from the geometry the model read; not in its own words"
             return Why((place, *steps, *measured, frame, conclusion), source)
-        steps[0] = f"Measured: {decapitalised(steps[0])}"
+        steps[0] = f"Measured: {steps[0][:1].lower()}{steps[0][1:]}"
         many = "sentence 2" if len(own) == 1 else f"sentences 2 to {len(own) + 1}"
         source = f"{many} in the model's words, the others by rule from the geometry it read"
         return Why((place, *own, *steps, *measured, frame, conclusion), source)
 
     def _own_reasons(self, encoded: Encoded) -> tuple[str, ...]:
         """Return the model's own sentences of evidence; none where it has none that may be told."""
-        heard = ModelCheck(self.bundle, encoded, EVIDENCE_QUESTION)
-        own = own_evidence(self.bundle, felt_of(encoded), heard)
+        belief = encoded.belief
+        ways = frozenset(belief.way(one) for one in COMPONENTS if belief.counts(one) >= 0.5)
+        own = own_evidence(self.bundle, encoded, ways or frozenset({Motion.STILL}))
         if own is None:
             return ()
         concluded = self.bundle.grammar.parse(own).direction
@@ -279,8 +233,3 @@ def _require_clip(clip: object, what: str) -> None:
             f"{what} takes a Clip, found {type(clip).__name__}; read a file by "
             f"read_clip(path), or make one of an array by Clip(frames)"
         )
-
-
-_CLAIM_ANOTHER_MOTION = ("mirrored", "reversed", "undo", "thread")
-"""Kinds whose direction need not be the motion that is believed; of all others it is that motion,
-as the frame tells it."""

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 from geotlm_lm.answering.answer import Answer
 from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 
 
@@ -47,17 +44,4 @@ def require_answer(given: object) -> None:
         raise TypeError(
             f"reasons are given for an Answer, found {type(given).__name__}; pass on what "
             f"answerer.ask(encoded, question) returns"
-        )
-
-
-def require_kind(kind: str, known: Collection[str]) -> None:
-    """Raise unless the model gives answers of this kind.
-
-    Raises:
-        UsageError: If it is none of the known ones.
-    """
-    if kind not in known:
-        raise UsageError(
-            f"found kind '{str(kind)[:40]}', expected one of {', '.join(sorted(known))}; give one "
-            f"of them, or leave it out."
         )

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.schema import answer_schema
-from geotlm_lm.conversation.motion_answers import CAMERA
 from geotlm_lm.core.atomic import only_writer, replacing
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -25,6 +24,8 @@ from geotlm_lm.recordings.read import read_clip
 
 if TYPE_CHECKING:
     from geotlm_lm.answering.answerer import Answerer
+
+CAMERA = FrameSpec()
 
 Reading = Mapping[str, Any]
 NOTHING_SAID: Reading = MappingProxyType({})

@@ -34,7 +34,7 @@ def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:
 
 def _first_belief(bundle: Bundle, encoded: Encoded) -> Belief:
     """Return what is believed of a clip seen once, and of contact by what the pictures tell too."""
-    belief = believed(bundle, encoded.clip, encoded.perception, encoded.doubt)
+    belief = believed(bundle.motion, encoded.clip, encoded.perception, encoded.doubt)
     touched = _contact(belief.contact, encoded)
     ways = {way: share * touched for way, share in belief.ways.items()}
     return replace(belief, ways=ways, contact=touched)

@@ -12,12 +12,7 @@ from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.model import Perception
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.recordings.idle import estimate_background
-from geotlm_lm.track.events import MOVING
 from geotlm_lm.track.track import Track
-from geotlm_lm.track.whole import together_s
-
-MIN_TIMED_FRAMES = 3
-"""Different frames a speed needs."""
 
 CUT_OFF_DOUBT = 1.5
 """Of an imprint of which a part is out of the image. Of 66 simulated clips of training objects,
@@ -51,7 +46,6 @@ class Encoded:
         track: The track of the recording, or of the span of it that is asked about; None where four
             frames are all there is. The clip then holds the four that show its motion best.
         recording: What was tracked, whole.
-        whole_track: The track of all of it.
         believe: What makes the belief of its motion, once, when first asked for.
     """
 
@@ -65,7 +59,6 @@ class Encoded:
     is_static: bool = False
     track: Track | None = None
     recording: Clip | None = None
-    whole_track: Track | None = None
     believe: Callable[[Encoded], Belief] | None = None
 
     @property
@@ -89,20 +82,6 @@ class Encoded:
     def contact_share(self) -> float:
         """Mean of the contact mask over the view, in [0, 1]."""
         return float(self.perception.geometry.region_mass[0, REGIONS.index("global")])
-
-    @property
-    def seconds(self) -> float | None:
-        """How long what moves did so; None without a frame rate.
-
-        Two frames alone give none: they may be any two of a longer motion.
-        """
-        numbers, fps = self.clip.frame_numbers, self.clip.fps
-        if fps is not None and self.track is not None:
-            moving = [one for one in self.track.events if one.kind in MOVING]
-            return together_s(moving) or self.track.seconds
-        if fps is None or len(set(numbers)) < MIN_TIMED_FRAMES:
-            return None
-        return (max(numbers) - min(numbers)) / fps
 
 
 def with_background(clip: Clip) -> Clip:

@@ -12,7 +12,6 @@ import numpy as np
 from geotlm_lm.answering.belief_of_clip import belief_of
 from geotlm_lm.answering.encoded import Encoded, with_background
 from geotlm_lm.checkpoint import Bundle
-from geotlm_lm.conversation.track_questions import asked_span
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT
@@ -76,12 +75,15 @@ def perceive_clip(bundle: Bundle, clip: Clip) -> Encoded:
 
 def track_recording(bundle: Bundle, clip: Clip) -> Track:
     """Return the track of a recording in memory; its idle gel is found, learnt or guessed."""
-    return track_of(clip, believer(bundle))
+    return track_of(clip, believer(bundle.model, bundle.motion))
 
 
 def tracker_of(bundle: Bundle, clip: Clip | None = None) -> Tracker:
     """Return what follows frames one by one, and knows the idle gel of a recording."""
-    return Tracker(believer(bundle), idle=None if clip is None else with_idle(clip).background)
+    return Tracker(
+        believer(bundle.model, bundle.motion),
+        idle=None if clip is None else with_idle(clip).background,
+    )
 
 
 def perceive_recording(
@@ -113,7 +115,6 @@ def perceive_recording(
         timing_ms=timing,
         track=part,
         recording=clip,
-        whole_track=track,
         believe=partial(_belief, bundle, part, window),
     )
 
@@ -131,26 +132,6 @@ def track_of_span(track: Track, span: Sequence[float], unit: str = "frames") -> 
         raise UsageError(
             f"{error}; the recording goes from {scale[0]:g} to {scale[-1]:g} {unit}."
         ) from error
-
-
-def within_span(bundle: Bundle, encoded: Encoded, question: str) -> tuple[Encoded, str]:
-    """Return the part of a recording that a question names, and the question without it.
-
-    Raises:
-        UsageError: If the part holds fewer than two frames.
-    """
-    found = asked_span(question)
-    if found is None or encoded.whole_track is None:
-        return encoded, question
-    rest, span = found
-    whole = encoded.whole_track
-    scale = whole.numbers if span.unit == "frames" else whole.times_s
-    first = scale[0] if span.first is None else span.first
-    first = scale[-1] - span.first if span.is_from_end else first
-    last = scale[-1] if span.last is None else span.last
-    part = track_of_span(whole, (float(first), float(last)), span.unit)
-    numbers = (int(part.numbers[0]), int(part.numbers[-1]))
-    return perceive_recording(bundle, encoded.recording, whole, numbers), rest
 
 
 def with_idle_of(part: Clip, recording: Clip) -> Clip:

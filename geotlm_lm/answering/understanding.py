@@ -1,195 +1,99 @@
-"""Understand what kind of question is asked, by its words and by what the model makes of them.
-
-A model trained on a closed set of wordings takes unknown ones for other questions; rules on the
-words notice that.
-"""
+"""Understand a question: read it, and tie it to what was asked before."""
 
 from __future__ import annotations
 
-import re
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
-from geotlm_lm.answering.answer import offered_letters
-from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.answering.model_query import ModelReply, query_likeliest
-from geotlm_lm.checkpoint import Bundle
-from geotlm_lm.conversation.compound_claims import compound_claim
-from geotlm_lm.conversation.existence_questions import is_unasked_existence, speaks_of_motion
-from geotlm_lm.conversation.half_directions import asked_half, claimed_half
-from geotlm_lm.conversation.indirect_questions import embedded_claim
-from geotlm_lm.conversation.kind_choices import offered_kinds
-from geotlm_lm.conversation.kinds import (
-    LATER_KINDS,
-    asked_kind,
-    asks_direction,
-    asks_whether_moving,
-    is_ruled_out,
-)
-from geotlm_lm.conversation.motion_answers import VERDICTS
-from geotlm_lm.conversation.motion_claims import (
-    claimed_motions,
-    claims_end,
-    claims_motion,
-    offered_options,
-)
-from geotlm_lm.conversation.motion_names import claimed_motion, motions_named, nearly_named
-from geotlm_lm.conversation.non_tactile_questions import asks_beyond_touch
-from geotlm_lm.conversation.option_meanings import offers_neither, option_sets
-from geotlm_lm.core.labels import Motion
-from geotlm_lm.language.parse_answer import Slots
+from geotlm_lm.query import types as t
+from geotlm_lm.query.follow_up import resumed
+from geotlm_lm.query.reader import Reader, Reading
+from geotlm_lm.query.replies import replies
+from geotlm_lm.query.say_back import say_back
 
-_NO_WAY = ("class", "contact", "moving", "refusal")
-"""Kinds of answers that say nothing of a way, which an open question asks for."""
+UNDERSTOOD = 0.5
+"""Probability of a reading below which it is asked back instead of answered."""
 
-_OPEN = re.compile(r"\W*(?:(?:in )?which|what) (?:way|direction)\b", re.IGNORECASE)
-"""What begins so claims nothing: "which way does the coin approach?"."""
+SURE = 0.85
+"""Probability of a reading from which on no other one is looked at."""
+MOST_READINGS = 5
+"""How many readings are looked at where the first is not sure."""
 
-_SEVERAL = ("comparison", "order")
-"""Kinds whose words, common ones, overrule no kind that the model tells."""
+NEEDLESS = 0.25
+"""The same for answers that turn nobody the wrong way."""
+
+_NEEDLESS = ("talk", "help", "unanswerable", "not-understood")
+"""Asks that are answered so."""
 
 
-def understood_kind(
-    bundle: Bundle, encoded: Encoded, question: str, heard: ModelReply
-) -> str | None:
-    """Return what kind of question it is, by its words and by what the model makes of them.
-
-    None where neither tells.
+@dataclass(frozen=True)
+class Understood:
+    """What a question was taken to ask.
 
     Args:
-        bundle: The model.
-        encoded: The clip it was asked about.
-        question: What was asked.
-        heard: The model's reply.
+        query: With its numbers, and with what "again" stands for.
+        line: Its words.
+        probability: That this is what was meant.
+        ask_back: What is said where that is too unsure, or a fact was not understood.
+        milliseconds: That reading took.
     """
-    slots, told = heard.slots, asked_kind(question)
-    if told is not None and told not in bundle.grammar.kinds:
-        return told
-    if is_ruled_out(question, slots and slots.kind):
-        if told is not None and told not in _SEVERAL:
-            return told
-        kinds = bundle.grammar.kinds - LATER_KINDS
-        if not offered_letters(question):
-            kinds -= {"choice"}
-        slots = query_likeliest(bundle, encoded, question, kinds).slots
-    if _ignores_moving_question(slots, question):
-        return "moving"
-    if _answers_unanswerable(slots, question) and "refusal" in bundle.grammar.kinds:
-        return "refusal"
-    return _kind_from_words(slots, question) or (slots and slots.kind)
+
+    query: t.Query
+    line: str
+    probability: float
+    ask_back: str | None = None
+    milliseconds: float = 0.0
 
 
-def kind_told(bundle: Bundle, encoded: Encoded, question: str) -> str | None:
-    """Return the kind that a question's words tell, whatever the model writes; None if they do not.
+def understand(
+    reader: Reader,
+    question: str,
+    before: t.Query | None = None,
+    says: Callable[[t.Query], object] | None = None,
+) -> Understood:
+    """Read a question.
+
+    Readings that come to the same answer are one: their chances are added.
 
     Args:
-        bundle: The model.
-        encoded: The clip it is asked about.
-        question: What was asked.
+        reader: The model that reads.
+        question: As it was typed.
+        before: What was asked last, if anything was.
+        says: Returns what is answered to a query; None where the query itself is wanted.
+
+    Raises:
+        UsageError: If the question is too long.
     """
-    kind = "direction" if asks_direction(question) else asked_kind(question)
-    if kind in (None, *_SEVERAL):
-        return None
-    return understood_kind(bundle, encoded, question, ModelReply(Slots(kind), ""))
+    started = time.perf_counter()
+    best, before = reader.read(question), before or t.Query()
+    query = resumed(best.query, before)
+    found = Understood(query, best.line, best.probability)
+    readings = [best] if best.probability >= SURE else reader.readings(question, MOST_READINGS)
+    if says is not None and len(readings) > 1:
+        sure = _agreed(reader, readings, lambda one: says(resumed(one.query, before)))
+        found = replace(found, probability=sure)
+    unclear = [one.value for one in query.facts if one.name == "unclear"]
+    if found.probability < (NEEDLESS if _is_needless(query) else UNDERSTOOD):
+        found = replace(found, ask_back=_asked_back(readings))
+    elif unclear:
+        found = replace(found, ask_back=replies()["unclear"][unclear[0]])
+    return replace(found, milliseconds=1e3 * (time.perf_counter() - started))
 
 
-def _kind_from_words(slots: Slots | None, question: str) -> str | None:
-    """Return the kind that the words tell against the model's; None where its own counts."""
-    if _ignores_motion_claim(slots, question):
-        return "direction" if _OPEN.match(question) else "verify"
-    if _ignores_offered_choice(slots, question):
-        return "choice"
-    if slots is not None and slots.kind in _NO_WAY and asks_direction(question):
-        return "direction"
-    return None
+def _agreed(
+    reader: Reader, readings: Sequence[Reading], says: Callable[[Reading], object]
+) -> float:
+    """Return the probability of all readings that are answered as the first is."""
+    answer = says(readings[0])
+    chance = sum(one.chance for one in readings[1:] if says(one) == answer)
+    return reader.calibrated(readings[0].chance + chance)
 
 
-def kind_by_rule(question: str) -> str | None:
-    """Return the kind that the words alone decide, whatever the model makes of them.
-
-    None where the model is asked: no question of the templates is taken from it.
-    """
-    kind = asked_kind(question)
-    if kind in (None, "negation") and compound_claim(question) is not None:
-        return "verify"
-    if kind in (None, "evidence") and claimed_half(question) is not None:
-        return "verify"
-    if kind is None and asked_half(question) is not None:
-        return "direction"
-    if kind is None and offered_kinds(question) is not None:
-        return "class"
-    is_choice = option_sets(question) is not None or offers_neither(question)
-    return "choice" if kind in (None, "negation") and is_choice else None
+def _is_needless(query: t.Query) -> bool:
+    return bool(query.parts) and all(one.ask.kind in _NEEDLESS for one in query.parts)
 
 
-def _ignores_motion_claim(slots: Slots | None, question: str) -> bool:
-    """Tell whether the model declines a claim of motion, or answers another question.
-
-    It may tell of contact, or that it moves and not how: the claim's words are then new to it. What
-    presses on the gel or rests on it touches it, so that such a question may well be about contact.
-    No question of the templates about contact or about motion as such passes for a claim.
-    """
-    if asked_kind(question) is not None:
-        return False
-    question = embedded_claim(question)
-    is_declined = slots is not None and slots.kind == "refusal"
-    if not (claims_motion(question) or (is_declined and _is_bare_motion_name(question))):
-        return False
-    if slots is None:
-        return True
-    is_over = claims_end(question)
-    of_contact = not is_over and claimed_motion(question) in (Motion.PRESS, Motion.STILL)
-    of_motion = slots.kind in ("refusal", "moving", "class", "direction")
-    return of_motion or (slots.kind == "contact" and not of_contact)
-
-
-def _is_bare_motion_name(question: str) -> bool:
-    """Tell whether a question is no more than the name of a motion, such as "up?"."""
-    is_terse = question.rstrip().endswith("?") and len(question.split()) == 1
-    return is_terse and claimed_motion(question) is not None
-
-
-def _answers_unanswerable(slots: Slots | None, question: str) -> bool:
-    """Tell whether the model answers a question that touch cannot answer.
-
-    They do too where it tells of contact, or of motion as such, and they ask for neither.
-    """
-    if (slots is None or slots.kind != "refusal") and asks_beyond_touch(question):
-        return True
-    if slots is None or not (
-        is_unasked_existence(slots.kind, question) or _affirms_unclaimed_motion(slots, question)
-    ):
-        return False
-    return asked_kind(question) is None and not claims_motion(question)
-
-
-def _affirms_unclaimed_motion(slots: Slots, question: str) -> bool:
-    """Tell whether a "yes" tells of a motion where the words speak of none at all."""
-    is_yes = slots.kind == "verify" and slots.verdict is True
-    if not is_yes or claimed_motions(question) is not None or nearly_named(question):
-        return False
-    return not motions_named(question) and not speaks_of_motion(question)
-
-
-def _ignores_moving_question(slots: Slots | None, question: str) -> bool:
-    """Tell whether the model answers another question than whether it moves."""
-    passes = slots is None or slots.kind in ("refusal", "contact", "verify")
-    return passes and asks_whether_moving(question)
-
-
-def _ignores_offered_choice(slots: Slots | None, question: str) -> bool:
-    """Tell whether the model answers with none of the motions offered to it.
-
-    It has read letters before their options alone; "cw/ccw?" offers two without any.
-    """
-    if asked_kind(question) is not None:
-        return False
-    offered = offered_options(question)
-    if len(offered) > 1:
-        if (
-            slots is None
-            or slots.kind != "choice"
-            or not offered.keys() <= offered_letters(question)
-        ):
-            return True
-        return offered.get(slots.letter, slots.direction) != slots.direction
-    is_verdict = slots is not None and slots.kind in VERDICTS
-    return is_verdict and claimed_motions(question) is None and len(motions_named(question)) > 1
+def _asked_back(readings: Sequence[Reading]) -> str:
+    said = list(dict.fromkeys(say_back(one.query) for one in readings))[:2]
+    return replies()["asked_back"].format(" or ".join(f"'{one}'" for one in said))

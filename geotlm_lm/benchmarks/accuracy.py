@@ -13,6 +13,7 @@ from geotlm_lm.benchmarks.mixtures import MIXTURES
 from geotlm_lm.benchmarks.optics import OPTICS
 from geotlm_lm.benchmarks.protocols import PROTOCOLS
 from geotlm_lm.benchmarks.questions import QUESTIONS
+from geotlm_lm.benchmarks.reading import READING
 from geotlm_lm.benchmarks.rendering import markdown, right_with_interval
 from geotlm_lm.benchmarks.rows import Bench, Listing, Pivot, Row, Section
 from geotlm_lm.benchmarks.tracks import TRACKS
@@ -111,7 +112,7 @@ ACCURACY = Bench(
     name="accuracy",
     title="Accuracy",
     about="What is right, how often, and beside what: simulated, real and published numbers apart.",
-    sections=(CLIPS_SECTION, TRACKS, MIXTURES, AMOUNTS, QUESTIONS, PROTOCOLS, OPTICS),
+    sections=(CLIPS_SECTION, TRACKS, MIXTURES, AMOUNTS, READING, QUESTIONS, PROTOCOLS, OPTICS),
 )
 
 EVALUATION = Bench(

@@ -11,8 +11,7 @@ from typing import Literal
 import numpy as np
 
 from geotlm_lm.answering import Answerer
-from geotlm_lm.answering.amounts import Amount
-from geotlm_lm.answering.measured_motion import measured
+from geotlm_lm.answering.evidence_of import recording_of
 from geotlm_lm.benchmarks.cases.recordings import real_cases
 from geotlm_lm.benchmarks.cases.semi_real import SemiRealSlides
 from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
@@ -37,6 +36,7 @@ from geotlm_lm.data.question_contents import amount_of
 from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
+from geotlm_lm.query.amounts import Measure, measure
 
 ABOUT = """\
 The kind of motion is given; only how far it went from the first to the last frame is asked. An
@@ -83,7 +83,7 @@ def amount_rows(run: Run) -> Iterator[Row]:
     """Yield a row of the belief and of each rival for each source of clips."""
     for title, clips in sources(run):
         run.progress(f"how far, {title}", 0, 1)
-        told: dict[str, list[tuple[Moved, Amount | float]]] = {}
+        told: dict[str, list[tuple[Moved, Measure | float]]] = {}
         for one in clips:
             told.setdefault(BELIEF, []).append((one, belief_tells(run.answerer, one)))
             for name, rival in RIVALS.items():
@@ -141,10 +141,11 @@ def known_amount(row: WindowRow, unit: Unit) -> float | None:
     return first if agree else None
 
 
-def belief_tells(answerer: Answerer, moved: Moved) -> Amount:
+def belief_tells(answerer: Answerer, moved: Moved) -> Measure:
     """Return what is believed of a clip whose kind of motion is given."""
     component = Component.TURN if moved.unit == "deg" else Component.SLIDE
-    return measured(answerer.encode(moved.clip), component, FrameSpec()).amount()
+    encoded = answerer.encode(moved.clip)
+    return measure(component.value, encoded.belief, FrameSpec(), recording_of(encoded))
 
 
 def rival_tells(rival: RigidFlow | RigidAlignment, moved: Moved) -> float:
@@ -159,7 +160,7 @@ def rival_tells(rival: RigidFlow | RigidAlignment, moved: Moved) -> float:
 
 
 def scored(
-    case: str, variant: str, pairs: Sequence[tuple[Moved, Amount | float]], seed: int
+    case: str, variant: str, pairs: Sequence[tuple[Moved, Measure | float]], seed: int
 ) -> Row:
     """Return how near told amounts are to the true ones; the belief's also say how sure."""
     values = [told if isinstance(told, float) else told.value for _, told in pairs]
@@ -168,10 +169,15 @@ def scored(
     detail = {"unit": pairs[0][0].unit, "off_by": float(np.median(off_by))}
     sure = [(one.amount, told) for one, told in pairs if not isinstance(told, float)]
     if sure:
-        detail["in_span"] = float(np.mean([told.low <= true <= told.high for true, told in sure]))
+        detail["in_span"] = float(np.mean([_holds(told, true) for true, told in sure]))
         detail["mean_probability"] = float(np.mean([told.probability for _, told in sure]))
     families = [one.family for one, _ in pairs]
     return share_row(case, variant, right, families, seed, detail=detail)
+
+
+def _holds(told: Measure, true: float) -> bool:
+    low, high = told.span
+    return low <= true <= high
 
 
 _COLUMNS = {

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.rows import Pivot, Row, Run, Section, every
 from geotlm_lm.benchmarks.statistics import share_row
-from geotlm_lm.benchmarks.variants import ALIGNMENT, FLOW, GENERATED, motion_told, question_for
+from geotlm_lm.benchmarks.variants import ALIGNMENT, FLOW, GENERATED, question_for
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel, signed_amount
 from geotlm_lm.core.seeding import seed_for
@@ -130,7 +130,7 @@ def belief_tells(belief: Belief) -> Told:
 
 def words_tell(answerer: Answerer, encoded: Encoded) -> Told:
     """Return what words say of each component when they are asked about it."""
-    told = {one: motion_told(answerer.ask(encoded, asked)) for one, asked in QUESTIONS.items()}
+    told = {one: answerer.ask(encoded, asked).in_the_image for one, asked in QUESTIONS.items()}
     claims = (way for way, said in CLAIMS.items() if answerer.ask(encoded, said).decided == "yes")
     told[Component.PRESS] = next(claims, None)
     counting = {one: COMPONENT_OF.get(way) is one for one, way in told.items()}
@@ -151,8 +151,8 @@ def rival_tells(rival: RigidFlow | RigidAlignment, clip: Clip) -> Told:
 def all_told(answerer: Answerer, clip: Clip) -> dict[str, Told]:
     """Return what every method tells of a clip."""
     encoded = answerer.encode(clip)
-    belief = getattr(encoded, "belief", None)
-    return ({} if belief is None else {BELIEF: belief_tells(belief)}) | {
+    return {
+        BELIEF: belief_tells(encoded.belief),
         GENERATED: words_tell(answerer, encoded),
         FLOW: rival_tells(RigidFlow(), clip),
         ALIGNMENT: rival_tells(RigidAlignment(), clip),

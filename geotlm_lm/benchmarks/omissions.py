@@ -24,8 +24,8 @@ from geotlm_lm.simulation.scene import Scene
 
 QUESTIONS = (QUESTION, "Is it turning clockwise?", "Is anything touching the gel?")
 
-FOREIGN = "In welche Richtung dreht es sich?"
-"""Refused by a rule, before the model is asked."""
+BY_RULE = "Which way is it moving, seen from the object's side?"
+"""Told by rule: the language model's own sentences are about the camera image."""
 
 
 class Omission(NamedTuple):
@@ -60,7 +60,7 @@ def model_omissions(run: Run) -> list[Omission]:
     (clip,) = runtime_clips(run, 1)
     encode, ask = partial(run.answerer.encode, clip), run.answerer.ask
     encoded = encode()
-    words, refused = partial(ask, encoded, QUESTION), partial(ask, encoded, FOREIGN)
+    words, told = partial(ask, encoded, QUESTION), partial(ask, encoded, BY_RULE)
 
     def asked(views: Iterable[Encoded]) -> list[str]:
         return [ask(seen, one).text for seen, one in zip(views, QUESTIONS, strict=False)]
@@ -71,7 +71,7 @@ def model_omissions(run: Run) -> list[Omission]:
     encodings = (lambda: asked(encode() for _ in QUESTIONS), lambda: asked(repeat(encode())))
     return [
         Omission("encoding again", "three questions about one clip", *encodings, changed),
-        Omission("the language model", "a rule answers", words, refused),
+        Omission("the language model", "told in another frame", words, told),
         Omission("the belief", "not asked how it moves", lambda: encode().belief, encode),
     ]
 

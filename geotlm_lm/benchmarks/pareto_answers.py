@@ -140,7 +140,7 @@ def stage_rows(run: Run) -> Iterator[Row]:
     imprint, stem = imprint_of(clip), measure_clip(clip)
     inputs, motions = (torch.from_numpy(x)[None] for x in (stem.inputs, stem.motions.numbers()))
     tokens = model.backbone.encode_inputs(inputs)
-    perception, options = model.fuse(tokens), bundle.grammar.options_for("direction")
+    perception, said = model.fuse(tokens), bundle.grammar.options_for("direction")[0]
     token, geometry = perception.fused_token, perception.geometry
     reading = reading_of(token, bundle.motion(measured(inputs, motions, geometry, token)))
     ways = {
@@ -152,11 +152,10 @@ def stage_rows(run: Run) -> Iterator[Row]:
         "DGR and fused token": lambda: model.fuse(tokens),
         "linear probe": lambda: model.probe.predict(token),
         "belief": lambda: bundle.motion(measured(inputs, motions, geometry, token)),
-        "language model: four slots felt": lambda: speaker.feel(reading),
+        "question read": lambda: bundle.reader.read(QUESTION),
         "language model: answer, token by token": lambda: speaker.generate(reading, [QUESTION]),
         "language model: one answer checked": lambda: speaker.would_write(
-            reading[0], QUESTION, options[0]
+            reading[0], QUESTION, said
         ),
-        "language model: ten answers weighed": lambda: speaker.score(reading[0], QUESTION, options),
     }
     yield from timed_rows("one clip", ways, run.size(30, 1))

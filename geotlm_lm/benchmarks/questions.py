@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from geotlm_lm.answering import Answer, Answerer, Encoded
+from geotlm_lm.answering.evidence_of import recording_of
 from geotlm_lm.benchmarks.cases.recordings import real_cases
 from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
 from geotlm_lm.benchmarks.halves import (
@@ -105,8 +106,7 @@ def ask_every_type(
     """Yield one question of every type about a clip, in seen and in unseen wordings."""
     for type_id in askable_types(label):
         if type_id not in AMOUNTS or label.mm_per_px is not None:
-            found = _ask_type(answerer, encoded, label, type_id, rng)
-            yield from () if found is None else [found]
+            yield _ask_type(answerer, encoded, label, type_id, rng)
 
 
 def _ask_type(
@@ -115,8 +115,8 @@ def _ask_type(
     label: MotionLabel,
     type_id: str,
     rng: np.random.Generator,
-) -> Asked | None:
-    """Return what became of one type; None where the answer cannot be judged."""
+) -> Asked:
+    """Return what became of one type."""
     frame = FrameSpec()
     if type_id == THREAD:
         side = SIDES[int(rng.integers(len(SIDES)))]
@@ -125,19 +125,15 @@ def _ask_type(
         questions_for(label, rng, types=[type_id], wordings=wordings)[0]
         for wordings in ("seen", "held_out")
     )
-    motion, is_timed = label.motion, encoded.seconds is not None
+    motion, seconds = label.motion, recording_of(encoded).seconds
 
-    def graded(question: QuestionAnswer) -> tuple[Answer, bool | None]:
+    def graded(question: QuestionAnswer) -> tuple[Answer, bool]:
         answer = answerer.ask(encoded, question.question, frame=frame)
-        own_truth = truth_of(question, motion, frame, is_timed=is_timed)
-        return answer, is_right(question, answer, own_truth, motion)
+        return answer, is_right(answer, truth_of(question, motion, frame, seconds=seconds))
 
-    truth = truth_of(asked, motion, frame, is_timed=is_timed)
+    truth = truth_of(asked, motion, frame, seconds=seconds)
     answer, is_answer_right = graded(asked)
-    if is_answer_right is None:
-        return None
     right = {WORDS: is_answer_right, UNSEEN: graded(unseen)[1]}
-    right = {name: one for name, one in right.items() if one is not None}
     stated = None if truth.abstains or answer.decided is None else answer.confidence
     return Asked(type_id, right, stated)
 

@@ -61,14 +61,7 @@ class Graded:
 
 def track_rows(run: Run) -> Iterator[Row]:
     """Yield the rows of real recordings, each half apart, and of simulated streams."""
-    from geotlm_lm.track.believing import believer
-    from geotlm_lm.track.tracker import track_of
-
-    believe = believer(run.answerer.bundle)
-
-    def track(clip: Clip) -> Track:
-        return track_of(clip, believe)
-
+    track = run.answerer.track
     for name, cases in ({} if run.real is None else real_cases(run.real)).items():
         table = cases.recordings.folder / TABLE_NAME
         for half in HALVES:

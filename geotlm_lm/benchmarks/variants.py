@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING
 
 from geotlm_lm.answering.belief_of_clip import reading
 from geotlm_lm.benchmarks.judging import Reply, Variant, timed
-from geotlm_lm.conversation.felt import Felt
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.seeding import generator_for
-from geotlm_lm.core.twist import Component
+from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.data.questions import as_typed, questions_for
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.slots import SLOTS
@@ -31,6 +30,7 @@ from geotlm_lm.recordings.imprints import touched_part
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answer, Answerer, Encoded
     from geotlm_lm.checkpoint import Bundle
+    from geotlm_lm.motion.belief import Belief
 
 GENERATED = "words"
 GENERATED_UNSEEN = "words, unseen wordings"
@@ -75,7 +75,7 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
     def words(question: Callable[[tuple[Motion, ...]], str]) -> Variant:
         def ask(encoded: Encoded, among: tuple[Motion, ...]) -> Told:
             answer = answerer.ask(encoded, question(among))
-            return motion_told(answer), ways_claimed(answer)
+            return answer.in_the_image, ways_claimed(answer)
 
         return after_perceiving(perceive, ask)
 
@@ -86,9 +86,9 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
         return model.global_probe.predict(encoded.perception.global_token, among)[0]
 
     def felt(encoded: Encoded, among: tuple[Motion, ...]) -> Told:
-        found = felt_words(answerer.bundle, encoded)
-        ways = (found.way(one) for one in found.components if one is not Component.PRESS)
-        return max(among, key=lambda motion: found.words[motion.value]), tuple(ways)
+        found = felt_belief(answerer.bundle, encoded)
+        ways = (found.way(one) for one in found.by_size() if one is not Component.PRESS)
+        return max(among, key=shares_of(found).__getitem__), tuple(ways)
 
     return {
         GENERATED: words(question_for),
@@ -117,8 +117,11 @@ def rival(predict: Callable[[Clip, tuple[Motion, ...]], Motion]) -> Variant:
     return timed(on_gel)
 
 
-def felt_words(bundle: Bundle, encoded: Encoded) -> Felt:
-    """Return what the language model itself says at its slots, which decides nothing."""
+def felt_belief(bundle: Bundle, encoded: Encoded) -> Belief:
+    """Return what the language model itself says at its slots, which decides nothing.
+
+    How far it goes is no word of a slot, and stays as it is believed.
+    """
     ways, contact = {}, 0.0
     for slot, logits in bundle.speaker.feel(reading(encoded)[None]).items():
         shares = bundle.calibration.felt(logits[0].double().numpy(), doubt=encoded.doubt)
@@ -127,7 +130,17 @@ def felt_words(bundle: Bundle, encoded: Encoded) -> Felt:
             contact = said["yes"]
         else:
             ways |= {Motion(word): share for word, share in said.items() if word != "none"}
-    return Felt({way: share * contact for way, share in ways.items()}, contact)
+    ways = {way: share * contact for way, share in ways.items()}
+    return replace(encoded.belief, ways=ways, contact=contact)
+
+
+def shares_of(belief: Belief) -> dict[Motion, float]:
+    """Return the probability of each motion; several may hold at once."""
+    touching = max(belief.contact, *map(belief.counts, WAYS))
+    still = touching
+    for component in WAYS:
+        still *= max(1 - belief.counts(component) / max(touching, 1e-9), 0.0)
+    return {**belief.ways, Motion.STILL: still, Motion.NONE: 1 - touching}
 
 
 def question_for(among: Sequence[Motion]) -> str:
@@ -161,24 +174,15 @@ def unseen_wordings(seed: int) -> Callable[[tuple[Motion, ...]], str]:
     return question
 
 
-def motion_told(answer: Answer) -> Motion | None:
-    """Return the motion an answer claims, as the camera image shows it; None if it claims none.
-
-    Who asks of "the robot" is told of the sensor, which goes the other way.
-    """
-    return None if answer.direction is None else answer.frame.in_the_image(answer.direction)
-
-
 def ways_claimed(answer: Answer) -> tuple[Motion, ...]:
     """Return the ways a turn and a slide are claimed to go, as the camera image shows them.
 
-    An answer that carries its `motion` claims what more probably counts there than not, another its
-    direction alone, and one that is withheld nothing.
+    An answer claims what more probably counts in its `motion` than not, and one that is withheld
+    nothing.
     """
-    motion = getattr(answer, "motion", None)
+    motion = answer.motion
     if motion is None or answer.abstained:
-        told = motion_told(answer)
-        return (told,) if told in DIRECTED else ()
+        return ()
     counting = (one for one in (Component.TURN, Component.SLIDE) if motion.counts[one] >= 0.5)
     return tuple(motion.ways[one] for one in counting)
 

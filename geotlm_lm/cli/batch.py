@@ -122,8 +122,7 @@ def read_questions(path: Path) -> list[str]:
     """Return the questions of a text file, one a line; blank lines and # comments are left out.
 
     Raises:
-        UsageError: If the file cannot be read, is no UTF-8 text, or holds no question, or one that
-            is too long.
+        UsageError: If the file cannot be read, is no UTF-8 text, or holds no question.
     """
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
@@ -133,16 +132,8 @@ def read_questions(path: Path) -> list[str]:
         ) from error
     except UnicodeDecodeError as error:
         raise UsageError(f"{path}: is no UTF-8 text; save the questions as UTF-8.") from error
-    from geotlm_lm.conversation.question import check_question
-
-    questions = []
-    for number, line in enumerate(map(str.strip, lines), start=1):
-        if line and not line.startswith(COMMENT):
-            try:
-                check_question(line)
-            except UsageError as error:
-                raise UsageError(f"{path}, line {number}: {error}") from error
-            questions.append(line)
+    stripped = map(str.strip, lines)
+    questions = [line for line in stripped if line and not line.startswith(COMMENT)]
     if not questions:
         raise UsageError(f"{path}: holds no question; write one a line.")
     return list(dict.fromkeys(questions))

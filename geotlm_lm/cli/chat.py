@@ -19,12 +19,11 @@ from geotlm_lm.cli.options import (
     SquarePixels,
     span_of,
 )
-from geotlm_lm.core.errors import GeoTLMError
+from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded, Session
-    from geotlm_lm.answering.session import Reply
 
 PROMPT = "> "
 
@@ -142,27 +141,8 @@ class Conversation:
         return True
 
     def _ask(self, question: str) -> None:
-        before = len(self.session.encoded.clip.notes)
-        answer = self._tell_json(question) if self.is_json else self._tell_words(question)
-        self._tell_notes(getattr(answer, "notes", ())[before:])
-
-    def _tell_json(self, question: str) -> Reply:
-        answer = self.session.ask(question)
-        print(json.dumps(answer.to_dict()))
-        return answer
-
-    def _tell_words(self, question: str) -> Reply:
-        """Print the words as they come; a text that turned out to be another one stands below."""
-        told = ""
-        for piece in self.session.stream(question):
-            if not isinstance(piece, str):
-                break
-            told += piece
-            print(piece, end="", flush=True)
-        print() if told else None
-        if piece.text != told:
-            print(piece.text)
-        return piece
+        reply = self.session.ask(question)
+        print(json.dumps(reply.to_dict()) if self.is_json else reply.text)
 
     def _clip(self, path: str) -> None:
         if not path:
@@ -176,40 +156,48 @@ class Conversation:
         print(f"Looking at {path}; {len(self.session.clips)} clips are open.")
 
     def _frame(self, facts: str) -> None:
-        from geotlm_lm.conversation.frame_facts import read_facts
-        from geotlm_lm.conversation.image_rotation import unclear_rotation
-        from geotlm_lm.conversation.wording import frame_summary
+        if facts == "reset":
+            self.session.frame = FrameSpec()
+        elif facts:
+            self.session.frame = self._stated(facts)
+        print(f"Frame: {self.session.frame.summary()}.")
 
-        if facts:
-            text = "reset the frame" if facts == "reset" else facts
-            stated = read_facts(text, self.session.frame)
-            if stated.rest:
-                unknown = (
-                    f"'{facts}' is no fact I know; say for example 'left-hand thread', 'the image "
-                    f"is mirrored' or 'I look from the object's side'."
-                )
-                print(unclear_rotation(stated.rest) or unknown, file=sys.stderr)
-                return
-            self.session.frame = stated.lasting
-        print(f"Frame: {frame_summary(self.session.frame)}.")
+    def _stated(self, facts: str) -> FrameSpec:
+        """Return the frame in which some facts hold as well.
+
+        Raises:
+            UsageError: If they are none, or not understood.
+        """
+        from geotlm_lm.answering.understanding import understand
+        from geotlm_lm.query.facts import with_facts
+
+        found = understand(self.answerer.bundle.reader, facts)
+        if found.ask_back is not None:
+            raise UsageError(found.ask_back)
+        if found.query.parts or not found.query.facts:
+            raise UsageError(
+                f"'{facts}' is no fact I know; say for example 'left-hand thread', 'the image is "
+                f"mirrored' or 'I look from the object's side'."
+            )
+        columns = self.session.encoded.clip.frames.shape[2]
+        return with_facts(self.session.frame, found.query.facts, columns)
 
     def _why(self, _: str) -> None:
-        from geotlm_lm.answering.session import OF_THE_CLIP_BEFORE
-
-        turn = self.session.last_turn
-        if getattr(turn and turn.answer, "evidence", None) is None:
+        last = self.session.last
+        turn = next((one for one in self.session.history if one.answer is last), None)
+        if getattr(last, "evidence", None) is None:
             print("there is no answer about one clip yet; ask a question first.", file=sys.stderr)
             return
         reasons = self.answerer.why(turn.encoded, turn.answer)
         if turn.encoded is not self.session.encoded:
-            print(OF_THE_CLIP_BEFORE)
+            print("Of the clip before:")
         print("\n".join(reasons.steps))
         print(f"note: told {reasons.source}", file=sys.stderr)
 
     def _evidence(self) -> dict:
-        from geotlm_lm.answering import evidence
+        from geotlm_lm.answering.evidence_of import regions_of
 
-        return evidence(self.session.encoded)
+        return regions_of(self.session.encoded)
 
     def _history(self, _: str) -> None:
         for turn in self.session.history:

@@ -111,6 +111,17 @@ class FrameSpec:
         """Return the motion in the camera image that this frame tells as `told`."""
         return next(motion for motion in Motion if self.tell(motion) == told)
 
+    def summary(self) -> str:
+        """Return all known facts in one clause."""
+        facts = [self.sentence()]
+        if self.thread is not None:
+            facts.append(f"{self.thread}-hand thread")
+        if self.contact_side is not None:
+            facts.append(f"touched at its {self.contact_side}")
+        if self.mm_per_px is not None:
+            facts.append(f"{self.mm_per_px:g} mm per pixel")
+        return ", ".join(facts)
+
     def missing_for_thread(self) -> tuple[str, ...]:
         """Return the names of the facts still needed to tell tightening from loosening."""
         return tuple(name for name in ("contact_side", "thread") if getattr(self, name) is None)

@@ -5,7 +5,7 @@ Knows neither where the fused token comes from nor what an answer means.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -73,32 +73,23 @@ class Speaker:
         self.prompts.save(folder)
 
     @torch.inference_mode()
-    def generate(
-        self,
-        fused_token: Tensor,
-        questions: Sequence[str],
-        listen: Callable[[str], None] | None = None,
-    ) -> list[str]:
+    def generate(self, fused_token: Tensor, questions: Sequence[str]) -> list[str]:
         """Return the most likely words, token by token, one answer per row.
 
         Args:
             fused_token: (b, fused width), unitless.
             questions: b questions.
-            listen: Told the words so far of a single question, after each token.
 
         Raises:
-            ValueError: If the shapes disagree, a token is not finite, or several questions are to
-                be listened to.
+            ValueError: If the shapes disagree, or a token is not finite.
             UsageError: If a question is empty or too long.
         """
         fused_token = self._checked(fused_token, (len(questions), self.model.fused_width))
-        if listen is not None and len(questions) != 1:
-            raise ValueError(f"one question can be listened to, not {len(questions)}")
         prompts = [self.prompts.prompt(question) for question in questions]
         answers: list[str] = []
         for start in range(0, len(prompts), BATCH):
             part = slice(start, start + BATCH)
-            answers += self._generate(fused_token[part], prompts[part], listen)
+            answers += self._generate(fused_token[part], prompts[part])
         return answers
 
     @torch.inference_mode()
@@ -191,12 +182,7 @@ class Speaker:
         hidden, _ = self.model.decoder(embedded, past + tree.depths, visible, cache)
         return self.model.logits(hidden[0])
 
-    def _generate(
-        self,
-        fused_token: Tensor,
-        prompts: list[list[int]],
-        listen: Callable[[str], None] | None,
-    ) -> list[str]:
+    def _generate(self, fused_token: Tensor, prompts: list[list[int]]) -> list[str]:
         ids, is_text = _left_padded(prompts, self.prompts.pad_id)
         rows, length = ids.shape
         visible = is_text[:, None, :] & torch.ones(length, length, dtype=torch.bool).tril()
@@ -211,8 +197,6 @@ class Speaker:
         for _ in range(MAX_ANSWER_TOKENS):
             token = self.model.logits(hidden[:, -1]).argmax(-1)
             written.append(token)
-            if listen is not None:
-                listen(self.prompts.decode([int(one) for one in written]))
             is_done |= token == self.prompts.eos_id
             if bool(is_done.all()):
                 break

@@ -42,6 +42,10 @@ _MARK = re.compile("\ue000(\\d+)\ue001(.*?)\ue002", re.DOTALL)
 SPLITS = ("train", "validation", "test")
 
 
+_SEEN = ("way", "claim", "choice", "amount", "kind")
+"""Asks that a point of view may be put around."""
+_COMPLETE = ("fact", "talk", "help", "again", "not-understood", "compare", "which-clip")
+"""Asks that nothing is put around."""
 LEAST_FAMILIES = 25
 """A kind is drawn by the root of its number of families, or of this where it has fewer."""
 
@@ -124,6 +128,22 @@ class Grammar:
             pair = self._pair(rng, family, other, clauses)
             if pair is not None:
                 yield pair
+
+    def surrounded(self, rng: random.Random, pair: Pair) -> Pair:
+        """Return a labelled question with clauses of the training split around it.
+
+        A question that has numbers, parts or a point of view of its own is returned as it is.
+        """
+        if any(mark in pair.query for mark in "#>;") or any(mark in pair.text for mark in "{["):
+            return pair
+        plain = pair.text.rstrip("?.! ")
+        kind = kind_of(pair.query)
+        end = pair.text[len(plain) :].strip() or ("" if pair.text == plain else ".")
+        family = Family(
+            pair.families[0], pair.query, (plain,), end, kind in _SEEN, kind in _COMPLETE
+        )
+        clauses = [one for one in self.clauses if split_of(one.id) == "train"]
+        return self._pair(rng, family, None, clauses) or pair
 
     def _pair(
         self, rng: random.Random, family: Family | None, other: Family | None, clauses: list[Clause]

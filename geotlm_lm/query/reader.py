@@ -42,11 +42,13 @@ class Reading:
         line: The query's words, numbers as slots.
         quantities: Numbers of the question, for the slots.
         probability: That this is what was meant, calibrated.
+        chance: That the model writes it, not calibrated.
     """
 
     line: str
     quantities: tuple[Quantity, ...]
     probability: float
+    chance: float
 
     @property
     def query(self) -> Query:
@@ -123,8 +125,15 @@ class Reader:
             found.append((rest, min(other, share)))
         numbers = tuple(one.quantity for one in spelled.found)
         return [
-            Reading(" ".join(words), numbers, self._calibrated(chance)) for words, chance in found
+            Reading(" ".join(words), numbers, self.calibrated(chance), chance)
+            for words, chance in found
         ]
+
+    def calibrated(self, chance: float) -> float:
+        """Return the calibrated probability of readings that the model writes with a chance."""
+        slope, offset = self.calibration
+        chance = min(max(chance, 1e-6), 1 - 1e-6)
+        return 1 / (1 + math.exp(-(slope * math.log(chance / (1 - chance)) + offset)))
 
     def _begun(self, ids: list[int]) -> tuple[Tensor, Cache]:
         row = torch.tensor([ids])
@@ -161,11 +170,6 @@ class Reader:
     def _step(self, number: int, place: int, cache: Cache) -> tuple[Tensor, Cache]:
         seen = torch.ones(1, 1, 1, place + 1, dtype=torch.bool)
         return self.model(torch.tensor([[number]]), torch.tensor([[place]]), seen, cache)
-
-    def _calibrated(self, chance: float) -> float:
-        slope, offset = self.calibration
-        chance = min(max(chance, 1e-6), 1 - 1e-6)
-        return 1 / (1 + math.exp(-(slope * math.log(chance / (1 - chance)) + offset)))
 
     def save(self, folder: Path) -> None:
         """Write config.json, tokenizer.json and model.safetensors (half precision), atomically."""

@@ -8,7 +8,7 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass
 from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import Recording
+from geotlm_lm.query.amounts import Measure, Recording
 from geotlm_lm.query.decision import ContactArea, Decision
 from geotlm_lm.query.phrases import (
     WORDS,
@@ -19,7 +19,7 @@ from geotlm_lm.query.phrases import (
     where_phrase,
 )
 from geotlm_lm.query.replies import replies
-from geotlm_lm.query.tell_track import moment, tell_times, times_phrase
+from geotlm_lm.query.tell_track import largest, moment, story, tell_times, times_phrase
 
 _DENIED = {
     Component.TURN: "turn",
@@ -91,6 +91,13 @@ def _clause(decision: Decision, recording: Recording) -> str:
     return f"{who} does not {denied}; {told}" if is_instead else f"{told}; {who} does not {denied}"
 
 
+def _way(decision: Decision, recording: Recording) -> str:
+    """Return what moves; of a recording of several motions what happens one after another."""
+    if not decision.happenings:
+        return _clause(decision, recording)
+    return story(decision, largest(decision.happenings), recording)
+
+
 def _all_of(parts: Sequence[str]) -> str:
     """Return phrases that hold commas as a list."""
     *others, last = parts
@@ -150,7 +157,7 @@ def _amount(decision: Decision, recording: Recording) -> str:
         return f"about {decision.area.share:.0%} of the image is touched"
     if not decision.amounts:
         return _clause(decision, recording)
-    told = joined([f"about {amount_phrase(one, with_span=True)}" for one in decision.amounts])
+    told = joined([f"about {_spanned(one, decision)}" for one in decision.amounts])
     if decision.part.ask.measure == "path":
         told += " there and back together"
     if decision.rest is not None:
@@ -162,6 +169,14 @@ def _amount(decision: Decision, recording: Recording) -> str:
     times = [one.times for one in moves if one.times is not None]
     when = f", {times_phrase(*times[0], recording)}" if len(times) == 1 else ""
     return f"{told}: {names} {where_phrase(decision)}{when}"
+
+
+def _spanned(amount: Measure, decision: Decision) -> str:
+    """Return an amount and its span, in brackets where several stand side by side."""
+    if len(decision.amounts) == 1:
+        return amount_phrase(amount, with_span=True)
+    low, high = amount.span
+    return f"{amount_phrase(amount)} ({low:g} to {high:g})"
 
 
 def _kind(decision: Decision, recording: Recording) -> str:
@@ -251,7 +266,7 @@ def _recording(topic: str, recording: Recording, frame: FrameSpec) -> str:
 
 
 _TELLERS: dict[str, Callable[[Decision, Recording], str]] = {
-    "way": _clause,
+    "way": _way,
     "why": _why,
     "kind": _kind,
     "claim": _claim,

@@ -22,9 +22,6 @@ Planar = NDArray[np.float32]
 LIGHTS = np.array([[-0.12, -1.08], [0.49, 0.07], [-0.03, 0.56]])
 """Relative change of R, G, B per unit slope g towards (right, down), measured on one unit."""
 
-NOMINAL_VIEW_MM = 20.3
-"""Width of a GelSight Mini's whole view (gs_sdk)."""
-
 SHADOW_REACH_MM = 0.6
 """How far from a flank its shadow is looked for; about the depth of a press."""
 

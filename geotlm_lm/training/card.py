@@ -82,6 +82,8 @@ by compression, a dim or drifting camera or a faint touch.
   the measured motions.
 - Language model: trained from random weights, {preset["language_steps"]:,} steps of
   {preset["language_batch"]} questions.
+- Reader of questions: a decoder of its own, trained from random weights,
+  {preset["reading_steps"]:,} steps of {preset["reading_batch"]} questions that the grammar writes.
 - Command: `{made["command"]}`, {seconds / 60:.0f} min on {machine["processor"]}
   ({machine["cores"]} cores, {made["device"]}), torch {machine["versions"]["torch"]}, commit
   {made["commit"] or "unknown"}.

@@ -41,6 +41,8 @@ class TrainingPreset(HeadsPreset):
     """Sizes and lengths of one training run from nothing: heads on an encoder of its own.
 
     Args:
+        reading_steps: Steps of the reader of questions.
+        reading_batch: Questions per step.
         pretraining_clips: Simulated clips of the same objects as the head clips, on which the
             backbone is pretrained; the language model learns from them too.
         test_clips: Clips of everyday objects, scored once for the model card.
@@ -53,6 +55,8 @@ class TrainingPreset(HeadsPreset):
             them, whereas it is pretrained on the others as well.
     """
 
+    reading_steps: int
+    reading_batch: int
     pretraining_clips: int
     test_clips: int
     backbone_width: int
@@ -70,6 +74,8 @@ class TrainingPreset(HeadsPreset):
 
 DEFAULT = TrainingPreset(
     name="default",
+    reading_steps=3_600,
+    reading_batch=128,
     pretraining_clips=32_000,
     head_clips=16_000,
     validation_clips=2_000,
@@ -88,6 +94,8 @@ DEFAULT = TrainingPreset(
 SMOKE = replace(
     DEFAULT,
     name="smoke",
+    reading_steps=20,
+    reading_batch=32,
     pretraining_clips=400,
     head_clips=300,
     validation_clips=100,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import torch
 
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.checkpoint import Bundle, Calibration
+from geotlm_lm.checkpoint import Bundle, Calibration, embedded_reader
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.progress import Progress, silent
@@ -69,7 +69,8 @@ def train_heads(
     motion = train_motion(spoken_of.measured, spoken_of.labels, seed=seed, progress=progress)
     widen_spans(motion, perceived.measured, perceived.labels)
     speaker = train_speaker(spoken_of, motion, settings, seed, out, progress)
-    bundle = Bundle(model, motion, speaker, load_templates().grammar(), Calibration(), about)
+    grammar = load_templates().grammar()
+    bundle = Bundle(model, motion, speaker, grammar, Calibration(), about, embedded_reader())
     bundle.calibration = calibrated(bundle, perceived, seed)
     return bundle
 

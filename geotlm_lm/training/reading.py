@@ -27,6 +27,7 @@ from geotlm_lm.core.seeding import seed_for
 from geotlm_lm.language.decoder import LanguageSize, initialise
 from geotlm_lm.language.tokenizer import byte_pairs
 from geotlm_lm.query.grammar import Pair, grammar
+from geotlm_lm.query.labelled import Labelled
 from geotlm_lm.query.reader import MOST_WORDS, SIZE, QuestionDecoder, Reader
 from geotlm_lm.query.spelling import Spelling, plain_parts
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
@@ -50,7 +51,8 @@ class ReadingTraining:
         warmup: Steps of the rise.
         hidden: Share of a question's tokens that are hidden from it.
         dropout: Share of byte pairs that are left apart.
-        corpus_share: Share of questions drawn from the corpus instead of the grammar.
+        corpus_share: Share of questions drawn from the corpus instead of the grammar, half of them
+            with the grammar's clauses around.
         vocabulary: Byte pairs at most.
         seed: Of weights and draws.
         size: How large the model is.
@@ -62,7 +64,7 @@ class ReadingTraining:
     warmup: int = 200
     hidden: float = 0.06
     dropout: float = 0.1
-    corpus_share: float = 0.06
+    corpus_share: float = 0.12
     vocabulary: int = 2000
     seed: int = 0
     size: LanguageSize = field(default_factory=lambda: SIZE)
@@ -111,18 +113,18 @@ def train_reader(
     return Reader(model, spelling, (1.0, 0.0))
 
 
-def calibrated_reader(reader: Reader, pairs: Sequence[Pair]) -> Reader:
-    """Return a reader whose probabilities come true on pairs of families it has not read.
+def calibrated_reader(reader: Reader, questions: Sequence[Labelled]) -> Reader:
+    """Return a reader whose probabilities come true on questions that it was not trained on.
 
     The log-odds of what it tells are scaled and shifted to the greatest likelihood of whether its
     readings were the right ones (Platt 1999).
     """
     raw = Reader(reader.model, reader.spelling, (1.0, 0.0))
     odds, right = [], []
-    for pair in pairs:
-        found = raw.read(pair.text)
+    for one in questions:
+        found = raw.read(one.text)
         odds.append(math.log(found.probability / (1 - found.probability)))
-        right.append(found.line == pair.query)
+        right.append(one.is_met(found.line))
     x, y = torch.tensor(odds), torch.tensor(right, dtype=torch.float32)
     line = torch.tensor([1.0, 0.0], requires_grad=True)
     optimiser = torch.optim.LBFGS([line], max_iter=100, line_search_fn="strong_wolfe")
@@ -162,7 +164,9 @@ def _draws(config: ReadingTraining, corpus: Sequence[Pair], step: int) -> Iterat
         rng = random.Random(seed)
         shown = round(config.batch * config.corpus_share) if corpus else 0
         drawn = list(islice(grammar().pairs(seed, "train"), config.batch - shown))
-        yield drawn + rng.choices(list(corpus), k=shown) if shown else drawn
+        labelled = rng.choices(list(corpus), k=shown) if shown else []
+        labelled[::2] = [grammar().surrounded(rng, pair) for pair in labelled[::2]]
+        yield drawn + labelled
         step += 1
 
 

@@ -6,6 +6,7 @@ Every stage leaves its result in the run folder, so that an interrupted run cont
 from __future__ import annotations
 
 import json
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,9 @@ from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.generation import Speaker
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
+from geotlm_lm.query.grammar import corpus, grammar
+from geotlm_lm.query.labelled import TUNE, Labelled, labelled
+from geotlm_lm.query.reader import Reader
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.calibration import fit_contact_threshold, fit_temperature
@@ -50,6 +54,7 @@ from geotlm_lm.training.language import LanguageTraining, train_language
 from geotlm_lm.training.motion import motion_scores, train_motion, widen_spans
 from geotlm_lm.training.perceiving import perceive_examples, token_set
 from geotlm_lm.training.pretraining import PRETRAINING_VERSION, pretrain
+from geotlm_lm.training.reading import ReadingTraining, calibrated_reader, train_reader
 from geotlm_lm.training.run_clock import clock
 from geotlm_lm.training.scoring import (
     ClipSet,
@@ -109,8 +114,9 @@ def train(preset: str, out: Path, seed: int, workers: int, progress: Progress = 
         speaker = train_speaker(spoken_of, motion, settings, seed, out, progress)
         provenance = _provenance(settings, seed, workers)
         provenance |= {"device": device, "dgr_validation_accuracy": modes}
-        grammar = load_templates().grammar()
-        bundle = Bundle(model, motion, speaker, grammar, Calibration(), provenance)
+        answers = load_templates().grammar()
+        reader = reader_of(settings, seed, out / "reader", progress)
+        bundle = Bundle(model, motion, speaker, answers, Calibration(), provenance, reader)
         bundle.calibration = calibrated(bundle, perceived, seed)
         folder = out / "bundle"
         save_bundle(folder, bundle)
@@ -250,6 +256,20 @@ def train_speaker(
         folder=out / "language",
         progress=progress,
     )
+
+
+def reader_of(
+    settings: TrainingPreset, seed: int, folder: Path, progress: Progress = silent
+) -> Reader:
+    """Train the reader of questions and calibrate it on families and people it has not read."""
+    config = ReadingTraining(steps=settings.reading_steps, batch=settings.reading_batch, seed=seed)
+    reader = train_reader(config, folder, corpus("train"), progress)
+    held = [*islice(grammar().pairs(seed, "validation"), CALIBRATION_PAIRS), *corpus("validation")]
+    questions = [Labelled(one.text, (one.query,)) for one in held]
+    return calibrated_reader(reader, [*questions, *labelled(TUNE)])
+
+
+CALIBRATION_PAIRS = 1500
 
 
 def calibrated(bundle: Bundle, validation: ClipSet, seed: int) -> Calibration:

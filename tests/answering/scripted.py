@@ -6,53 +6,28 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from geotlm_lm.answering import OPEN_QUESTION, Answerer
+from geotlm_lm.answering import Answerer
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, WAYS, Component, Twist
-from geotlm_lm.language.parse_answer import AnswerGrammar, Slots
+from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.motion.belief import Belief
-
-FIRST_KINDS = ("direction", "verify", "choice", "class", "contact", "moving", "refusal")
+from geotlm_lm.query.quantities import quantities
+from geotlm_lm.query.reader import Reading
 
 
 class Scripted:
-    """Says the sentence written for a question, else the one for any; remembers what it heard.
-
-    An option is e^2.4 times as likely as each other one if it is what would be said, and e^2.3
-    times if it is what the test says the model likes: more than half of the probability, of ten.
-    """
+    """Writes the sentence given for a question, else the one for any; remembers what it heard."""
 
     model = SimpleNamespace(state_dict=dict)  # no weights: a digest has nothing of it to hold
 
     def __init__(self, sentences):
-        self.sentences = sentences
-        self.likes = None
-        self.heard = []
-
-    def generate(self, fused_token, questions, listen=None):
-        assert len(fused_token) == len(questions)
-        self.heard += questions
-        if listen is not None:
-            (text,) = (self._says(question) for question in questions)
-            for end in range(2, len(text) + 2, 2):  # two letters a token
-                listen(text[:end])
-        return [self._says(question) for question in questions]
+        self.sentences, self.heard = sentences, []
 
     def would_write(self, fused_token, question, sentence):
-        if question not in self.heard:
-            self.heard.append(question)
-        return self._says(question) == sentence
-
-    def score(self, fused_token, question, options):
-        said = self._says(question)
-        return np.array(
-            [-1.0 if one == said else -1.1 if one == self.likes else -3.4 for one in options]
-        )
-
-    def _says(self, question):
-        return self.sentences.get(question, self.sentences.get("*"))
+        self.heard.append(question)
+        return self.sentences.get(question, self.sentences.get("*")) == sentence
 
 
 def believed(*ways, share=0.97, contact=None, deg=12.0, px=14.0, mm=0.5, spread=0.05):
@@ -117,40 +92,62 @@ def _scripted(belief, encoded):
     return believed("none") if encoded.is_untouched else belief
 
 
-def first_kinds_of(grammar):
-    """The grammar of a model that was trained on the first seven kinds alone."""
-    sentences = [text for kind in FIRST_KINDS for text in grammar.options_for(kind)]
-    return AnswerGrammar({text: grammar.parse(text) for text in sentences})
+class ScriptedReader:
+    """Reads what a test wrote down, else takes the text itself for a query line."""
+
+    model = SimpleNamespace(state_dict=dict)
+
+    def __init__(self, lines=None, probability=0.98):
+        self.lines, self.probability = {**READ, **(lines or {})}, probability
+        self.heard = []
+
+    def read(self, text):
+        return self.readings(text)[0]
+
+    def readings(self, text, most=2):
+        self.heard.append(text)
+        line = self.lines.get(text, text)
+        return [Reading(line, quantities(text), self.probability, self.probability)]
+
+    def calibrated(self, chance):
+        return chance
 
 
-def answerer_saying(bundle, sentences, *, grammar=None, belief=None, **calibration):
-    """An answerer whose model says `sentences`, by question; "*" stands for any.
+READ = {
+    "Which way?": "way",
+    "Which way is it going?": "way",
+    "Which way is it moving?": "way",
+    "Do they go the same way?": "compare same",
+    "Which way is it turning?": "way turn",
+    "Is it turning clockwise?": "claim cw",
+    "How far?": "amount",
+    "How far did it turn?": "amount turn",
+    "How far did it slide?": "amount slide",
+    "And mirrored?": "mirror > again",
+    "Are you sure?": "how-sure",
+    "Why?": "why",
+    "The image is mirrored.": "fact mirrored",
+    "Is anything touching the gel?": "claim touch",
+    "Is it moving?": "claim move",
+    "What kind of motion is it?": "kind",
+    "Do they turn the same way?": "compare same turn",
+    "Thanks!": "talk thanks",
+}
+"""What is read of the questions of tests; any other text is its own query."""
 
-    What it believes is the motion that it says when asked openly, where nothing else is given.
-    """
-    grammar = grammar or bundle.grammar
-    if belief is None:
-        opened = (grammar.parse(sentences.get(asked, "")) for asked in (OPEN_QUESTION, "*"))
-        said = [one.direction for one in opened if one and one.direction]
-        belief = believed(said[0] if said else Motion.LEFT)
+
+def answerer_saying(bundle, sentences, *, belief=None, understood=0.98, **calibration):
+    """An answerer whose model writes `sentences`, by question; "*" stands for any."""
     speaker, calibration = Scripted(sentences), Calibration(**calibration)
-    changed = replace(bundle, speaker=speaker, grammar=grammar, calibration=calibration)
-    return Believing(changed, belief)
+    reader = ScriptedReader(probability=understood)
+    changed = replace(bundle, speaker=speaker, reader=reader, calibration=calibration)
+    return Believing(changed, belief or believed("left"))
 
 
-def feeling(bundle, *ways, belief=None, **calibration):
-    """An answerer trained on the first kinds, which says and feels `ways` whatever it is asked."""
-    grammar = first_kinds_of(bundle.grammar)
-    said = grammar.sentence(Slots("direction", Motion(ways[0])))
-    belief = belief or believed(*ways)
-    sentences = {"*": said, OPEN_QUESTION: said}
-    return answerer_saying(bundle, sentences, grammar=grammar, belief=belief, **calibration)
-
-
-def measuring(bundle, motion, **amounts):
-    """An answerer that tells `motion` when asked openly and believes that it goes so far."""
-    said = {"*": bundle.grammar.sentence(Slots("direction", Motion(motion)))}
-    return answerer_saying(bundle, said, belief=believed(motion, **amounts))
+def feeling(bundle, *ways, belief=None, **options):
+    """An answerer that believes `ways` and whose model says the first of them."""
+    said = bundle.grammar.sentence(Slots("direction", Motion(ways[0])))
+    return answerer_saying(bundle, {"*": said}, belief=belief or believed(*ways), **options)
 
 
 def recording(frames=4, fps=None, seed=1, size=(48, 64)):

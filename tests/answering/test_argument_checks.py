@@ -27,11 +27,9 @@ def encoded(answerer):
 CALLS = {
     "ask": lambda answerer, encoded, given: answerer.ask(given, "Which way?"),
     "stream": lambda answerer, encoded, given: next(answerer.stream(given, "Which way?")),
-    "score": lambda answerer, encoded, given: answerer.score(given, "Which way?"),
     "session": lambda answerer, encoded, given: answerer.session(given),
     "add_clip": lambda answerer, encoded, given: answerer.session(encoded).add_clip(given),
     "compare": lambda answerer, encoded, given: answerer.compare(encoded, given),
-    "order": lambda answerer, encoded, given: answerer.order([given, encoded]),
     "why": lambda answerer, encoded, given: answerer.why(
         given, answerer.ask(encoded, "Which way?")
     ),
@@ -61,7 +59,6 @@ def test_what_is_no_frame_is_refused_with_what_to_give(answerer, encoded, given,
     calls = (
         lambda: answerer.ask(encoded, "Which way?", frame=given),
         lambda: answerer.compare(encoded, encoded, frame=given),
-        lambda: answerer.order([encoded, encoded], frame=given),
         lambda: answerer.session(encoded, given),
         lambda: list(answerer.stream(encoded, "Which way?", frame=given)),
     )
@@ -80,15 +77,6 @@ def test_reasons_are_given_for_an_answer_about_one_clip(answerer, encoded):
     assert str(caught.value) == (
         "reasons are given for an Answer, found Comparison; pass on what answerer.ask(encoded, "
         "question) returns"
-    )
-
-
-def test_a_kind_the_model_does_not_give_is_refused_with_those_it_does(answerer, encoded):
-    with pytest.raises(UsageError) as caught:
-        answerer.score(encoded, "Which way?", "foo")
-    assert str(caught.value) == (
-        "found kind 'foo', expected one of choice, class, contact, direction, moving, refusal, "
-        "verify; give one of them, or leave it out."
     )
 
 

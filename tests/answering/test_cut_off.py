@@ -2,26 +2,9 @@
 
 from dataclasses import replace
 
-import pytest
-
-from geotlm_lm.answering.encoded import CUT_OFF_DOUBT
 from tests.answering.scripted import feeling, recording
 
 QUESTION = "Which way is it moving?"
-
-
-def test_the_odds_between_answers_shrink_by_the_stated_power(bundle):
-    answerer = feeling(bundle, "press")
-    whole = answerer.encode(recording())
-    assert not whole.is_cut_off
-    sure, unsure = (
-        answerer.score(one, QUESTION) for one in (whole, replace(whole, is_cut_off=True))
-    )
-    likely, *_, unlikely = sorted(sure, key=sure.get, reverse=True)
-    odds = sure[likely] / sure[unlikely]
-    assert odds > 1
-    assert unsure[likely] / unsure[unlikely] == pytest.approx(odds ** (1 / CUT_OFF_DOUBT))
-    assert sum(unsure.values()) == pytest.approx(1)
 
 
 def test_it_is_said_that_the_imprint_is_cut_off(bundle):

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from geotlm_lm.answering import Answerer
-from geotlm_lm.answering.abstention import UNRECOGNISED
 from geotlm_lm.answering.encoded import FAINT_DOUBT
+from geotlm_lm.answering.withholding import UNRECOGNISED
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
-from tests.answering.scripted import answerer_saying, believed, feeling, recording
+from tests.answering.scripted import believed, feeling, recording
 
 IDLE = np.add.outer(np.linspace(90, 140, 120), np.zeros((160, 3))).astype(np.uint8)
 
@@ -31,18 +31,14 @@ def untouched(seed=0):
     return Clip(frames, background=IDLE)
 
 
-def test_an_open_question_is_answered_without_the_language_model(bundle):
-    answerer = feeling(bundle, "press")
-    answer = answerer.ask(answerer.encode(untouched()), "Which way is the cap turning?")
-    assert (answer.text, answer.direction) == ("Nothing is touching the gel.", Motion.NONE)
-    assert answer.confidence > 0.99
+def test_an_open_question_is_answered_where_nothing_touches(bundle):
+    answerer = feeling(bundle, "none")
+    answer = answerer.ask(answerer.encode(untouched()), "Which way is it turning?")
+    assert answer.direction is Motion.NONE
+    assert answer.confidence > 0.97
     assert not answer.abstained
-    assert answer.told_by == "rule"
-    assert answerer.bundle.speaker.heard == []
-    assert list(answer.timing_ms) == ["choose", "touch", "encode", "total"]
-    mirrored = answerer.ask(answerer.encode(untouched()), "And mirrored?")
-    assert mirrored.text == "The gel is untouched, if the clip is mirrored."
-    assert answerer.bundle.speaker.heard == []
+    mirrored = answerer.ask(answerer.encode(untouched()), "mirror > way")
+    assert mirrored.text == "Nothing touches the gel."
 
 
 def test_how_faint_a_touch_may_go_unseen_is_said(bundle):
@@ -54,12 +50,6 @@ def test_how_faint_a_touch_may_go_unseen_is_said(bundle):
         note,
     )
     assert not any("idle gel by" in note for note in answerer.encode(recording()).clip.notes)
-
-
-def test_any_other_question_is_still_understood_by_the_model(bundle):
-    answerer = feeling(bundle, "press")
-    answerer.ask(answerer.encode(untouched()), "What colour is it?")
-    assert answerer.bundle.speaker.heard == ["What colour is it?"]
 
 
 def test_noise_is_not_perceived(bundle):
@@ -77,29 +67,12 @@ def test_a_touched_clip_is_perceived_as_it_is(bundle):
     answer = answerer.ask(encoded, "Which way is it going?")
     assert answer.direction is Motion.PRESS
     assert answer.told_by == "model"
-    # What is decided is what the model would write: it is not written token by token.
-    assert list(answer.timing_ms) == ["choose", "touch", "encode", "check", "total"]
+    assert list(answer.timing_ms) == ["choose", "touch", "encode", "read", "answer", "total"]
 
 
-@pytest.mark.parametrize("question", ["Is it turning clockwise?", "Is anything touching?"])
-def test_a_yes_or_no_is_left_to_the_model(bundle, question):
-    answerer = feeling(bundle, "press")
-    answerer.ask(answerer.encode(untouched()), question)
-    assert answerer.bundle.speaker.heard == [question]
-
-
-@pytest.mark.parametrize(
-    ("question", "sentence"),
-    [
-        ("Which way is it moving?", "Nothing is touching the gel."),
-        ("And mirrored?", "Nothing is touching the gel."),
-        ("What kind of motion is it?", "No contact."),
-        ("Is anything touching?", "No, nothing is touching the gel."),
-        ("Is it moving at all?", "No, there is no contact."),
-    ],
-)
-def test_nothing_touches_is_not_claimed_of_a_gel_that_changed(bundle, question, sentence):
-    answerer = answerer_saying(bundle, {"*": sentence}, belief=believed("none"))
+@pytest.mark.parametrize("question", ["way", "mirror > way", "kind", "claim touch"])
+def test_nothing_touches_is_not_claimed_of_a_gel_that_changed(bundle, question):
+    answerer = feeling(bundle, "none", belief=believed("none"))
     encoded = answerer.encode(faintly_touched())
     assert encoded.is_changed
     assert not encoded.is_untouched
@@ -107,8 +80,6 @@ def test_nothing_touches_is_not_claimed_of_a_gel_that_changed(bundle, question, 
     assert answer.text == UNRECOGNISED
     assert answer.abstained
     assert (answer.direction, answer.confidence) == (None, 0.0)
-    *words, last = answerer.stream(encoded, question)
-    assert "".join(words) == last.text == UNRECOGNISED
 
 
 def test_what_an_idle_gel_may_do_now_and_then_is_doubtful(bundle):
@@ -135,32 +106,20 @@ def test_against_a_guessed_background_no_change_is_beyond_noise(bundle):
     assert answerer.ask(encoded, "Which way is it moving?").direction is Motion.NONE
 
 
-@pytest.mark.parametrize(
-    ("question", "said"),
-    [
-        ("Which way is it moving?", "It is still: touching but not moving."),
-        ("Which way is it moving?", "Nothing is touching the gel."),
-        ("Is anything touching the gel?", "Yes, something is touching the gel."),
-        ("Is anything touching the gel?", "No, nothing is touching the gel."),
-        ("What kind of motion is it?", "A still contact."),
-    ],
-)
-def test_contact_is_not_judged_where_nothing_shows_the_untouched_gel(bundle, question, said):
+@pytest.mark.parametrize("felt", ["still", "none"])
+@pytest.mark.parametrize("question", ["way", "claim touch", "kind"])
+def test_contact_is_not_judged_where_nothing_shows_the_untouched_gel(bundle, question, felt):
     shown = recording().frames[0]
-    felt = "none" if "othing" in said else "still"
-    answerer = answerer_saying(bundle, {"*": said}, belief=believed(felt))
-    encoded = answerer.encode(Clip(np.stack([shown] * 4)))
-    answer = answerer.ask(encoded, question)
+    answerer = feeling(bundle, felt)
+    answer = answerer.ask(answerer.encode(Clip(np.stack([shown] * 4))), question)
     assert answer.abstained
     assert answer.text.startswith("Nothing moves in these frames; whether anything touches")
-    *words, streamed = answerer.stream(encoded, question)
-    assert "".join(words) == streamed.text == answer.text
     known = answerer.encode(Clip(np.stack([shown] * 4), background=recording(seed=5).frames[0]))
     assert answerer.ask(known, question).text != answer.text
 
 
 def test_that_nothing_moves_is_told_without_an_idle_frame_too(bundle):
-    answerer = answerer_saying(bundle, {"*": "No, it is still."}, belief=believed("still"))
+    answerer = feeling(bundle, "still")
     encoded = answerer.encode(Clip(np.stack([recording().frames[0]] * 4)))
     answer = answerer.ask(encoded, "Is it moving?")
-    assert (answer.text, answer.abstained) == ("No, it is still.", False)
+    assert (answer.decided, answer.abstained) == ("no", False)

@@ -1,27 +1,30 @@
-"""A stand-in for the model that answers at once, from what the clip itself looks like."""
+"""A stand-in for the model that perceives at once and believes what the clip's grey level says."""
 
-from dataclasses import dataclass, replace
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import torch
 
-from geotlm_lm import FrameSpec, Motion
-from geotlm_lm.answering import Encoded, evidence
+from geotlm_lm import Answerer, Motion
+from geotlm_lm.answering import Encoded
 from geotlm_lm.answering.encoded import with_background
-from geotlm_lm.answering.multi_clip import compare_directions
-from geotlm_lm.answering.session import Session
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.view import View
 from geotlm_lm.checkpoint import Calibration
-from geotlm_lm.conversation.motion_answers import CAMERA
-from geotlm_lm.core.labels import reverse
+from geotlm_lm.data.templates import load_templates
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
 from geotlm_lm.recordings.span import frames_inside
 from geotlm_lm.track.tracker import Tracker
-from tests.answering.scripted import believed
+from tests.answering.scripted import Scripted, ScriptedReader, believed
+
+READ = {
+    "Which way is the object turning?": "way turn",
+    "Which way does it go?": "way",
+    "How far did it go?": "amount",
+    "I look from the object's side.": "fact seen object",
+    "0.05 mm per pixel. Which way?": "fact scale #1 ; way",
+}
 
 
 class FakeProbe:
@@ -32,52 +35,24 @@ class FakeProbe:
         return odds
 
 
-NOTE = "The next likeliest is that it stays."
+class FakeAnswerer(Answerer):
+    """Perceives a shear to the right in the left half; tells the rest by the clip's grey level.
 
-
-@dataclass(frozen=True)
-class FakeAnswer:
-    text: str
-    direction: Motion | None
-    frame: FrameSpec
-    evidence: dict[str, Any]
-    question: str
-    abstained: bool
-    confidence: float = 0.97
-    kind: str = "direction"
-    notes: tuple[str, ...] = ()
-
-    @property
-    def options(self):
-        way = self.direction or Motion.RIGHT
-        return {way.value: 0.97, reverse(way).value: 0.03}
-
-    def to_dict(self):
-        return {
-            "text": self.text,
-            "direction": None if self.direction is None else self.direction.value,
-            "confidence": self.confidence,
-            "abstained": self.abstained,
-            "frame": self.frame.to_dict(),
-            "question": self.question,
-            "timing_ms": {"encode": 1.0},
-            "evidence": self.evidence,
-        }
-
-
-class FakeAnswerer:
-    """Perceives a slide to the right, a shear in the left half; answers with the clip's grey level.
-
-    A clip brighter than 100 moves to the right, a darker one to the left; one of a level below 20
-    cannot be told.
+    A clip brighter than 100 moves to the right, a darker one to the left, by a tenth of its level
+    in pixels of the 224-pixel image; one of a level below 20 cannot be told.
     """
 
-    bundle = SimpleNamespace(
-        model=SimpleNamespace(probe=FakeProbe()),
-        calibration=Calibration(contact_threshold=0.005),
-    )
+    def __init__(self):
+        bundle = SimpleNamespace(
+            model=SimpleNamespace(probe=FakeProbe()),
+            calibration=Calibration(contact_threshold=0.005),
+            reader=ScriptedReader(READ),
+            speaker=Scripted({}),
+            grammar=load_templates().grammar(),
+        )
+        super().__init__(bundle)
 
-    def encode(self, clip, span=None):
+    def encode(self, clip, *, span=None, track=None):
         field, mask = torch.zeros(1, 14, 14, 2), torch.zeros(1, 14, 14)
         field[..., 0] = 1
         mask[:, :, :7] = 1
@@ -90,27 +65,14 @@ class FakeAnswerer:
         places = np.linspace(0, len(inside) - 1, 4).round().astype(int).tolist()
         seen = ", ".join(str(inside.frame_numbers[place]) for place in places)
         clip = with_background(inside.select(places)).with_note(f"Frames {seen} are shown.")
-        belief = believed("right")
-        return Encoded(clip, perception, {"encode": 1.0}, believe=lambda _: belief)
+        return Encoded(clip, perception, {"encode": 1.0}, believe=_belief)
 
     def tracker(self, recording=None):
         return Tracker()  # measures alone: no model is asked
 
-    def session(self, encoded):
-        return Session(self, encoded)
 
-    def ask(self, encoded, question, *, frame=CAMERA, listen=None):
-        level = float(encoded.clip.frames.mean())
-        direction = frame.tell(Motion.RIGHT if level > 100 else Motion.LEFT)
-        is_silent = level < 20
-        text = "I cannot tell." if is_silent else f"To the {direction.value}, at {level:.0f}."
-        if listen is not None:
-            for word in text.split(" ")[:-1]:
-                listen(f"{word} ")
-        answer = FakeAnswer(
-            text, None if is_silent else direction, frame, evidence(encoded), question, is_silent
-        )
-        return replace(answer, notes=(*encoded.clip.notes, NOTE))
-
-    def compare(self, first, second):
-        return compare_directions(*(self.ask(one, "Which way?") for one in (first, second)))
+def _belief(encoded):
+    level = float(encoded.clip.frames.mean())
+    if level < 20:
+        return believed("left", "clockwise", share=0.45)
+    return believed("right" if level > 100 else "left", px=level / 10)

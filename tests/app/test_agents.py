@@ -94,7 +94,7 @@ def test_each_tool_answers_in_json(use, tmp_path):
     )
     assert not any(is_error for _, is_error in told)
     answer, evidence, comparison, simulated = (json.loads(text) for text, _ in told)
-    assert (answer["direction"], answer["question"]) == ("right", "Which way?")
+    assert (answer["direction"], answer["query"]) == ("right", "way")
     assert (evidence["contact_share"], np.shape(evidence["contact_mask"])) == (0.5, (14, 14))
     assert comparison["relation"] == "opposite"
     assert simulated["true_motion"] == "right"

@@ -19,6 +19,7 @@ def test_a_question_is_asked_again_as_it_was_typed(recordings, as_blocks):
     asked = []
     session = SimpleNamespace(take_back=asked.append)
     answerer = FakeAnswerer()
+    answerer.bundle.reader.lines[QUESTION] = "way"
     shown = load_clip(answerer, str(recordings["bright"]))
     chat = next(ask_tab._answer(answerer, shown, QUESTION, [], [], None))[0]
     assert chat[0]["content"] == SHOWN

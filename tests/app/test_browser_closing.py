@@ -17,10 +17,10 @@ def test_a_recording_that_fails_closes_the_one_before(browser, recordings, tmp_p
     browser.upload("Recording", recordings["dark"])
     browser.wait_for(f"{PICTURE} != null")
     browser.click("Ask", "button.primary")
-    browser.wait_for(f"{TEXT}.includes('To the left, at ')")
+    browser.wait_for(f"{TEXT}.includes('slides left, ')")
     browser.upload("Recording", tmp_path / "broken.npy")
     browser.wait_for(NO_PICTURE)
-    browser.wait_for(f"!{TEXT}.includes('To the left, at ')")
+    browser.wait_for(f"!{TEXT}.includes('slides left, ')")
     browser.click("Ask", "button.primary")
     browser.wait_for(NONE_OPEN)
     browser.upload("Recording", recordings["bright"])  # beside the one that failed
@@ -43,7 +43,7 @@ def test_of_two_recordings_the_newest_is_opened_alone(browser, recordings):
     browser.upload("Recording", recordings["bright"])
     browser.wait_for(f"{TEXT}.includes('bright') && !{TEXT}.includes('dark')")
     browser.click("Ask", "button.primary")
-    browser.wait_for(f"{TEXT}.includes('To the right, at ')")
+    browser.wait_for(f"{TEXT}.includes('slides right, ')")
 
 
 def test_what_is_shown_is_read_again_and_not_what_was_uploaded_before(browser, recordings):
@@ -91,13 +91,13 @@ def test_a_comparison_is_emptied_with_its_recordings(browser, recordings, tmp_pa
         browser.upload(label, recordings[name])
         browser.wait_for(f"{TEXT}.includes('{name}')")
     browser.click("Compare", "button.primary")
-    browser.wait_for(f"{TEXT}.includes('To the left, at ') && {TEXT}.includes('Opposite')")
+    browser.wait_for(f"{TEXT}.includes('slides left, ') && {TEXT}.includes('No: the first')")
     clear = "[...document.querySelectorAll('button[aria-label=\"Clear\"]')]"
     browser.run(f"{clear}.filter(e => e.offsetParent).at(-1).click()")
-    browser.wait_for(f"!{TEXT}.includes('To the left, at ') && !{TEXT}.includes('Opposite')")
-    assert "To the right, at " in browser.run(TEXT)
+    browser.wait_for(f"!{TEXT}.includes('slides left, ') && !{TEXT}.includes('No: the first')")
+    assert "slides right, " in browser.run(TEXT)
     browser.upload("Second recording", tmp_path / "broken.npy")
     browser.wait_for(f"{TEXT}.includes('broken')")
     browser.click("Compare", "button.primary")
     browser.wait_for(f"{TEXT}.includes('broken.npy: is cut off or is no numpy file')")
-    browser.wait_for(f"!{TEXT}.includes('To the right, at ')")
+    browser.wait_for(f"!{TEXT}.includes('slides right, ')")

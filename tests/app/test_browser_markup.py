@@ -9,7 +9,8 @@ import pytest
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
 from app import ui  # noqa: E402
-from geotlm_lm.conversation.motion_answers import CAMERA  # noqa: E402
+from geotlm_lm import Session  # noqa: E402
+from geotlm_lm.answering import CAMERA  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 
 TEXT = "document.body.innerText"
@@ -21,9 +22,19 @@ class Echoing(FakeAnswerer):
 
     asked = "Which way?"
 
-    def ask(self, encoded, question, *, frame=CAMERA, listen=None):
-        answer = super().ask(encoded, question, frame=frame)
-        return replace(answer, text=f"You said {self.asked}", notes=(f"Noted: {self.asked}",))
+    def session(self, encoded, frame=CAMERA):
+        return EchoingSession(self, encoded, frame)
+
+    def compare(self, first, second):
+        told, text = super().compare(first, second), f"You said {self.asked}"
+        return replace(told, text=text, first=replace(told.first, text=text))
+
+
+class EchoingSession(Session):
+    def ask(self, question):
+        self.answerer.bundle.reader.lines[question] = "way"
+        answer = super().ask(question)
+        return replace(answer, text=f"You said {question}", notes=(f"Noted: {question}",))
 
 
 @pytest.fixture

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import torch
 
 from geotlm_lm.checkpoint import Calibration
-from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.slots import SLOTS
 from geotlm_lm.probe.linear import LinearProbe
+from tests.answering.scripted import believed
 
 ALL = tuple(Motion)
 
@@ -26,7 +26,6 @@ class FakeAnswerer:
     mute: Motion | None = None
     encoded_count: int = 0
     questions: list[str] = field(default_factory=list)
-    scored: list[str] = field(default_factory=list)
 
     def __post_init__(self):
         probe = LinearProbe(len(ALL), ALL)
@@ -61,16 +60,17 @@ class FakeAnswerer:
             seen=seen,
             perception=SimpleNamespace(fused_token=token, global_token=-token),
             timing_ms={"choose": 1.0, "encode": 10.0},
-            belief=SimpleNamespace(numbers=()),
+            belief=believed(seen.value),
             doubt=1.0,
         )
 
     def ask(self, encoded, question):
         self.questions.append(question)
         direction = None if encoded.seen == self.mute else encoded.seen
-        decided = direction and direction.value
-        return SimpleNamespace(direction=direction, decided=decided, frame=FrameSpec())
-
-    def score(self, encoded, question, kind="direction"):
-        self.scored.append(question)
-        return {m.value: 0.91 if m == encoded.seen else 0.01 for m in ALL}
+        return SimpleNamespace(
+            direction=direction,
+            in_the_image=direction,
+            decided=direction and direction.value,
+            abstained=direction is None,
+            motion=None,
+        )

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.answering.amounts import Amount
+from geotlm_lm.answering import Answerer
 from geotlm_lm.benchmarks.amounts import (
     AMOUNTS,
     BELIEF,
@@ -24,7 +24,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import CAMERA_PX, IMAGE_SIDE
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.labelled_recordings import WindowRow
-from tests.answering.scripted import answerer_saying
+from geotlm_lm.query.amounts import Measure
 from tests.probe.imprints import moved_clip, textured_imprint
 from tests.tiny_bundle import tiny_bundle
 
@@ -71,11 +71,11 @@ def test_a_pixel_of_the_tolerance_is_one_of_a_224_pixel_image(one, value, is_rig
 
 def test_a_row_tells_nearness_span_and_probability():
     clips = [moved(amount=20.0), moved(amount=10.0)]
-    told = [Amount(22.0, "px", 19.0, 25.0, 0.9), Amount(20.0, "px", 15.0, 25.0, 0.5)]
+    told = [Measure("slide", 22.0, 2.0, "px", 2.0), Measure("slide", 20.0, 4.0, "px", 2.0)]
     found = scored("slides", BELIEF, list(zip(clips, told, strict=True)), seed=0)
     assert (found.count, found.error, found.detail["in_span"]) == (2, 0.5, 0.5)
     assert found.detail["off_by"] == pytest.approx((0.1 + 1.0) / 2)
-    assert found.detail["mean_probability"] == pytest.approx(0.7)
+    assert found.detail["mean_probability"] == pytest.approx(np.mean([p.probability for p in told]))
 
 
 @pytest.mark.parametrize("rival", RIVALS.values())
@@ -107,7 +107,7 @@ def folder(tmp_path):
 
 
 def test_every_method_is_told_of_every_source_and_half(folder):
-    run = Run(is_quick=True, real=folder, answerer_given=answerer_saying(tiny_bundle(), {}))
+    run = Run(is_quick=True, real=folder, answerer_given=Answerer(tiny_bundle()))
     rows = [Row.from_dict(one.to_dict()) for one in amount_rows(run)]
     cases = list(dict.fromkeys(one.case for one in rows))
     assert cases[:2] == ["simulated rotation", "simulated sliding"]

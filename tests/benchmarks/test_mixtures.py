@@ -15,7 +15,6 @@ from geotlm_lm.benchmarks.mixtures import (
 )
 from geotlm_lm.benchmarks.rows import Run
 from geotlm_lm.benchmarks.variants import RIVALS
-from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.belief import Belief
@@ -116,7 +115,7 @@ def test_who_has_no_opinion_is_not_graded():
 def test_words_are_asked_of_each_component_and_name_its_way_or_deny_it():
     def ask(encoded, question):
         decided = "yes" if "lifting" in question else "no"
-        return SimpleNamespace(direction=Motion.CLOCKWISE, decided=decided, frame=FrameSpec())
+        return SimpleNamespace(in_the_image=Motion.CLOCKWISE, decided=decided)
 
     told = words_tell(SimpleNamespace(ask=ask), None)
     assert told.counting == {
@@ -133,15 +132,6 @@ def test_words_are_asked_of_each_component_and_name_its_way_or_deny_it():
 
 
 def test_mixtures_of_the_simulator_are_graded_by_every_method():
-    answerer = FakeAnswerer()
-    encode = answerer.encode
-
-    def with_belief(clip):
-        encoded = encode(clip)
-        encoded.belief = belief()
-        return encoded
-
-    answerer.encode = with_belief
-    rows = mixture_rows(Run(is_quick=True, answerer_given=answerer))
+    rows = mixture_rows(Run(is_quick=True, answerer_given=FakeAnswerer()))
     assert {row.variant for row in rows} == {BELIEF, "words", *RIVALS}
     assert all("simulated mixtures, " in row.case and 0 < row.count <= 6 for row in rows)

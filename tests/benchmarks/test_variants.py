@@ -5,13 +5,8 @@ import numpy as np
 import pytest
 
 from geotlm_lm.benchmarks import variants
-from geotlm_lm.benchmarks.variants import (
-    all_variants,
-    motion_told,
-    ways_claimed,
-)
+from geotlm_lm.benchmarks.variants import all_variants, ways_claimed
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.twist import Component
 from geotlm_lm.probe.rigid_flow import RigidFlow
@@ -112,22 +107,11 @@ def test_rivals_are_given_the_gel_that_the_model_would_guess():
     assert np.median(naive_errors) > 3
 
 
-def test_words_told_of_the_sensor_are_taken_for_what_the_object_does():
-    for direction, actor, meant in (
-        (Motion.LEFT, "object", Motion.LEFT),
-        (Motion.LEFT, "sensor", Motion.RIGHT),
-        (None, "sensor", None),
-    ):
-        told = SimpleNamespace(direction=direction, frame=FrameSpec(actor=actor))
-        assert motion_told(told) is meant
-
-
-def test_an_answer_claims_what_counts_in_its_motion_and_else_its_direction():
+def test_an_answer_claims_what_counts_in_its_motion():
     counts = {Component.TURN: 0.9, Component.SLIDE: 0.4, Component.PRESS: 0.8}
     ways = {Component.TURN: Motion.COUNTERCLOCKWISE, Component.SLIDE: Motion.RIGHT}
-    told = SimpleNamespace(direction=Motion.PRESS, frame=FrameSpec(), abstained=False)
-    assert ways_claimed(told) == ()
-    told.motion = SimpleNamespace(counts=counts, ways=ways)
+    motion = SimpleNamespace(counts=counts, ways=ways)
+    told = SimpleNamespace(direction=Motion.PRESS, abstained=False, motion=motion)
     assert ways_claimed(told) == (Motion.COUNTERCLOCKWISE,)
     counts[Component.SLIDE] = 0.6
     assert ways_claimed(told) == (Motion.COUNTERCLOCKWISE, Motion.RIGHT)

@@ -76,11 +76,6 @@ def test_questions_are_lines_without_blanks_comments_and_repetitions(tmp_path):
     [
         (b"# nothing\n", "{}: holds no question; write one a line."),
         (b"which \xff way", "{}: is no UTF-8 text; save the questions as UTF-8."),
-        (
-            b"Which way?\n\n" + b"x" * 501,
-            "{}, line 3: the question has 501 characters, expected at most 500; ask one short "
-            "question at a time.",
-        ),
         (None, "{}: cannot be read (No such file or directory); give a text file of questions."),
     ],
 )

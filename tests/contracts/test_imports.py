@@ -16,11 +16,12 @@ PACKAGE = Path(geotlm_lm.__file__).parent
 LEVELS = (
     {"core"},
     {"alignment"},
-    {"simulation", "recordings", "backbone", "dgr", "probe", "language", "conversation"},
+    {"simulation", "recordings", "backbone", "dgr", "probe", "language"},
     {"model", "data", "views", "motion"},
-    {"checkpoint"},
-    {"precision", "track"},
+    {"track"},
     {"query"},
+    {"checkpoint"},
+    {"precision"},
     {"answering", "training"},
     {"benchmarks", "reference_readings"},
     {"cli"},
@@ -35,7 +36,6 @@ FORBIDDEN = {
     "motion": {"transformers", "cv2", "typer", "gradio"},
     "alignment": {"transformers", "scipy", "sklearn", "typer", "gradio"},
     "language": {"cv2", "typer", "gradio"},
-    "conversation": {"torch", "cv2", "scipy", "sklearn", "transformers", "typer", "gradio"},
     "query": {"cv2", "scipy", "sklearn", "transformers", "typer", "gradio"},
     "views": {"torch", "scipy", "sklearn", "transformers", "typer", "gradio"},
 }

@@ -45,34 +45,33 @@ def test_times_and_counts_are_answered(answerer, whole):
     assert begin == pytest.approx(TURN / FPS, abs=NEAR_S)
     end = decided_s(answerer, whole, "When did it stop turning?")
     assert end == pytest.approx(BACK_END / FPS, abs=NEAR_S)
-    held = decided_s(answerer, whole, "How long was it held?")
+    held = decided_s(answerer, whole, "How long was it touched?")
     assert held == pytest.approx((RELEASE - TOUCH) / FPS, abs=2 * NEAR_S)
     assert answerer.ask(whole, "How often did it turn back?").decided == "1"
 
 
 def test_the_order_of_what_happened_is_answered(answerer, whole):
     text = answerer.ask(whole, "What happened?").text
-    places = [text.index(word) for word in ("touches", "turns clock", "turns counter", "lifts")]
+    places = [text.index(word) for word in ("It touches", "turns clock", "turns counter", "lifts")]
     assert places == sorted(places)
-    assert answerer.ask(whole, "What happened first?").text.startswith("It touches")
-    assert answerer.ask(whole, "What happened last?").direction is Motion.RELEASE
 
 
 def test_the_net_turn_holds_the_truth_and_spans_are_tracked_inside(answerer, whole):
-    net = answerer.ask(whole, "How far did it turn in total?")
-    assert net.amount.low <= TURN_DEG - BACK_DEG <= net.amount.high
+    net = answerer.ask(whole, "How far did it turn?")
+    low, high = net.amount.span
+    assert low <= TURN_DEG - BACK_DEG <= high
     part = answerer.ask(whole, f"Which way did it turn after {BACK / FPS:.1f} s?")
     assert part.direction is Motion.COUNTERCLOCKWISE
-    bracketed = answerer.encode(whole.recording, span=(TURN, TURN_END), track=whole.whole_track)
+    bracketed = answerer.encode(whole.recording, span=(TURN, TURN_END), track=whole.track)
     assert answerer.ask(bracketed, "Which way is it turning?").direction is Motion.CLOCKWISE
 
 
 def test_a_motion_of_a_stream_is_answered_by_its_track_and_the_frames_that_are_kept(
     answerer, whole
 ):
-    part = whole.whole_track.between(TURN, TURN_END)
+    part = whole.track.between(TURN, TURN_END)
     kept = whole.recording.select(range(TURN, TURN_END, 2))
-    answer = answerer.ask(answerer.encode(kept, track=part), "How far is it turning?")
+    answer = answerer.ask(answerer.encode(kept, track=part), "How far did it turn?")
     assert answer.amount.value == pytest.approx(part.net_twist.turn_deg, rel=0.1)
 
 
@@ -86,5 +85,5 @@ def test_a_real_turn_is_told_whole_and_bracketed(answerer, real, name):
     spans = (None, (int(row["contact_start"]), int(row["contact_end"])))
     for encoded in (answerer.encode(clip, span=span, track=track) for span in spans):
         assert answerer.ask(encoded, "Which way is it turning?").direction is Motion.CLOCKWISE
-        answer = answerer.ask(encoded, "How far did it turn in total?")
+        answer = answerer.ask(encoded, "How far did it turn?")
         assert answer.amount.value == pytest.approx(float(row["rotation_deg_cw"]), rel=0.3)

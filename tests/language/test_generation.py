@@ -198,11 +198,3 @@ def test_a_damaged_folder_is_refused_in_one_sentence(speaker, tmp_path, case):
 def test_a_missing_folder_says_what_to_do(tmp_path):
     with pytest.raises(IncompatibleBundle, match="save or download the model again"):
         Speaker.load(tmp_path / "absent")
-
-
-def test_a_listener_hears_the_words_grow_into_the_answer(speaker):
-    token, heard = torch.zeros(1, speaker.model.fused_width), []
-    (said,) = speaker.generate(token, ["which way?"], heard.append)
-    assert heard[-1] == said
-    assert 1 < len(heard) <= MAX_ANSWER_TOKENS
-    assert [len(text) for text in heard] == sorted(len(text) for text in heard)

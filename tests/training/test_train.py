@@ -18,10 +18,13 @@ from geotlm_lm.language.decoder import LanguageSize
 from geotlm_lm.language.slots import SLOTS
 from geotlm_lm.motion.measured import measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS
+from geotlm_lm.query.grammar import corpus
+from geotlm_lm.query.types import Query
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
-from geotlm_lm.training import config, examples, language, train
+from geotlm_lm.training import config, examples, language, reading, train
 from geotlm_lm.training.examples import read_examples
 from geotlm_lm.training.language import LanguageTraining
+from geotlm_lm.training.reading import ReadingTraining
 from tests.training.in_process import InProcess
 
 TINY = replace(
@@ -38,8 +41,12 @@ TINY = replace(
     geometry_epochs=2,
     language_steps=2,
     language_batch=4,
+    reading_steps=2,
+    reading_batch=4,
 )
 SMALL = LanguageSize(width=16, layers=1, heads=2, mlp=16)
+READER = {"size": replace(SMALL, tactile_tokens=0, max_tokens=704), "vocabulary": 300, "dropout": 0}
+"""Byte pairs are left apart by chance, which no seed rules."""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -50,6 +57,10 @@ def _tiny():
         patch.setattr(examples, "CHUNK_CLIPS", 20)
         patch.setattr(examples, "ProcessPoolExecutor", InProcess)
         patch.setattr(train, "LanguageTraining", partial(LanguageTraining, size=SMALL))
+        patch.setattr(train, "ReadingTraining", partial(ReadingTraining, **READER))
+        patch.setattr(train, "corpus", lambda split: corpus(split)[:20])
+        patch.setattr(train, "CALIBRATION_PAIRS", 20)
+        patch.setattr(reading, "VOCABULARY_PAIRS", 200)
         yield
     torch.set_num_threads(threads)
 
@@ -75,6 +86,9 @@ def test_the_folder_is_a_bundle_that_answers(finished):
     reading = reading_of_clip(bundle, clip)
     assert reading.shape == (1, TINY.backbone_width + BELIEF_NUMBERS)
     assert isinstance(bundle.speaker.generate(reading, ["Which way?"])[0], str)
+    written = {path.name for path in (finished / "bundle" / "reader").iterdir()}
+    assert written == {"config.json", "model.safetensors", "tokenizer.json"}
+    assert isinstance(bundle.reader.read("Did it turn 20 degrees?").query, Query)
     assert set(bundle.speaker.feel(reading)) == set(SLOTS)
     assert min(bundle.calibration.temperature, bundle.calibration.felt_temperature) > 0
     assert set(bundle.provenance["dgr_validation_accuracy"]) == {"paper", "grounded"}

@@ -1,0 +1,276 @@
+"""Answer what was understood: decide each part, word it, and say how sure the whole is."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+from geotlm_lm.answering.answer import Answer, Comparison
+from geotlm_lm.answering.encoded import Encoded
+from geotlm_lm.answering.evidence_of import evidence_of, regions_of
+from geotlm_lm.answering.measured_motion import MeasuredMotion
+from geotlm_lm.answering.own_words import own_words
+from geotlm_lm.answering.understanding import Understood
+from geotlm_lm.answering.withholding import LEAST_SURE, tentative, why_withheld
+from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import DIRECTED, Motion, reverse
+from geotlm_lm.core.twist import WAYS
+from geotlm_lm.query import types as t
+from geotlm_lm.query.decision import Decision, Evidence
+from geotlm_lm.query.execute import decide
+from geotlm_lm.query.facts import with_facts
+from geotlm_lm.query.forms import decided, in_form
+from geotlm_lm.query.replies import replies
+
+_OF_FILE = ("setup", "recording", "help", "talk")
+"""Asks that are answered without a look at any motion."""
+
+_UNSURE = (*_OF_FILE, "unanswerable", "not-understood", "again")
+"""Asks whose answers claim nothing of a motion."""
+
+
+def of_two(query: t.Query) -> bool:
+    """Tell whether a query asks about two clips."""
+    return any(map(_is_of_two, query.parts))
+
+
+def _is_of_two(part: t.Part) -> bool:
+    return part.ask.kind in ("compare", "which-clip") or part.subject.clip in t.OF_SEVERAL
+
+
+def frame_after(query: t.Query, frame: FrameSpec, columns: int) -> FrameSpec:
+    """Return the frame in which the facts that were stated hold."""
+    try:
+        return with_facts(frame, query.facts, columns)
+    except UsageError:  # no camera has such pixels; the answer says so
+        return frame
+
+
+def answer(
+    bundle: Bundle,
+    encoded: Encoded,
+    understood: Understood,
+    frame: FrameSpec,
+    other: Encoded | None = None,
+) -> Answer:
+    """Answer a question about a clip.
+
+    Args:
+        bundle: The model.
+        encoded: The clip.
+        understood: What is asked.
+        frame: What held before.
+        other: The clip before it, for parts that ask of that one.
+    """
+    started = time.perf_counter()
+    query = understood.query
+    now = frame_after(query, frame, encoded.clip.frames.shape[2])
+    if understood.ask_back is not None:
+        return _plain(encoded, understood, now, understood.ask_back, started)
+    if not query.parts:
+        return _noted(encoded, understood, frame, started)
+    clips = (encoded,) if other is None else (other, encoded)
+    found = _decisions(query, now, clips)
+    return _told(bundle, encoded, understood, found, evidence_of(encoded), started)
+
+
+def says(query: t.Query, frame: FrameSpec, *clips: Encoded) -> tuple[str, FrameSpec]:
+    """Return what is answered to a query in plain words, and the frame that holds from then on.
+
+    Args:
+        query: What is asked.
+        frame: What held before.
+        *clips: One, or two that follow each other.
+    """
+    now = frame_after(query, frame, clips[-1].clip.frames.shape[2])
+    found = _decisions(query, now, clips)
+    return in_form(found, query.form, evidence_of(*clips).recording), now
+
+
+def _decisions(query: t.Query, now: FrameSpec, clips: Sequence[Encoded]) -> tuple[Decision, ...]:
+    found = []
+    for part in query.parts:
+        if _is_of_two(part):
+            found.append(decide(part, evidence_of(*clips), now))
+            continue
+        about = clips[0] if part.subject.clip in ("first", "previous") else clips[-1]
+        plain = replace(part, subject=replace(part.subject, clip=None))
+        found.append(decide(plain, evidence_of(about), now))
+    return tuple(found)
+
+
+def compare(
+    bundle: Bundle,
+    clips: tuple[Encoded, Encoded],
+    understood: Understood,
+    frame: FrameSpec,
+) -> Comparison:
+    """Answer a question about two clips."""
+    first, second = clips
+    evidence = evidence_of(first, second)
+    now = frame_after(understood.query, frame, evidence.recording.columns)
+    open_ = Understood(t.Query((t.Part(t.Ask("way")),)), "way", 1.0)
+    each = [answer(bundle, one, open_, now) for one in clips]
+    query = understood.query
+    if understood.ask_back is not None or not query.parts:
+        found = [answer(bundle, second, understood, now)]
+        text, sure, word = found[0].text, 0.0, None
+    else:
+        decisions = _decisions(query, now, clips)
+        sure = understood.probability * min(one.probability for one in decisions)
+        text = in_form(decisions, query.form, evidence.recording, sure=sure)
+        word = decided(decisions[0], evidence.recording)
+        is_missing = any(one.missing is not None for one in decisions)
+        if is_missing or sure < LEAST_SURE:
+            text = text if is_missing else tentative(text, sure)
+            sure, word = 0.0, None
+    relation = _relation(each)
+    kind = query.parts[0].ask.kind if query.parts else "fact"
+    if kind == "compare" and word is None and sure > 0:
+        word = relation
+    return Comparison(text, relation, sure, sure == 0.0, *each, word, kind, now, query)
+
+
+def _relation(each: Sequence[Answer]) -> str:
+    one, other = (answer.direction for answer in each)
+    if None in (one, other):
+        return "unknown"
+    if one == other:
+        return "same"
+    return "opposite" if one in DIRECTED and other == reverse(one) else "different"
+
+
+def _told(
+    bundle: Bundle,
+    encoded: Encoded,
+    understood: Understood,
+    found: tuple[Decision, ...],
+    evidence: Evidence,
+    started: float,
+) -> Answer:
+    """Word the decisions on every part of a query."""
+    query, first = understood.query, found[0]
+    sure = understood.probability * min(one.probability for one in found)
+    withheld = next(
+        (why for one in found if (why := why_withheld(bundle, encoded, one)) is not None), None
+    )
+    told_by, text = "rule", None
+    if len(found) == 1 and query.form == "sentence" and withheld is None:
+        text = own_words(bundle, encoded, first)
+        told_by = "rule" if text is None else "model"
+    text = text or in_form(found, query.form, evidence.recording, sure=sure)
+    is_silent = all(one.missing is not None or one.part.ask.kind in _UNSURE for one in found)
+    kind = first.part.ask.kind
+    is_guess = not is_silent and _is_guess(found)
+    if withheld is not None:
+        text, told_by = withheld, "rule"
+    elif is_guess:
+        text, told_by = tentative(text, min(map(_motion_chance, found))), "rule"
+    is_abstained = withheld is not None or is_silent or is_guess
+    told = _plain(encoded, understood, first.frame, text, started)
+    moves = first.movements
+    return replace(
+        told,
+        kind=kind,
+        notes=(*told.notes, *_notes(found, evidence)),
+        abstained=is_abstained and kind not in _OF_FILE,
+        confidence=sure if kind in _OF_FILE else 0.0 if is_abstained else sure,
+        direction=None if is_abstained or kind in _NO_WAY else _direction(first),
+        decided=None if is_abstained else decided(first, evidence.recording),
+        options=_options(first, evidence),
+        amount=first.amounts[0] if first.amounts else moves[0].amount if moves else None,
+        motion=MeasuredMotion.of(encoded.belief, evidence.recording, first.frame),
+        told_by=told_by,
+    )
+
+
+def _is_guess(found: Sequence[Decision]) -> bool:
+    """Tell whether what is told is more likely wrong than right; amounts have spans instead."""
+    told = [one for one in found if one.part.ask.kind not in ("why", "how-sure", "alternatives")]
+    return any(_motion_chance(one) < LEAST_SURE for one in told)
+
+
+def _motion_chance(decision: Decision) -> float:
+    """Return the probability of a decision but for how near its amounts are."""
+    if decision.part.ask.kind != "amount" or decision.missing is not None:
+        return decision.probability
+    return min((one.chance for one in decision.movements), default=decision.probability)
+
+
+def _notes(found: Sequence[Decision], evidence: Evidence) -> tuple[str, ...]:
+    """Return what pixels are of, where amounts are told in them, and what a track found amiss."""
+    notes = () if evidence.track is None else evidence.track.notes
+    amounts = [one for decision in found for one in decision.amounts]
+    amounts += [one.amount for decision in found for one in decision.movements if one.amount]
+    if not any(one.unit.startswith("px") for one in amounts):
+        return notes
+    size = f"{evidence.recording.columns}x{evidence.recording.rows}"
+    return (*notes, f"Pixels are those of the {size} frames; tell the mm per pixel to have mm.")
+
+
+_NO_WAY = ("recording", "setup", "help", "talk", "place", "when", "how-long", "how-often")
+
+
+def _direction(decision: Decision) -> Motion | None:
+    return decision.movements[0].way if decision.movements else decision.rest
+
+
+def _options(decision: Decision, evidence: Evidence) -> dict[str, float]:
+    """Return the probability of each answer that was possible, by its deciding word."""
+    ask = decision.part.ask
+    if decision.verdict is not None:
+        share = decision.probability
+        return (
+            {"yes": share, "no": 1 - share} if decision.verdict else {"yes": 1 - share, "no": share}
+        )
+    if ask.kind == "choice" and decision.chances:
+        return {
+            decided(replace(decision, options=(at,)), evidence.recording): chance
+            for at, chance in enumerate(decision.chances)
+        }
+    if ask.kind not in ("way", "kind", "amount", "how-sure", "alternatives"):
+        return {}
+    belief = decision.edit.of_belief(evidence.belief)
+    found = {way.value: belief.ways[way] for ways in WAYS.values() for way in ways}
+    touching = max(belief.contact, *(belief.counts(one) for one in WAYS))
+    still = touching
+    for component in WAYS:
+        still *= max(1 - belief.counts(component) / max(touching, 1e-9), 0.0)
+    return found | {"still": still, "none": 1 - touching}
+
+
+def _noted(encoded: Encoded, understood: Understood, before: FrameSpec, started: float) -> Answer:
+    try:
+        now = with_facts(before, understood.query.facts, encoded.clip.frames.shape[2])
+    except UsageError:  # no camera has such pixels
+        return _plain(encoded, understood, before, replies()["missing"]["pixel"], started)
+    told = _plain(encoded, understood, now, f"Noted: {now.summary()}.", started)
+    return replace(told, abstained=False, confidence=understood.probability)
+
+
+def _plain(
+    encoded: Encoded, understood: Understood, frame: FrameSpec, text: str, started: float
+) -> Answer:
+    """Return an answer that claims nothing."""
+    told = 1e3 * (time.perf_counter() - started)
+    timing = encoded.timing_ms | {"read": understood.milliseconds, "answer": told}
+    timing["total"] = sum(timing.values())
+    return Answer(
+        text=text,
+        direction=None,
+        confidence=0.0,
+        abstained=True,
+        frame=frame,
+        options={},
+        evidence=regions_of(encoded),
+        timing_ms=timing,
+        kind="fact",
+        frames_used=encoded.clip.frame_numbers,
+        notes=encoded.clip.notes,
+        query=understood.line,
+        understood=understood.probability,
+        resumed=understood.query,
+    )

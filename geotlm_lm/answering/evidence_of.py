@@ -1,0 +1,94 @@
+"""What answers about an encoded clip rest on, as `query` takes it, and as plain values."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from geotlm_lm.answering.encoded import Encoded
+from geotlm_lm.answering.reasons import contact_place, halves
+from geotlm_lm.core.geometry import REGIONS
+from geotlm_lm.model import contact_centre
+from geotlm_lm.query.amounts import Recording
+from geotlm_lm.query.decision import ContactArea, Evidence
+from geotlm_lm.track.events import MOVING
+from geotlm_lm.track.whole import together_s
+
+
+def evidence_of(encoded: Encoded, other: Encoded | None = None) -> Evidence:
+    """Return what answers about a clip, or about it and another, rest on."""
+    values = regions_of(encoded)
+    reasons = (
+        f"{_capitalised(contact_place(values['regions'], values['contact_share']))}.",
+        f"{_capitalised(halves(values['regions']))}.",
+    )
+    return Evidence(
+        encoded.belief,
+        None if other is None else evidence_of(other),
+        recording_of(encoded),
+        encoded.track,
+        None if encoded.is_untouched else _area(encoded, values),
+        reasons,
+    )
+
+
+def recording_of(encoded: Encoded) -> Recording:
+    """Return the facts about the file that a clip is of."""
+    clip, track = encoded.clip, encoded.track
+    rows, columns = clip.frames.shape[1:3]
+    moving_s, step_s = None, None
+    if track is not None:
+        moving = [one for one in track.events if one.kind in MOVING]
+        moving_s = together_s(moving) or track.seconds
+        step_s = float(np.median(np.diff(track.times_s)) / np.median(np.diff(track.numbers)))
+    return Recording(
+        columns=columns,
+        rows=rows,
+        rate_hz=clip.fps,
+        frames=len(encoded.recording or clip),
+        used=clip.frame_numbers,
+        moving_s=moving_s,
+        step_s=step_s,
+    )
+
+
+def regions_of(encoded: Encoded) -> dict[str, Any]:
+    """Return the geometry an answer rests on, as plain values."""
+    geometry = encoded.perception.geometry
+    descriptor = geometry.descriptor[0].view(2, len(REGIONS)).tolist()
+    mass = geometry.region_mass[0].tolist()
+    regions = {
+        name: {
+            "shear_change_x": round(descriptor[0][column], 4),
+            "shear_change_y": round(descriptor[1][column], 4),
+            "contact_mass": round(mass[column], 4),
+        }
+        for column, name in enumerate(REGIONS)
+    }
+    view = encoded.view and {name: round(px, 1) for name, px in asdict(encoded.view).items()}
+    centre = None
+    if encoded.view and not encoded.is_untouched:
+        size = encoded.clip.frames.shape[1:3]
+        centre = [round(px, 1) for px in contact_centre(geometry, encoded.view, size)]
+    return {
+        "contact_share": round(encoded.contact_share, 4),
+        "contact_centre_px": centre,
+        "view": view,
+        "regions": regions,
+    }
+
+
+def _area(encoded: Encoded, values: dict[str, Any]) -> ContactArea | None:
+    view, centre = encoded.view, values["contact_centre_px"]
+    if view is None or centre is None:
+        return None
+    rows, columns = encoded.clip.frames.shape[1:3]
+    picture = view.picture_height_px * view.picture_width_px
+    share = min(values["contact_share"] * view.side_px**2 / picture, 1.0)
+    return ContactArea(centre[0] / columns, centre[1] / rows, share)
+
+
+def _capitalised(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}"

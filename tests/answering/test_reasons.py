@@ -1,0 +1,138 @@
+"""Reasons read off fields whose motion is known in closed form."""
+
+import numpy as np
+import pytest
+import torch
+
+from geotlm_lm.answering.reasons import contact_place, halves, pattern_of, reasoning_steps
+from geotlm_lm.core.geometry import REGIONS
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.dgr.regions import pool_regions, region_mass
+
+SIDE = 14
+Y, X = np.mgrid[:SIDE, :SIDE] - (SIDE - 1) / 2
+
+
+def regions_of(field_x, field_y, mask=None):
+    """Pool a field as the model does: x right, y down."""
+    mask = np.ones((SIDE, SIDE)) if mask is None else mask
+    weights = torch.tensor(mask)[None]
+    pooled = [
+        pool_regions(torch.tensor(f * np.ones((SIDE, SIDE)))[None], weights)[0]
+        for f in (field_x, field_y)
+    ]
+    mass = region_mass(weights)[0]
+    return {
+        name: {
+            "shear_change_x": float(pooled[0][i]),
+            "shear_change_y": float(pooled[1][i]),
+            "contact_mass": float(mass[i]),
+        }
+        for i, name in enumerate(REGIONS)
+    }
+
+
+# Clockwise as drawn, y down: a point at (x, y) goes by (-y, x).
+FIELDS = {
+    Motion.CLOCKWISE: (-Y, X),
+    Motion.COUNTERCLOCKWISE: (Y, -X),
+    Motion.RIGHT: (1.0, 0.0),
+    Motion.LEFT: (-1.0, 0.0),
+    Motion.DOWN: (0.0, 1.0),
+    Motion.UP: (0.0, -1.0),
+    Motion.PRESS: (X, Y),
+    Motion.RELEASE: (-X, -Y),
+}
+
+
+@pytest.mark.parametrize("motion", FIELDS)
+def test_a_pure_motion_is_the_only_strength_of_its_pattern(motion):
+    pattern = pattern_of(regions_of(*FIELDS[motion]))
+    strengths = {one: pattern.along(one) for one in FIELDS}
+    assert max(strengths, key=strengths.get) == motion
+    others = {one: s for one, s in strengths.items() if abs(s) < 1e-5}
+    assert len(others) == len(FIELDS) - 2
+
+
+def test_a_turn_carries_each_half_by_its_mean_distance():
+    # Rows of a half stand 0.5 to 6.5 patches from the middle: 3.5 on average.
+    assert pattern_of(regions_of(-Y, X)).turn == pytest.approx(3.5, abs=1e-4)
+
+
+@pytest.mark.parametrize("motion", [Motion.STILL, Motion.NONE])
+def test_rest_leaves_no_pattern(motion):
+    assert pattern_of(regions_of(0.0, 0.0)).along(motion) is None
+
+
+def test_a_turn_beside_a_shift_shows_in_the_halves_against_each_other():
+    assert halves(regions_of(-Y, X + 4.0)) == (
+        "the whole contact goes down, the upper half goes right against the lower half, "
+        "the left half goes up against the right half"
+    )
+
+
+def test_a_slide_leaves_the_halves_alike():
+    assert halves(regions_of(-1.0, 0.0)) == (
+        "the whole contact goes left, the upper and lower halves go alike, "
+        "the left and right halves go alike"
+    )
+
+
+def test_an_untouched_half_is_said_to_be():
+    mask = np.ones((SIDE, SIDE))
+    mask[:7] = 0
+    assert "the upper half is untouched" in halves(regions_of(-Y, X, mask))
+
+
+def test_the_place_of_contact_is_where_the_mass_is():
+    mask = np.zeros((SIDE, SIDE))
+    mask[8:12, 1:4] = 1
+    regions = regions_of(1.0, 0.0, mask)
+    assert contact_place(regions, 12 / 196) == (
+        "contact fills 6% of the square looked at, most of it lower left"
+    )
+    whole = regions_of(1.0, 0.0)
+    assert contact_place(whole, 1.0).endswith("most of it in the middle")
+
+
+def steps(field, motion):
+    evidence = {"regions": regions_of(*field), "contact_share": 1.0}
+    return reasoning_steps(evidence, "So it is.", motion)
+
+
+@pytest.mark.parametrize(
+    ("motion", "sums"),
+    [
+        (Motion.CLOCKWISE, "the differences of the halves, which add up clockwise."),
+        (Motion.PRESS, "the differences of the halves, which add up outwards."),
+        (Motion.UP, "cancels in the mean, which goes up."),
+    ],
+)
+def test_the_chain_says_what_adds_up_for_the_claim(motion, sums):
+    told = steps(FIELDS[motion], motion)
+    assert len(told) == 4
+    assert told[2].endswith(sums)
+    assert told[-1] == "Therefore: So it is."
+
+
+def test_evidence_against_the_claim_is_told():
+    told = steps(FIELDS[Motion.COUNTERCLOCKWISE], Motion.CLOCKWISE)
+    assert told[2].endswith(
+        "add up counterclockwise; this speaks against the conclusion, which rests on the whole "
+        "token."
+    )
+
+
+@pytest.mark.parametrize("motion", [None, Motion.STILL])
+def test_without_a_moving_claim_nothing_adds_up(motion):
+    assert len(steps((0.0, 0.0), motion)) == 3
+
+
+def test_steps_before_a_conclusion_told_elsewhere_name_the_camera_image():
+    evidence = {"regions": regions_of(*FIELDS[Motion.COUNTERCLOCKWISE]), "contact_share": 1.0}
+    _, way, sums, _ = reasoning_steps(evidence, "So it is.", Motion.CLOCKWISE, is_as_seen=False)
+    assert way.startswith("In the camera image the whole contact stays, the upper half goes left")
+    assert sums == (
+        "The common shift cancels in the differences of the halves, which add up counterclockwise "
+        "in the camera image; this speaks against the conclusion, which rests on the whole token."
+    )
