@@ -9,7 +9,7 @@ import pytest
 
 gradio = pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from app import api, ui  # noqa: E402
+from app import programs_tab, ui  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/programs.md").read_text()
@@ -66,7 +66,7 @@ def test_the_agents_example_tells_it_too(answerer, capsys):
 
 
 def test_the_examples_told_on_the_page_are_the_documented_ones():
-    for snippet in (api.SNIPPET, api.REST_SNIPPET, api.MCP_SNIPPET):
+    for snippet in (programs_tab.SNIPPET, programs_tab.REST_SNIPPET, programs_tab.MCP_SNIPPET):
         assert snippet.strip() in PAGE
 
 
