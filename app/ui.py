@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .agents import PATH, AgentServer, require_mcp
-from .error_display import gradio
+from .error_display import MODEL_LINE, gradio, tell_progress
 from .limits import AT_ONCE, QUEUE, UPLOAD_BYTES
 from .own_names import OWN_NAMES, OwnNamesOnly
+from .session_order import keep_session_order
+from .turns import AnswererInTurns, Turns
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -41,6 +43,7 @@ def build(answerer: Answerer, recordings: Path | None = None) -> Any:
         simulate_tab,
     )
 
+    answerer = AnswererInTurns(answerer, Turns(tell_progress))
     tools = _tools(answerer, recordings)
 
     # Without analytics nothing leaves the machine, and the page starts offline without a wait.
@@ -103,6 +106,7 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         agents = AgentServer(page.tools)
         served |= {"routes": [Route(f"/{PATH}", agents)], "lifespan": agents.lifespan}
     page.queue(max_size=QUEUE)
+    keep_session_order(page._queue, MODEL_LINE)
     _, address, _ = page.launch(
         server_name=HOST,
         server_port=port,

@@ -1,0 +1,196 @@
+"""Turns at the model: whoever wants it waits in line, and long work lets others in between.
+
+A recording is tracked frame by frame; after a tenth of a second its turn is over if anybody waits,
+and it stands in line again. So nobody waits for a whole recording, only for a slice of each.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from threading import Event, Lock
+from typing import TYPE_CHECKING, Any
+
+from geotlm_lm import Session
+
+if TYPE_CHECKING:
+    from geotlm_lm import Answerer, Tracker
+
+SLICE_S = 0.1
+"""Time after which a turn is over if others wait: some ten frames of a recording."""
+
+TOLD_EVERY_S = 0.25
+"""Time between two words of how far it is."""
+
+Tell = Callable[[str, int, int], None]
+"""Called with what is done, how much of it, and of how much; it shows this to whoever waits."""
+
+
+def silent(what: str, done: int, total: int) -> None:
+    """Show nothing."""
+
+
+class Turns:
+    """A lock that is handed on in the order in which it was asked for.
+
+    Args:
+        tell: Shows the place in the line, and how far long work is.
+        slice_s: Time after which long work gives it up to those who wait.
+    """
+
+    def __init__(self, tell: Tell = silent, slice_s: float = SLICE_S) -> None:
+        self.tell, self.slice_s = tell, slice_s
+        self._lock = Lock()
+        self._line: deque[Event] = deque()
+        self._is_taken = False
+
+    @contextmanager
+    def turn(self) -> Iterator[Turn]:
+        """Wait for a turn, and hold it."""
+        self.take()
+        try:
+            yield Turn(self)
+        finally:
+            self.give()
+
+    @property
+    def waiting(self) -> int:
+        """How many stand in line."""
+        return len(self._line)
+
+    def take(self) -> None:
+        """Wait until it is this thread's turn."""
+        mine = Event()
+        with self._lock:
+            if not self._is_taken:
+                self._is_taken = True
+                return
+            self._line.append(mine)
+        while not mine.wait(TOLD_EVERY_S):
+            with self._lock:
+                before = self._line.index(mine) + 1 if mine in self._line else 0
+            if before:
+                self.tell(f"waiting for the model, {before} before you", 0, before)
+
+    def give(self) -> None:
+        """Hand the turn to the first in line; nobody can slip in between."""
+        with self._lock:
+            if self._line:
+                self._line.popleft().set()
+            else:
+                self._is_taken = False
+
+
+class Turn:
+    """A turn that is held, and may be given up for a while between two frames.
+
+    Args:
+        turns: Whose it is.
+    """
+
+    def __init__(self, turns: Turns) -> None:
+        self._turns = turns
+        self._since_s = self._told_s = time.monotonic()
+
+    def progress(self, what: str, done: int, total: int) -> None:
+        """Tell how far it is, and let those who wait go first once the slice is over."""
+        now_s = time.monotonic()
+        if now_s - self._told_s >= TOLD_EVERY_S:
+            self._told_s = now_s
+            self._turns.tell(what, done, total)
+        if self._turns.waiting and now_s - self._since_s >= self._turns.slice_s:
+            self._turns.give()
+            self._turns.take()
+            self._since_s = time.monotonic()
+
+
+class AnswererInTurns:
+    """An `Answerer` that everybody shares: whatever uses the model waits for its turn.
+
+    Args:
+        answerer: The model.
+        turns: At it.
+    """
+
+    def __init__(self, answerer: Answerer, turns: Turns) -> None:
+        self._answerer, self._turns = answerer, turns
+
+    def encode(self, clip: Any, **named: Any) -> Any:
+        """Perceive or track a recording, letting others in between; as `Answerer.encode`."""
+        with self._turns.turn() as turn:
+            return self._answerer.encode(clip, progress=turn.progress, **named)
+
+    def track(self, recording: Any) -> Any:
+        """Track a recording, letting others in between; as `Answerer.track`."""
+        with self._turns.turn() as turn:
+            return self._answerer.track(recording, progress=turn.progress)
+
+    def tracker(self, recording: Any = None) -> TrackerInTurns:
+        """Return what follows frames one by one, each in a turn; as `Answerer.tracker`."""
+        with self._turns.turn():
+            return TrackerInTurns(self._answerer.tracker(recording), self._turns)
+
+    def ask(self, encoded: Any, question: str, **named: Any) -> Any:
+        """Answer a question; as `Answerer.ask`."""
+        with self._turns.turn():
+            return self._answerer.ask(encoded, question, **named)
+
+    def compare(self, first: Any, second: Any, **named: Any) -> Any:
+        """Answer a question about two recordings; as `Answerer.compare`."""
+        with self._turns.turn():
+            return self._answerer.compare(first, second, **named)
+
+    def session(self, encoded: Any, **named: Any) -> SessionInTurns:
+        """Return a conversation, each of whose questions waits for its turn."""
+        plain = self._answerer.session(encoded, **named)
+        return SessionInTurns(plain.answerer, encoded, plain.frame, self._turns)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._answerer, name)
+
+
+class SessionInTurns(Session):
+    """A conversation each of whose questions waits for its turn.
+
+    Args:
+        answerer: The model.
+        encoded: The clip it begins with.
+        frame: The frame of reference it begins with.
+        turns: At the model.
+    """
+
+    def __init__(self, answerer: Any, encoded: Any, frame: Any, turns: Turns) -> None:
+        super().__init__(answerer, encoded, frame)
+        self._turns = turns
+
+    def ask(self, question: str) -> Any:
+        """Answer the next question; as `Session.ask`."""
+        with self._turns.turn():
+            return super().ask(question)
+
+
+class TrackerInTurns:
+    """A `Tracker` each of whose frames waits for its turn.
+
+    Args:
+        tracker: That is fed.
+        turns: At the model.
+    """
+
+    def __init__(self, tracker: Tracker, turns: Turns) -> None:
+        self._tracker, self._turns = tracker, turns
+
+    def feed(self, *given: Any) -> Any:
+        """Take in the next frame; as `Tracker.feed`."""
+        with self._turns.turn():
+            return self._tracker.feed(*given)
+
+    def finish(self) -> Any:
+        """Return the track of all frames; as `Tracker.finish`."""
+        with self._turns.turn():
+            return self._tracker.finish()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._tracker, name)
