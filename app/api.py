@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
-from geotlm_lm import Exported, GeoTLMError, plot_png, regions_of
+from geotlm_lm import Exported, GeoTLMError, plot_png
 
 from . import handlers
 from . import parameters as p
@@ -158,6 +158,8 @@ class Api:
 
         Returns contact, shear change of seven regions and of each patch; x right, y down, unitless.
         """
+        from geotlm_lm import regions_of
+
         shown = self._opened.open(recording, frames)
         return regions_of(shown.encoded) | {
             "shear_change": shown.seen.shear_change.round(4).tolist(),

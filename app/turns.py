@@ -13,10 +13,8 @@ from contextlib import contextmanager
 from threading import Event, Lock
 from typing import TYPE_CHECKING, Any
 
-from geotlm_lm import Session
-
 if TYPE_CHECKING:
-    from geotlm_lm import Answerer, Tracker
+    from geotlm_lm import Answerer, FrameSpec, Session, Tracker
 
 SLICE_S = 0.1
 """Time after which a turn is over if others wait: some ten frames of a recording."""
@@ -144,31 +142,45 @@ class AnswererInTurns:
 
     def session(self, encoded: Any, **named: Any) -> SessionInTurns:
         """Return a conversation, each of whose questions waits for its turn."""
-        plain = self._answerer.session(encoded, **named)
-        return SessionInTurns(plain.answerer, encoded, plain.frame, self._turns)
+        return SessionInTurns(self._answerer.session(encoded, **named), self._turns)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._answerer, name)
 
 
-class SessionInTurns(Session):
-    """A conversation each of whose questions waits for its turn.
+class SessionInTurns:
+    """A conversation each of whose questions waits for its turn; in all else a `Session`.
 
     Args:
-        answerer: The model.
-        encoded: The clip it begins with.
-        frame: The frame of reference it begins with.
+        session: The conversation.
         turns: At the model.
     """
 
-    def __init__(self, answerer: Any, encoded: Any, frame: Any, turns: Turns) -> None:
-        super().__init__(answerer, encoded, frame)
-        self._turns = turns
+    def __init__(self, session: Session, turns: Turns) -> None:
+        self._session, self._turns = session, turns
+
+    @property
+    def frame(self) -> FrameSpec:
+        """The frame of reference that holds now."""
+        return self._session.frame
+
+    @frame.setter
+    def frame(self, frame: FrameSpec) -> None:
+        self._session.frame = frame
 
     def ask(self, question: str) -> Any:
         """Answer the next question; as `Session.ask`."""
         with self._turns.turn():
-            return super().ask(question)
+            return self._session.ask(question)
+
+    def stream(self, question: str) -> Iterator[Any]:
+        """Yield the reply word by word, found in one turn; as `Session.stream`."""
+        with self._turns.turn():
+            pieces = list(self._session.stream(question))
+        yield from pieces
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._session, name)
 
 
 class TrackerInTurns:
