@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from .agents import PATH, AgentServer, require_mcp
 from .error_display import MODEL_LINE, gradio, tell_progress
 from .limits import AT_ONCE, QUEUE, UPLOAD_BYTES
+from .message_limit import MessageLimit
 from .own_names import OWN_NAMES, OwnNamesOnly
 from .session_order import keep_session_order
 from .turns import AnswererInTurns, Turns
@@ -100,7 +101,9 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
     from starlette.middleware import Middleware
     from starlette.routing import Route
 
-    served: dict[str, Any] = {"middleware": [Middleware(OwnNamesOnly, names=(*OWN_NAMES, HOST))]}
+    names = (*OWN_NAMES, HOST)
+    guards = [Middleware(OwnNamesOnly, names=names), Middleware(MessageLimit)]
+    served: dict[str, Any] = {"middleware": guards}
     if mcp:
         require_mcp()
         agents = AgentServer(page.tools)
