@@ -8,13 +8,11 @@ from geotlm_lm.answering.answer import Answer, Comparison, Why
 from geotlm_lm.answering.answerer import CAMERA, Answerer
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.session import Session, Turn
-from geotlm_lm.answering.understanding import OPEN_QUESTION, check_question
 from geotlm_lm.answering.withholding import LEAST_SURE
 
 __all__ = [
     "CAMERA",
     "LEAST_SURE",
-    "OPEN_QUESTION",
     "Answer",
     "Answerer",
     "Comparison",
@@ -22,5 +20,4 @@ __all__ = [
     "Session",
     "Turn",
     "Why",
-    "check_question",
 ]

@@ -10,9 +10,10 @@ from geotlm_lm.answering.answer import Answer, Comparison, Why
 from geotlm_lm.answering.argument_checks import require_encoded, require_frame
 from geotlm_lm.answering.asking import answer, compare, frame_after, of_two, says
 from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.answering.understanding import Understood, check_question, understand
+from geotlm_lm.answering.understanding import Understood, understand
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.question import check_question
 from geotlm_lm.query.types import Query
 
 Reply = Answer | Comparison

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from itertools import islice
 
@@ -10,8 +11,10 @@ import numpy as np
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.rows import Listing, Pivot, Row, Run, Section
 from geotlm_lm.benchmarks.statistics import share_row
+from geotlm_lm.query.edit import EDIT_WORDS
 from geotlm_lm.query.grammar import Pair, corpus, grammar
 from geotlm_lm.query.labelled import BLIND, TUNE, Labelled, labelled
+from geotlm_lm.query.text import read
 from geotlm_lm.training.calibration_error import expected_calibration_error
 
 ABOUT = """\
@@ -24,6 +27,13 @@ written so too, are what readers were chosen by."""
 EXACT, KIND = "exact query", "kind of ask"
 SURE = 0.8
 PAIRS = 2000
+
+PLAIN, SEVERAL = "as it is", "several"
+VIEWS = (PLAIN, *EDIT_WORDS, SEVERAL)
+"""Points of view that a seen family is asked from."""
+SEEN_PAIRS = 40_000
+EACH = 20
+"""Questions read of each ask from each point of view, at most."""
 
 
 def reading_rows(run: Run) -> Iterator[Row]:
@@ -38,6 +48,28 @@ def reading_rows(run: Run) -> Iterator[Row]:
         detail = _doubt(sure, np.array(exact))
         yield share_row(name, EXACT, exact, families, run.seed, detail=detail)
         yield share_row(name, KIND, kinds, families, run.seed)
+
+    yield from _seen_rows(run)
+
+
+def _seen_rows(run: Run) -> Iterator[Row]:
+    """Yield what is read of families that were trained on, by ask and point of view."""
+    cells: dict[tuple[str, str], list[Pair]] = defaultdict(list)
+    for pair in islice(grammar().pairs(run.seed + 1, "train"), run.size(SEEN_PAIRS, 500)):
+        parts = read(pair.query).parts
+        edits = parts[0].edit.words if parts else ()
+        view = edits[0] if len(edits) == 1 else SEVERAL if edits else PLAIN
+        cell = cells[parts[0].ask.kind if parts else "fact", view]
+        if len(cell) < run.size(EACH, 1):
+            cell.append(pair)
+    reader = run.answerer.bundle.reader
+    for ask in sorted({one for one, _ in cells}):
+        run.progress(f"reading, seen families, {ask}", 0, 1)
+        for view in VIEWS:
+            questions = _of(cells.get((ask, view), ()))
+            exact = [one.is_met(reader.read(one.text).line) for one in questions]
+            if exact:
+                yield Row(ask, view, len(exact), 1 - sum(exact) / len(exact))
 
 
 def _sets(run: Run) -> dict[str, list[Labelled]]:
@@ -81,7 +113,11 @@ READING = Section(
     about=ABOUT,
     run=lambda run: list(reading_rows(run)),
     views={
-        "": (Pivot(right_with_interval, "questions"), lambda row: True),
+        "": (Pivot(right_with_interval, "questions"), lambda row: row.variant in (EXACT, KIND)),
+        "Families that were trained on, by ask and point of view": (
+            Pivot(lambda row: f"{row.right:.2f} ({row.count})", "ask", with_count=False),
+            lambda row: row.variant in VIEWS,
+        ),
         "Doubt": (Listing(_COLUMNS), lambda row: row.variant == EXACT),
     },
 )

@@ -20,11 +20,11 @@ from geotlm_lm.cli.options import (
     MmPerPixel,
     Precision,
     SquarePixels,
-    require_question,
     span_of,
 )
 from geotlm_lm.core.errors import Abstained
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.question import check_question
 
 
 def answer(
@@ -53,7 +53,7 @@ def answer(
 
     Example: geotlm-lm answer --clip clip.npz --q 'Is it turning clockwise?' --json
     """
-    require_question(question)
+    check_question(question)
     from geotlm_lm.recordings.read import read_clip
 
     span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)

@@ -156,19 +156,6 @@ def require_one_model(
         raise UsageError("--model and --weights exclude each other: give one of them.")
 
 
-def require_question(question: str) -> None:
-    """Refuse a question that cannot be asked, before any work is done for it.
-
-    Raises:
-        UsageError: If it is empty or no text.
-    """
-    if not question.strip():
-        raise UsageError("The question is empty; ask for example --q 'Which way is it turning?'.")
-    # Bytes the terminal could not decode arrive as lone surrogates, which no tokenizer takes.
-    if any("\ud800" <= letter <= "\udfff" for letter in question):
-        raise UsageError("The question holds bytes that are no text; give it in UTF-8.")
-
-
 def span_of(frames: str | None) -> tuple[int, int] | None:
     """Return FIRST and LAST of `frames`, None when not given.
 

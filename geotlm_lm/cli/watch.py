@@ -16,10 +16,10 @@ from geotlm_lm.cli.options import (
     Precision,
     SquarePixels,
     path_of,
-    require_question,
 )
 from geotlm_lm.cli.tracked import INTERRUPTED, OutFile, PlotFile, Targets, VideoFile
 from geotlm_lm.core.errors import GeoTLMError
+from geotlm_lm.core.question import check_question
 
 
 def watch(
@@ -56,7 +56,7 @@ def watch(
     Example: geotlm-lm watch --source recording.avi --json
     """
     if question is not None:
-        require_question(question)
+        check_question(question)
     targets = Targets(out, plot, video)
     targets.require([path_of(source)], is_forced=force)
     from geotlm_lm.core.frame_spec import FrameSpec

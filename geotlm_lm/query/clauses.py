@@ -60,11 +60,11 @@ class Around:
     text: str = ""
     end: str = ""
     query: str = ""
-    edit: str = ""
+    edits: list[str] = field(default_factory=list)
     subject: str = ""
     form: str = ""
     late: str = ""
-    sentences: list[tuple[str, str]] = field(default_factory=list)
+    sentences: list[tuple[str, str, str]] = field(default_factory=list)
     facts: list[str] = field(default_factory=list)
 
     def add(self, rng: random.Random, kind: str, place: str, said: str, meant: str) -> None:
@@ -72,7 +72,8 @@ class Around:
         fact = f"fact {meant}" if kind == "fact" else ""
         if place == "alone":
             mark = "" if said.endswith((".", "?")) else rng.choice((".", ".", ".", ";", " -"))
-            self.sentences.append((f"{said}{mark}", fact))
+            edit = meant if kind == "edit" else ""
+            self.sentences.append((f"{said}{mark}", fact, edit))
         elif place == "alone_after":
             self.late += f" {said}."
         elif place == "before":
@@ -82,22 +83,23 @@ class Around:
         if kind == "fact" and place != "alone":
             self.facts.append(fact)
         elif kind == "edit":
-            words = (meant, self.edit) if place == "before" else (self.edit, meant)
-            self.edit = " ".join(words).strip()
+            if place != "alone":
+                self.edits.insert(0 if place == "before" else len(self.edits), meant)
         elif kind == "subject":
             self.subject = f"{meant} > "
         elif kind != "fact" and meant and " as " not in self.query:
             self.form = f" ; as {meant}"
 
     def joined(self, rng: random.Random) -> tuple[str, str]:
-        """Return the text and its meaning; facts in the order they are said."""
+        """Return the text and its meaning; facts and edits in the order they are said."""
         rng.shuffle(self.sentences)
         text = self.text
         if self.sentences and rng.random() < 0.6:
             text = text[:1].upper() + text[1:]
-        said = [one for one, _ in self.sentences] + [f"{text}{self.end}{self.late}"] * bool(text)
-        facts = [fact for _, fact in self.sentences if fact] + self.facts
-        query = _seen(self.query, self.edit, self.subject) if self.query else ""
+        edit = " ".join(one for one in [*(one for *_, one in self.sentences), *self.edits] if one)
+        said = [one for one, *_ in self.sentences] + [f"{text}{self.end}{self.late}"] * bool(text)
+        facts = [fact for _, fact, _ in self.sentences if fact] + self.facts
+        query = _seen(self.query, edit, self.subject) if self.query else ""
         return " ".join(said), " ; ".join([*facts, *[f"{query}{self.form}"] * bool(query)])
 
 

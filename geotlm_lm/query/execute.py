@@ -19,9 +19,11 @@ from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Missing, bell, measure
 from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Movement
 from geotlm_lm.query.facts import with_facts
+from geotlm_lm.query.happenings import Happening
 from geotlm_lm.query.scene import Scene
 from geotlm_lm.query.track import on_track, part_of, peak
 from geotlm_lm.query.two_clips import decide_on_two
+from geotlm_lm.track.events import TOGETHER_S, EventKind
 
 
 def execute(query: t.Query, evidence: Evidence, frame: FrameSpec) -> tuple[Decision, ...]:
@@ -100,7 +102,18 @@ def _way(scene: Scene, ask: t.Ask) -> Decision:
         return _along(scene, ask.of)
     of = "turn" if ask.of == "sign" else ask.of
     asked = () if of is None else (t.COMPONENT_ATOMS[of],)
-    return scene.decision(**scene.telling(asked))
+    story = _story(scene) if ask.of is None else ()
+    return scene.decision(**scene.telling(asked), happenings=story)
+
+
+def _story(scene: Scene) -> tuple[Happening, ...]:
+    """Return the events of a recording with motions one after another: its sum alone hides them."""
+    if scene.track is None or scene.edit.undo:
+        return ()
+    found = on_track(t.Ask("order"), scene.edit, scene.track, scene.sized, scene.limit).happenings
+    moving = [one for one in found if one.kind in (EventKind.TURN, EventKind.SLIDE)]
+    is_over = min((one.end_s for one in moving), default=0.0) - TOGETHER_S
+    return found if any(one.begin_s >= is_over for one in moving) else ()
 
 
 def _along(scene: Scene, axis: str) -> Decision:

@@ -7,25 +7,27 @@ from dataclasses import replace
 from geotlm_lm.query.edit import Edit
 from geotlm_lm.query.types import UNITS, Ask, Part, Query, Subject
 
+_OPEN = Query((Part(Ask("way")),))
+"""What is taken to have been asked where nothing was."""
+
 
 def resumed(query: Query, before: Query) -> Query:
     """Return a query whose "again" parts are spelled out.
 
     A change is added to those that were asked for before, so that the same again takes it back; of
-    which clip, half or span it is is replaced. Without anything before nothing is understood.
+    which clip, half or span it is is replaced. Without anything before the motion is asked for;
+    beside a fact nothing is.
 
     Args:
         query: What is asked now.
         before: What was asked last, itself resumed.
     """
+    if not before.parts and not query.facts:
+        before = _OPEN
     parts: list[Part] = []
     for part in query.parts:
-        if part.ask.kind != "again":
-            parts.append(part)
-            continue
-        parts += [_changed(one, part) for one in before.parts]
-        if not before.parts:
-            parts.append(replace(part, ask=Ask("not-understood")))
+        is_again = part.ask.kind == "again"
+        parts += [_changed(one, part) for one in before.parts] if is_again else [part]
     form = before.form if query.form == "sentence" and parts != list(query.parts) else query.form
     return replace(query, parts=tuple(parts), form=form)
 

@@ -22,6 +22,8 @@ FACTORS = {
 """How many degrees, millimetres or seconds a unit is; a pixel's and a frame's size varies."""
 
 _FIGURE = re.compile(r"[-+−]?(?:\d+(?:[.,]\d+)*|[.,]\d+)(?:\s*/\s*\d+)?")
+_CLOCK = re.compile(r"(\d{1,3}):([0-5]\d(?:\.\d+)?)(?![\d:])")
+_BEFORE = re.compile(r"([^\W\d_]+)\s*#?$")
 _WORD = re.compile(r"[^\W\d_]+\.?|[°%/\"]|[-–]")
 _SPACES = re.compile(r"[\s_]*")
 _PER = ("per", "/", "a", "an", "each", "every", "for", "to", "in", "the", "one")
@@ -69,8 +71,13 @@ def find(text: str) -> list[Found]:
 
 
 def _figure_at(text: str, at: int) -> Found | None:
+    is_inside = at > 0 and (text[at - 1].isalnum() or text[at - 1] == ".")
+    if is_inside and text[at - 2 : at] != "..":  # "2..4.5" are two
+        return None
+    if clock := _CLOCK.match(text, at):
+        return Found(Quantity(60 * int(clock[1]) + float(clock[2]), "s"), at, clock.end())
     match = _FIGURE.match(text, at)
-    if match is None or (at > 0 and (text[at - 1].isalnum() or text[at - 1] == ".")):
+    if match is None:
         return None
     if _ORDINAL.match(text, match.end()):
         return None
@@ -85,6 +92,9 @@ def _figure_at(text: str, at: int) -> Found | None:
     if mixed and "/" not in said and int(mixed[2]):
         value, end = value + int(mixed[1]) / int(mixed[2]), mixed.end()
     unit, end = _unit_at(text, end, may_join="/" in said or abs(value) < 1)
+    before = _BEFORE.search(text[max(at - 10, 0) : at])
+    if not unit and before and _lexicon()[0].get(before[1].lower()) == "frame":  # "frame 12"
+        unit = "frame"
     return Found(Quantity(value, unit), at, end)
 
 

@@ -19,7 +19,7 @@ from geotlm_lm.query.phrases import (
     where_phrase,
 )
 from geotlm_lm.query.replies import replies
-from geotlm_lm.query.tell_track import moment, tell_times, times_phrase
+from geotlm_lm.query.tell_track import largest, moment, story, tell_times, times_phrase
 
 _DENIED = {
     Component.TURN: "turn",
@@ -89,6 +89,13 @@ def _clause(decision: Decision, recording: Recording) -> str:
         return told
     is_instead = not set(asked_components(decision)) & {one.component for one in decision.movements}
     return f"{who} does not {denied}; {told}" if is_instead else f"{told}; {who} does not {denied}"
+
+
+def _way(decision: Decision, recording: Recording) -> str:
+    """Return what moves; of a recording of several motions what happens one after another."""
+    if not decision.happenings:
+        return _clause(decision, recording)
+    return story(decision, largest(decision.happenings), recording)
 
 
 def _all_of(parts: Sequence[str]) -> str:
@@ -259,7 +266,7 @@ def _recording(topic: str, recording: Recording, frame: FrameSpec) -> str:
 
 
 _TELLERS: dict[str, Callable[[Decision, Recording], str]] = {
-    "way": _clause,
+    "way": _way,
     "why": _why,
     "kind": _kind,
     "claim": _claim,

@@ -63,17 +63,17 @@ def tell_times(decision: Decision, recording: Recording) -> str:
         count = int(decision.times[0])
         nouns = _NOUNS.get(atom, ("time", "times"))
         told = f"{count or 'no'} {nouns[count != 1]}"
-        return f"{told}: {_story(decision, found, recording)}" if found else told
+        return f"{told}: {story(decision, found, recording)}" if found else told
     if not decision.times or (ask.kind == "how-long" and not decision.times[0]):
         return f"{_NEVER.get(atom, 'that does not happen')} in this recording"
     if ask.kind == "how-long":
         long = moment(decision.times[0], recording)
         long = long.removeprefix("frame ") + " frames" if recording.rate_hz is None else long
-        return f"for {long}" + (f": {_story(decision, found, recording)}" if found else "")
+        return f"for {long}" + (f": {story(decision, found, recording)}" if found else "")
     at = moment(decision.times[0], recording)
     if not found:
         return f"{'it touches from' if ask.edge == 'begin' else 'it is touched until'} {at}"
-    return f"at {at}: {_story(decision, found, recording)}"
+    return f"at {at}: {story(decision, found, recording)}"
 
 
 def largest(found: Sequence[Happening]) -> list[Happening]:
@@ -86,10 +86,10 @@ def _order(decision: Decision, found: Sequence[Happening], recording: Recording)
     if not found:
         return "it neither moves nor presses in this recording"
     word = {True: "yes: ", False: "no: ", None: ""}[decision.verdict]
-    return f"{word}{_story(decision, found, recording)}"
+    return f"{word}{story(decision, found, recording)}"
 
 
-def _story(decision: Decision, found: Sequence[Happening], recording: Recording) -> str:
+def story(decision: Decision, found: Sequence[Happening], recording: Recording) -> str:
     """Return events one after another, and the frame where a way is named."""
     who = "the sensor" if decision.edit.sensor else "it"
     told, text = list(found), ""

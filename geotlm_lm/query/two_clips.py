@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
+from statistics import NormalDist
 
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, mirror, reverse
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import Missing, Recording
+from geotlm_lm.query.amounts import Measure, Missing, Recording
 from geotlm_lm.query.decision import Decision, Evidence
 
 Decide = Callable[[t.Part, Evidence, FrameSpec], Decision]
@@ -113,10 +115,21 @@ def _compared_amounts(
     sizes = {(one.rows, one.columns) for one in recordings}
     if len(sizes) > 1 and amounts[0].unit.startswith("px"):
         raise Missing("comparable")
+    farther = _chances_farther(*amounts)
     alike = abs(amounts[0].mean - amounts[1].mean) <= max(one.tolerance for one in amounts)
     is_first = amounts[0].mean > amounts[1].mean
     goes = [not alike and is_first, not alike and not is_first]
+    goes_at_all = min(move.chance for one in each for move in one.movements)
+    sure = goes_at_all * (1 - sum(farther) if alike else farther[goes.index(True)])
     return replace(_which_goes(part, frame, each, goes, sure), amounts=amounts)
+
+
+def _chances_farther(first: Measure, second: Measure) -> tuple[float, float]:
+    """Return the probability of each amount being the larger by more than the tolerance."""
+    spread = max(math.hypot(first.deviation, second.deviation), 1e-9)
+    bell = NormalDist(first.mean - second.mean, spread)
+    tolerance = max(first.tolerance, second.tolerance)
+    return 1 - bell.cdf(tolerance), bell.cdf(-tolerance)
 
 
 def _which_goes(

@@ -27,6 +27,7 @@ from geotlm_lm.core.seeding import seed_for
 from geotlm_lm.language.decoder import LanguageSize, initialise
 from geotlm_lm.language.tokenizer import byte_pairs
 from geotlm_lm.query.grammar import Pair, grammar
+from geotlm_lm.query.labelled import Labelled
 from geotlm_lm.query.reader import MOST_WORDS, SIZE, QuestionDecoder, Reader
 from geotlm_lm.query.spelling import Spelling, plain_parts
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
@@ -112,18 +113,18 @@ def train_reader(
     return Reader(model, spelling, (1.0, 0.0))
 
 
-def calibrated_reader(reader: Reader, pairs: Sequence[Pair]) -> Reader:
-    """Return a reader whose probabilities come true on pairs of families it has not read.
+def calibrated_reader(reader: Reader, questions: Sequence[Labelled]) -> Reader:
+    """Return a reader whose probabilities come true on questions that it was not trained on.
 
     The log-odds of what it tells are scaled and shifted to the greatest likelihood of whether its
     readings were the right ones (Platt 1999).
     """
     raw = Reader(reader.model, reader.spelling, (1.0, 0.0))
     odds, right = [], []
-    for pair in pairs:
-        found = raw.read(pair.text)
+    for one in questions:
+        found = raw.read(one.text)
         odds.append(math.log(found.probability / (1 - found.probability)))
-        right.append(found.line == pair.query)
+        right.append(one.is_met(found.line))
     x, y = torch.tensor(odds), torch.tensor(right, dtype=torch.float32)
     line = torch.tensor([1.0, 0.0], requires_grad=True)
     optimiser = torch.optim.LBFGS([line], max_iter=100, line_search_fn="strong_wolfe")

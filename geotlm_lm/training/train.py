@@ -27,6 +27,7 @@ from geotlm_lm.language.generation import Speaker
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
 from geotlm_lm.query.grammar import corpus, grammar
+from geotlm_lm.query.labelled import TUNE, Labelled, labelled
 from geotlm_lm.query.reader import Reader
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
@@ -260,11 +261,12 @@ def train_speaker(
 def reader_of(
     settings: TrainingPreset, seed: int, folder: Path, progress: Progress = silent
 ) -> Reader:
-    """Train the reader of questions and calibrate it on families it has not read."""
+    """Train the reader of questions and calibrate it on families and people it has not read."""
     config = ReadingTraining(steps=settings.reading_steps, batch=settings.reading_batch, seed=seed)
     reader = train_reader(config, folder, corpus("train"), progress)
     held = [*islice(grammar().pairs(seed, "validation"), CALIBRATION_PAIRS), *corpus("validation")]
-    return calibrated_reader(reader, held)
+    questions = [Labelled(one.text, (one.query,)) for one in held]
+    return calibrated_reader(reader, [*questions, *labelled(TUNE)])
 
 
 CALIBRATION_PAIRS = 1500

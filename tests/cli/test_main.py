@@ -33,7 +33,7 @@ WRONG_CALLS = {
     ),
     "empty question": (
         ["answer", "--clip", "clip.npy", "--q", "  "],
-        "The question is empty; ask for example --q 'Which way is it turning?'.\n",
+        "The question is empty; ask something like 'Which way is it moving?'.\n",
     ),
     "question that is no text": (
         ["answer", "--clip", "clip.npy", "--q", "which \udcff way"],

@@ -189,7 +189,7 @@ def test_the_number_format_reaches_the_loader(capsys, recording, formats_loaded)
 
 
 def test_a_question_that_cannot_be_asked_is_told_before_the_source_is_opened(capsys):
-    sentence = "The question is empty; ask for example --q 'Which way is it turning?'.\n"
+    sentence = "The question is empty; ask something like 'Which way is it moving?'.\n"
     assert run(capsys, "--source", "gone.avi", "--q", " ") == (2, "", sentence)
 
 

@@ -20,7 +20,9 @@ from geotlm_lm.query.text import read, write
         ("way", "fact mirrored ; again", "fact mirrored ; way"),
         ("way ; as word", "again", "way ; as word"),
         ("way", "claim turn", "claim turn"),
-        ("fact mirrored", "again", "not-understood"),
+        ("fact mirrored", "again", "way"),
+        ("fact mirrored", "mirror > again", "mirror > way"),
+        ("fact mirrored", "fact turned half ; again plain", "fact turned half"),
     ],
 )
 def test_it_is_resumed(before, now, meant):

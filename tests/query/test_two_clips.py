@@ -66,3 +66,15 @@ def test_amounts_of_different_things_are_not_compared(text, one, other, recordin
 def test_what_is_alike_is_neither_more_nor_opposite(text, one, other, options, verdict):
     found = compared(text, one, other)
     assert (found.options, found.verdict) == (options, verdict)
+
+
+def test_which_goes_further_is_as_sure_as_their_spreads_are_apart():
+    part, sure = read("compare which-more turn").parts[0], []
+    for spread in (0.05, 0.3, 1.0):
+        near = Evidence(believed("clockwise", deg=12, spread=spread), recording=RECORDING)
+        far = believed("clockwise", deg=20, spread=spread)
+        found = decide(part, Evidence(far, near, recording=RECORDING), FRAME)
+        assert found.options == (0,)
+        sure.append(found.probability)
+    assert sure == sorted(sure, reverse=True)
+    assert sure[0] > 0.9 > 0.7 > sure[-1]
