@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from . import clip_side, handlers
 from .error_display import gradio, literal, model_at, with_errors_shown
 from .facts import facts_of, fields_of, frame_preview, update_facts
+from .limits import QUESTION_CHARACTERS
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -20,9 +21,6 @@ ANSWER_PARTS = ("notes", "probabilities", "band", "verdicts", "regions", "timing
 
 FRAME_PARTS = ("frame", "mm_per_px", "viewpoint", "told")
 """What the other side shows of the frame of reference, yielded after the motion that was told."""
-
-MOST_CHARACTERS = 2000
-"""Of a question; a longer one is more than what reads it takes."""
 
 Messages = list[dict[str, Any]]
 
@@ -56,7 +54,7 @@ def _talk_side(gr: Any) -> dict[str, Any]:
     side["question"] = gr.Textbox(
         label="Question",
         value=handlers.EXAMPLE_QUESTIONS[0],
-        max_length=MOST_CHARACTERS,
+        max_length=QUESTION_CHARACTERS,
     )
     with gr.Row():
         side["ask"] = gr.Button("Ask", variant="primary")

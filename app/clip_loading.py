@@ -79,7 +79,7 @@ def load_clip(
     """
     if not path:
         raise GeoTLMError("No recording was given; upload a clip first.")
-    return perceive(answerer, _read(path), span=_span(first, last))
+    return perceive(answerer, read_named(path), span=_span(first, last))
 
 
 def latest_upload(paths: list[str] | None) -> list[str]:
@@ -116,6 +116,7 @@ def perceive(
     recording: Any,
     *,
     span: tuple[int, int] | None = None,
+    track: Any = None,
     depth_mm: NDArray[np.float32] | None = None,
 ) -> LoadedClip:
     """Perceive a recording once, and draw and judge it by other means beside.
@@ -124,9 +125,10 @@ def perceive(
         answerer: The model.
         recording: A `Clip` of two frames or more.
         span: First and last frame to use; None to use all.
+        track: Of the recording, where it was tracked before.
         depth_mm: True indentation of each frame, where it was simulated.
     """
-    encoded = answerer.encode(recording, span=span)
+    encoded = answerer.encode(recording, span=span, track=track)
     clip = encoded.clip
     geometry = encoded.perception.geometry
     field, mask = (np.asarray(x[0], np.float32) for x in (geometry.shear_change, geometry.mask))
@@ -165,8 +167,15 @@ def _span(first: float | str | None, last: float | str | None) -> tuple[int, int
     return int(ends[0]), int(ends[1])
 
 
-def _read(path: str | list[str]) -> Any:
-    """Return the recording in one file, or in several images, named as whoever gave it knows it."""
+def read_named(path: str | list[str]) -> Any:
+    """Return the recording in one file, or in several images, named as whoever gave it knows it.
+
+    Args:
+        path: Of the file, or of a folder of images, or of each image.
+
+    Raises:
+        GeoTLMError: If it cannot be read.
+    """
     paths = [path] if isinstance(path, str) else list(path)
     if len(paths) == 1:
         with with_clip_name(Path(paths[0]).parent):

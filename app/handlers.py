@@ -66,14 +66,23 @@ def draw(shown: LoadedClip | None, view: str, number: float) -> Image | None:
     return picture(shown.seen, name, index)
 
 
-def ask(answerer: Answerer, shown: LoadedClip | None, question: str) -> Reply:
-    """Answer `question` about the clip that is shown, by itself, in the camera's frame.
+def ask(
+    answerer: Answerer, shown: LoadedClip | None, question: str, frame: FrameSpec | None = None
+) -> Reply:
+    """Answer `question` about the clip that is shown, by itself.
+
+    Args:
+        answerer: The model.
+        shown: The clip.
+        question: In plain English.
+        frame: In which directions are told; None for the camera's.
 
     Raises:
         GeoTLMError: If there is no clip or no question, in one sentence.
     """
     shown = _open(shown)
-    return _reply(answerer, shown, answerer.ask(shown.encoded, question))
+    answer = answerer.ask(shown.encoded, question, frame=frame or FrameSpec())
+    return _reply(answerer, shown, answer)
 
 
 def converse(
@@ -130,9 +139,15 @@ def _notes(answer: Any, shown: LoadedClip) -> str:
 
 
 def compare(
-    answerer: Answerer, first: LoadedClip | None, second: LoadedClip | None
+    answerer: Answerer, first: LoadedClip | None, second: LoadedClip | None, **asked: Any
 ) -> dict[str, Any]:
-    """Answer about both clips and compare their directions.
+    """Answer a question about both clips, or whether they go the same way.
+
+    Args:
+        answerer: The model.
+        first: A clip.
+        second: Another.
+        asked: `question` and `frame`, as of `Answerer.compare`.
 
     Returns:
         Both answers under "first" and "second", "relation", and "text", the sentence.
@@ -142,7 +157,7 @@ def compare(
     """
     if first is None or second is None:
         raise GeoTLMError("A comparison needs two recordings; upload both.")
-    return answerer.compare(first.encoded, second.encoded).to_dict()
+    return answerer.compare(first.encoded, second.encoded, **asked).to_dict()
 
 
 def direction_in_frame(frame: FrameSpec, direction: Any) -> str:

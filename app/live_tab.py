@@ -20,7 +20,7 @@ from geotlm_lm import (
 
 from .clip_loading import with_clip_name
 from .clip_side import BUTTONS
-from .error_display import MODEL, gradio, model_at, with_errors_shown
+from .error_display import CAMERA, gradio, model_at, with_errors_shown
 from .session_files import remove_seen
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def build(answerer: Answerer) -> None:
         [following, *shown],
         stream_every=0.1,
         **private,
-        **MODEL,
+        **CAMERA,
     )
 
 
