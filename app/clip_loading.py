@@ -20,7 +20,6 @@ from geotlm_lm import (
     Seen,
     read_clip,
     second_opinions,
-    views_of,
 )
 
 if TYPE_CHECKING:
@@ -54,11 +53,6 @@ class LoadedClip:
     notes: str
     session: Any
 
-    @property
-    def views(self) -> tuple[str, ...]:
-        """The pictures that can be drawn of it."""
-        return views_of(self.seen)
-
 
 def load_clip(
     answerer: Answerer,
@@ -79,7 +73,7 @@ def load_clip(
     """
     if not path:
         raise GeoTLMError("No recording was given; upload a clip first.")
-    return perceive(answerer, _read(path), span=_span(first, last))
+    return perceive(answerer, read(path), span=span_of(first, last))
 
 
 def latest_upload(paths: list[str] | None) -> list[str]:
@@ -150,8 +144,12 @@ def perceive(
     )
 
 
-def _span(first: float | str | None, last: float | str | None) -> tuple[int, int] | None:
-    """Return the first and last frame; None where neither is given."""
+def span_of(first: float | str | None, last: float | str | None) -> tuple[int, int] | None:
+    """Return the first and last frame; None where neither is given.
+
+    Raises:
+        GeoTLMError: If only one is given, or one is no whole number.
+    """
     ends = ["" if one is None else str(one).strip() for one in (first, last)]
     if not any(ends):
         return None
@@ -165,8 +163,12 @@ def _span(first: float | str | None, last: float | str | None) -> tuple[int, int
     return int(ends[0]), int(ends[1])
 
 
-def _read(path: str | list[str]) -> Any:
-    """Return the recording in one file, or in several images, named as whoever gave it knows it."""
+def read(path: str | list[str]) -> Any:
+    """Return the recording in one file, or in several images, named as whoever gave it knows it.
+
+    Raises:
+        GeoTLMError: If it cannot be read, in one sentence.
+    """
     paths = [path] if isinstance(path, str) else list(path)
     if len(paths) == 1:
         with with_clip_name(Path(paths[0]).parent):

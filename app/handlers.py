@@ -11,33 +11,18 @@ from geotlm_lm import (
     FrameSpec,
     GeoTLMError,
     Motion,
-    picture,
 )
 
-from .clip_loading import Image, LoadedClip
+from .clip_loading import LoadedClip
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-SUGGESTED_QUESTIONS = {
-    "direction": "Which way is the object turning?",
-    "yes or no": "Is it sliding to the left?",
-    "choice": "A) clockwise B) counterclockwise C) still. Which one?",
-    "kind of motion": "What kind of motion is it?",
-    "how far": "How many degrees did it turn?",
-    "contact": "Is anything touching the gel?",
-    "moving at all": "Is it moving at all?",
-    "another view": "Which way does it go, seen from the object's side?",
-    "reasons": "Why do you say so?",
-    "not for touch": "What colour is it?",
-}
-"""One question of each sort that is answered often."""
-
-EXAMPLE_QUESTIONS = tuple(SUGGESTED_QUESTIONS.values())
-
 DIRECTION_QUESTION = "Which way is it moving?"
 AMOUNT_QUESTION = "How far did it go?"
-"""Asked of both clips of a comparison, and of what was just simulated."""
+"""Asked of what was just simulated."""
+
+COMPARISON_QUESTION = "Do they go the same way?"
 
 EXAMPLE_CLIPS = sorted(str(path) for path in (Path(__file__).parent / "examples").glob("*.npz"))
 
@@ -55,15 +40,6 @@ class Reply:
     regions: list[list[Any]]
     verdicts: list[list[Any]]
     timing: str
-
-
-def draw(shown: LoadedClip | None, view: str, number: float) -> Image | None:
-    """Return one of the four frames, counted from 1, in the view asked for."""
-    if shown is None:
-        return None
-    name = view if view in shown.views else "raw"
-    index = min(max(int(number), 1), len(shown.seen.frames)) - 1
-    return picture(shown.seen, name, index)
 
 
 def ask(answerer: Answerer, shown: LoadedClip | None, question: str) -> Reply:
@@ -130,9 +106,12 @@ def _notes(answer: Any, shown: LoadedClip) -> str:
 
 
 def compare(
-    answerer: Answerer, first: LoadedClip | None, second: LoadedClip | None
+    answerer: Answerer,
+    first: LoadedClip | None,
+    second: LoadedClip | None,
+    question: str = COMPARISON_QUESTION,
 ) -> dict[str, Any]:
-    """Answer about both clips and compare their directions.
+    """Answer a question about two clips, and which way each goes.
 
     Returns:
         Both answers under "first" and "second", "relation", and "text", the sentence.
@@ -142,7 +121,7 @@ def compare(
     """
     if first is None or second is None:
         raise GeoTLMError("A comparison needs two recordings; upload both.")
-    return answerer.compare(first.encoded, second.encoded).to_dict()
+    return answerer.compare(first.encoded, second.encoded, question).to_dict()
 
 
 def direction_in_frame(frame: FrameSpec, direction: Any) -> str:

@@ -11,9 +11,9 @@ from .own_names import OWN_NAMES, OwnNamesOnly
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-FRAME_OF_REFERENCE = (
-    "Directions are told **as seen in the camera image** (looking out of the sensor at the "
-    "object), for the object relative to the sensor."
+HEAD = (
+    "<h1>geotlm-lm</h1> <p>Ask a camera-based touch sensor, in plain language, how the touched "
+    "object moves.</p>"
 )
 
 
@@ -30,9 +30,9 @@ def build(answerer: Answerer) -> Any:
     with gr.Blocks(
         title="geotlm-lm", analytics_enabled=False, delete_cache=session_files.DELETE_CACHE
     ) as page:
-        gr.Markdown(f"# Ask a touch sensor how the object moves\n\n{FRAME_OF_REFERENCE}")
+        gr.HTML(HEAD, elem_classes=["page-head"], apply_default_css=False)
         with gr.Tab("Ask"):
-            ask_tab.build(answerer)
+            ask_tab.build(answerer, page)
         with gr.Tab("Compare"):
             compare_tab.build(answerer)
         with gr.Tab("Live"):
@@ -69,6 +69,8 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         require_mcp()
     from starlette.middleware import Middleware
 
+    from .theme import STYLES, theme
+
     names = (*OWN_NAMES, HOST)
     page.queue(max_size=QUEUE)
     _, address, _ = page.launch(
@@ -80,6 +82,8 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         quiet=True,
         ssr_mode=False,
         mcp_server=mcp,
+        theme=theme(),
+        css_paths=STYLES,
         app_kwargs={"middleware": [Middleware(OwnNamesOnly, names=names)]},
     )
     if mcp:

@@ -15,7 +15,7 @@ from geotlm_lm.data.templates import load_templates
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
 from geotlm_lm.recordings.span import frames_inside
-from geotlm_lm.track.tracker import Tracker
+from geotlm_lm.track.tracker import Tracker, track_of
 from tests.answering.scripted import Scripted, ScriptedReader, believed
 
 READ = {
@@ -65,7 +65,10 @@ class FakeAnswerer(Answerer):
         places = np.linspace(0, len(inside) - 1, 4).round().astype(int).tolist()
         seen = ", ".join(str(inside.frame_numbers[place]) for place in places)
         clip = with_background(inside.select(places)).with_note(f"Frames {seen} are shown.")
-        return Encoded(clip, perception, {"encode": 1.0}, believe=_belief)
+        found = {}
+        if inside.fps is not None and len(inside) > 4:
+            found = {"track": track_of(inside), "recording": inside}
+        return Encoded(clip, perception, {"encode": 1.0}, believe=_belief, **found)
 
     def tracker(self, recording=None):
         return Tracker()  # measures alone: no model is asked
