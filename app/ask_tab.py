@@ -53,11 +53,12 @@ def build(answerer: Answerer, page: Any) -> None:
             parts |= _talk(gr)
     with gr.Row(elem_classes=["open-another"]):
         parts["files"] = gr.File(
-            label="Recording (or several images of one)",
+            label="Recording or images",
             file_types=SUFFIXES,
             file_count="multiple",
             type="filepath",
             height=96,
+            elem_classes=["drop"],
             scale=2,
             min_width=240,
         )

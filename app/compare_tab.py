@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 SIDES = ("first", "second")
 
+FIRST_SHOWN = {"first": "bottle_cap", "second": "hex_nut"}
+"""Examples that are chosen until something else is."""
+
 
 def build(answerer: Answerer) -> None:
     """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
@@ -48,17 +51,19 @@ def build(answerer: Answerer) -> None:
 
 def _side(gr: Any, side: str) -> dict[str, Any]:
     offered = [(one.name, one.key) for one in examples().values()]
+    example = examples()[FIRST_SHOWN[side]]
     return {
-        f"{side}_stage": stage.build(),
+        f"{side}_stage": stage.build(_unread(example.path, example.name)),
         f"{side}_text": gr.Markdown(),
         f"{side}_example": gr.Dropdown(
-            offered, value=None, label=f"{side.capitalize()}: an example"
+            offered, value=example.key, label=f"{side.capitalize()}: an example"
         ),
         f"{side}_path": gr.File(
             label=f"{side.capitalize()} recording",
             file_types=SUFFIXES,
             type="filepath",
             height=96,
+            elem_classes=["drop"],
         ),
     }
 
@@ -95,10 +100,15 @@ def _chosen(side: str, example: str | None) -> Iterator[Filled]:
 
 def _shown(side: str, path: str | None, example: str | None = None) -> Filled:
     try:
-        seen = {} if path is None else stage.opening(read(path), _name(path, example))
+        seen = {} if path is None else _unread(path, _name(path, example))
     except GeoTLMError:  # told when it is compared
         seen = {}
     return {f"{side}_stage": seen, f"{side}_text": "", "verdict": ""}
+
+
+def _unread(path: str, name: str) -> dict[str, Any]:
+    """Return a recording as it plays until the model is asked to look at it."""
+    return stage.opening(read(path), name) | {"pending": False}
 
 
 def _name(path: str, example: str | None) -> str:

@@ -46,11 +46,15 @@ _HERE = Path(__file__).parent
 _SCRIPTS = ("stage_draw.js", "stage_timeline.js", "stage.js")
 
 
-def build() -> Any:
-    """Return the component, empty; its value is what `stage_of` returns."""
+def build(value: dict[str, Any] | None = None) -> Any:
+    """Return the component.
+
+    Args:
+        value: What it shows first, as `stage_of` or `opening` returns it; None for nothing.
+    """
     # The template is static: what stands in it would be run as a program.
     return gradio().HTML(
-        {},
+        value or {},
         html_template=(_HERE / "stage.html").read_text("utf-8"),
         css_template="",
         js_on_load="\n".join((_HERE / name).read_text("utf-8") for name in _SCRIPTS),
