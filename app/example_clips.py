@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import cv2
 
-from geotlm_lm import Motion, read_clip
-from geotlm_lm.core.geometry import camera_size
+from geotlm_lm import Motion, camera_size, read_clip
 
 from .error_display import gradio
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlencode
 
-from geotlm_lm import Exported, GeoTLMError, __version__
+from geotlm_lm import Exported, GeoTLMError, __version__, write_plot
 
 from .error_display import gradio
 
@@ -119,8 +119,6 @@ def _track(shown: LoadedClip, ending: str, name: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"track.{ending}"
         if ending == "png":
-            from geotlm_lm.track.plot import write_plot
-
             write_plot(path, exported, in_frames=not clip.is_timed)
         else:
             made_by = {"program": f"geotlm-lm {__version__}", "recording": name, "fps": clip.fps}

@@ -16,8 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm import Clip, Seen, Units, arrow_ends, draw_depth
-from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, camera_size
+from geotlm_lm import FRAME_COUNT, Clip, Seen, Units, arrow_ends, camera_size, draw_depth
 
 from .error_display import gradio
 from .timeline import Axis, step_of, timeline_of
@@ -108,14 +107,15 @@ def field_of(seen: Seen, key: str, label: str, colour: str) -> dict[str, Any]:
     """
     scale, view = seen.scale, seen.view
     ends = arrow_ends(seen.shear_change, seen.mask, view, scale) if seen.has_contact else []
-    known = view.in_picture(np.array([[0.0, 0.0], [scale.shown * scale.unit_px / IMAGE_SIDE, 0.0]]))
+    known = np.array([[[scale.shown, 0.0]]], np.float32)
+    ((tail, tip),) = arrow_ends(known, np.ones((1, 1), np.float32), view, scale)
     return {
         "key": key,
         "label": label,
         "colour": colour,
         "ends": _rounded(ends),
         "legend": {
-            "length": float(known[1, 0] - known[0, 0]),
+            "length": float(tip[0] - tail[0]),
             "text": f"{scale.shown:g} {scale.name}",
         },
     }

@@ -8,16 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm import Units
-from geotlm_lm.core.twist import COMPONENTS, Component
-from geotlm_lm.track.amounts import SPAN_DEVIATIONS, Span
-from geotlm_lm.track.events import EventKind
-from geotlm_lm.track.export import event_name
+from geotlm_lm import COMPONENTS, SPAN_DEVIATIONS, Units
 
 if TYPE_CHECKING:
-    from geotlm_lm.motion.belief import Belief
-    from geotlm_lm.track.track import Track
-
     from .clip_loading import LoadedClip
 
 MOST_POINTS = 1000
@@ -46,11 +39,11 @@ class Axis:
         return seconds if self.is_in_seconds else numbers
 
 
-def timeline_of(track: Track, units: Units, axis: Axis) -> dict[str, Any]:
+def timeline_of(track: Any, units: Units, axis: Axis) -> dict[str, Any]:
     """Return the curves of a track with the spans that hold nine tenths, and its events.
 
     Args:
-        track: What was tracked.
+        track: What was tracked, a `Track`.
         units: Of its recording.
         axis: Seconds, or frames where nothing tells them.
     """
@@ -90,13 +83,13 @@ def step_of(shown: LoadedClip, units: Units) -> dict[str, Any]:
     """
     from geotlm_lm import LEAST_SURE  # with the model's libraries
 
-    belief: Belief = shown.encoded.belief
+    belief = shown.encoded.belief
     if not shown.seen.has_contact or belief.contact < LEAST_SURE:
         return {"rows": [], "told": "No contact is seen: no motion is claimed."}
     return {"rows": [_row(belief, one, units) for one in COMPONENTS], "told": ""}
 
 
-def _row(belief: Belief, component: Component, units: Units) -> dict[str, Any]:
+def _row(belief: Any, component: Any, units: Units) -> dict[str, Any]:
     from geotlm_lm import LEAST_SURE
 
     counts = belief.counts(component)
@@ -105,40 +98,51 @@ def _row(belief: Belief, component: Component, units: Units) -> dict[str, Any]:
         return row | {"counts": False, "text": "cannot be told from these pictures"}
     if not row["counts"]:
         return row | {"text": f"none, {100 * (1 - counts):.0f} % sure"}
-    share = belief.share(belief.way(component), component)
+    way = belief.way(component)
+    share = belief.share(way, component)
     if share < LEAST_SURE:
         return row | {"text": "yes, but not which way"}
-    span = Span(belief.amount(component), belief.deviation(component))
-    unit = {Component.TURN: DEGREE, Component.SLIDE: units.name, Component.PRESS: "mm"}[component]
-    if component is Component.SLIDE:
-        span = units.slide(span, (belief.mean.right_px, belief.mean.down_px))
-    gap = "" if unit == DEGREE else " "
-    low, high = max(span.low, 0.0), span.high
-    way = belief.way(component).value
-    return row | {
-        "text": f"{way} {span.mean:.2g}{gap}{unit} ({low:.2g} to {high:.2g})"
-        f", {100 * counts * share:.0f} % sure"
-    }
+    unit, factor = _unit_of(belief, component, units)
+    mean = factor * belief.amount(component)
+    spread = factor * SPAN_DEVIATIONS * belief.deviation(component)
+    far = _far(mean, mean - spread, mean + spread, unit)
+    return row | {"text": f"{way.value} {far}, {100 * counts * share:.0f} % sure"}
+
+
+def _unit_of(belief: Any, component: Any, units: Units) -> tuple[str, float]:
+    """Return the unit of a component, and what belief's own is of it along the way."""
+    if component.value != "slide":
+        return {"turn": DEGREE, "press": "mm"}[component.value], 1.0
+    way = belief.mean.right_px, belief.mean.down_px
+    length = float(np.hypot(*way))
+    scaled = float(np.hypot(*units.travelled(*way)))
+    return units.name, scaled / length if length else units.travel[1][0]
 
 
 def _event(event: Any, units: Units, axis: Axis) -> dict[str, Any]:
-    found = units.amount(event)
+    facts = units.event(event)
     far = ""
-    if found is not None:
-        span, unit = found
-        unit = DEGREE if unit == "deg" else f" {unit}"
-        low, high = sorted((abs(span.low), abs(span.high)))
-        low = 0.0 if span.low * span.high < 0 else low
-        far = f"{abs(span.mean):.2g}{unit} ({low:.2g} to {high:.2g})"
+    if "unit" in facts:
+        unit = DEGREE if facts["unit"] == "deg" else facts["unit"]
+        sign = -1 if facts["amount"] < 0 else 1
+        low, high = sorted((sign * facts["low"], sign * facts["high"]))
+        far = _far(sign * facts["amount"], low, high, unit)
     return {
-        "kind": event.kind.value,
-        "name": event_name(event),
+        "kind": facts["event"],
+        "name": " ".join(one for one in (facts["event"], facts["way"]) if one),
         "begin": round(float(axis.of(event.begin, event.begin_s)), 4),
         "end": round(float(axis.of(event.end, event.end_s)), 4),
         "far": far,
         "sure": round(100 * event.probability),
-        "is_instant": event.kind is EventKind.TOUCH,
     }
+
+
+def _far(mean: float, low: float, high: float, unit: str) -> str:
+    gap = "" if unit == DEGREE else " "
+    middle, least, most = (
+        f"{one:.2g}" if abs(one) < 100 else f"{one:.0f}" for one in (mean, max(low, 0.0), high)
+    )
+    return f"{middle}{gap}{unit} ({least} to {most})"
 
 
 def _curve(name: str, mean: NDArray, spread: NDArray | None = None) -> dict[str, Any]:

@@ -25,8 +25,8 @@ class Echoing(FakeAnswerer):
     def session(self, encoded, frame=CAMERA):
         return EchoingSession(self, encoded, frame)
 
-    def compare(self, first, second):
-        told, text = super().compare(first, second), f"You said {self.asked}"
+    def compare(self, first, second, question="Do they go the same way?"):
+        told, text = super().compare(first, second, question), f"You said {self.asked}"
         return replace(told, text=text, first=replace(told.first, text=text))
 
 
