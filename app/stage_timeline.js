@@ -166,7 +166,7 @@ class Timeline {
       this.root.append(svg("line", { class: "mark", x1: x, x2: x, y1: top, y2: top + 4 }));
       this.text(x, top + 15, `${+value.toFixed(3)}`, "tick", "middle");
     }
-    this.text(2, top + 15, unit === "s" ? "seconds" : "frame", "name");
+    this.text(2, top + 15, unit, "name");
   }
 
   text(x, y, words, kind, anchor) {

@@ -58,6 +58,8 @@ def test_on_a_phone_the_picture_comes_first_and_the_question_within_a_screen_and
     tops = [one["top"] for one in places]
     assert tops == sorted(tops)
     assert places[-1]["bottom"] < 1.5 * 844
+    last = "[...document.querySelectorAll('.ask-line button')].find(e => e.innerText == 'Retry')"
+    assert browser.run(f"{last}.getBoundingClientRect().right") <= 390
     assert browser.run("document.documentElement.scrollWidth") <= 390
 
 
