@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
-from geotlm_lm import Exported, GeoTLMError, plot_png
+from geotlm_lm import Exported, GeoTLMError, picture, plot_png
 
 from . import handlers
 from . import parameters as p
@@ -210,7 +210,8 @@ class Api:
 
 def _sheet(shown: LoadedClip, view: str) -> bytes:
     """Return the four frames in one picture, two by two, as a PNG."""
-    drawn = [handlers.draw(shown, view, number) for number in range(1, 5)]
+    last = len(shown.seen.frames) - 1
+    drawn = [picture(shown.seen, view, min(place, last)) for place in range(4)]
     pairs = [np.concatenate(drawn[place : place + 2], axis=1) for place in (0, 2)]
     is_made, png = cv2.imencode(".png", cv2.cvtColor(np.concatenate(pairs), cv2.COLOR_RGB2BGR))
     if not is_made:

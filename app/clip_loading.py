@@ -20,7 +20,6 @@ from geotlm_lm import (
     Seen,
     read_clip,
     second_opinions,
-    views_of,
 )
 
 if TYPE_CHECKING:
@@ -54,11 +53,6 @@ class LoadedClip:
     notes: str
     session: Any
 
-    @property
-    def views(self) -> tuple[str, ...]:
-        """The pictures that can be drawn of it."""
-        return views_of(self.seen)
-
 
 def load_clip(
     answerer: Answerer,
@@ -79,7 +73,7 @@ def load_clip(
     """
     if not path:
         raise GeoTLMError("No recording was given; upload a clip first.")
-    return perceive(answerer, read_named(path), span=_span(first, last))
+    return perceive(answerer, read_named(path), span=span_of(first, last))
 
 
 def latest_upload(paths: list[str] | None) -> list[str]:
@@ -152,8 +146,12 @@ def perceive(
     )
 
 
-def _span(first: float | str | None, last: float | str | None) -> tuple[int, int] | None:
-    """Return the first and last frame; None where neither is given."""
+def span_of(first: float | str | None, last: float | str | None) -> tuple[int, int] | None:
+    """Return the first and last frame; None where neither is given.
+
+    Raises:
+        GeoTLMError: If only one is given, or one is no whole number.
+    """
     ends = ["" if one is None else str(one).strip() for one in (first, last)]
     if not any(ends):
         return None

@@ -135,10 +135,10 @@ class AnswererInTurns:
         with self._turns.turn():
             return self._answerer.ask(encoded, question, **named)
 
-    def compare(self, first: Any, second: Any, **named: Any) -> Any:
+    def compare(self, first: Any, second: Any, *question: str, **named: Any) -> Any:
         """Answer a question about two recordings; as `Answerer.compare`."""
         with self._turns.turn():
-            return self._answerer.compare(first, second, **named)
+            return self._answerer.compare(first, second, *question, **named)
 
     def session(self, encoded: Any, **named: Any) -> SessionInTurns:
         """Return a conversation, each of whose questions waits for its turn."""

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
     from geotlm_lm import Answerer
 
-FRAME_OF_REFERENCE = (
-    "Directions are told **as seen in the camera image** (looking out of the sensor at the "
-    "object), for the object relative to the sensor."
+HEAD = (
+    "<h1>geotlm-lm</h1> <p>Ask a camera-based touch sensor, in plain language, how the touched "
+    "object moves.</p>"
 )
 
 
@@ -51,9 +51,9 @@ def build(answerer: Answerer, recordings: Path | None = None) -> Any:
     with gr.Blocks(
         title="geotlm-lm", analytics_enabled=False, delete_cache=session_files.DELETE_CACHE
     ) as page:
-        gr.Markdown(f"# Ask a touch sensor how the object moves\n\n{FRAME_OF_REFERENCE}")
+        gr.HTML(HEAD, elem_classes=["page-head"], apply_default_css=False)
         with gr.Tab("Ask"):
-            ask_tab.build(answerer)
+            ask_tab.build(answerer, page)
         with gr.Tab("Compare"):
             compare_tab.build(answerer)
         with gr.Tab("Live"):
@@ -101,6 +101,8 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
     from starlette.middleware import Middleware
     from starlette.routing import Route
 
+    from .theme import STYLES, theme
+
     names = (*OWN_NAMES, HOST)
     guards = [Middleware(OwnNamesOnly, names=names), Middleware(MessageLimit)]
     served: dict[str, Any] = {"middleware": guards}
@@ -119,6 +121,8 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         prevent_thread_lock=True,
         quiet=True,
         ssr_mode=False,
+        theme=theme(),
+        css_paths=STYLES,
         mcp_server=False,
         app_kwargs=served,
     )

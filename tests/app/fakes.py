@@ -66,7 +66,10 @@ class FakeAnswerer(Answerer):
         places = np.linspace(0, len(inside) - 1, 4).round().astype(int).tolist()
         seen = ", ".join(str(inside.frame_numbers[place]) for place in places)
         clip = with_background(inside.select(places)).with_note(f"Frames {seen} are shown.")
-        return Encoded(clip, perception, {"encode": 1.0}, believe=_belief)
+        found = {}
+        if inside.fps is not None and len(inside) > 4:
+            found = {"track": track_of(inside), "recording": inside}
+        return Encoded(clip, perception, {"encode": 1.0}, believe=_belief, **found)
 
     def track(self, recording, *, progress=silent):
         return track_of(recording, progress=progress)
