@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import asdict
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,6 +15,7 @@ from geotlm_lm.cli.options import (
     Background,
     BundleFolder,
     ClipPath,
+    Force,
     FrameSpan,
     FramesPerSecond,
     LayoutName,
@@ -22,9 +24,14 @@ from geotlm_lm.cli.options import (
     SquarePixels,
     span_of,
 )
+from geotlm_lm.cli.tracked import RerunFile, Targets
 from geotlm_lm.core.errors import Abstained
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.question import check_question
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering import Answer
+    from geotlm_lm.answering.encoded import Encoded
 
 
 def answer(
@@ -45,6 +52,8 @@ def answer(
     fail_on_abstain: Annotated[
         bool, typer.Option("--fail-on-abstain", help="Exit with code 5 if the model will not say.")
     ] = False,
+    rerun: RerunFile = None,
+    force: Force = False,
 ) -> None:
     """Answer a question about a clip.
 
@@ -54,6 +63,7 @@ def answer(
     Example: geotlm-lm answer --clip clip.npz --q 'Is it turning clockwise?' --json
     """
     check_question(question)
+    Targets(None, None, None, rerun).require([clip], is_forced=force)
     from geotlm_lm.recordings.read import read_clip
 
     span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)
@@ -69,6 +79,8 @@ def answer(
     reply = answerer.ask(encoded, question, frame=frame)
     for note in reply.notes:
         print(f"note: {note}", file=sys.stderr)
+    if rerun is not None:
+        _log(rerun, encoded, question, reply, mm_per_px)
     reasons = answerer.why(encoded, reply) if why else None
     if reasons is not None:
         print(f"note: the reasons are told {reasons.source}", file=sys.stderr)
@@ -82,3 +94,18 @@ def answer(
             f"{clip}: the model would not answer; see `geotlm-lm info --clip {clip}` for contact, "
             f"or give a part with more motion by --frames."
         )
+
+
+def _log(
+    path: Path, encoded: Encoded, question: str, reply: Answer, mm_per_px: float | None
+) -> None:
+    """Write what was seen, asked and answered for the Rerun viewer."""
+    from geotlm_lm.track.export import Exported
+    from geotlm_lm.track.rerun_log import log_answer, log_clip, log_track, rerun_recording
+
+    with rerun_recording(path) as stream:
+        if encoded.track is None:
+            log_clip(stream, encoded.clip)
+        else:
+            log_track(stream, Exported(encoded.track, mm_per_px), encoded.recording)
+        log_answer(stream, question, reply.text, reply.notes)

@@ -29,6 +29,7 @@ from geotlm_lm.cli.tracked import (
     NO_EVENTS,
     OutFile,
     PlotFile,
+    RerunFile,
     Targets,
     VideoFile,
     aligned,
@@ -55,6 +56,7 @@ def track(
     out: OutFile = None,
     plot: PlotFile = None,
     video: VideoFile = None,
+    rerun: RerunFile = None,
     force: Force = False,
     frames: FrameSpan = None,
     layout: LayoutName = None,
@@ -72,7 +74,7 @@ def track(
 
     Example: geotlm-lm track recording.mov --out track.csv --plot track.png
     """
-    targets = Targets(out, plot, video)
+    targets = Targets(out, plot, video, rerun)
     targets.require([one for one in (recording, background) if one is not None], is_forced=force)
     from geotlm_lm.core.frame_spec import FrameSpec
     from geotlm_lm.recordings.legible import require_any_legible
@@ -96,6 +98,8 @@ def track(
     targets.write(exported, clip.name, clip.fps, in_frames=in_frames)
     if video is not None:
         _film(video, exported, clip, is_square=bool(square_pixels))
+    if rerun is not None:
+        _log(rerun, exported, clip, is_square=bool(square_pixels))
     for note in (*clip.notes, *tracked.notes):
         print(f"note: {note}", file=sys.stderr)
     if as_json:
@@ -147,6 +151,13 @@ def _film(path: Path, exported: Exported, clip: Clip, *, is_square: bool) -> Non
     first, second = exported.track.numbers[:2]
     rate = (clip.fps or ASSUMED_FPS) / int(second - first)
     write_film(path, exported, each_frame(clip, square_pixels=is_square), rate)
+
+
+def _log(path: Path, exported: Exported, clip: Clip, *, is_square: bool) -> None:
+    from geotlm_lm.track.rerun_log import log_track, rerun_recording
+
+    with rerun_recording(path) as stream:
+        log_track(stream, exported, clip, square_pixels=is_square)
 
 
 def table(exported: Exported, *, in_frames: bool) -> list[str]:

@@ -8,14 +8,8 @@ seed's series, whoever wrote it and whenever; a resumed run only writes the miss
 from __future__ import annotations
 
 import json
-import multiprocessing
-import os
-import threading
 import zipfile
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,15 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.atomic import replacing, write_text_atomically
-from geotlm_lm.core.errors import GeoTLMError, UsageError
-from geotlm_lm.core.interrupts import (
-    children_killed_on_error,
-    children_without_interrupts,
-    uninterrupted_step,
-)
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.interrupts import uninterrupted_step
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.threads import one_thread_in_children
+from geotlm_lm.local_pool import each_done
 from geotlm_lm.simulation.card import card_of
 from geotlm_lm.simulation.presets import PresetName, preset_named
 from geotlm_lm.simulation.randomise import MARKER_SHARE, MIXED_SHARE
@@ -109,7 +99,7 @@ def write_dataset(
     shards = _shards(out, count, options)
     missing = [shard for shard in shards if _clips_in(Path(shard.path)) != shard.count]
     done = count - sum(shard.count for shard in missing)
-    for written in _write_all(missing, workers):
+    for written in each_done(_write_shard, missing, workers):
         done += written
         progress("simulated", done, count)
     write_text_atomically(out / CARD_FILE, card_of(out, count, wanted))
@@ -171,69 +161,6 @@ def _clips_in(path: Path) -> int:
             return len(stored["index"])
     except (OSError, ValueError, KeyError, zipfile.BadZipFile):
         return 0
-
-
-def _write_all(shards: list[_Shard], workers: int) -> Iterator[int]:
-    if workers <= 1 or len(shards) <= 1:
-        for shard in shards:
-            with _one_thread():
-                written = _write_shard(shard)
-            yield written
-        return
-    # Spawned, not forked: a forked process inherits torch's threads in an unusable state. And no
-    # multiprocessing.Pool, which waits for ever for a worker that the system has killed.
-    pool = ProcessPoolExecutor(
-        min(workers, len(shards)),
-        mp_context=multiprocessing.get_context("spawn"),
-        initializer=_prepare_worker,
-    )
-    try:
-        with children_killed_on_error() as all_started:
-            with children_without_interrupts(), one_thread_in_children():
-                writing = [pool.submit(_write_shard, shard) for shard in shards]
-            all_started()  # what the caller starts when it is told of a shard is no worker
-            for future in as_completed(writing):
-                yield future.result()
-    except BrokenProcessPool as error:
-        raise GeoTLMError(
-            "A worker was ended from outside, most likely for want of memory; run this again with "
-            "fewer workers, what was finished is kept."
-        ) from error
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Work on one thread inside, as workers do: how many there are decides a sum's last bits."""
-    import cv2
-    import torch
-
-    before = torch.get_num_threads(), cv2.getNumThreads()
-    torch.set_num_threads(1)
-    cv2.setNumThreads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(before[0])
-        cv2.setNumThreads(before[1])
-
-
-def _prepare_worker() -> None:
-    import cv2
-    import torch
-
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    torch.set_num_threads(1)
-    cv2.setNumThreads(1)
-
-
-def _end_with_parent() -> None:
-    # A worker whose parent was killed would wait for its next shard for ever.
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
 
 
 def _write_shard(shard: _Shard) -> int:
