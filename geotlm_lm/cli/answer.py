@@ -24,6 +24,7 @@ from geotlm_lm.cli.options import (
     SquarePixels,
     span_of,
 )
+from geotlm_lm.cli.recording import CameraName, EpisodeNumber, read_recording
 from geotlm_lm.cli.tracked import RerunFile, Targets
 from geotlm_lm.core.errors import Abstained
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -54,6 +55,8 @@ def answer(
     ] = False,
     rerun: RerunFile = None,
     force: Force = False,
+    episode: EpisodeNumber = None,
+    camera: CameraName = None,
 ) -> None:
     """Answer a question about a clip.
 
@@ -64,12 +67,10 @@ def answer(
     """
     check_question(question)
     Targets(None, None, None, rerun).require([clip], is_forced=force)
-    from geotlm_lm.recordings.read import read_clip
 
     span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)
-    recording = read_clip(
-        clip, layout=layout, fps=fps, background=background, square_pixels=square_pixels
-    )
+    reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels}
+    recording = read_recording(clip, episode, camera, background=background, **reading)
 
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer

@@ -23,6 +23,7 @@ from geotlm_lm.cli.options import (
     span_of,
 )
 from geotlm_lm.cli.progress import progress_on_stderr
+from geotlm_lm.cli.recording import CameraName, EpisodeNumber, read_recording
 from geotlm_lm.cli.tracked import (
     HEAD,
     INTERRUPTED,
@@ -66,6 +67,8 @@ def track(
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
+    episode: EpisodeNumber = None,
+    camera: CameraName = None,
 ) -> None:
     """Track a whole recording: what touches when, how it moves, how far.
 
@@ -78,13 +81,11 @@ def track(
     targets.require([one for one in (recording, background) if one is not None], is_forced=force)
     from geotlm_lm.core.frame_spec import FrameSpec
     from geotlm_lm.recordings.legible import require_any_legible
-    from geotlm_lm.recordings.read import read_clip
     from geotlm_lm.recordings.span import frames_inside
 
     span, scale = span_of(frames), FrameSpec(mm_per_px=mm_per_px).mm_per_px
-    clip = read_clip(
-        recording, layout=layout, fps=fps, background=background, square_pixels=square_pixels
-    )
+    reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels}
+    clip = read_recording(recording, episode, camera, background=background, **reading)
     require_any_legible(clip if span is None else frames_inside(clip, span))
 
     # Imported only now: a wrong path must not wait for the model's libraries.

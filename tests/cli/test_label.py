@@ -1,5 +1,6 @@
 """`geotlm-lm label`: what it prints and what it refuses; the labels: tests/data_sets."""
 
+import json
 from types import SimpleNamespace
 
 import numpy as np
@@ -62,4 +63,31 @@ def test_what_is_no_data_set_is_told(capsys, tmp_path):
         "",
         f"{tmp_path}: is no LeRobot data set, expected a readable meta/info.json; give the folder "
         f"that holds meta and data.\n",
+    )
+
+
+def test_an_episode_is_tracked_as_a_recording(capsys, tmp_path):
+    root = write_data_set(tmp_path / "robot", [CLIP, turned(-15, 28)])
+    episode = ("--episode", 1, "--camera", CAMERA)
+    code, out, _ = running.run(capsys, "track", root, *episode, "--json")
+    turns = [one for one in json.loads(out)["events"] if one["event"] == "turn"]
+    assert code == 0
+    assert [one["amount"] for one in turns] == [pytest.approx(-15, rel=0.25)]
+    assert running.run(capsys, "track", root) == (
+        2,
+        "",
+        f"{root}: has 2 cameras: {OTHER}, {CAMERA}; give the touch sensor's by --camera.\n",
+    )
+
+
+def test_an_only_camera_need_not_be_told_and_a_recording_has_none(capsys, tmp_path):
+    root = write_data_set(tmp_path / "robot", [CLIP], as_images=True)
+    assert running.run(capsys, "track", root)[0] == 0
+    np.savez(tmp_path / "clip.npz", frames=CLIP.frames, fps=FPS)
+    asked = ("answer", "--clip", tmp_path / "clip.npz", "--q", "Which way?", "--episode", 1)
+    assert running.run(capsys, *asked) == (
+        2,
+        "",
+        f"--episode and --camera are of a LeRobot data set, and {tmp_path / 'clip.npz'} is none; "
+        f"leave them out.\n",
     )

@@ -33,8 +33,10 @@ ONLY_CHECKED = {
     "geotlm-lm bench": "measures for minutes; what it writes is tested in tests/benchmarks",
     "geotlm-lm info --weights": "describes a file that only its authors release",
     "geotlm-lm label": "needs a robot's data set; tests/data_sets writes one and labels it",
+    "geotlm-lm track robot": "likewise",
+    "geotlm-lm answer --clip robot": "likewise",
     "geotlm-lm track recording.mov --rerun": "needs the extra rerun; tests/track and tests/cli do",
-    "geotlm-lm answer --clip recording.mov --rerun": "likewise",
+    "geotlm-lm answer --clip recording.mov --rerun": "needs the extra rerun; tests/cli has it",
     "geotlm-lm manifest": "needs a data set's pictures",
 }
 """Beginning of a command of ours -> why it is not run here."""

@@ -6,6 +6,7 @@ A tracker that measures stands in for the model, but where processes start their
 import json
 from types import SimpleNamespace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -17,6 +18,7 @@ from geotlm_lm.data_sets.lerobot import read_data_set
 from geotlm_lm.recordings import limits
 from geotlm_lm.track.tracker import Tracker, track_of
 from tests.data_sets.lerobot_files import CAMERA, FPS, KINDS, turned, write_data_set
+from tests.track import stream as simulated
 
 parquet = pytest.importorskip("pyarrow.parquet", reason="needs pyarrow, of the extra lerobot")
 pytest.importorskip("av", reason="needs av, of the extra lerobot")
@@ -78,6 +80,40 @@ def test_each_row_holds_what_the_track_of_its_episode_tells(root, tmp_path, with
     touched = np.array([row["tactile.contact"] for row in of_second]) > 0.5
     assert np.flatnonzero(touched).tolist() == list(range(7, 25))
     assert all(row[name] == 0 for row in of_second[:4] for name in NAMES[:6])
+
+
+def small(clip):
+    """Return a clip in a camera's shape, 160 x 120."""
+    frames = [cv2.resize(frame, (160, 120), interpolation=cv2.INTER_AREA) for frame in clip.frames]
+    return Clip(np.stack(frames), fps=FPS)
+
+
+def test_a_simulated_recording_is_labelled_as_its_array_is_and_spans_hold_the_truth(
+    tmp_path, without_model
+):
+    clip = small(simulated.stream())
+    root = write_data_set(tmp_path / "robot", [clip, clip.select(range(60))])
+    label_data_set(Labelling(root, CAMERA), tmp_path / "out")
+    told = [row for row in rows(tmp_path / "out") if row["episode_index"] == 0]
+    turning = np.array([row["tactile.turn_deg_s"] for row in told])
+    deviations = np.array([row["tactile.turn_deg_s_deviation"] for row in told])
+    track = track_of(clip, idle=clip.frames[0])
+    of_array = track.rates()[0][:, 0]
+    # What a codec changes of a rate is well below what is doubted of it.
+    moving = np.abs(of_array) > 10
+    assert np.sqrt(np.mean((turning - of_array)[moving] ** 2)) < 0.5 * deviations[moving].mean()
+    touched = deviations > 0
+    off = np.abs(turning - simulated_turn_deg_s(track.times_s))[touched]
+    assert (off < 1.645 * deviations[touched]).mean() >= 0.9
+
+
+def simulated_turn_deg_s(times_s):
+    """Return the true rate over the time that a rate is measured over."""
+    stops = np.array([simulated.TURN, simulated.TURN_END, simulated.BACK, simulated.BACK_END])
+    turn, back = simulated.TURN_DEG, simulated.BACK_DEG
+    way = [np.interp(times_s + off, stops / FPS, [0, turn, turn, turn - back])
+           for off in (-2 / FPS, 2 / FPS)]  # fmt: skip
+    return (way[1] - way[0]) * FPS / 4
 
 
 def test_the_new_data_set_is_the_old_one_with_columns(root, tmp_path, without_model):
