@@ -268,3 +268,25 @@ def test_rerun_reads_the_new_data_set_as_one_of_version_3(root, tmp_path, withou
     label_data_set(Labelling(root, CAMERA), tmp_path / "out")
     reader = rerun.LeRobotReader(tmp_path / "out")
     assert (reader.version, list(reader.episodes())) == ("v3", [0, 1, 2])
+
+
+def test_datasets_reads_the_new_tables_by_their_features_as_lerobot_does(
+    root, tmp_path, without_model
+):
+    datasets = pytest.importorskip("datasets", reason="needs datasets, of the extra dev")
+    out = tmp_path / "out"
+    label_data_set(Labelling(root, CAMERA), out)
+    kinds = {
+        name: datasets.Value(feature["dtype"])
+        if feature["shape"] == [1]
+        else datasets.Sequence(datasets.Value(feature["dtype"]), length=feature["shape"][0])
+        for name, feature in read_data_set(out).features.items()
+        if feature["dtype"] != "video"
+    }
+    for folder, features in (("data", datasets.Features(kinds)), ("meta/episodes", None)):
+        paths = [str(path) for path in sorted((out / folder).glob("*/*.parquet"))]
+        found = datasets.Dataset.from_parquet(
+            paths, features=features, cache_dir=str(tmp_path / "cache")
+        )
+        assert len(found) == {"data": 78, "meta/episodes": 3}[folder]
+    assert found[1]["stats/tactile.contact/count"] == [28]
