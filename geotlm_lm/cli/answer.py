@@ -26,6 +26,7 @@ from geotlm_lm.cli.options import (
 )
 from geotlm_lm.cli.recording import CameraName, EpisodeNumber, read_recording
 from geotlm_lm.cli.tracked import RerunFile, Targets
+from geotlm_lm.cli.viewer import write_or_serve
 from geotlm_lm.core.errors import Abstained
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.question import check_question
@@ -80,8 +81,6 @@ def answer(
     reply = answerer.ask(encoded, question, frame=frame)
     for note in reply.notes:
         print(f"note: {note}", file=sys.stderr)
-    if rerun is not None:
-        _log(rerun, encoded, question, reply, mm_per_px)
     reasons = answerer.why(encoded, reply) if why else None
     if reasons is not None:
         print(f"note: the reasons are told {reasons.source}", file=sys.stderr)
@@ -90,6 +89,8 @@ def answer(
         print(json.dumps(reply.to_dict() | told))
     else:
         print("\n".join((*(reasons.steps[:-1] if reasons else ()), reply.text)))
+    if rerun is not None:
+        write_or_serve(rerun, lambda path: _log(path, encoded, question, reply, mm_per_px))
     if fail_on_abstain and reply.abstained:
         raise Abstained(
             f"{clip}: the model would not answer; see `geotlm-lm info --clip {clip}` for contact, "

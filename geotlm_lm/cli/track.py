@@ -37,6 +37,7 @@ from geotlm_lm.cli.tracked import (
     event_line,
     totals_lines,
 )
+from geotlm_lm.cli.viewer import write_or_serve
 from geotlm_lm.core.interrupts import uninterrupted_step
 
 if TYPE_CHECKING:
@@ -99,14 +100,14 @@ def track(
     targets.write(exported, clip.name, clip.fps, in_frames=in_frames)
     if video is not None:
         _film(video, exported, clip, is_square=bool(square_pixels))
-    if rerun is not None:
-        _log(rerun, exported, clip, is_square=bool(square_pixels))
     for note in (*clip.notes, *tracked.notes):
         print(f"note: {note}", file=sys.stderr)
     if as_json:
         print(json.dumps(exported.to_dict()))
     else:
         print("\n".join(table(exported, in_frames=in_frames)))
+    if rerun is not None:
+        write_or_serve(rerun, lambda path: _log(path, exported, clip, bool(square_pixels)))
     if is_stopped:
         print(f"note: Tracked as far as frame {tracked.numbers[-1]}.", file=sys.stderr)
         raise typer.Exit(INTERRUPTED)
@@ -154,7 +155,7 @@ def _film(path: Path, exported: Exported, clip: Clip, *, is_square: bool) -> Non
     write_film(path, exported, each_frame(clip, square_pixels=is_square), rate)
 
 
-def _log(path: Path, exported: Exported, clip: Clip, *, is_square: bool) -> None:
+def _log(path: Path, exported: Exported, clip: Clip, is_square: bool) -> None:
     from geotlm_lm.track.rerun_log import log_track, rerun_recording
 
     with rerun_recording(path) as stream:

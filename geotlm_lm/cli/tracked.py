@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from geotlm_lm.cli.options import path_option, require_new_file
 from geotlm_lm.cli.recorded import command_line
+from geotlm_lm.cli.viewer import SERVE
 from geotlm_lm.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -31,7 +32,10 @@ VideoFile = Annotated[
 
 RerunFile = Annotated[
     Path | None,
-    path_option(help="Write frames, arrows, curves and events for the Rerun viewer to this .rrd."),
+    path_option(
+        help="Write frames, arrows, curves and events for the Rerun viewer to this .rrd; `serve` "
+        "shows them in a browser instead."
+    ),
 ]
 
 ENDINGS = {
@@ -82,6 +86,9 @@ class Targets:
         from geotlm_lm.track.export import require_packages
 
         for option, path in given.items():
+            if option == "--rerun" and path == SERVE:
+                require_packages(path.with_suffix(".rrd"))
+                continue
             endings = ENDINGS[option]
             if path.suffix not in endings:
                 raise UsageError(
