@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from urllib.parse import quote
@@ -44,7 +45,7 @@ def viewer(path: Path) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
         path: Of the .rrd file.
     """
     data_port, page_port = _free_ports(2)
-    command = [sys.executable, "-m", "rerun_cli", str(path), "--serve-web", "--bind", HOST]
+    command = [str(_program()), str(path), "--serve-web", "--bind", HOST]
     command += ["--port", str(data_port), "--web-viewer-port", str(page_port)]
     running = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     try:
@@ -53,6 +54,13 @@ def viewer(path: Path) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
     finally:
         running.terminate()
         running.wait()
+
+
+def _program() -> Path:
+    """Return the viewer's own program: the wrapper that Python runs would leave it behind."""
+    folder = Path(find_spec("rerun_cli").origin).parent
+    names = ("Rerun.app/Contents/MacOS/Rerun", "rerun.exe", "rerun")  # macOS, Windows, others
+    return next(folder / name for name in names if (folder / name).is_file())
 
 
 def _free_ports(count: int) -> list[int]:

@@ -83,6 +83,8 @@ def test_a_recording_is_served_to_this_machine_until_it_is_stopped(tmp_path, mon
         page = opened(address)
     assert b"<html" in page.lower()
     assert running.poll() is not None
+    with pytest.raises(URLError):
+        urlopen(address, timeout=10)
 
 
 def opened(address, until_s=60):
