@@ -23,18 +23,21 @@ from geotlm_lm.cli.options import (
     span_of,
 )
 from geotlm_lm.cli.progress import progress_on_stderr
+from geotlm_lm.cli.recording import CameraName, EpisodeNumber, read_recording
 from geotlm_lm.cli.tracked import (
     HEAD,
     INTERRUPTED,
     NO_EVENTS,
     OutFile,
     PlotFile,
+    RerunFile,
     Targets,
     VideoFile,
     aligned,
     event_line,
     totals_lines,
 )
+from geotlm_lm.cli.viewer import write_or_serve
 from geotlm_lm.core.interrupts import uninterrupted_step
 
 if TYPE_CHECKING:
@@ -55,6 +58,7 @@ def track(
     out: OutFile = None,
     plot: PlotFile = None,
     video: VideoFile = None,
+    rerun: RerunFile = None,
     force: Force = False,
     frames: FrameSpan = None,
     layout: LayoutName = None,
@@ -64,6 +68,8 @@ def track(
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
+    episode: EpisodeNumber = None,
+    camera: CameraName = None,
 ) -> None:
     """Track a whole recording: what touches when, how it moves, how far.
 
@@ -72,17 +78,15 @@ def track(
 
     Example: geotlm-lm track recording.mov --out track.csv --plot track.png
     """
-    targets = Targets(out, plot, video)
+    targets = Targets(out, plot, video, rerun)
     targets.require([one for one in (recording, background) if one is not None], is_forced=force)
     from geotlm_lm.core.frame_spec import FrameSpec
     from geotlm_lm.recordings.legible import require_any_legible
-    from geotlm_lm.recordings.read import read_clip
     from geotlm_lm.recordings.span import frames_inside
 
     span, scale = span_of(frames), FrameSpec(mm_per_px=mm_per_px).mm_per_px
-    clip = read_clip(
-        recording, layout=layout, fps=fps, background=background, square_pixels=square_pixels
-    )
+    reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels}
+    clip = read_recording(recording, episode, camera, background=background, **reading)
     require_any_legible(clip if span is None else frames_inside(clip, span))
 
     # Imported only now: a wrong path must not wait for the model's libraries.
@@ -102,6 +106,8 @@ def track(
         print(json.dumps(exported.to_dict()))
     else:
         print("\n".join(table(exported, in_frames=in_frames)))
+    if rerun is not None:
+        write_or_serve(rerun, lambda path: _log(path, exported, clip, bool(square_pixels)))
     if is_stopped:
         print(f"note: Tracked as far as frame {tracked.numbers[-1]}.", file=sys.stderr)
         raise typer.Exit(INTERRUPTED)
@@ -147,6 +153,13 @@ def _film(path: Path, exported: Exported, clip: Clip, *, is_square: bool) -> Non
     first, second = exported.track.numbers[:2]
     rate = (clip.fps or ASSUMED_FPS) / int(second - first)
     write_film(path, exported, each_frame(clip, square_pixels=is_square), rate)
+
+
+def _log(path: Path, exported: Exported, clip: Clip, is_square: bool) -> None:
+    from geotlm_lm.track.rerun_log import log_track, rerun_recording
+
+    with rerun_recording(path) as stream:
+        log_track(stream, exported, clip, square_pixels=is_square)
 
 
 def table(exported: Exported, *, in_frames: bool) -> list[str]:

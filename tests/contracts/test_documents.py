@@ -32,6 +32,11 @@ ONLY_CHECKED = {
     "geotlm-lm evaluate": "measures for minutes, on data that is not part of the repository",
     "geotlm-lm bench": "measures for minutes; what it writes is tested in tests/benchmarks",
     "geotlm-lm info --weights": "describes a file that only its authors release",
+    "geotlm-lm label": "needs a robot's data set; tests/data_sets writes one and labels it",
+    "geotlm-lm track robot": "likewise",
+    "geotlm-lm answer --clip robot": "likewise",
+    "geotlm-lm track recording.mov --rerun": "needs the extra rerun; tests/track and tests/cli do",
+    "geotlm-lm answer --clip recording.mov --rerun": "needs the extra rerun; tests/cli has it",
     "geotlm-lm manifest": "needs a data set's pictures",
 }
 """Beginning of a command of ours -> why it is not run here."""
@@ -41,6 +46,7 @@ NOT_OURS = {
     "pip install": "installs",
     ".venv/bin/pip install": "installs",
     ".venv/bin/pytest": "is the run that this test is part of",
+    "rerun": "opens a viewer",
     "zensical": "builds the site; tests/contracts/test_site.py does",
     ".ci/run": "runs this test",
 }
