@@ -20,6 +20,7 @@ from geotlm_lm.cli.options import (
     MmPerPixel,
     Precision,
     SquarePixels,
+    TopicName,
     span_of,
 )
 from geotlm_lm.core.errors import Abstained
@@ -36,6 +37,7 @@ def answer(
     background: Background = None,
     fps: FramesPerSecond = None,
     square_pixels: SquarePixels = None,
+    topic: TopicName = None,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
@@ -58,7 +60,12 @@ def answer(
 
     span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)
     recording = read_clip(
-        clip, layout=layout, fps=fps, background=background, square_pixels=square_pixels
+        clip,
+        layout=layout,
+        fps=fps,
+        background=background,
+        square_pixels=square_pixels,
+        topic=topic,
     )
 
     # Imported only now: a wrong path must not wait for the model's libraries.
