@@ -90,7 +90,7 @@ def _answers(model: Path | None) -> Finding:
             subject, "fault", str(error), "Nothing is answered.", "Install the package anew."
         )
     told = f'"{QUESTION}" of {EXAMPLE}: "{answer.text}" in {answer.timing_ms["total"]:.0f} ms.'
-    if EXPECTED in answer.text:
+    if EXPECTED in answer.text.lower():
         return Finding(subject, "fine", told)
     return Finding(
         subject,

@@ -38,7 +38,7 @@ def noisy(frame, rng, grey):
 
 @pytest.fixture(scope="module")
 def good():
-    return recording(TOUCHES[0])
+    return recording(TOUCHES[2])
 
 
 def faults(clip):
@@ -87,7 +87,7 @@ PREPARED = {
     "colour order": with_frames(lambda frames: np.ascontiguousarray(frames[..., ::-1])),
     "exposure": with_frames(lambda frames: drifted(0.0, 0.15, frames)),
     "white balance": with_frames(reddening),
-    "brightness": with_frames(lambda frames: gained(0.33, frames)),
+    "brightness": with_frames(lambda frames: gained(0.28, frames)),
     "clipping": with_frames(lambda frames: gained(2.4, frames)),
     "noise": with_frames(noisier),
     "idle gel": lambda clip: clip.select(range(IDLE, len(clip))),
