@@ -97,9 +97,13 @@ PREPARED = {
 }
 
 
+BRINGS = {"brightness": ["contrast"]}
+"""Faults that bring others: what a dim picture shows of an imprint is faint."""
+
+
 @pytest.mark.parametrize("fault", PREPARED)
 def test_a_fault_is_named_alone(good, fault):
-    assert faults(PREPARED[fault](good)) == [fault]
+    assert faults(PREPARED[fault](good)) == [fault, *BRINGS.get(fault, [])]
 
 
 def test_a_recording_without_a_touch_has_no_contrast(good):
