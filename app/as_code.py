@@ -82,7 +82,7 @@ def _rest(path: str, question: str, address: str) -> str:
         [
             f"url={address}/gradio_api",
             f"clip=$(curl -s -F files=@{shlex.quote(path)} $url/upload | cut -d'\"' -f2)",
-            f"asked='{{\"recording\": \"'$clip'\", \"question\": {quoted}}}'",
+            f'asked=\'{{"recording": "\'$clip\'", "question": {quoted}}}\'',
             'call=$(curl -s $url/call/v2/ask --json "$asked")',
             "curl -s $url/call/ask/$(echo $call | cut -d'\"' -f4)",
         ]

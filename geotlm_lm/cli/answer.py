@@ -22,6 +22,7 @@ from geotlm_lm.cli.options import (
     MmPerPixel,
     Precision,
     SquarePixels,
+    TopicName,
     span_of,
 )
 from geotlm_lm.cli.recording import CameraName, EpisodeNumber, read_recording
@@ -45,6 +46,7 @@ def answer(
     background: Background = None,
     fps: FramesPerSecond = None,
     square_pixels: SquarePixels = None,
+    topic: TopicName = None,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
@@ -70,7 +72,7 @@ def answer(
     Targets(None, None, None, rerun).require([clip], is_forced=force)
 
     span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)
-    reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels}
+    reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels, "topic": topic}
     recording = read_recording(clip, episode, camera, background=background, **reading)
 
     # Imported only now: a wrong path must not wait for the model's libraries.

@@ -60,6 +60,7 @@ def _episode(
     fps: float | None,
     background: Path | None,
     square_pixels: bool | None,
+    topic: str | None,
 ) -> Clip:
     from geotlm_lm.data_sets.episode_frames import episode_clip
     from geotlm_lm.data_sets.lerobot import read_data_set
@@ -67,6 +68,8 @@ def _episode(
     from geotlm_lm.recordings.read import read_background, require_rate
     from geotlm_lm.recordings.span import require_motion
 
+    if topic is not None:
+        raise UsageError(f"--topic is of a bag, and {root} is a data set; give --camera instead.")
     checked = check_layout(layout)
     require_rate(fps)
     data_set = read_data_set(root)

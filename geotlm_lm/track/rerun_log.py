@@ -13,7 +13,7 @@ import numpy as np
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.geometry import filled_size
-from geotlm_lm.recordings.video import each_frame
+from geotlm_lm.recordings.every_frame import each_frame
 from geotlm_lm.track.amounts import SPAN_DEVIATIONS, Floats
 from geotlm_lm.track.events import Event
 from geotlm_lm.track.export import Exported, Units, event_name, require_packages
@@ -64,18 +64,18 @@ def log_clip(stream: Any, clip: Clip) -> None:
         _log_frame(stream, frame)
 
 
-def log_track(stream: Any, exported: Exported, clip: Clip, *, square_pixels: bool = False) -> None:
+def log_track(stream: Any, exported: Exported, clip: Clip, **reading: Any) -> None:
     """Log the frames of a track with an arrow and a hand, its curves with spans, and its events.
 
     Args:
         stream: Of `rerun_recording`.
         exported: The track in its units.
         clip: The recording it is of.
-        square_pixels: As it was read with.
+        reading: Options of `each_frame`: as it was read with.
     """
     track = exported.track
     places = {int(number): place for place, number in enumerate(track.numbers)}
-    for number, frame in each_frame(clip, square_pixels=square_pixels):
+    for number, frame in each_frame(clip, **reading):
         if number in places:
             place = places[number]
             _at(stream, number, float(track.times_s[place]))

@@ -17,6 +17,7 @@ import pytest
 import typer
 
 from geotlm_lm.cli import main as cli
+from tests.recordings.bag_files import TOPIC, even_ns, raw, write_bag
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -28,6 +29,7 @@ PRINTED = re.compile(r"^ *print\(.*\)  # (.+)$", re.MULTILINE)
 ONLY_CHECKED = {
     "geotlm-lm app": "serves until it is stopped; tests/journeys asks such a server",
     "geotlm-lm watch --source 0": "needs a camera",
+    "geotlm-lm doctor 0": "needs a camera",
     "geotlm-lm train": "trains for minutes or hours",
     "geotlm-lm evaluate": "measures for minutes, on data that is not part of the repository",
     "geotlm-lm bench": "measures for minutes; what it writes is tested in tests/benchmarks",
@@ -126,6 +128,9 @@ def readers_folder(tmp_path, monkeypatch):
         for frame in shown:
             film.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
         film.release()
+    images = list(zip(shown, even_ns(len(shown)), strict=True))
+    bag = write_bag(tmp_path / "bag", {TOPIC: [raw(*one) for one in images]})
+    shutil.move(bag / "bag.mcap", tmp_path / "run.mcap")
     np.save(tmp_path / "opencv_frames.npy", example["frames"][..., ::-1])
     np.save(tmp_path / "heights.npy", np.pad(np.ones((30, 12)), 20))
     cv2.imwrite(str(tmp_path / "idle.png"), cv2.cvtColor(idle, cv2.COLOR_RGB2BGR))

@@ -23,7 +23,7 @@ LEVELS = (
     {"checkpoint"},
     {"precision"},
     {"answering", "training"},
-    {"benchmarks", "data_sets", "reference_readings"},
+    {"benchmarks", "data_sets", "reference_readings", "doctor"},
     {"cli"},
 )
 """Rooms and top-level modules, lowest first. Rooms of one level do not import each other."""
