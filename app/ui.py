@@ -17,6 +17,14 @@ if TYPE_CHECKING:
 
     from geotlm_lm import Answerer
 
+NAME_EMPTY = """() => {
+    const name = () => document.querySelectorAll('.empty[aria-label]:not([role])')
+        .forEach(one => one.setAttribute('role', 'img'));
+    new MutationObserver(name).observe(document.body, {childList: true, subtree: true});
+    name();
+}"""
+"""Gives a picture that is not there yet a role: the toolkit labels it without one."""
+
 HEAD = (
     "<h1>geotlm-lm</h1> <p>Ask a camera-based touch sensor, in plain language, how the touched "
     "object moves.</p>"
@@ -65,6 +73,7 @@ def build(answerer: Answerer, recordings: Path | None = None) -> Any:
         with gr.Tab("API"):
             programs_tab.build(tools)
         session_files.connect(page, [one for one in page.blocks.values() if type(one) is gr.File])
+        page.load(None, js=NAME_EMPTY, api_visibility="private")
     page.tools = tools
     return page
 
