@@ -9,11 +9,12 @@ from PIL import Image
 
 from app import ui
 from geotlm_lm import Answerer
-from tests.app.browser import Browser
+from tests.app.browser import SHOWN, STAGE, Browser
 
 QUESTION = "Which way is the cap turning?"
-SIZE = (1280, 1300)
-DRAWN = "[...document.images].filter(i => i.offsetParent && i.naturalWidth == 448).length >= "
+SIZE = (1400, 900)
+HELD = (("Home", 36), ("End", 35))
+"""Keys that hold the picture at its last frame."""
 
 
 def draw(folder: Path) -> None:
@@ -22,17 +23,14 @@ def draw(folder: Path) -> None:
     with tempfile.TemporaryDirectory() as profile:
         browser = Browser(Path(profile), SIZE)
         try:
-            browser.open(ui.launch(page))
-            # The second example is the bottle cap.
-            browser.run("document.querySelectorAll('.thumbnail-item')[1].click()")
-            browser.wait_for(f"{DRAWN}1")
+            browser.open(ui.launch(page))  # the bottle cap is opened with it
             browser.fill("Question", QUESTION)
             browser.click("Ask", "button.primary")
-            browser.wait_for("document.body.innerText.includes('optical flow')")
+            browser.wait_for("document.body.innerText.includes('% sure)')")
             _shoot(browser, folder / "page_ask.png")
             browser.click("Simulate", "button[role=tab]")
             browser.click("Simulate and ask", "button.primary")
-            browser.wait_for(f"{DRAWN}3")
+            browser.wait_for(SHOWN)
             _shoot(browser, folder / "page_simulate.png")
         finally:
             browser.close()
@@ -41,7 +39,9 @@ def draw(folder: Path) -> None:
 
 def _shoot(browser: Browser, path: Path) -> None:
     """Write what is seen in 256 colours, a third of the size."""
-    browser.run("window.scrollTo(0, 0)")
+    browser.run(f"window.scrollTo(0, 0); {STAGE}.querySelector('[data-part=scrub]').focus()")
+    for key in HELD:
+        browser.press(*key)
     time.sleep(1.5)
     browser.screenshot(path)
     with Image.open(path) as seen:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import runpy
 import sys
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from geotlm_lm import GeoTLMError
@@ -17,12 +18,19 @@ if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
 
-def serve(port: int | None = None, *, mcp: bool = False, precision: str = "float32") -> None:
+def serve(
+    port: int | None = None,
+    *,
+    mcp: bool = False,
+    recordings: Path | None = None,
+    precision: str = "float32",
+) -> None:
     """Build the page and serve it until stopped; the model is loaded as soon as the page stands.
 
     Args:
         port: To listen on; None takes a free one from 7860 on.
         mcp: Whether to serve agents as well, over the Model Context Protocol.
+        recordings: Folder of recordings that programs and agents may name; it is only read.
         precision: Number format of the model, as in `Answerer.load`.
 
     Raises:
@@ -32,15 +40,15 @@ def serve(port: int | None = None, *, mcp: bool = False, precision: str = "float
         gradio()  # told before the model is loaded
         if mcp:
             require_mcp()
-        _serve(port, mcp, precision)
+        _serve(port, mcp, recordings, precision)
 
 
-def _serve(port: int | None, mcp: bool, precision: str) -> None:
+def _serve(port: int | None, mcp: bool, recordings: Path | None, precision: str) -> None:
     from .lazy_answerer import LazyAnswerer
     from .ui import build, launch
 
     model = LazyAnswerer(partial(_load, precision))
-    page = build(model)
+    page = build(model, recordings)
     try:
         address = launch(page, port=port, mcp=mcp)
     except OSError as error:

@@ -1,45 +1,129 @@
-"""The same functions for agents, over the Model Context Protocol (extra: mcp)."""
+"""The tools for agents, over the Model Context Protocol (extra: mcp)."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from importlib.metadata import version
 from importlib.util import find_spec
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from geotlm_lm import GeoTLMError, __version__
 from geotlm_lm.core.errors import MissingDependency
 
-PATH = "gradio_api/mcp/"
+from .limits import AT_ONCE, MESSAGE_BYTES, SENTENCE
+from .tools import Tool
+
+if TYPE_CHECKING:
+    from mcp.server.lowlevel import Server
+
+PATH = "mcp"
 """Where the protocol is served, below the page's address."""
+
+NAME = "geotlm-lm"
+
+INSTRUCTIONS = (
+    "A camera-based touch sensor (GelSight) records how a touched object moves. Call `recordings` "
+    "for the names you may use, `track` for what happens in a recording, `ask` for an answer in "
+    "words with its confidence, `picture` to look. Directions are those of the camera image, of "
+    f"the object relative to the sensor, unless you say otherwise. {SENTENCE}"
+)
 
 
 def require_mcp() -> None:
-    """Refuse where the protocol's package is missing.
+    """Refuse where the protocol's package is missing, or is one this server is not written for.
 
     Raises:
-        MissingDependency: If it is not installed; the toolkit alone would serve the page without.
+        MissingDependency: If it is so.
     """
     if find_spec("mcp") is None:
         raise MissingDependency(
             "--mcp needs the package mcp, which is not installed; "
             "run `pip install 'geotlm-lm[mcp]'`."
         )
-
-
-def speak_json(page: Any) -> None:
-    """Have a served page's tools answer in JSON; the toolkit's own text is Python's.
-
-    Raises:
-        MissingDependency: If the toolkit serves the page without the protocol, with its reason.
-    """
-    server = page.mcp_server_obj
-    if not page.mcp_server or server is None:
+    found = version("mcp")
+    if not found.startswith("1."):
         raise MissingDependency(
-            f"MCP could not be served ({getattr(page, 'mcp_error', None) or 'no reason given'}); "
-            f"run `pip install 'geotlm-lm[mcp]'`."
+            f"--mcp needs the package mcp from 1.30 to below 2, found {found}; "
+            f"run `pip install 'geotlm-lm[mcp]'`. Clients may use any version."
         )
 
-    def in_json(values: list[Any], root_url: str) -> list[Any]:
-        del root_url  # none of our results names a file
-        return [server.types.TextContent(type="text", text=json.dumps(one)) for one in values]
 
-    server.postprocess_output_data = in_json
+class AgentServer:
+    """Serves tools over streamable HTTP; every request stands by itself, so none is remembered.
+
+    Args:
+        tools: That agents may call.
+    """
+
+    def __init__(self, tools: list[Tool]) -> None:
+        from mcp.server.streamable_http_manager import StreamableHTTPSessionManager
+
+        self._manager = StreamableHTTPSessionManager(
+            server_of(tools),
+            json_response=True,
+            stateless=True,
+            max_request_body_size=MESSAGE_BYTES,
+        )
+
+    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+        """Answer a request (ASGI)."""
+        await self._manager.handle_request(scope, receive, send)
+
+    @asynccontextmanager
+    async def lifespan(self, app: Any) -> AsyncIterator[None]:
+        """Run as long as the page is served."""
+        del app
+        async with self._manager.run():
+            yield
+
+
+def server_of(tools: list[Tool]) -> Server:
+    """Return what speaks the protocol, not yet served anywhere."""
+    from anyio import CapacityLimiter, to_thread
+    from mcp import types
+    from mcp.server.lowlevel import Server
+
+    server = Server(NAME, version=__version__, instructions=INSTRUCTIONS)
+    known = {tool.name: tool for tool in tools}
+    limiter = CapacityLimiter(AT_ONCE)
+
+    @server.list_tools()
+    async def list_tools() -> list[types.Tool]:
+        return [
+            types.Tool(
+                name=tool.name,
+                description=tool.description,
+                inputSchema=tool.input_schema,
+                outputSchema=tool.output_schema,
+                annotations=types.ToolAnnotations(readOnlyHint=True, openWorldHint=False),
+            )
+            for tool in tools
+        ]
+
+    # Parameters are checked by the tool itself, whose sentences say what to do.
+    @server.call_tool(validate_input=False)
+    async def call_tool(name: str, arguments: dict[str, Any]) -> types.CallToolResult:
+        try:
+            if name not in known:
+                raise GeoTLMError(f"There is no tool {name[:80]!r}; there are {', '.join(known)}.")
+            result = await to_thread.run_sync(known[name].call, arguments, limiter=limiter)
+        except GeoTLMError as error:
+            told = [types.TextContent(type="text", text=str(error))]
+            return types.CallToolResult(content=told, isError=True)
+        return types.CallToolResult(content=_content(result), structuredContent=result)
+
+    return server
+
+
+def _content(result: dict[str, Any]) -> list[Any]:
+    """Return a result as JSON for those who read no structure; a picture as a picture."""
+    from mcp import types
+
+    if "png_base64" not in result:
+        return [types.TextContent(type="text", text=json.dumps(result))]
+    image = types.ImageContent(
+        type="image", data=result.pop("png_base64"), mimeType=result["mime_type"]
+    )
+    return [types.TextContent(type="text", text=json.dumps(result)), image]

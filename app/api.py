@@ -1,68 +1,38 @@
-"""The same answers for programs: typed functions over REST and, with the extra, over MCP."""
+"""The same answers for programs and agents: typed functions, each a tool."""
 
 from __future__ import annotations
 
-import inspect
+import base64
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from . import clip_loading, handlers
-from .error_display import MODEL, gradio, with_errors_shown
-from .results import AnswerResult, ComparisonResult, EvidenceFields, SimulatedAnswer
+import cv2
+import numpy as np
+
+from geotlm_lm import Exported, GeoTLMError, picture, plot_png
+
+from . import handlers
+from . import parameters as p
+from .clip_loading import LoadedClip
+from .opened import OpenedRecordings
+from .results import (
+    AnswerResult,
+    ComparisonResult,
+    EvidenceFields,
+    Listing,
+    PictureResult,
+    SimulatedAnswer,
+    TrackResult,
+)
 from .simulation_handlers import simulate as simulate_and_ask
 from .simulation_handlers import touch_of
-from .uploads import Upload, Uploads
+from .sources import Sources
+from .track_summary import summary_of
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-SNIPPET = """
-```python
-from gradio_client import Client, handle_file
-
-client = Client("http://127.0.0.1:7860")
-clip = handle_file("app/examples/bottle_cap_clockwise.npz")
-print(client.predict(clip, "Which way is it turning?", api_name="/ask")["text"])
-motion = client.predict(clip, "What happens?", api_name="/ask")["motion"]
-print(motion["turn"]["way"], motion["turn"]["mean"], motion["slide"]["counts"])
-print(client.predict(clip, api_name="/evidence")["contact_share"])
-print(client.predict(clip, clip, api_name="/compare")["relation"])
-print(client.predict("key", 0.6, 15.0, 0.4, 0.0, 0.1, 4.0, 0, api_name="/simulate")["answer"])
-```
-"""
-
-REST_SNIPPET = """
-```bash
-url=http://127.0.0.1:7860/gradio_api
-clip=$(curl -s -F files=@app/examples/bottle_cap_clockwise.npz $url/upload | cut -d'"' -f2)
-asked='{"data": ["'$clip'", "Which way is it turning?"]}'
-call=$(curl -s $url/call/ask --json "$asked")
-curl -s $url/call/ask/$(echo $call | cut -d'"' -f4)
-```
-"""
-
-MCP_SNIPPET = """
-```python
-import asyncio, base64, json
-from pathlib import Path
-from mcp import ClientSession
-from mcp.client.streamable_http import streamable_http_client
-
-
-async def main():
-    stored = Path("app/examples/bottle_cap_clockwise.npz").read_bytes()
-    clip = "data:;base64," + base64.b64encode(stored).decode()
-    async with streamable_http_client("http://127.0.0.1:7860/gradio_api/mcp/") as (read, write, _):
-        async with ClientSession(read, write) as session:
-            await session.initialize()
-            asked = {"clip": clip, "question": "Which way is it turning?"}
-            answer = await session.call_tool("ask", asked)
-            print(json.loads(answer.content[0].text)["direction"])
-
-
-asyncio.run(main())
-```
-"""
+SAME_WAY = "Do they go the same way?"
 
 
 class Api:
@@ -70,81 +40,108 @@ class Api:
 
     Args:
         answerer: The model.
-        uploads: Finds the recordings that were sent.
+        sources: Find the recordings that are named or sent.
     """
 
-    def __init__(self, answerer: Answerer, uploads: Uploads) -> None:
-        self._answerer, self._uploads = answerer, uploads
+    def __init__(self, answerer: Answerer, sources: Sources) -> None:
+        self._answerer, self._sources = answerer, sources
+        self._opened = OpenedRecordings(answerer, sources)
 
-    def ask(self, clip: Upload | str, question: str) -> AnswerResult:
-        """Answer a question about how the object in a clip moves.
+    @property
+    def functions(self) -> tuple[Callable[..., Any], ...]:
+        """All of them."""
+        return (
+            self.recordings,
+            self.ask,
+            self.track,
+            self.compare,
+            self.simulate,
+            self.evidence,
+            self.picture,
+        )
 
-        Args:
-            clip: Recording: an upload, its address, or a data URI in base64.
-            question: In plain English.
+    def recordings(self) -> Listing:
+        """List the recordings that other tools take by name, with kind and size, and examples."""
+        return self._sources.listing()
 
-        Returns:
-            Words, direction (camera image, object relative to sensor), confidence, evidence.
+    def ask(
+        self,
+        recording: p.Recording,
+        question: p.Question,
+        frames: p.Frames = None,
+        mirrored: p.Mirrored = False,
+        turned: p.Turned = 0,
+        viewpoint: p.Viewpoint = "sensor",
+        actor: p.Actor = "object",
+        thread: p.Thread = None,
+        contact_side: p.ContactSide = None,
+        mm_per_px: p.MmPerPx = None,
+    ) -> AnswerResult:
+        """Answer a question about how the touched object in a recording moves.
+
+        Returns the words, the direction as the frame of reference tells it, an amount with its
+        span, the calibrated confidence, whether the answer was withheld, and the evidence.
         """
-        return handlers.ask(self._answerer, self._shown(clip), question).details
+        frame = p.frame_of(mirrored, turned, viewpoint, actor, thread, contact_side, mm_per_px)
+        shown = self._opened.open(recording, frames)
+        return handlers.ask(self._answerer, shown, question, frame).details
 
-    def evidence(self, clip: Upload | str) -> EvidenceFields:
-        """Return the geometry a clip's answers rest on, without asking the language model.
+    def track(
+        self,
+        recording: p.Recording,
+        frames: p.Frames = None,
+        mirrored: p.Mirrored = False,
+        turned: p.Turned = 0,
+        viewpoint: p.Viewpoint = "sensor",
+        actor: p.Actor = "object",
+        mm_per_px: p.MmPerPx = None,
+        rows: p.Rows = 0,
+    ) -> TrackResult:
+        """Tell what happens in a recording: events with begin, end, way, amount and probability.
 
-        Args:
-            clip: Recording: an upload, its address, or a data URI in base64.
-
-        Returns:
-            Contact, shear change of seven regions and of each patch; x right, y down, unitless.
+        Returns also what it comes to, net and there and back, when something touches, and notes;
+        numbers of single frames only where `rows` asks for them.
         """
-        from geotlm_lm import regions_of
+        frame = p.frame_of(mirrored, turned, viewpoint, actor, mm_per_px=mm_per_px)
+        whole, track = self._tracked(recording, frames)
+        return summary_of(track, whole, frame, rows)
 
-        shown = self._shown(clip)
-        return regions_of(shown.encoded) | {
-            "shear_change": shown.seen.shear_change.round(4).tolist(),
-            "contact_mask": shown.seen.mask.round(4).tolist(),
-            "frames_used": list(shown.encoded.clip.frame_numbers),
-            "second_opinions": shown.opinions,
-        }
+    def compare(
+        self,
+        first: p.Recording,
+        second: p.Recording,
+        question: p.Question = SAME_WAY,
+        first_frames: p.Frames = None,
+        second_frames: p.Frames = None,
+        mirrored: p.Mirrored = False,
+        turned: p.Turned = 0,
+        viewpoint: p.Viewpoint = "sensor",
+        actor: p.Actor = "object",
+        mm_per_px: p.MmPerPx = None,
+    ) -> ComparisonResult:
+        """Tell whether the objects in two recordings move the same way, or answer about both.
 
-    def compare(self, first: Upload | str, second: Upload | str) -> ComparisonResult:
-        """Tell whether the objects in two clips move the same way.
-
-        Args:
-            first: Recording: an upload, its address, or a data URI in base64.
-            second: Another.
-
-        Returns:
-            The relation (same, opposite, different or unknown), in words too, and both answers.
+        Returns the relation (same, opposite, different or unknown), in words too, and both answers.
         """
-        return handlers.compare(self._answerer, self._shown(first), self._shown(second))
+        frame = p.frame_of(mirrored, turned, viewpoint, actor, mm_per_px=mm_per_px)
+        shown = [self._opened.open(first, first_frames), self._opened.open(second, second_frames)]
+        return handlers.compare(self._answerer, *shown, question=question, frame=frame)
 
     def simulate(
         self,
-        object_name: str,
-        depth_mm: float,
-        twist_deg: float,
-        slide_x_mm: float,
-        slide_y_mm: float,
-        press_mm: float,
-        thickness_mm: float,
-        seed: int,
+        object_name: p.ObjectName = "key",
+        depth_mm: p.DepthMm = 0.6,
+        twist_deg: p.TwistDeg = 0.0,
+        slide_x_mm: p.SlideXMm = 0.0,
+        slide_y_mm: p.SlideYMm = 0.0,
+        press_mm: p.PressMm = 0.0,
+        thickness_mm: p.ThicknessMm = 4.0,
+        seed: p.Seed = 0,
     ) -> SimulatedAnswer:
-        """Simulate a touch of a GelSight-like sensor and answer about it.
+        """Simulate a touch of a GelSight-like sensor and answer about it; motions may be mixed.
 
-        Args:
-            object_name: For example "key", "coin", "hex_nut".
-            depth_mm: Approach beyond first touch, half-way.
-            twist_deg: Turn, positive clockwise in the image.
-            slide_x_mm: Travel to the right.
-            slide_y_mm: Travel down the image.
-            press_mm: Approach into the gel; negative lifts.
-            thickness_mm: Of the gel.
-            seed: Of the noise.
-
-        Returns:
-            Which way it goes and how far, in words; the true motion, which components count, the
-            true amounts, the ones in the learned shear, and their error.
+        Returns which way it goes and how far, in words; the true motion, which components count,
+        the true amounts, the ones that were read, and their error.
         """
         numbers = {
             "depth_mm": depth_mm,
@@ -156,28 +153,78 @@ class Api:
         }
         return simulate_and_ask(self._answerer, touch_of(object_name, numbers, seed)).facts
 
-    def _shown(self, clip: Any) -> clip_loading.LoadedClip:
-        return clip_loading.load_clip(self._answerer, self._uploads.path_of(clip))
+    def evidence(self, recording: p.Recording, frames: p.Frames = None) -> EvidenceFields:
+        """Return the geometry a recording's answers rest on, without asking the language model.
+
+        Returns contact, shear change of seven regions and of each patch; x right, y down, unitless.
+        """
+        from geotlm_lm import regions_of
+
+        shown = self._opened.open(recording, frames)
+        return regions_of(shown.encoded) | {
+            "shear_change": shown.seen.shear_change.round(4).tolist(),
+            "contact_mask": shown.seen.mask.round(4).tolist(),
+            "frames_used": list(shown.encoded.clip.frame_numbers),
+            "second_opinions": shown.opinions,
+        }
+
+    def picture(
+        self,
+        recording: p.Recording,
+        shows: p.Picture = "overlay",
+        frames: p.Frames = None,
+        mm_per_px: p.MmPerPx = None,
+    ) -> PictureResult:
+        """Draw a recording: four frames with what the model sees in them, or a track over time.
+
+        Directions are those of the recorded image. Returns a PNG.
+        """
+        if shows == "timeline":
+            whole, track = self._tracked(recording, frames)
+            png = plot_png(Exported(track, mm_per_px), in_frames=not whole.is_timed)
+            return _pictured(png, f"{whole.name}: turn, travel, contact and events over time")
+        shown = self._opened.open(recording, frames)
+        numbers = ", ".join(str(one) for one in shown.encoded.clip.frame_numbers)
+        name = "arrows" if shows == "overlay" else shows
+        return _pictured(
+            _sheet(shown, name), f"{shown.encoded.clip.name}: {shows}, frames {numbers}"
+        )
+
+    def _tracked(self, given: str, frames: list[int] | None) -> tuple[Any, Any]:
+        """Return a recording and the track of it, or of a span."""
+        opened = self._opened.whole(given)
+        track = opened.shown.encoded.track
+        if track is None:  # of four frames or fewer, which questions look at together
+            track = self._answerer.track(opened.recording)
+        if frames is None:
+            return opened.recording, track
+        try:
+            return opened.recording, track.between(*frames)
+        except ValueError as error:
+            first, last = track.numbers[0], track.numbers[-1]
+            raise GeoTLMError(
+                f"Frames {frames[0]}:{frames[1]} were asked for, expected FIRST < LAST within "
+                f"{first}:{last}; give frame numbers inside the recording."
+            ) from error
 
 
-def build(answerer: Answerer) -> None:
-    """Serve the functions and show how they are called; call it inside a `gradio.Tab`."""
-    gr = gradio()
-    from gradio.utils import get_upload_folder
-
-    served = Api(answerer, Uploads(get_upload_folder()))
-    for function in (served.ask, served.evidence, served.compare, served.simulate):
-        gr.api(_typed(function), api_name=function.__name__, **MODEL)
-    gr.Markdown(
-        "The page is also a typed REST interface; its full description is behind *Use via API* at "
-        "the foot of the page. From Python, after `pip install gradio_client`:\n"
-        f"{SNIPPET}\nFrom a shell:\n{REST_SNIPPET}\nFor agents, where the page was started by "
-        f"`geotlm-lm app --mcp`:\n{MCP_SNIPPET}"
-    )
+def _sheet(shown: LoadedClip, view: str) -> bytes:
+    """Return the four frames in one picture, two by two, as a PNG."""
+    last = len(shown.seen.frames) - 1
+    drawn = [picture(shown.seen, view, min(place, last)) for place in range(4)]
+    pairs = [np.concatenate(drawn[place : place + 2], axis=1) for place in (0, 2)]
+    is_made, png = cv2.imencode(".png", cv2.cvtColor(np.concatenate(pairs), cv2.COLOR_RGB2BGR))
+    if not is_made:
+        raise ValueError("the picture could not be made a PNG")
+    return png.tobytes()
 
 
-def _typed(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return the function with its errors told, and its types as types: postponed they are text."""
-    shown = with_errors_shown(function, is_page=False)
-    shown.__signature__ = inspect.signature(function, eval_str=True)
-    return shown
+def _pictured(png: bytes, shows: str) -> PictureResult:
+    rows_at, columns_at = slice(20, 24), slice(16, 20)  # in the file's first chunk
+    return {
+        "shows": shows,
+        "mime_type": "image/png",
+        "width_px": int.from_bytes(png[columns_at]),
+        "height_px": int.from_bytes(png[rows_at]),
+        "png_base64": base64.b64encode(png).decode(),
+    }

@@ -1,117 +1,268 @@
-"""The Ask tab: a clip and what the model sees in it on the left, the conversation on the right."""
+"""The Ask tab: the stage and its timeline on the left, the conversation on the right."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from functools import partial
-from html import escape, unescape
 from typing import TYPE_CHECKING, Any
 
-from . import clip_side, handlers
-from .error_display import gradio, literal, model_at, with_errors_shown
-from .facts import facts_of, fields_of, frame_preview, update_facts
+from geotlm_lm import FrameSpec, draw_viewpoint
+
+from . import example_clips, handlers, saving, stage, suggestions
+from .clip_loading import SUFFIXES
+from .error_display import MODEL, gradio
+from .facts import MIRRORED, OTHER_SIDE, SENSOR_MOVES, TURNS, update_facts
+from .filling import COMPLAINT, Filled, complaint, filling
+from .limits import QUESTION_CHARACTERS
+from .opening import NOTHING_SAID, Opening
+from .talking import Talking
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-ANSWER_PARTS = ("notes", "probabilities", "band", "verdicts", "regions", "timing", "details")
-"""What stands beside an answer's words, in the order `_answer` yields it."""
+PLACEHOLDER = "Ask how the touched object moves, in plain English, or click a question below."
 
-FRAME_PARTS = ("frame", "mm_per_px", "viewpoint", "told")
-"""What the other side shows of the frame of reference, yielded after the motion that was told."""
+PRIVATE = {"api_visibility": "private"}
 
-MOST_CHARACTERS = 2000
-"""Of a question; a longer one is more than what reads it takes."""
+OPENED = (
+    *NOTHING_SAID,
+    *("shown", "source", "stage", "clip_notes", "told", "mm_per_px", "chips", "saving"),
+    *("first", "last_frame", "files", COMPLAINT),
+)
+"""What is filled when a recording is opened or closed."""
 
-Messages = list[dict[str, Any]]
+ANSWERED = (
+    *NOTHING_SAID,
+    *("question", "frame", "mm_per_px", "viewpoint", "told", "chips", "saving", "stage"),
+    COMPLAINT,
+)
+"""What is filled when a question is answered."""
 
 
-def build(answerer: Answerer) -> None:
-    """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
+def build(answerer: Answerer, page: Any) -> None:
+    """Lay the tab out and connect it; call it inside a `gradio.Tab`.
+
+    Args:
+        answerer: The model.
+        page: The `gradio.Blocks`; an example is opened with it.
+    """
     gr = gradio()
-    shown, last = gr.State(), gr.State()
-    with gr.Row():
-        with gr.Column():
-            clip = clip_side.build(gr)
-        with gr.Column():
-            talk = _talk_side(gr)
-    # What was said of the clip before must not stand beside the new one.
-    stale = [talk["chat"], *(talk[name] for name in ANSWER_PARTS), last]
-    clip_side.connect(answerer, shown, clip, stale)
-    _connect_talk(answerer, shown, last, clip, talk, stale)
+    parts: dict[str, Any] = {name: gr.State() for name in ("shown", "source", "last")}
+    with gr.Row(elem_classes=["ask"]):
+        with gr.Column(scale=11, min_width=320, elem_classes=["ask-stage"]):
+            parts["stage"] = stage.build()
+        with gr.Column(scale=9, min_width=320, elem_classes=["ask-talk"]):
+            parts |= _talk(gr)
+    with gr.Row(elem_classes=["open-another"]):
+        parts["files"] = gr.File(
+            label="Recording or images",
+            file_types=SUFFIXES,
+            file_count="multiple",
+            type="filepath",
+            height=96,
+            elem_classes=["drop"],
+            scale=2,
+            min_width=240,
+        )
+        with gr.Column(scale=7, min_width=300):
+            parts["examples"] = example_clips.strip()
+    parts |= _below(gr)
+    _connect_opening(gr, parts, Opening(answerer), Talking(answerer), page)
+    _connect_talk(gr, parts, Talking(answerer))
 
 
-def _talk_side(gr: Any) -> dict[str, Any]:
-    side = {}
-    side["chat"] = gr.Chatbot(
+def _talk(gr: Any) -> dict[str, Any]:
+    parts = {}
+    parts["chat"] = gr.Chatbot(
         label="Conversation",
-        height=300,
-        buttons=["copy", "copy_all"],
+        elem_classes=["chat"],
+        height="100%",
+        buttons=["copy_all"],
+        placeholder=PLACEHOLDER,
         # A question is shown as it was typed: a picture in it would be fetched from its site.
         # Without Markdown the toolkit still takes a message for HTML.
         render_markdown=False,
     )
-    side["notes"] = gr.Markdown()
-    side["question"] = gr.Textbox(
-        label="Question",
-        value=handlers.EXAMPLE_QUESTIONS[0],
-        max_length=MOST_CHARACTERS,
-    )
-    with gr.Row():
-        side["ask"] = gr.Button("Ask", variant="primary")
-        side["stop"] = gr.Button("Stop")
-        side["retry"] = gr.Button("Retry")
-    side["suggested"] = gr.Dropdown(
-        [(f"{kind}: {text}", text) for kind, text in handlers.SUGGESTED_QUESTIONS.items()],
-        label="Questions by type",
-        value=None,
-    )
-    side["probabilities"] = gr.Label(label="Calibrated probabilities", num_top_classes=5)
-    side["band"] = gr.Markdown()
-    side["verdicts"] = gr.Dataframe(
-        headers=["read by", "motion", "how"],
-        label="Verdicts side by side",
-        interactive=False,
-        wrap=True,
-    )
-    with gr.Accordion("Evidence: seven regions", open=True):
-        side["regions"] = gr.Dataframe(
+    parts["chips"] = suggestions.chips()
+    with gr.Row(elem_classes=["ask-line"]):
+        parts["question"] = gr.Textbox(
+            label="Question",
+            show_label=False,
+            container=False,
+            placeholder="Your question",
+            max_length=QUESTION_CHARACTERS,
+            scale=6,
+            min_width=160,
+            elem_classes=["question"],
+        )
+        parts["ask"] = gr.Button("Ask", variant="primary", scale=1, min_width=64)
+        parts["stop"] = gr.Button("Stop", scale=1, min_width=56)
+        parts["retry"] = gr.Button("Retry", scale=1, min_width=56)
+    parts[COMPLAINT] = complaint()
+    return parts
+
+
+def _below(gr: Any) -> dict[str, Any]:
+    """Lay out what a first look does without, closed."""
+    parts: dict[str, Any] = {}
+    with gr.Accordion("Evidence: probabilities, other methods, regions", open=False):
+        parts["notes"] = gr.Markdown()
+        with gr.Row():
+            parts["probabilities"] = gr.Label(label="Calibrated probabilities", num_top_classes=5)
+            parts["verdicts"] = gr.Dataframe(
+                headers=["read by", "motion", "how"],
+                label="Read by three methods",
+                interactive=False,
+                wrap=True,
+            )
+        parts["band"] = gr.Markdown()
+        parts["regions"] = gr.Dataframe(
             headers=["region", "shear change x", "shear change y", "contact mass"],
+            label="Seven regions",
             interactive=False,
         )
-    side["timing"] = gr.Markdown()
-    with gr.Accordion("Everything the answer rests on", open=False):
-        side["details"] = gr.JSON()
-    return side
+        parts["timing"] = gr.Markdown()
+    with gr.Accordion("Frame of reference", open=False):
+        parts |= _frame_of_reference(gr)
+    with gr.Accordion("Frames and notes", open=False):
+        with gr.Row():
+            # Text: of a number field left empty the page makes 0, which is a frame.
+            parts["first"] = gr.Textbox(label="First frame (empty: all)", max_length=9)
+            parts["last_frame"] = gr.Textbox(label="Last frame", max_length=9)
+        parts["read"] = gr.Button("Read again with this span")
+        parts["clip_notes"] = gr.Markdown()
+    with gr.Accordion("Copy this as code", open=False):
+        gr.Markdown("The last question, for the shell, for Python and over REST.")
+        for name, label, language in (
+            ("command", "Command line", "shell"),
+            ("python", "Python", "python"),
+            ("rest", "REST", "shell"),
+        ):
+            parts[name] = gr.Code(
+                label=label, language=language, interactive=False, buttons=["copy"]
+            )
+    with gr.Accordion("Save and share", open=False):
+        parts["saving"] = saving.bar()
+    return parts
 
 
-def _connect_talk(
-    answerer: Answerer, shown: Any, last: Any, clip: dict, talk: dict, stale: list[Any]
-) -> None:
-    gr = gradio()
-    answer = with_errors_shown(partial(_answer, answerer))
-    again = with_errors_shown(partial(_retry, answerer))
-    stated, framed = [clip[one] for one in FRAME_PARTS[:2]], [clip[one] for one in FRAME_PARTS[2:]]
-    beside = [*(talk[name] for name in ANSWER_PARTS), last, *stated, *framed]
-    outputs = [talk["chat"], talk["question"], *beside]
-    private, at_chat = {"api_visibility": "private"}, model_at(talk["chat"])
-    asked = [shown, talk["question"], talk["chat"], *stated]
-    running = [
-        trigger(answer, asked, outputs, **at_chat)
-        for trigger in (talk["ask"].click, talk["question"].submit)
-    ]
-    running.append(talk["retry"].click(again, asked, outputs, **at_chat))
-    talk["stop"].click(None, None, None, cancels=running, api_visibility="private")
-    talk["chat"].clear(
-        partial(_forget, answerer, len(stale) - 1),
-        [shown, clip["frame"]],
-        [shown, clip["told"], *stale],
-        cancels=running,
-        **private,
+def _frame_of_reference(gr: Any) -> dict[str, Any]:
+    parts = {}
+    gr.Markdown(
+        "Directions are told **as seen in the camera image** (looking out of the sensor at the "
+        "object), for the object relative to the sensor. Check what is different about yours."
     )
-    talk["suggested"].input(lambda text: text or "", talk["suggested"], talk["question"], **private)
+    with gr.Row():
+        parts["viewpoint"] = gr.Image(
+            draw_viewpoint(FrameSpec()),
+            label="Where the camera stands",
+            show_label=False,
+            interactive=False,
+            height=150,
+            buttons=[],
+        )
+        parts["frame"] = gr.CheckboxGroup(
+            [MIRRORED, *TURNS, OTHER_SIDE, SENSOR_MOVES], label="Tell it for another frame"
+        )
+        parts["mm_per_px"] = gr.Number(
+            label="Millimetres per pixel (0: slides are told in pixels)", value=0, step=0.01
+        )
+    parts["told"] = gr.Markdown(handlers.direction_in_frame(FrameSpec(), None))
+    return parts
 
+
+def _connect_opening(
+    gr: Any, parts: dict[str, Any], opening: Opening, talking: Talking, page: Any
+) -> None:
+    before = [parts[name] for name in ("frame", "mm_per_px", "shown")]
+    outputs = [parts[name] for name in OPENED]
+    at_stage = {**PRIVATE, "show_progress": "hidden", **MODEL}
+    files, upload = parts["files"], filling(parts, opening.upload)
+    for trigger in (files.upload, files.clear, files.delete):
+        trigger(upload, [files, *before], outputs, **at_stage)
+
+    def open_example(*given: Any) -> Iterator[Filled]:
+        *now, event = given
+        yield from opening.example(str(event._data.get("example")), *now)
+
+    clicked = filling(parts, open_example, gr.EventData)
+    parts["examples"].click(clicked, before, outputs, **at_stage)
+    spanned = [parts[name] for name in ("source", "first", "last_frame")]
+    again = filling(parts, opening.read_again)
+    parts["read"].click(again, [*spanned, *before], outputs, **at_stage)
+
+    def visit(request: Any) -> Iterator[Filled]:
+        yield from opening.visit(request.query_params)
+
+    visited = page.load(
+        filling(parts, visit, gr.Request),
+        None,
+        [parts[name] for name in ("stage", "source", "question", COMPLAINT)],
+        queue=False,
+        **PRIVATE,
+    ).then(again, [*spanned, *before], outputs, **at_stage)
+
+    def ask_if_linked(question: str, *given: Any) -> Iterator[Filled]:
+        if question:
+            yield from talking.ask(question, *given[:-1], _address(given[-1]))
+
+    visited.then(
+        filling(parts, ask_if_linked, gr.Request),
+        _asked(parts),
+        [parts[name] for name in ANSWERED],
+        **at_stage,
+    )
+
+
+def _asked(parts: dict[str, Any]) -> list[Any]:
+    names = ("question", "chat", "shown", "source", "frame", "mm_per_px")
+    return [parts[name] for name in names]
+
+
+def _address(request: Any) -> str:
+    return f"http://{request.headers.get('host', '127.0.0.1:7860')}"
+
+
+def _connect_talk(gr: Any, parts: dict[str, Any], talking: Talking) -> None:
+    def ask(*given: Any) -> Iterator[Filled]:
+        yield from talking.ask(*given[:-1], _address(given[-1]))
+
+    def ask_again(*given: Any) -> Iterator[Filled]:
+        yield from talking.again(*given[:-1], _address(given[-1]))
+
+    asked, outputs = _asked(parts), [parts[name] for name in ANSWERED]
+    options = {**PRIVATE, "show_progress_on": [parts["chips"]], **MODEL}
+    asking = filling(parts, ask, gr.Request)
+    running = [
+        trigger(asking, asked, outputs, **options)
+        for trigger in (parts["ask"].click, parts["question"].submit)
+    ]
+    again = filling(parts, ask_again, gr.Request)
+    running.append(parts["retry"].click(again, asked[1:], outputs, **options))
+
+    def take(event: Any) -> Iterator[Filled]:
+        yield {"question": str(event._data.get("text", ""))[:QUESTION_CHARACTERS]}
+
+    chosen = parts["chips"].click(
+        filling(parts, take, gr.EventData),
+        None,
+        [parts["question"], parts[COMPLAINT]],
+        queue=False,
+        **PRIVATE,
+    )
+    running.append(chosen.then(asking, asked, outputs, **options))
+    parts["stop"].click(None, None, None, cancels=running, **PRIVATE)
+    parts["chat"].clear(
+        filling(parts, talking.forget),
+        [parts[name] for name in ("shown", "source", "frame")],
+        [*(parts[name] for name in (*NOTHING_SAID, "shown", "told", "chips", "saving", COMPLAINT))],
+        cancels=running,
+        **PRIVATE,
+    )
+    _connect_frame(gr, parts)
+    _connect_saving(gr, parts)
+
+
+def _connect_frame(gr: Any, parts: dict[str, Any]) -> None:
     def check(facts: list[str], direction: str | None, event: gr.SelectData) -> tuple:
         held, *framing = update_facts(facts, direction, event.value, event.selected)
         # Boxes that stand as they should are left alone: others may be checked meanwhile.
@@ -119,83 +270,19 @@ def _connect_talk(
 
     # Postponed annotations are text, and the toolkit looks for the event's type itself.
     check.__annotations__["event"] = gr.SelectData
-    clip["frame"].select(check, [clip["frame"], last], [clip["frame"], *framed], **private)
+    outputs = [parts[name] for name in ("frame", "viewpoint", "told")]
+    parts["frame"].select(check, [parts["frame"], parts["last"]], outputs, **PRIVATE)
 
 
-def _answer(
-    answerer: Answerer,
-    shown: Any,
-    question: str,
-    chat: Messages,
-    facts: list[str],
-    mm_per_px: float | None,
-) -> Iterator[tuple]:
-    """Yield the conversation word by word, and with the last all that stands beside."""
-    before = [*(chat or []), _message("user", question)]
-    skip, said = gradio().skip(), ""
-    field = ""  # emptied once: what is typed meanwhile is the next question
-    fields = fields_of(facts) | {"mm_per_px": mm_per_px or None}
-    for told_so_far in handlers.converse(answerer, shown, question, fields):
-        if isinstance(told_so_far, str):
-            said += told_so_far
-            beside = [skip] * len((*ANSWER_PARTS, "motion", *FRAME_PARTS))
-            yield [*before, _message("assistant", said)], field, *beside
-            field = skip
-        else:
-            reply = told_so_far
-    frame = shown.session.frame
-    stated = facts_of(frame)
-    direction = None if reply.motion is None else reply.motion.value
-    yield (
-        [*before, _message("assistant", reply.sentence)],
-        field,
-        literal(reply.notes),
-        reply.probabilities,
-        reply.band,
-        reply.verdicts,
-        reply.regions,
-        reply.timing,
-        reply.details,
-        direction,
-        stated,
-        frame.mm_per_px or 0,
-        *frame_preview(stated, direction),
+def _connect_saving(gr: Any, parts: dict[str, Any]) -> None:
+    def save(shown: Any, source: Any, event: Any) -> Iterator[Filled]:
+        name, example = (source.name, source.example) if source else ("", None)
+        kind = str(event._data.get("kind"))
+        yield {"saving": saving.saved(kind, shown, name, example)}
+
+    parts["saving"].click(
+        filling(parts, save, gr.EventData),
+        [parts["shown"], parts["source"]],
+        [parts["saving"], parts[COMPLAINT]],
+        **PRIVATE,
     )
-
-
-def _forget(answerer: Answerer, others: int, shown: Any, facts: list[str]) -> tuple:
-    """Begin the conversation about the clip anew; the frame that the page shows still holds.
-
-    Args:
-        answerer: The model.
-        others: How many parts beside the conversation are emptied.
-        shown: The clip; None when no clip is open.
-        facts: That are checked.
-    """
-    anew = None if shown is None else replace(shown, session=answerer.session(shown.encoded))
-    return anew, frame_preview(facts, None)[1], [], *[None] * others
-
-
-def _retry(
-    answerer: Answerer, shown: Any, question: str, chat: Messages, *stated: Any
-) -> Iterator[tuple]:
-    """Ask the last question of the conversation again, in its old place."""
-    asked = [place for place, one in enumerate(chat or []) if one["role"] == "user"]
-    if asked:
-        question, chat = _text(chat[asked[-1]]), chat[: asked[-1]]
-        if shown is not None:
-            shown.session.take_back(question)
-    yield from _answer(answerer, shown, question, chat, *stated)
-
-
-def _message(role: str, text: str) -> dict[str, Any]:
-    """Return a message that the conversation shows as it is."""
-    return {"role": role, "content": escape(text, quote=False)}
-
-
-def _text(message: dict[str, Any]) -> str:
-    """Return a message's words; the toolkit hands them back as a list of blocks."""
-    content = message["content"]
-    if isinstance(content, str):
-        return unescape(content)
-    return unescape(" ".join(block.get("text", "") for block in content if isinstance(block, dict)))

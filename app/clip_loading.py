@@ -20,7 +20,6 @@ from geotlm_lm import (
     Seen,
     read_clip,
     second_opinions,
-    views_of,
 )
 
 if TYPE_CHECKING:
@@ -54,11 +53,6 @@ class LoadedClip:
     notes: str
     session: Any
 
-    @property
-    def views(self) -> tuple[str, ...]:
-        """The pictures that can be drawn of it."""
-        return views_of(self.seen)
-
 
 def load_clip(
     answerer: Answerer,
@@ -79,7 +73,7 @@ def load_clip(
     """
     if not path:
         raise GeoTLMError("No recording was given; upload a clip first.")
-    return perceive(answerer, _read(path), span=_span(first, last))
+    return perceive(answerer, read_named(path), span=span_of(first, last))
 
 
 def latest_upload(paths: list[str] | None) -> list[str]:
@@ -116,6 +110,7 @@ def perceive(
     recording: Any,
     *,
     span: tuple[int, int] | None = None,
+    track: Any = None,
     depth_mm: NDArray[np.float32] | None = None,
 ) -> LoadedClip:
     """Perceive a recording once, and draw and judge it by other means beside.
@@ -124,9 +119,10 @@ def perceive(
         answerer: The model.
         recording: A `Clip` of two frames or more.
         span: First and last frame to use; None to use all.
+        track: Of the recording, where it was tracked before.
         depth_mm: True indentation of each frame, where it was simulated.
     """
-    encoded = answerer.encode(recording, span=span)
+    encoded = answerer.encode(recording, span=span, track=track)
     clip = encoded.clip
     geometry = encoded.perception.geometry
     field, mask = (np.asarray(x[0], np.float32) for x in (geometry.shear_change, geometry.mask))
@@ -150,8 +146,12 @@ def perceive(
     )
 
 
-def _span(first: float | str | None, last: float | str | None) -> tuple[int, int] | None:
-    """Return the first and last frame; None where neither is given."""
+def span_of(first: float | str | None, last: float | str | None) -> tuple[int, int] | None:
+    """Return the first and last frame; None where neither is given.
+
+    Raises:
+        GeoTLMError: If only one is given, or one is no whole number.
+    """
     ends = ["" if one is None else str(one).strip() for one in (first, last)]
     if not any(ends):
         return None
@@ -165,8 +165,15 @@ def _span(first: float | str | None, last: float | str | None) -> tuple[int, int
     return int(ends[0]), int(ends[1])
 
 
-def _read(path: str | list[str]) -> Any:
-    """Return the recording in one file, or in several images, named as whoever gave it knows it."""
+def read_named(path: str | list[str]) -> Any:
+    """Return the recording in one file, or in several images, named as whoever gave it knows it.
+
+    Args:
+        path: Of the file, or of a folder of images, or of each image.
+
+    Raises:
+        GeoTLMError: If it cannot be read.
+    """
     paths = [path] if isinstance(path, str) else list(path)
     if len(paths) == 1:
         with with_clip_name(Path(paths[0]).parent):

@@ -12,6 +12,8 @@ from typing import Any
 from geotlm_lm import GeoTLMError
 from geotlm_lm.core.errors import MissingDependency
 
+from .limits import AT_ONCE
+
 
 def gradio() -> Any:
     """Return the toolkit, imported only now: the package works without it.
@@ -80,8 +82,19 @@ def literal(text: str) -> str:
     return MARKUP.sub(r"\\\g<0>", text)
 
 
-MODEL = {"concurrency_limit": 1, "concurrency_id": "model"}
-"""Every use of the model waits for the one before, whichever tab or program it comes from."""
+MODEL_LINE = "model"
+
+MODEL = {"concurrency_limit": AT_ONCE, "concurrency_id": MODEL_LINE}
+"""Uses of the model are worked on at once and take turns at it (`turns`); those of one visitor wait
+for each other (`session_order`)."""
+
+CAMERA = {"concurrency_limit": AT_ONCE, "concurrency_id": "camera"}
+"""A camera goes on for as long as it likes: it must not hold up its visitor's questions."""
+
+
+def tell_progress(what: str, done: int, total: int) -> None:
+    """Show how far a request is, where its results will stand; nothing outside of the page."""
+    gradio().Progress()((done, total), desc=what)
 
 
 def model_at(*parts: Any) -> dict[str, Any]:

@@ -38,6 +38,19 @@ def facts_of(frame: FrameSpec) -> list[str]:
     return [fact for fact, is_true in is_so.items() if is_true]
 
 
+def sentences_of(frame: FrameSpec) -> list[str]:
+    """Return the facts of a frame as they are stated in a question; the size of a pixel is not."""
+    stated = {
+        MIRRORED: "The image is mirrored.",
+        UPSIDE_DOWN: "The image is upside down.",
+        CLOCKWISE: "The image is turned 90 degrees clockwise.",
+        COUNTERCLOCKWISE: "The image is turned 90 degrees counterclockwise.",
+        OTHER_SIDE: "I look from the object's side.",
+        SENSOR_MOVES: "The sensor moves.",
+    }
+    return [stated[fact] for fact in facts_of(frame)]
+
+
 def frame_preview(facts: list[str], direction: str | None) -> tuple:
     """Return the picture of the frame the facts stand for, and the last direction told for it."""
     frame = FrameSpec(**fields_of(facts))

@@ -11,33 +11,18 @@ from geotlm_lm import (
     FrameSpec,
     GeoTLMError,
     Motion,
-    picture,
 )
 
-from .clip_loading import Image, LoadedClip
+from .clip_loading import LoadedClip
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-SUGGESTED_QUESTIONS = {
-    "direction": "Which way is the object turning?",
-    "yes or no": "Is it sliding to the left?",
-    "choice": "A) clockwise B) counterclockwise C) still. Which one?",
-    "kind of motion": "What kind of motion is it?",
-    "how far": "How many degrees did it turn?",
-    "contact": "Is anything touching the gel?",
-    "moving at all": "Is it moving at all?",
-    "another view": "Which way does it go, seen from the object's side?",
-    "reasons": "Why do you say so?",
-    "not for touch": "What colour is it?",
-}
-"""One question of each sort that is answered often."""
-
-EXAMPLE_QUESTIONS = tuple(SUGGESTED_QUESTIONS.values())
-
 DIRECTION_QUESTION = "Which way is it moving?"
 AMOUNT_QUESTION = "How far did it go?"
-"""Asked of both clips of a comparison, and of what was just simulated."""
+"""Asked of what was just simulated."""
+
+COMPARISON_QUESTION = "Do they go the same way?"
 
 EXAMPLE_CLIPS = sorted(str(path) for path in (Path(__file__).parent / "examples").glob("*.npz"))
 
@@ -57,23 +42,23 @@ class Reply:
     timing: str
 
 
-def draw(shown: LoadedClip | None, view: str, number: float) -> Image | None:
-    """Return one of the four frames, counted from 1, in the view asked for."""
-    if shown is None:
-        return None
-    name = view if view in shown.views else "raw"
-    index = min(max(int(number), 1), len(shown.seen.frames)) - 1
-    return picture(shown.seen, name, index)
+def ask(
+    answerer: Answerer, shown: LoadedClip | None, question: str, frame: FrameSpec | None = None
+) -> Reply:
+    """Answer `question` about the clip that is shown, by itself.
 
-
-def ask(answerer: Answerer, shown: LoadedClip | None, question: str) -> Reply:
-    """Answer `question` about the clip that is shown, by itself, in the camera's frame.
+    Args:
+        answerer: The model.
+        shown: The clip.
+        question: In plain English.
+        frame: In which directions are told; None for the camera's.
 
     Raises:
         GeoTLMError: If there is no clip or no question, in one sentence.
     """
     shown = _open(shown)
-    return _reply(answerer, shown, answerer.ask(shown.encoded, question))
+    answer = answerer.ask(shown.encoded, question, frame=frame or FrameSpec())
+    return _reply(answerer, shown, answer)
 
 
 def converse(
@@ -130,9 +115,20 @@ def _notes(answer: Any, shown: LoadedClip) -> str:
 
 
 def compare(
-    answerer: Answerer, first: LoadedClip | None, second: LoadedClip | None
+    answerer: Answerer,
+    first: LoadedClip | None,
+    second: LoadedClip | None,
+    question: str = COMPARISON_QUESTION,
+    frame: FrameSpec | None = None,
 ) -> dict[str, Any]:
-    """Answer about both clips and compare their directions.
+    """Answer a question about two clips, and which way each goes.
+
+    Args:
+        answerer: The model.
+        first: A clip.
+        second: Another.
+        question: In plain English.
+        frame: In which directions are told; None for the camera's.
 
     Returns:
         Both answers under "first" and "second", "relation", and "text", the sentence.
@@ -142,7 +138,8 @@ def compare(
     """
     if first is None or second is None:
         raise GeoTLMError("A comparison needs two recordings; upload both.")
-    return answerer.compare(first.encoded, second.encoded).to_dict()
+    framed = {} if frame is None else {"frame": frame}
+    return answerer.compare(first.encoded, second.encoded, question, **framed).to_dict()
 
 
 def direction_in_frame(frame: FrameSpec, direction: Any) -> str:

@@ -19,9 +19,9 @@ from geotlm_lm import (
 )
 
 from .clip_loading import with_clip_name
-from .clip_side import BUTTONS
-from .error_display import MODEL, gradio, model_at, with_errors_shown
+from .error_display import CAMERA, gradio, model_at, with_errors_shown
 from .session_files import remove_seen
+from .theme import BUTTONS
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer, Tracker
@@ -120,7 +120,7 @@ def build(answerer: Answerer) -> None:
         [following, *shown],
         stream_every=0.1,
         **private,
-        **MODEL,
+        **CAMERA,
     )
 
 

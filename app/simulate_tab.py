@@ -1,20 +1,26 @@
-"""The Simulate tab: a touch by sliders, its true field, the model's answer and its error."""
+"""The Simulate tab: a touch by sliders, its true field over the learned one, answer and error."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from . import handlers
-from .clip_side import BUTTONS
-from .error_display import gradio, literal, model_at, with_errors_shown
-from .play_button import add_play_button
+from . import stage
+from .error_display import gradio, literal, model_at
+from .filling import COMPLAINT, Filled, complaint, filling
 from .simulation_handlers import OBJECTS, simulate, touch_of
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-VIEWS = ["raw", "difference", "contact", "arrows", "depth"]
+HEADERS = ["", "true", "read", "error"]
+
+ROWS = {
+    "rotation_deg": "turn, degrees clockwise",
+    "slide_x_px": "slide to the right, px",
+    "slide_y_px": "slide down, px",
+    "press_mm": "press inward, mm",
+}
 
 NUMBERS = (
     "twist_deg",
@@ -31,45 +37,50 @@ NUMBERS = (
 def build(answerer: Answerer) -> None:
     """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
     gr = gradio()
-    shown = gr.State()
+    parts: dict[str, Any] = {}
     with gr.Row():
-        with gr.Column():
+        with gr.Column(scale=4, min_width=300):
             sliders = _sliders(gr)
             go = gr.Button("Simulate and ask", variant="primary")
-            sentence = gr.Markdown()
-            facts = gr.JSON(label="Truth, reading and error")
-        with gr.Column():
-            with gr.Row():
-                view = gr.Radio(VIEWS, value="raw", label="View")
-                with gr.Column():
-                    number = gr.Slider(1, 4, value=4, step=1, label="Frame")
-                    add_play_button(gr, number)
-            picture = gr.Image(label="The clip", interactive=False, buttons=BUTTONS)
-            with gr.Row():
-                truth = gr.Image(label="True displacement", interactive=False, buttons=BUTTONS)
-                read = gr.Image(label="Learned shear change", interactive=False, buttons=BUTTONS)
+            parts[COMPLAINT] = complaint()
+        with gr.Column(scale=6, min_width=320):
+            parts["stage"] = stage.build()
+            parts["sentence"] = gr.Markdown(
+                "Set a touch by the sliders: what truly happened and what the model reads are "
+                "drawn over each other here."
+            )
+            parts["facts"] = gr.Dataframe(
+                headers=HEADERS, label="Truth, reading and error", interactive=False
+            )
 
-    def run(seen: str, place: float, name: str, *given: float | None) -> Iterator[tuple]:
+    def run(name: str, *given: float | None) -> Iterator[Filled]:
         *numbers, seed = given
         try:
             touch = touch_of(name, dict(zip(NUMBERS, numbers, strict=True)), seed)
             made = simulate(answerer, touch)
         except Exception:
-            yield None, None, None, None, "", None  # what was said of the touch before
+            yield {"stage": {}, "sentence": "", "facts": None}  # of the touch before
             raise
-        yield (
-            made.shown,
-            handlers.draw(made.shown, seen, place),
-            made.truth_picture,
-            made.read_picture,
-            f"### {literal(sentence_of(made.facts))}\n{truth_of(made.facts['true'])}",
-            made.facts,
-        )
+        yield {
+            "stage": stage.stage_of(made.shown, name.replace("_", " "), fields=[_truth(made)]),
+            "sentence": f"### {literal(sentence_of(made.facts))}\n{truth_of(made.facts['true'])}",
+            "facts": rows_of(made.facts),
+        }
 
-    outputs = [shown, picture, truth, read, sentence, facts]
-    go.click(with_errors_shown(run), [view, number, *sliders], outputs, **model_at(picture))
-    for control in (view, number):
-        control.change(handlers.draw, [shown, view, number], picture, api_visibility="private")
+    shown = [parts[name] for name in ("stage", "sentence", "facts", COMPLAINT)]
+    go.click(filling(parts, run), sliders, shown, **model_at(parts["sentence"]))
+
+
+def _truth(made: Any) -> dict[str, Any]:
+    return stage.field_of(made.truth, "truth", "true motion", "#35e0ff")
+
+
+def rows_of(facts: Mapping[str, Any]) -> list[list[Any]]:
+    """Return a row for each number: its name, the truth, what was read, and the error."""
+    return [
+        [name, *(facts[one][key] for one in ("true", "read", "error"))]
+        for key, name in ROWS.items()
+    ]
 
 
 def sentence_of(facts: Mapping[str, Any]) -> str:

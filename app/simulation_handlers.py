@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm import TRUE_DISPLACEMENT, GeoTLMError, Seen, picture
+from geotlm_lm import TRUE_DISPLACEMENT, GeoTLMError, Seen
 
-from .clip_loading import Image, LoadedClip, perceive
+from .clip_loading import LoadedClip, perceive
 from .handlers import AMOUNT_QUESTION, DIRECTION_QUESTION
 
 if TYPE_CHECKING:
@@ -35,11 +35,17 @@ OBJECTS = (
 
 @dataclass(frozen=True, eq=False)
 class Simulated:
-    """A simulated touch as the page shows it."""
+    """A simulated touch as the page shows it.
+
+    Args:
+        shown: The clip, as the model sees it.
+        truth: The same with the true displacement, to be drawn as the learned one is: from the
+            first frame to the last; the learned one is from the first two to the last two.
+        facts: Plain values: truth, reading, and the error between them.
+    """
 
     shown: LoadedClip
-    truth_picture: Image
-    read_picture: Image
+    truth: Seen
     facts: dict[str, Any]
 
 
@@ -101,7 +107,7 @@ def simulate(answerer: Answerer, touch: Touch) -> Simulated:
         "error": _rounded({name: read[name] - true[name] for name in read}),
         "timing_ms": _rounded(made.timing_ms),
     }
-    return Simulated(shown, _truth(made, shown), picture(shown.seen, "arrows"), facts)
+    return Simulated(shown, _truth(made, shown), facts)
 
 
 def _numbers(twist: Any) -> dict[str, float]:
@@ -119,13 +125,9 @@ def _is_right(direction: Motion | None, made: Any) -> bool:
     return direction == made.label.motion or direction in ways
 
 
-def _truth(made: Any, shown: LoadedClip) -> Image:
-    """Return the true displacement, drawn as the learned one is, over the last frame.
-
-    From the first frame to the last: the learned one is from the first two to the last two.
-    """
+def _truth(made: Any, shown: LoadedClip) -> Seen:
     seen, contact = shown.seen, made.contact.mean(axis=0)
-    true = Seen(
+    return Seen(
         seen.frames,
         seen.idle,
         made.displacement_px[-1],
@@ -134,7 +136,6 @@ def _truth(made: Any, shown: LoadedClip) -> Image:
         has_contact=bool(contact.any()),
         scale=TRUE_DISPLACEMENT,
     )
-    return picture(true, "arrows")
 
 
 def _rounded(values: dict[str, float]) -> dict[str, float]:

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import base64
 import binascii
-import hashlib
-import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Literal, TypedDict
+from typing import Any, Literal
 from urllib.parse import unquote, urlsplit
+
+from typing_extensions import TypedDict
 
 from geotlm_lm import GeoTLMError
 
-INLINE_BYTES = 64 * 2**20
-"""Of a recording inside a message; it is held in memory several times on its way."""
+from .limits import INLINE_BYTES, MIB
 
 FILE_ROUTE = "/gradio_api/file="
 """What the toolkit puts before the path of an upload."""
@@ -47,64 +50,80 @@ class Uploads:
     """Finds what was sent.
 
     Args:
-        folder: That uploads are put in; a recording from elsewhere is refused.
+        folder: That uploads are put in; it is made if missing.
     """
 
     def __init__(self, folder: str | Path) -> None:
         self._folder = Path(folder).resolve()
+        self._folder.mkdir(parents=True, exist_ok=True)
 
-    def path_of(self, clip: Any) -> str:
-        """Return the path of a recording that was sent; nothing else on this machine is opened.
+    def holds(self, given: Any) -> bool:
+        """Tell whether an upload was given, as `path_of` takes it."""
+        try:
+            path = Path(path_in(given))
+            return path.is_absolute() and path.resolve().is_relative_to(self._folder)
+        except (OSError, ValueError, TypeError):  # no path at all: too long, or with a null byte
+            return False
+
+    def path_of(self, given: Any) -> str:
+        """Return the path of an upload; nothing else on this machine is opened.
 
         Args:
-            clip: What the Python client sends, the path or the address of an upload, or a data URI
-                in base64.
+            given: What the Python client sends, or the path or the address of an upload.
 
         Raises:
-            GeoTLMError: If it is none of these, or too long.
+            GeoTLMError: If it is none.
         """
-        given = clip.get("path") if isinstance(clip, dict) else clip
-        if isinstance(given, str) and given.startswith("data:"):
-            return self._unpacked(given)
-        if isinstance(given, str) and FILE_ROUTE in given:
-            given = unquote(urlsplit(given).path.split(FILE_ROUTE, 1)[-1])
-        try:
-            inside = isinstance(given, str) and Path(given).resolve().is_relative_to(self._folder)
-        except (OSError, ValueError):  # no path at all: too long, or with a null byte
-            inside = False
-        if not inside:
+        if not self.holds(given):
             raise GeoTLMError(
                 "The clip is no upload; send the file itself, in Python by "
                 "handle_file('clip.npz'), or as a data URI in base64."
             )
-        return given
+        return path_in(given)
 
-    def _unpacked(self, uri: str) -> str:
-        """Write the recording in a data URI to a file and return its path."""
-        form, _, content = uri.partition(",")
-        if not form.endswith(";base64"):
-            raise GeoTLMError(
-                "The clip's data URI is not in base64; send 'data:;base64,' and the file in base64."
-            )
-        if len(content) > INLINE_BYTES * 4 // 3 + 4:
-            raise GeoTLMError(
-                f"The clip is {len(content) * 3 // 4 / 2**20:.0f} MiB long, expected at most "
-                f"{INLINE_BYTES // 2**20} inside a message; upload it and send its address."
-            )
+    @contextmanager
+    def unpacked(self, uri: str) -> Iterator[Path]:
+        """Yield where the recording in a data URI lies, for as long as it is read.
+
+        Raises:
+            GeoTLMError: If it is not in base64, cut off, or too long.
+        """
+        stored = _stored_in(uri)
+        home = Path(tempfile.mkdtemp(prefix="message-", dir=self._folder))
         try:
-            stored = base64.b64decode(content, validate=True)
-        except (binascii.Error, ValueError) as error:
-            raise GeoTLMError(
-                "The clip's data URI is cut off or no base64; send the whole file."
-            ) from error
-        home = self._folder / hashlib.sha256(stored).hexdigest()
-        home.mkdir(parents=True, exist_ok=True)
-        path = home / f"clip{_suffix_of(stored[:16])}"
-        if not path.exists():
-            part = home / f".{os.getpid()}-{os.urandom(4).hex()}"
-            part.write_bytes(stored)
-            part.replace(path)  # two programs may send the same recording at once
-        return str(path)
+            path = home / f"clip{_suffix_of(stored[:16])}"
+            path.write_bytes(stored)
+            yield path
+        finally:
+            shutil.rmtree(home, ignore_errors=True)
+
+
+def path_in(given: Any) -> Any:
+    """Return the path of an upload that a client sent as a file, or named by its address."""
+    path = given.get("path") if isinstance(given, dict) else given
+    if isinstance(path, str) and FILE_ROUTE in path:
+        return unquote(urlsplit(path).path.split(FILE_ROUTE, 1)[-1])
+    return path
+
+
+def _stored_in(uri: str) -> bytes:
+    """Return the file in a data URI."""
+    form, _, content = uri.partition(",")
+    if not form.endswith(";base64"):
+        raise GeoTLMError(
+            "The clip's data URI is not in base64; send 'data:;base64,' and the file in base64."
+        )
+    if len(content) > INLINE_BYTES * 4 // 3 + 4:
+        raise GeoTLMError(
+            f"The clip is {len(content) * 3 // 4 / MIB:.0f} MiB long, expected at most "
+            f"{INLINE_BYTES // MIB} inside a message; upload it and send its address."
+        )
+    try:
+        return base64.b64decode(content, validate=True)
+    except (binascii.Error, ValueError) as error:
+        raise GeoTLMError(
+            "The clip's data URI is cut off or no base64; send the whole file."
+        ) from error
 
 
 def _suffix_of(beginning: bytes) -> str:

@@ -29,6 +29,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.question import check_question
 from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.query.edit import Edit
@@ -71,7 +72,12 @@ class Answerer:
         return cls(bundle)
 
     def encode(
-        self, clip: Clip, *, span: tuple[int, int] | None = None, track: Track | None = None
+        self,
+        clip: Clip,
+        *,
+        span: tuple[int, int] | None = None,
+        track: Track | None = None,
+        progress: Progress = silent,
     ) -> Encoded:
         """Perceive a clip of up to four frames once; a longer recording is tracked.
 
@@ -79,6 +85,7 @@ class Answerer:
             clip: A recording of two frames or more.
             span: First and last frame to use, both included; None uses all.
             track: Of the recording, where it was tracked before.
+            progress: As of `track`.
 
         Raises:
             UnreadableClip: If there is only one frame, or the frames hold no picture of a gel.
@@ -92,18 +99,22 @@ class Answerer:
             inside = inside if span is None else with_idle_of(inside, clip)
             return perceive_clip(self.bundle, inside)
         clip = with_found_idle(clip)  # once, for the track and for the four frames looked at
-        track = self.track(clip) if track is None else track
+        track = self.track(clip, progress=progress) if track is None else track
         return perceive_recording(self.bundle, clip, track, span)
 
-    def track(self, recording: Clip) -> Track:
+    def track(self, recording: Clip, *, progress: Progress = silent) -> Track:
         """Follow a recording from its first frame to its last: what moved when, and how far.
+
+        Args:
+            recording: Of two frames or more.
+            progress: Called after each frame; it may let others have the processor.
 
         Raises:
             UnreadableClip: If there is only one frame.
             TypeError: If it is no clip, such as a path.
         """
         _require_clip(recording, "track")
-        return track_recording(self.bundle, require_motion(recording))
+        return track_recording(self.bundle, require_motion(recording), progress)
 
     def tracker(self, recording: Clip | None = None) -> Tracker:
         """Return what follows frames that are fed to it one by one; its end is a `Track`.

@@ -15,6 +15,7 @@ from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT
+from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.recordings.idle import find_idle
 from geotlm_lm.recordings.legible import require_legible
@@ -73,9 +74,9 @@ def perceive_clip(bundle: Bundle, clip: Clip) -> Encoded:
     )
 
 
-def track_recording(bundle: Bundle, clip: Clip) -> Track:
+def track_recording(bundle: Bundle, clip: Clip, progress: Progress = silent) -> Track:
     """Return the track of a recording in memory; its idle gel is found, learnt or guessed."""
-    return track_of(clip, believer(bundle.model, bundle.motion))
+    return track_of(clip, believer(bundle.model, bundle.motion), progress=progress)
 
 
 def tracker_of(bundle: Bundle, clip: Clip | None = None) -> Tracker:

@@ -178,4 +178,4 @@ def in_pieces(reply: Reply) -> Iterator[str | Reply]:
 
 
 def _is_about_clip(reply: Reply) -> bool:
-    return reply.kind not in ("fact", *_REFER_BACK)
+    return reply.kind not in ("fact", "unanswerable", "not-understood", *_REFER_BACK)

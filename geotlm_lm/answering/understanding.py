@@ -27,6 +27,13 @@ _NEEDLESS = ("talk", "help", "unanswerable", "not-understood")
 """Asks that are answered so."""
 
 
+UNLIKELY = 0.1
+"""Probability of a reading up to which it is not offered."""
+
+Says = Callable[[t.Query], tuple[str, object]]
+"""What is answered to a query, and the frame that holds from then on."""
+
+
 @dataclass(frozen=True)
 class Understood:
     """What a question was taken to ask.
@@ -47,10 +54,7 @@ class Understood:
 
 
 def understand(
-    reader: Reader,
-    question: str,
-    before: t.Query | None = None,
-    says: Callable[[t.Query], object] | None = None,
+    reader: Reader, question: str, before: t.Query | None = None, says: Says | None = None
 ) -> Understood:
     """Read a question.
 
@@ -67,33 +71,40 @@ def understand(
     """
     started = time.perf_counter()
     best, before = reader.read(question), before or t.Query()
-    query = resumed(best.query, before)
-    found = Understood(query, best.line, best.probability)
     readings = [best] if best.probability >= SURE else reader.readings(question, MOST_READINGS)
+    queries = [resumed(one.query, before) for one in readings]
+    found = Understood(queries[0], best.line, best.probability)
     if says is not None and len(readings) > 1:
-        sure = _agreed(reader, readings, lambda one: says(resumed(one.query, before)))
-        found = replace(found, probability=sure)
-    unclear = [one.value for one in query.facts if one.name == "unclear"]
-    if found.probability < (NEEDLESS if _is_needless(query) else UNDERSTOOD):
-        found = replace(found, ask_back=_asked_back(readings))
+        found = replace(found, probability=_agreed(reader, readings, list(map(says, queries))))
+    unclear = [one.value for one in found.query.facts if one.name == "unclear"]
+    if found.probability < (NEEDLESS if _is_needless(found.query) else UNDERSTOOD):
+        likely = zip(queries, readings, strict=True)
+        ask_back = _asked_back([one for one, read in likely if read.probability > UNLIKELY], says)
+        found = replace(found, ask_back=ask_back)
     elif unclear:
         found = replace(found, ask_back=replies()["unclear"][unclear[0]])
     return replace(found, milliseconds=1e3 * (time.perf_counter() - started))
 
 
-def _agreed(
-    reader: Reader, readings: Sequence[Reading], says: Callable[[Reading], object]
-) -> float:
+def _agreed(reader: Reader, readings: Sequence[Reading], said: Sequence[object]) -> float:
     """Return the probability of all readings that are answered as the first is."""
-    answer = says(readings[0])
-    chance = sum(one.chance for one in readings[1:] if says(one) == answer)
-    return reader.calibrated(readings[0].chance + chance)
+    agreeing = [one.chance for one, says in zip(readings, said, strict=True) if says == said[0]]
+    return reader.calibrated(sum(agreeing))
 
 
 def _is_needless(query: t.Query) -> bool:
     return bool(query.parts) and all(one.ask.kind in _NEEDLESS for one in query.parts)
 
 
-def _asked_back(readings: Sequence[Reading]) -> str:
-    said = list(dict.fromkeys(say_back(one.query) for one in readings))[:2]
-    return replies()["asked_back"].format(" or ".join(f"'{one}'" for one in said))
+def _asked_back(queries: Sequence[t.Query], says: Says | None) -> str:
+    """Return what the two likeliest readings are, and what would be answered to each."""
+    told: dict[str, str] = {}
+    for query in queries:
+        said = "" if says is None else says(replace(query, form="sentence"))[0]
+        if query.parts and said not in told.values():
+            told.setdefault(say_back(query), said)
+    likely = list(told.items())[:2]
+    if not likely:
+        return replies()["asked_back"]
+    asked = [f"{'or ' * place}{query}? {said}" for place, (query, said) in enumerate(likely)]
+    return f"{replies()['unsure']} {' '.join(f'{one[:1].upper()}{one[1:]}' for one in asked)}"

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import asdict
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -14,17 +15,26 @@ from geotlm_lm.cli.options import (
     Background,
     BundleFolder,
     ClipPath,
+    Force,
     FrameSpan,
     FramesPerSecond,
     LayoutName,
     MmPerPixel,
     Precision,
     SquarePixels,
+    TopicName,
     span_of,
 )
+from geotlm_lm.cli.recording import CameraName, EpisodeNumber, read_recording
+from geotlm_lm.cli.tracked import RerunFile, Targets
+from geotlm_lm.cli.viewer import write_or_serve
 from geotlm_lm.core.errors import Abstained
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.question import check_question
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering import Answer
+    from geotlm_lm.answering.encoded import Encoded
 
 
 def answer(
@@ -36,6 +46,7 @@ def answer(
     background: Background = None,
     fps: FramesPerSecond = None,
     square_pixels: SquarePixels = None,
+    topic: TopicName = None,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
@@ -45,6 +56,10 @@ def answer(
     fail_on_abstain: Annotated[
         bool, typer.Option("--fail-on-abstain", help="Exit with code 5 if the model will not say.")
     ] = False,
+    rerun: RerunFile = None,
+    force: Force = False,
+    episode: EpisodeNumber = None,
+    camera: CameraName = None,
 ) -> None:
     """Answer a question about a clip.
 
@@ -54,12 +69,11 @@ def answer(
     Example: geotlm-lm answer --clip clip.npz --q 'Is it turning clockwise?' --json
     """
     check_question(question)
-    from geotlm_lm.recordings.read import read_clip
+    Targets(None, None, None, rerun).require([clip], is_forced=force)
 
     span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)
-    recording = read_clip(
-        clip, layout=layout, fps=fps, background=background, square_pixels=square_pixels
-    )
+    reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels, "topic": topic}
+    recording = read_recording(clip, episode, camera, background=background, **reading)
 
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering import Answerer
@@ -77,8 +91,25 @@ def answer(
         print(json.dumps(reply.to_dict() | told))
     else:
         print("\n".join((*(reasons.steps[:-1] if reasons else ()), reply.text)))
+    if rerun is not None:
+        write_or_serve(rerun, lambda path: _log(path, encoded, question, reply, mm_per_px))
     if fail_on_abstain and reply.abstained:
         raise Abstained(
             f"{clip}: the model would not answer; see `geotlm-lm info --clip {clip}` for contact, "
             f"or give a part with more motion by --frames."
         )
+
+
+def _log(
+    path: Path, encoded: Encoded, question: str, reply: Answer, mm_per_px: float | None
+) -> None:
+    """Write what was seen, asked and answered for the Rerun viewer."""
+    from geotlm_lm.track.export import Exported
+    from geotlm_lm.track.rerun_log import log_answer, log_clip, log_track, rerun_recording
+
+    with rerun_recording(path) as stream:
+        if encoded.track is None:
+            log_clip(stream, encoded.clip)
+        else:
+            log_track(stream, Exported(encoded.track, mm_per_px), encoded.recording)
+        log_answer(stream, question, reply.text, reply.notes)

@@ -14,6 +14,7 @@ from geotlm_lm.cli.options import (
     MmPerPixel,
     Precision,
     SquarePixels,
+    TopicName,
     path_option,
     require_writable_file,
 )
@@ -41,6 +42,7 @@ def batch(
     layout: LayoutName = None,
     fps: FramesPerSecond = None,
     square_pixels: SquarePixels = None,
+    topic: TopicName = None,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
@@ -57,7 +59,12 @@ def batch(
     from geotlm_lm.recordings.read import require_rate
 
     require_rate(fps)
-    reading = {"layout": check_layout(layout), "fps": fps, "square_pixels": square_pixels}
+    reading = {
+        "layout": check_layout(layout),
+        "fps": fps,
+        "square_pixels": square_pixels,
+        "topic": topic,
+    }
     frame = FrameSpec(mm_per_px=mm_per_px)
     found, asked = clips_in(clips), read_questions(questions)
     require_writable_file(out, "--out", inputs=[questions, *found])

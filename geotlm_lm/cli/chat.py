@@ -17,6 +17,7 @@ from geotlm_lm.cli.options import (
     MmPerPixel,
     Precision,
     SquarePixels,
+    TopicName,
     span_of,
 )
 from geotlm_lm.core.errors import GeoTLMError, UsageError
@@ -44,6 +45,7 @@ def chat(
     background: Background = None,
     fps: FramesPerSecond = None,
     square_pixels: SquarePixels = None,
+    topic: TopicName = None,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
@@ -57,7 +59,7 @@ def chat(
     from geotlm_lm.recordings.read import read_clip
 
     span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)
-    reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels}
+    reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels, "topic": topic}
     recording = read_clip(clip, background=background, **reading)
 
     # Imported only now: a wrong path must not wait for the model's libraries.
@@ -82,6 +84,7 @@ class Conversation:
         layout: Axes of every array that is read later; None to guess.
         fps: Frames per second of every recording that is read later; None to take what it says.
         square_pixels: Whether all their pixels are square.
+        topic: Of every bag that is read later; None where it has images on one only.
     """
 
     def __init__(
@@ -93,11 +96,17 @@ class Conversation:
         layout: str | None = None,
         fps: float | None = None,
         square_pixels: bool | None = None,
+        topic: str | None = None,
     ) -> None:
         self.answerer = answerer
         self.session: Session = answerer.session(encoded, frame or FrameSpec())
         self.is_json = False
-        self._reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels}
+        self._reading = {
+            "layout": layout,
+            "fps": fps,
+            "square_pixels": square_pixels,
+            "topic": topic,
+        }
         self._tell_notes(encoded.clip.notes)
 
     def run(self) -> None:

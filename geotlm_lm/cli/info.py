@@ -17,6 +17,7 @@ from geotlm_lm.cli.options import (
     FramesPerSecond,
     LayoutName,
     SquarePixels,
+    TopicName,
     path_option,
     span_of,
 )
@@ -35,6 +36,7 @@ def info(
     background: Background = None,
     fps: FramesPerSecond = None,
     square_pixels: SquarePixels = None,
+    topic: TopicName = None,
     encoder: EncoderName = None,
     weights: EncoderWeights = None,
     heads: EncoderHeads = None,
@@ -60,7 +62,12 @@ def info(
 
         span = span_of(frames)
         recording = read_clip(
-            clip, layout=layout, fps=fps, background=background, square_pixels=square_pixels
+            clip,
+            layout=layout,
+            fps=fps,
+            background=background,
+            square_pixels=square_pixels,
+            topic=topic,
         )
         facts = describe(recording, span)
     if as_json:

@@ -15,9 +15,11 @@ from geotlm_lm.cli.app import app as serve_app
 from geotlm_lm.cli.batch import batch
 from geotlm_lm.cli.bench import app as bench
 from geotlm_lm.cli.chat import chat
+from geotlm_lm.cli.doctor import doctor
 from geotlm_lm.cli.ending import ended_in_order
 from geotlm_lm.cli.evaluate import evaluate
 from geotlm_lm.cli.info import info
+from geotlm_lm.cli.label import label
 from geotlm_lm.cli.manifest import manifest
 from geotlm_lm.cli.simulate import simulate
 from geotlm_lm.cli.track import track
@@ -40,7 +42,7 @@ INTERRUPTED = 130
 
 STOPPED = "Stopped; files already complete are kept."
 
-WITHOUT_FILES = ("answer", "app", "chat", "info")
+WITHOUT_FILES = ("answer", "app", "chat", "doctor", "info")
 """Commands that write none, of which there is no more to say than that they stopped."""
 
 UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -49,7 +51,7 @@ UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 ParseError = typer.BadParameter.__base__
 """What the option parser raises on unknown or missing options; typer names no public alias."""
 
-for command in (answer, batch, chat, info, manifest, simulate, track, train, watch):
+for command in (answer, batch, chat, doctor, info, label, manifest, simulate, track, train, watch):
     app.command()(command)
 app.command(name="app")(serve_app)
 app.command(epilog="Example: geotlm-lm evaluate --clips 40 --out mine.json")(evaluate)

@@ -35,7 +35,8 @@ ClipPath = Annotated[
     Path,
     path_option(
         "--clip",
-        help="Recording: .npy, .npz, a video, a .tif of several pages, or a folder of images.",
+        help="Recording: .npy, .npz, a video, a .tif of several pages, a bag of ROS 2 (.mcap, .db3 "
+        "or its folder), or a folder of images.",
     ),
 ]
 FrameSpan = Annotated[
@@ -61,6 +62,13 @@ SquarePixels = Annotated[
         "--square-pixels",
         help="The camera's picture is square: frames of 224x224 are else taken for a 4:3 picture "
         "squashed to a square.",
+    ),
+]
+TopicName = Annotated[
+    str | None,
+    typer.Option(
+        "--topic",
+        help="Topic of a bag's images. [default: the only one that has images]",
     ),
 ]
 Background = Annotated[

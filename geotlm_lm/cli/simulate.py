@@ -53,6 +53,13 @@ LabelsOnly = Annotated[
     bool,
     typer.Option("--labels-only", help="Write labels and true fields, and no pictures."),
 ]
+Form = Annotated[
+    Literal["npz", "webdataset", "huggingface"] | None,
+    typer.Option(
+        help="Files of the data set: archives of arrays, webdataset tars, or tables with pictures "
+        "for Hugging Face's datasets. [default: npz]"
+    ),
+]
 ClipFile = Annotated[
     Path | None, path_option(help="Write one clip to this .npz instead of a data set.")
 ]
@@ -116,6 +123,7 @@ def simulate(
     drift: Drift = False,
     markers: Markers = False,
     labels_only: LabelsOnly = False,
+    form: Form = None,
     clip: ClipFile = None,
     motion: MotionOf = None,
     turn: Turn = None,
@@ -145,7 +153,7 @@ def simulate(
     own = {"--height-map": height_map, "--mm-per-px": mm_per_px, "--relief-mm": relief_mm}
     if clip is not None:
         others = {"--count": count, "--objects": objects, "--mixed": mixed, "--workers": workers}
-        _refuse("--clip", others | {"--labels-only": labels_only or None})
+        _refuse("--clip", others | {"--labels-only": labels_only or None, "--form": form})
         if motion is not None:
             _refuse("--motion", moves)
         _write_clip(clip, force, motion, move_of(moves), object_name, own, markers, scenes)
@@ -154,6 +162,7 @@ def simulate(
         named = {"--motion": motion, "--object": object_name, "--force": force or None}
         _refuse("--out", named | moves | own)
         scenes |= {"marker_share": float(markers), "mixed_share": mixed or 0.0}
+        scenes |= {"form": form or "npz"}
         _write_data_set(out, count or 100, objects or "training", workers, labels_only, scenes)
         print(out)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -19,22 +19,26 @@ from geotlm_lm.cli.options import (
     MmPerPixel,
     Precision,
     SquarePixels,
+    TopicName,
     path_of,
     span_of,
 )
 from geotlm_lm.cli.progress import progress_on_stderr
+from geotlm_lm.cli.recording import CameraName, EpisodeNumber, read_recording
 from geotlm_lm.cli.tracked import (
     HEAD,
     INTERRUPTED,
     NO_EVENTS,
     OutFile,
     PlotFile,
+    RerunFile,
     Targets,
     VideoFile,
     aligned,
     event_line,
     totals_lines,
 )
+from geotlm_lm.cli.viewer import write_or_serve
 from geotlm_lm.core.interrupts import uninterrupted_step
 
 if TYPE_CHECKING:
@@ -55,15 +59,19 @@ def track(
     out: OutFile = None,
     plot: PlotFile = None,
     video: VideoFile = None,
+    rerun: RerunFile = None,
     force: Force = False,
     frames: FrameSpan = None,
     layout: LayoutName = None,
     background: Background = None,
     fps: FramesPerSecond = None,
     square_pixels: SquarePixels = None,
+    topic: TopicName = None,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
+    episode: EpisodeNumber = None,
+    camera: CameraName = None,
 ) -> None:
     """Track a whole recording: what touches when, how it moves, how far.
 
@@ -72,17 +80,15 @@ def track(
 
     Example: geotlm-lm track recording.mov --out track.csv --plot track.png
     """
-    targets = Targets(out, plot, video)
+    targets = Targets(out, plot, video, rerun)
     targets.require([one for one in (recording, background) if one is not None], is_forced=force)
     from geotlm_lm.core.frame_spec import FrameSpec
     from geotlm_lm.recordings.legible import require_any_legible
-    from geotlm_lm.recordings.read import read_clip
     from geotlm_lm.recordings.span import frames_inside
 
     span, scale = span_of(frames), FrameSpec(mm_per_px=mm_per_px).mm_per_px
-    clip = read_clip(
-        recording, layout=layout, fps=fps, background=background, square_pixels=square_pixels
-    )
+    reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels, "topic": topic}
+    clip = read_recording(recording, episode, camera, background=background, **reading)
     require_any_legible(clip if span is None else frames_inside(clip, span))
 
     # Imported only now: a wrong path must not wait for the model's libraries.
@@ -90,39 +96,43 @@ def track(
     from geotlm_lm.track.export import Exported
 
     answerer = Answerer.load(model, precision=precision)
-    tracked, is_stopped = _tracked(answerer, clip, span, is_square=bool(square_pixels))
+    # As it was read with: what does not fit into memory is decoded anew, frame by frame.
+    reading = {"square_pixels": bool(square_pixels), "topic": topic}
+    tracked, is_stopped = _tracked(answerer, clip, span, reading)
     exported = Exported(tracked, scale)
     in_frames = not clip.is_timed
     targets.write(exported, clip.name, clip.fps, in_frames=in_frames)
     if video is not None:
-        _film(video, exported, clip, is_square=bool(square_pixels))
+        _film(video, exported, clip, reading)
     for note in (*clip.notes, *tracked.notes):
         print(f"note: {note}", file=sys.stderr)
     if as_json:
         print(json.dumps(exported.to_dict()))
     else:
         print("\n".join(table(exported, in_frames=in_frames)))
+    if rerun is not None:
+        write_or_serve(rerun, lambda path: _log(path, exported, clip, reading))
     if is_stopped:
         print(f"note: Tracked as far as frame {tracked.numbers[-1]}.", file=sys.stderr)
         raise typer.Exit(INTERRUPTED)
 
 
 def _tracked(
-    answerer: Answerer, clip: Clip, span: tuple[int, int] | None, *, is_square: bool
+    answerer: Answerer, clip: Clip, span: tuple[int, int] | None, reading: dict[str, Any]
 ) -> tuple[Track, bool]:
     """Return the track of a recording, or of a span, and whether Ctrl-C ended it early.
 
     Raises:
         KeyboardInterrupt: If no two frames were tracked by then.
     """
-    from geotlm_lm.recordings.video import each_frame
+    from geotlm_lm.recordings.every_frame import each_frame
     from geotlm_lm.track.tracker import ASSUMED_FPS
 
     tracker, show, is_stopped = answerer.tracker(clip), progress_on_stderr("frames"), False
     last = span[1] if span else clip.frame_numbers[-1]
     total, done = last + 1, 0
     try:
-        for number, frame in each_frame(clip, square_pixels=is_square):
+        for number, frame in each_frame(clip, **reading):
             if span is not None and number > last:
                 break
             with uninterrupted_step():
@@ -139,14 +149,21 @@ def _tracked(
     return found if span is None else found.between(*span), is_stopped
 
 
-def _film(path: Path, exported: Exported, clip: Clip, *, is_square: bool) -> None:
-    from geotlm_lm.recordings.video import each_frame
+def _film(path: Path, exported: Exported, clip: Clip, reading: dict[str, Any]) -> None:
+    from geotlm_lm.recordings.every_frame import each_frame
     from geotlm_lm.track.film import write_film
     from geotlm_lm.track.tracker import ASSUMED_FPS
 
     first, second = exported.track.numbers[:2]
     rate = (clip.fps or ASSUMED_FPS) / int(second - first)
-    write_film(path, exported, each_frame(clip, square_pixels=is_square), rate)
+    write_film(path, exported, each_frame(clip, **reading), rate)
+
+
+def _log(path: Path, exported: Exported, clip: Clip, reading: dict[str, Any]) -> None:
+    from geotlm_lm.track.rerun_log import log_track, rerun_recording
+
+    with rerun_recording(path) as stream:
+        log_track(stream, exported, clip, **reading)
 
 
 def table(exported: Exported, *, in_frames: bool) -> list[str]:

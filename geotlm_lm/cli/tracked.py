@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from geotlm_lm.cli.options import path_option, require_new_file
 from geotlm_lm.cli.recorded import command_line
+from geotlm_lm.cli.viewer import SERVE
 from geotlm_lm.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -29,7 +30,20 @@ VideoFile = Annotated[
     Path | None, path_option(help="Write the frames, with what was tracked, to this .mp4.")
 ]
 
-ENDINGS = {"--out": (".csv", ".parquet", ".json"), "--plot": (".png",), "--video": (".mp4",)}
+RerunFile = Annotated[
+    Path | None,
+    path_option(
+        help="Write frames, arrows, curves and events for the Rerun viewer to this .rrd; `serve` "
+        "shows them in a browser instead."
+    ),
+]
+
+ENDINGS = {
+    "--out": (".csv", ".parquet", ".json"),
+    "--plot": (".png",),
+    "--video": (".mp4",),
+    "--rerun": (".rrd",),
+}
 
 NO_EVENTS = "Nothing touches in the recording."
 
@@ -44,11 +58,13 @@ class Targets:
         out: Table of the frames.
         plot: Picture of them over time.
         video: The frames, drawn.
+        rerun: All of it for a viewer.
     """
 
     out: Path | None
     plot: Path | None
     video: Path | None
+    rerun: Path | None = None
 
     def require(self, inputs: Sequence[Path], *, is_forced: bool) -> None:
         """Refuse files that cannot be written, before anything is tracked for them.
@@ -57,16 +73,22 @@ class Targets:
             UsageError: If a name ends otherwise than it must, or is there already.
             MissingDependency: If a package that writes one is not installed.
         """
-        options = zip(ENDINGS, (self.out, self.plot, self.video), strict=True)
+        paths = (self.out, self.plot, self.video, self.rerun)
+        options = zip(ENDINGS, paths, strict=True)
         given = {option: path for option, path in options if path is not None}
         if is_forced and not given:
             raise UsageError(
-                "--force lets --out, --plot and --video replace files; give one of them, or leave "
-                "it out."
+                "--force lets --out and other options replace files; give one of them, or leave it "
+                "out."
             )
+        if not given:
+            return
         from geotlm_lm.track.export import require_packages
 
         for option, path in given.items():
+            if option == "--rerun" and path == SERVE:
+                require_packages(path.with_suffix(".rrd"))
+                continue
             endings = ENDINGS[option]
             if path.suffix not in endings:
                 raise UsageError(

@@ -15,6 +15,7 @@ from geotlm_lm.cli.options import (
     MmPerPixel,
     Precision,
     SquarePixels,
+    TopicName,
     path_of,
 )
 from geotlm_lm.cli.tracked import INTERRUPTED, OutFile, PlotFile, Targets, VideoFile
@@ -43,6 +44,7 @@ def watch(
     ] = False,
     layout: LayoutName = None,
     square_pixels: SquarePixels = None,
+    topic: TopicName = None,
     fps: FramesPerSecond = None,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
@@ -64,7 +66,12 @@ def watch(
 
     scale = FrameSpec(mm_per_px=mm_per_px).mm_per_px
     stream = open_source(
-        source, at_its_rate=at_its_rate, fps=fps, layout=layout, square_pixels=square_pixels
+        source,
+        at_its_rate=at_its_rate,
+        fps=fps,
+        layout=layout,
+        square_pixels=square_pixels,
+        topic=topic,
     )
 
     # Imported only now: a camera that does not open must not wait for the model's libraries.

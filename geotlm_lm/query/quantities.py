@@ -92,10 +92,13 @@ def _figure_at(text: str, at: int) -> Found | None:
     if mixed and "/" not in said and int(mixed[2]):
         value, end = value + int(mixed[1]) / int(mixed[2]), mixed.end()
     unit, end = _unit_at(text, end, may_join="/" in said or abs(value) < 1)
+    return Found(Quantity(value, unit or "frame" * _follows_frame(text, at)), at, end)
+
+
+def _follows_frame(text: str, at: int) -> bool:
+    """Tell whether a number counts frames by the word before it: "frame 12"."""
     before = _BEFORE.search(text[max(at - 10, 0) : at])
-    if not unit and before and _lexicon()[0].get(before[1].lower()) == "frame":  # "frame 12"
-        unit = "frame"
-    return Found(Quantity(value, unit), at, end)
+    return before is not None and _lexicon()[0].get(before[1].lower()) == "frame"
 
 
 def _value(said: str) -> float | None:
@@ -119,6 +122,8 @@ def _words_at(text: str, at: int) -> Found | None:
     unit, last = _unit_at(text, end, may_join=True)
     if unit:
         return Found(Quantity(value, unit), at, last)
+    if _follows_frame(text, at):
+        return Found(Quantity(value, "frame"), at, end)
     if value < 2:
         return None
     joint, after = _next_word(text, end)
@@ -141,15 +146,21 @@ def _spoken(text: str, at: int) -> tuple[float | None, int]:
             total, part, has_any, end = total + part * scale, None, True, after
         elif word in ("hundred", "thousand") and part is not None:
             part, end = part * numbers[word], after
+        elif word in numbers and part in range(1, 10) and 10 < numbers[word] < 100:
+            part, end = 100 * part + numbers[word], after  # "three sixty"
         elif word in numbers and (part is None or part >= 20 or word in ("hundred", "thousand")):
             if has_any and part is None:  # "half a turn": its "a" is the unit's
                 break
             part, has_any, end = (part or 0.0) + numbers[word], True, after
-        elif word == "point" and part is not None:
-            digit, behind = _next_word(text, after)
-            if digit not in numbers or numbers[digit] > 9:
+        elif word == "point" and (part is not None or not has_any):  # "point oh six"
+            places, behind = _digits(text, after)
+            if not places:
                 break
-            part, end = part + numbers[digit] / 10, behind
+            part, has_any, end = (part or 0.0) + float(f"0.{places}"), True, behind
+            word, after = _next_word(text, behind)
+            continue
+        elif word == "oh" and not has_any:
+            part = 0.0
         elif word == "and" and has_any:
             # "one and a half" and "two hundred and five", not "ten and twenty".
             follows, behind = _next_word(text, after)
@@ -165,6 +176,16 @@ def _spoken(text: str, at: int) -> tuple[float | None, int]:
             break
         word, after = _next_word(text, after)
     return (total + (part or 0.0) if has_any else None), end
+
+
+def _digits(text: str, at: int) -> tuple[str, int]:
+    """Return spoken digits from a place on, "oh six" as "06", and where they end."""
+    numbers, found = _lexicon()[1], ""
+    word, after = _next_word(text, at)
+    while word == "oh" or (word in numbers and word != "a" and numbers[word] < 10):
+        found, at = found + ("0" if word == "oh" else f"{numbers[word]:g}"), after
+        word, after = _next_word(text, at)
+    return found, at
 
 
 def _next_word(text: str, at: int) -> tuple[str | None, int]:

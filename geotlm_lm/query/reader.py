@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from torch.nn.functional import linear
 from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import IncompatibleBundle, UsageError, first_line
 from geotlm_lm.language.decoder import Cache, LanguageSize, LlamaDecoder
+from geotlm_lm.query.fitting import fitting
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.spelling import Spelling
 from geotlm_lm.query.text import next_words, read
@@ -116,14 +118,13 @@ class Reader:
                 f"The question has {len(text)} characters, expected at most about {fitting} of "
                 f"this kind; shorten it."
             )
-        slots = len(spelled.found)
+        numbers = tuple(one.quantity for one in spelled.found)
         state = self._begun(spelled.ids)
-        words, chance, others = self._written(state, [], slots)
+        words, chance, others = self._written(state, [], numbers)
         found = [(words, chance)]
         for beginning, share in sorted(others, key=lambda one: -one[1])[: most - 1]:
-            rest, other, _ = self._written(state, beginning, slots)
+            rest, other, _ = self._written(state, beginning, numbers)
             found.append((rest, min(other, share)))
-        numbers = tuple(one.quantity for one in spelled.found)
         return [
             Reading(" ".join(words), numbers, self.calibrated(chance), chance)
             for words, chance in found
@@ -141,14 +142,15 @@ class Reader:
         return self.model(row, torch.arange(len(ids))[None], everything)
 
     def _written(
-        self, state: tuple[Tensor, Cache], beginning: list[str], slots: int
+        self, state: tuple[Tensor, Cache], beginning: list[str], numbers: Sequence[Quantity]
     ) -> tuple[list[str], float, list[tuple[list[str], float]]]:
         """Return a query's words behind a beginning, its probability, and turnings off it."""
         (hidden, cache), words = state, []
         place, log_chance = cache[0][0].shape[2], 0.0
         others: list[tuple[list[str], float]] = []
         while len(words) < MOST_WORDS:
-            allowed = sorted(next_words(words, slots) & self.spelling.id_of.keys())
+            formed = next_words(words, len(numbers)) & self.spelling.id_of.keys()
+            allowed = sorted(fitting(words, formed, numbers))
             ids = torch.tensor([self.spelling.id_of[word] for word in allowed])
             told = self.model.logits(hidden[0, -1]).log_softmax(-1)[ids]
             order = told.argsort(descending=True).tolist()

@@ -139,6 +139,8 @@ def _choice(decision: Decision, recording: Recording) -> str:
         return f"none of these: {told}"
     if len(options) == 2 and len(chosen) == 2:
         told = f"both: {told}"
+    if any(one.proposition.literals[0].atom == "touch" for one in chosen):
+        told = f"it touches: {told}"
     if any(one.proposition.literals[0].atom in t.THREAD_ATOMS for one in chosen):
         told = f"it {chosen[0].proposition.literals[0].atom}s: {told}"
     return f"{joined(labels)}: {told}" if labels else told

@@ -35,6 +35,8 @@ def rate_by(times_ms: Sequence[float], told: float) -> tuple[float | None, tuple
             f"rate holds for all of them; give that of the frames used by fps.",
         )
     found = 1000 / float(steps[is_even].mean())
+    if told <= 0:
+        return found, ()
     if abs(found - told) <= SAME_RATE * found:
         return told, ()
     return found, (

@@ -16,6 +16,9 @@ DECODED_FRAMES = 20_000
 DECODING_S = 60.0
 """Seconds spent on decoding a video at most: one upload of huge frames must not hold up others."""
 
+RATED_FRAMES = 32
+"""Frames looked at before a recording is played, to learn its rate: 30 ms of work at 320x240."""
+
 FEWEST_KEPT = 4
 """Frames that must fit at least, as many as an answer looks at: 44 million pixels each."""
 

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.recordings.bags import is_bag
 from geotlm_lm.recordings.images import IMAGE_SUFFIXES, listed
 from geotlm_lm.recordings.read import CLIP_SUFFIXES
 from geotlm_lm.recordings.stacks import STACK_SUFFIXES, is_stack
@@ -15,7 +16,7 @@ EXPECTED = f"{', '.join(CLIP_SUFFIXES)} or folders of images"
 
 
 def clips_in(folder: Path) -> list[Path]:
-    """Return every recording of a folder, by name: files of known endings and folders of images.
+    """Return every recording of a folder, by name: known files, bags, folders of images.
 
     A TIFF counts as one where it has several pages.
 
@@ -58,6 +59,8 @@ def _is_recording(path: Path) -> bool:
     if not path.is_dir():
         suffix = path.suffix.lower()
         return is_stack(path) if suffix in STACK_SUFFIXES else suffix in CLIP_SUFFIXES
+    if is_bag(path):
+        return True
     try:
         return any(Path(name).suffix.lower() in IMAGE_SUFFIXES for name in os.listdir(path))
     except OSError:

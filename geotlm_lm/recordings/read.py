@@ -14,6 +14,7 @@ from geotlm_lm.recordings.arrays import (
     read_still_array,
     stated_square_pixels,
 )
+from geotlm_lm.recordings.bags import BAG_SUFFIXES, is_bag, read_bag
 from geotlm_lm.recordings.images import IMAGE_SUFFIXES, read_folder, read_still_image
 from geotlm_lm.recordings.pixel_shape import with_pixel_shape
 from geotlm_lm.recordings.pixels import Order, check_layout, parts_of
@@ -23,7 +24,7 @@ from geotlm_lm.recordings.video import VIDEO_SUFFIXES, read_video
 
 ARRAY_SUFFIXES = (".npy", ".npz")
 
-CLIP_SUFFIXES = (*ARRAY_SUFFIXES, *VIDEO_SUFFIXES, *STACK_SUFFIXES)
+CLIP_SUFFIXES = (*ARRAY_SUFFIXES, *VIDEO_SUFFIXES, *STACK_SUFFIXES, *BAG_SUFFIXES)
 """Endings of files that are a recording each; a TIFF of one page is a frame."""
 
 
@@ -34,12 +35,13 @@ def read_clip(
     fps: float | None = None,
     background: str | Path | None = None,
     square_pixels: bool | None = None,
+    topic: str | None = None,
 ) -> Clip:
     """Return the recording at `path`, of any length from 2 frames.
 
     Args:
         path: A .npy or .npz array, a .mp4, .m4v, .avi, .mov, .mkv or .webm video, a .tif of several
-            pages, or a folder of images.
+            pages, a .mcap or .db3 bag of ROS 2 or its folder, or a folder of images.
         layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); "BGR", or "THWC-BGR", where its
             colours are in OpenCV's order, those of a background in an array as well; None to guess
             axes and take colours for RGB. Of anything else it is not used, and a note says so.
@@ -48,9 +50,11 @@ def read_clip(
         square_pixels: Whether the camera's pixels are square though the frames are of 224 x 224;
             None to take what a .npz states by `square_pixels`, and where none does, with a note, a
             4:3 picture squashed to a square.
+        topic: Of a bag's images; None where it has images on one topic only.
 
     Raises:
         UnreadableClip: If a file is missing, damaged, or holds no clip, in one sentence.
+        MissingDependency: If it is a bag and the extra `ros` is not installed.
         UsageError: If the layout or the frame rate makes no sense.
         TypeError: If `path` or `background` is none, such as an array, the frame rate is no number,
             or the layout no text.
@@ -68,9 +72,11 @@ def read_clip(
     path = _given(path, "a recording's")
     checked = check_layout(layout)
     require_rate(fps)
-    clip = _read(path, checked)
+    clip = _read(path, checked, topic)
     if checked is not None and path.suffix.lower() not in ARRAY_SUFFIXES:
         clip = clip.with_note(f"The layout {checked} is not used: only arrays have one to tell.")
+    if topic is not None and not is_bag(path):
+        clip = clip.with_note(f"The topic {topic} is not used: only bags have topics.")
     require_motion(clip)
     if fps is not None:
         clip = replace(clip, fps=fps, times_s=())
@@ -124,9 +130,9 @@ def _given(path: str | PathLike[str], wanted: str) -> Path:
     return Path(path)
 
 
-def _read(path: Path, layout: str | None) -> Clip:
+def _read(path: Path, layout: str | None, topic: str | None) -> Clip:
     if _require_there(path).is_dir():
-        return read_folder(path)
+        return read_bag(path, topic) if is_bag(path) else read_folder(path)
     _require_file(path)
     suffix = path.suffix.lower()
     if suffix == ".npy":
@@ -137,6 +143,8 @@ def _read(path: Path, layout: str | None) -> Clip:
         return read_video(path)
     if suffix in STACK_SUFFIXES:
         return read_stack(path)
+    if suffix in BAG_SUFFIXES:
+        return read_bag(path, topic)
     if suffix in IMAGE_SUFFIXES:
         raise UnreadableClip(
             f"{path}: only 1 frame was found, motion needs 2 or more; give the folder it lies in."

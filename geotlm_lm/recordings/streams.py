@@ -11,6 +11,7 @@ from pathlib import Path
 import cv2
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
+from geotlm_lm.recordings.bags import bag_images, bag_rate, is_bag, resized
 from geotlm_lm.recordings.latest_frames import StreamFrame, Unwaiting
 from geotlm_lm.recordings.pixels import check_layout
 from geotlm_lm.recordings.read import read_clip, require_rate
@@ -27,13 +28,15 @@ class Recording:
     read at a stride.
 
     Args:
-        path: A video, an array, or a folder of images.
+        path: A video, an array, a bag, or a folder of images.
         fps: Frames per second of the whole recording; None to take what the file says.
         layout: Axes of an array; None to guess.
         square_pixels: Whether an array's or images' pixels are square; None as in `read_clip`.
+        topic: Of a bag's images; None where it has images on one topic only.
 
     Raises:
         UnreadableClip: If it is missing or holds no frames, in one sentence.
+        MissingDependency: If it is a bag and the extra `ros` is not installed.
     """
 
     def __init__(
@@ -42,9 +45,11 @@ class Recording:
         fps: float | None = None,
         layout: str | None = None,
         square_pixels: bool | None = None,
+        topic: str | None = None,
     ) -> None:
         self.name, self.dropped, self._is_rate_given = str(path), 0, fps is not None
         self._path, self._is_video = path, path.suffix.lower() in VIDEO_SUFFIXES
+        self._topic, self._is_bag = topic, is_bag(path)
         if not path.exists():
             raise UnreadableClip(f"{path}: no such file or folder; check the path.")
         if self._is_video:
@@ -55,19 +60,26 @@ class Recording:
                     f"{path}: no frame of it can be decoded; copy or export it again."
                 )
             told, self.notes = rated[0] or 0.0, rated[1] if fps is None else ()
+        elif self._is_bag:
+            rate, notes = bag_rate(path, topic)
+            told, self.notes = rate or 0.0, notes if fps is None else ()
         else:
             self._clip = read_clip(path, layout=layout, square_pixels=square_pixels)
             self.notes = self._clip.notes
             told = self._clip.fps or 0.0
         self._recorded_fps, self.is_rate_assumed = _rate(fps, told)
-        kept = (0, 1) if self._is_video else self._clip.frame_numbers
+        is_streamed = self._is_video or self._is_bag
+        kept = (0, 1) if is_streamed else self._clip.frame_numbers
         self.fps = self._recorded_fps / (kept[1] - kept[0])
 
     def __iter__(self) -> Iterator[StreamFrame]:
-        """Yield every frame; a video is decoded as it is read, however long it is.
+        """Yield every frame; a video or a bag is decoded as it is read, however long it is.
 
         Its frames have their own times, unless a frame rate was given: they need not be even.
         """
+        if self._is_bag:
+            yield from self._of_bag()
+            return
         if not self._is_video:
             for number, image in zip(self._clip.frame_numbers, self._clip.frames, strict=True):
                 yield StreamFrame(image, number / self._recorded_fps, number)
@@ -85,6 +97,21 @@ class Recording:
                 is_stamped = is_later and not self._is_rate_given
                 time_s = stamp_s - first_s if is_stamped else time_s + step_s
                 yield StreamFrame(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), time_s, number)
+
+    def _of_bag(self) -> Iterator[StreamFrame]:
+        first = shape = None
+        for number, one in enumerate(bag_images(self._path, self._topic)):
+            image, first = one.decoded(), first or one
+            shape = shape or image.shape
+            if image.shape != shape:
+                raise resized(self.name, number, image.shape, shape)
+            # Stamps that are missing or do not rise are left to whoever follows the stream.
+            is_stamped = first.stamp_s > 0 and one.stamp_s > 0
+            taken_s = (
+                one.stamp_s - first.stamp_s if is_stamped else one.received_s - first.received_s
+            )
+            time_s = number / self._recorded_fps if self._is_rate_given else taken_s
+            yield StreamFrame(image, time_s, number)
 
 
 class RealTimePlayback(Unwaiting):
@@ -156,6 +183,7 @@ def open_source(
     fps: float | None = None,
     layout: str | None = None,
     square_pixels: bool | None = None,
+    topic: str | None = None,
 ) -> Recording | RealTimePlayback | Camera:
     """Return the stream called `name`: a camera's number, a device file, or a recording.
 
@@ -165,9 +193,10 @@ def open_source(
         fps: Frames per second; None to take what the recording or the camera says.
         layout: Axes of an array, its order of colours; see `read_clip`. None to guess.
         square_pixels: Of an array or images; None as in `read_clip`.
+        topic: Of a bag's images; None as in `read_clip`.
 
     Raises:
-        MissingDependency: If a camera does not open.
+        MissingDependency: If a camera does not open, or a bag and the extra `ros` is not there.
         UnreadableClip: If a file is missing or holds no frames.
         UsageError: If the frame rate or the layout makes no sense.
     """
@@ -177,7 +206,7 @@ def open_source(
         return Camera(int(name), fps)
     if name.startswith("/dev/"):
         return Camera(name, fps)
-    recording = Recording(Path(name), fps, layout, square_pixels)
+    recording = Recording(Path(name), fps, layout, square_pixels, topic)
     return RealTimePlayback(recording) if at_its_rate else recording
 
 

@@ -6,13 +6,12 @@ import os
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from itertools import count
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings.decoding import quiet_decoders
 from geotlm_lm.recordings.frame_times import cut_off_note, rate_by, uneven_times_s
@@ -20,10 +19,10 @@ from geotlm_lm.recordings.limits import (
     DECODED_FRAMES,
     DECODING_S,
     FEWEST_KEPT,
+    RATED_FRAMES,
     kept_frames,
     stride_note,
 )
-from geotlm_lm.recordings.pixel_shape import with_square_pixels
 
 VIDEO_SUFFIXES = (".mp4", ".m4v", ".avi", ".mov", ".mkv", ".webm")
 
@@ -74,29 +73,6 @@ def read_video(path: Path) -> Clip:
     )
 
 
-def each_frame(clip: Clip, *, square_pixels: bool = False) -> Iterator[tuple[int, Frames]]:
-    """Yield the number of every frame of a recording, and the frame, uint8 RGB.
-
-    A video of which only a part fits into memory is decoded anew, frame by frame.
-
-    Args:
-        clip: As it was read.
-        square_pixels: As it was read with.
-    """
-    numbers = clip.frame_numbers
-    is_whole = len(numbers) < 2 or numbers[1] - numbers[0] == 1
-    if is_whole or Path(clip.name).suffix.lower() not in VIDEO_SUFFIXES:
-        yield from zip(numbers, clip.frames, strict=True)
-        return
-    with quiet_capture(clip.name, cv2.CAP_FFMPEG) as capture:
-        for number in count():
-            is_decoded, image = capture.read()
-            if not is_decoded:
-                return
-            image = cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
-            yield number, with_square_pixels(image) if square_pixels else image
-
-
 def rate_ahead(capture: cv2.VideoCapture) -> tuple[float | None, tuple[str, ...]] | None:
     """Return the frame rate by the first frames' times, as `rate_by` does; None without a frame.
 
@@ -107,10 +83,6 @@ def rate_ahead(capture: cv2.VideoCapture) -> tuple[float | None, tuple[str, ...]
     while len(times_ms) < RATED_FRAMES and capture.grab():
         times_ms.append(float(capture.get(cv2.CAP_PROP_POS_MSEC)))
     return rate_by(times_ms, float(capture.get(cv2.CAP_PROP_FPS))) if times_ms else None
-
-
-RATED_FRAMES = 32
-"""Frames decoded before a video is played, to learn its rate: 30 ms of work at 320x240."""
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import numpy as np
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.simulation.label import components_of
+from geotlm_lm.simulation.shard_forms import FORMS
 from geotlm_lm.simulation.trace import READABLE_GREY
 
 FRAMES_IN_CARD = "`frames` uint8 (clips, 4, 224, 224, 3) RGB, `backgrounds` the idle gel,"
@@ -31,11 +31,11 @@ def card_of(out: Path, count: int, wanted: dict[str, Any]) -> str:
     """
     labels: list[MotionLabel] = []
     worst_um = 0.0
-    for path in sorted(out.glob("shard-*.npz")):
-        with np.load(path, allow_pickle=False) as stored:
-            worst_um = max(worst_um, float(stored["penetration_um"].max()))
-            told = json.loads(str(stored["labels"]))
-        labels += [MotionLabel.from_dict(values) for values in told]
+    form = FORMS[wanted["form"]]
+    for path in sorted(out.glob(f"shard-*{form.suffix}")):
+        told = form.read(path)
+        worst_um = max(worst_um, *told.penetration_um)
+        labels += [MotionLabel.from_dict(values) for values in told.labels]
     motions: dict[str, list[bool]] = {}
     for label in labels:
         motions.setdefault(label.motion.value, []).append(label.is_readable)
@@ -48,6 +48,7 @@ def card_of(out: Path, count: int, wanted: dict[str, Any]) -> str:
             "---",
             "license: apache-2.0",
             "tags: [tactile, gelsight, simulated]",
+            *_configuration(wanted["form"], form.suffix),
             "---",
             "# Simulated touch clips",
             "",
@@ -66,6 +67,7 @@ def card_of(out: Path, count: int, wanted: dict[str, Any]) -> str:
             "",
             f"Largest penetration the contact solver left: {worst_um:.1f} micrometres.",
             "",
+            *([form.about, ""] if form.about else []),
             "Per shard:" if wanted["with_frames"] else LABELS_ONLY_IN_CARD,
             *([FRAMES_IN_CARD] if wanted["with_frames"] else []),
             "`displacement_px` (clips, 4, 14, 14, 2) travel of the object since frame 0 at each",
@@ -78,6 +80,13 @@ def card_of(out: Path, count: int, wanted: dict[str, Any]) -> str:
             "",
         ]
     )
+
+
+def _configuration(name: str, suffix: str) -> list[str]:
+    """Return what tells Hugging Face's `datasets` which files are data; it reads no archives."""
+    if name == "npz":
+        return []
+    return ["configs:", "- config_name: default", f'  data_files: "shard-*{suffix}"']
 
 
 def _component_lines(labels: list[MotionLabel]) -> list[str]:

@@ -1,21 +1,15 @@
 """Simulated clips on disk: shards with truth that survive a kill; same seed, same bytes.
 
-A folder holds `shard-00000.npz` and so on, each written whole and then renamed, `dataset.json` with
-what was asked for, and a card. Shard k holds clips [k * SHARD_CLIPS, (k + 1) * SHARD_CLIPS) of the
-seed's series, whoever wrote it and whenever; a resumed run only writes the missing ones.
+A folder holds `shard-00000.npz` and so on, or files of another form (`shard_forms`), each written
+whole and then renamed, `dataset.json` with what was asked for, and a card. Shard k holds clips
+[k * SHARD_CLIPS, (k + 1) * SHARD_CLIPS) of the seed's series, whoever wrote it and whenever; a
+resumed run only writes the missing ones.
 """
 
 from __future__ import annotations
 
 import json
-import multiprocessing
-import os
-import threading
-import zipfile
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,19 +18,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.atomic import replacing, write_text_atomically
-from geotlm_lm.core.errors import GeoTLMError, UsageError
-from geotlm_lm.core.interrupts import (
-    children_killed_on_error,
-    children_without_interrupts,
-    uninterrupted_step,
-)
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.interrupts import uninterrupted_step
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.threads import one_thread_in_children
+from geotlm_lm.local_pool import each_done
 from geotlm_lm.simulation.card import card_of
 from geotlm_lm.simulation.presets import PresetName, preset_named
 from geotlm_lm.simulation.randomise import MARKER_SHARE, MIXED_SHARE
 from geotlm_lm.simulation.series import SERIES_VERSION, simulate_series
+from geotlm_lm.simulation.shard_forms import FORMS, FormName, require_packages, told_by
 from geotlm_lm.simulation.simulate import SimulatedClip
 
 SHARD_CLIPS = 64
@@ -52,6 +43,7 @@ class _Shard:
     path: str
     first_index: int
     count: int
+    form: FormName
     options: dict[str, Any]  # of `simulate_series`, the same for all
 
 
@@ -67,6 +59,7 @@ def write_dataset(
     marker_share: float = MARKER_SHARE,
     mixed_share: float = MIXED_SHARE,
     with_frames: bool = True,
+    form: FormName = "npz",
     progress: Progress = silent,
 ) -> Path:
     """Write `count` clips of `objects` into the folder `out`, or finish writing them.
@@ -83,6 +76,7 @@ def write_dataset(
         marker_share: Share of clips on a gel with markers.
         mixed_share: Share of clips that turn, slide and press at once, as they may.
         with_frames: Whether pictures are written beside labels and true fields.
+        form: Of the shards' files, a key of `shard_forms.FORMS`.
         progress: Told after every shard how many clips are done.
 
     Returns:
@@ -91,7 +85,9 @@ def write_dataset(
     Raises:
         UsageError: If the folder holds another or a larger data set, or the request is empty.
         GeoTLMError: If a worker was killed.
+        MissingDependency: If the package that writes the form is not installed.
     """
+    require_packages(form)
     out = Path(out)
     options = {
         "seed": seed,
@@ -102,14 +98,14 @@ def write_dataset(
         "mixed_share": mixed_share,
         "with_frames": with_frames,
     }
-    wanted = {"format": DATASET_FORMAT, "series": SERIES_VERSION} | options
+    wanted = {"format": DATASET_FORMAT, "series": SERIES_VERSION, "form": form} | options
     _check(out, count, wanted)
     out.mkdir(parents=True, exist_ok=True)
     write_text_atomically(out / "dataset.json", json.dumps(wanted | {"count": count}) + "\n")
-    shards = _shards(out, count, options)
-    missing = [shard for shard in shards if _clips_in(Path(shard.path)) != shard.count]
+    shards = _shards(out, count, options, form)
+    missing = [shard for shard in shards if not _is_whole(shard)]
     done = count - sum(shard.count for shard in missing)
-    for written in _write_all(missing, workers):
+    for written in each_done(_write_shard, missing, workers):
         done += written
         progress("simulated", done, count)
     write_text_atomically(out / CARD_FILE, card_of(out, count, wanted))
@@ -141,8 +137,8 @@ def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
         raise UsageError(
             f"{out / 'dataset.json'} does not say what the folder holds; choose an empty folder."
         ) from error
-    # A folder that does not say has no mixed clips.
-    found = {"mixed_share": 0.0} | found
+    # A folder that does not say has no mixed clips, in archives.
+    found = {"mixed_share": 0.0, "form": "npz"} | found
     if {name: found.get(name) for name in wanted} != wanted:
         raise UsageError(
             f"{out} holds another data set (seed {found.get('seed')}, expected "
@@ -155,85 +151,23 @@ def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
         )
 
 
-def _shards(out: Path, count: int, options: dict[str, Any]) -> list[_Shard]:
+def _shards(out: Path, count: int, options: dict[str, Any], form: FormName) -> list[_Shard]:
+    suffix = FORMS[form].suffix
     return [
         _Shard(
-            str(out / f"shard-{number:05d}.npz"), start, min(SHARD_CLIPS, count - start), options
+            path=str(out / f"shard-{number:05d}{suffix}"),
+            first_index=start,
+            count=min(SHARD_CLIPS, count - start),
+            form=form,
+            options=options,
         )
         for number, start in enumerate(range(0, count, SHARD_CLIPS))
     ]
 
 
-def _clips_in(path: Path) -> int:
-    """Return the number of clips in a shard, 0 when absent or damaged."""
-    try:
-        with np.load(path, allow_pickle=False) as stored:
-            return len(stored["index"])
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
-        return 0
-
-
-def _write_all(shards: list[_Shard], workers: int) -> Iterator[int]:
-    if workers <= 1 or len(shards) <= 1:
-        for shard in shards:
-            with _one_thread():
-                written = _write_shard(shard)
-            yield written
-        return
-    # Spawned, not forked: a forked process inherits torch's threads in an unusable state. And no
-    # multiprocessing.Pool, which waits for ever for a worker that the system has killed.
-    pool = ProcessPoolExecutor(
-        min(workers, len(shards)),
-        mp_context=multiprocessing.get_context("spawn"),
-        initializer=_prepare_worker,
-    )
-    try:
-        with children_killed_on_error() as all_started:
-            with children_without_interrupts(), one_thread_in_children():
-                writing = [pool.submit(_write_shard, shard) for shard in shards]
-            all_started()  # what the caller starts when it is told of a shard is no worker
-            for future in as_completed(writing):
-                yield future.result()
-    except BrokenProcessPool as error:
-        raise GeoTLMError(
-            "A worker was ended from outside, most likely for want of memory; run this again with "
-            "fewer workers, what was finished is kept."
-        ) from error
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """Work on one thread inside, as workers do: how many there are decides a sum's last bits."""
-    import cv2
-    import torch
-
-    before = torch.get_num_threads(), cv2.getNumThreads()
-    torch.set_num_threads(1)
-    cv2.setNumThreads(1)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(before[0])
-        cv2.setNumThreads(before[1])
-
-
-def _prepare_worker() -> None:
-    import cv2
-    import torch
-
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    torch.set_num_threads(1)
-    cv2.setNumThreads(1)
-
-
-def _end_with_parent() -> None:
-    # A worker whose parent was killed would wait for its next shard for ever.
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
+def _is_whole(shard: _Shard) -> bool:
+    told = told_by(Path(shard.path), shard.form)
+    return told is not None and len(told.labels) == shard.count
 
 
 def _write_shard(shard: _Shard) -> int:
@@ -252,8 +186,13 @@ def _write_shard(shard: _Shard) -> int:
     made["index"] = np.arange(shard.first_index, shard.first_index + shard.count)
     made["labels"] = np.array(json.dumps(labels))
     with uninterrupted_step():  # a worker that is ended here leaves its shard, not a part of it
-        _save_atomically(Path(shard.path), made)
+        _save(shard, made)
     return shard.count
+
+
+def _save(shard: _Shard, arrays: dict[str, NDArray[Any]]) -> None:
+    with replacing(Path(shard.path)) as stream:
+        FORMS[shard.form].write(stream, arrays)
 
 
 def _stored(clip: SimulatedClip) -> dict[str, NDArray[Any]]:
@@ -270,16 +209,3 @@ def _stored(clip: SimulatedClip) -> dict[str, NDArray[Any]]:
     }
     drift = {} if clip.drift_px is None else {"drift_px": clip.drift_px}
     return seen | kept | drift
-
-
-def _save_atomically(path: Path, arrays: dict[str, NDArray[Any]]) -> None:
-    """Write an uncompressed npz with a fixed date inside, so that equal clips are equal bytes."""
-    with replacing(path) as stream, zipfile.ZipFile(stream, "w") as archive:
-        for name, array in arrays.items():
-            entry = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
-            with archive.open(entry, "w", force_zip64=True) as member:
-                array = np.asarray(array, order="C")
-                header = np.lib.format.header_data_from_array_1_0(array)
-                np.lib.format.write_array_header_1_0(member, header)
-                # Not numpy's own writer: to anything but a plain file it writes copies.
-                member.write(array.reshape(-1).view(np.uint8))

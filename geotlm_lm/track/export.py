@@ -25,7 +25,12 @@ from geotlm_lm.track.track import Track
 UNITS = {Component.TURN: "deg", Component.PRESS: "mm"}
 """Of a slide it is that of `Units`."""
 
-_PACKAGES = {".parquet": "pyarrow", ".png": "matplotlib"}
+_PACKAGES = {
+    ".parquet": ("pyarrow", "track"),
+    ".png": ("matplotlib", "track"),
+    ".rrd": ("rerun", "rerun"),
+}
+"""What writes a file, by its ending, and the extra that installs it."""
 
 
 def require_packages(path: Path) -> None:
@@ -34,11 +39,11 @@ def require_packages(path: Path) -> None:
     Raises:
         MissingDependency: If it is not there.
     """
-    package = _PACKAGES.get(path.suffix)
+    package, extra = _PACKAGES.get(path.suffix, (None, ""))
     if package is not None and find_spec(package) is None:
         raise MissingDependency(
             f"{path}: a {path.suffix} file is written with {package}, which is not installed; run "
-            f"`pip install 'geotlm-lm[track]'`."
+            f"`pip install 'geotlm-lm[{extra}]'`."
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ LANES = tuple(kind for kind in EventKind if kind is not EventKind.TOUCH)
 
 
 def write_plot(path: Path, exported: Exported, *, in_frames: bool) -> None:
-    """Draw turn, travel and contact of each frame, with bands that hold nine tenths, to a PNG.
+    """Draw a track to a PNG file, as `plot_png` does.
 
     Args:
         path: Of the picture.
@@ -38,6 +39,22 @@ def write_plot(path: Path, exported: Exported, *, in_frames: bool) -> None:
         MissingDependency: If matplotlib is not installed.
     """
     require_packages(path)
+    drawn = plot_png(exported, in_frames=in_frames)
+    with replacing(path) as stream:
+        stream.write(drawn)
+
+
+def plot_png(exported: Exported, *, in_frames: bool) -> bytes:
+    """Return turn, travel and contact of each frame, with bands that hold nine tenths, as a PNG.
+
+    Args:
+        exported: The track.
+        in_frames: Whether to draw over frame numbers, as of recordings without a frame rate.
+
+    Raises:
+        MissingDependency: If matplotlib is not installed.
+    """
+    require_packages(Path("timeline.png"))
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 7.5), layout="constrained")
@@ -52,8 +69,9 @@ def write_plot(path: Path, exported: Exported, *, in_frames: bool) -> None:
     for axes in panels:
         axes.grid(alpha=0.3)
     figure.legend(loc="outside upper center", ncols=5, fontsize="small")
-    with replacing(path) as stream:
-        figure.savefig(stream, dpi=120, format="png")
+    stream = BytesIO()
+    figure.savefig(stream, dpi=120, format="png")
+    return stream.getvalue()
 
 
 def _draw_ways(turn: Any, travel: Any, exported: Exported, times: np.ndarray) -> None:

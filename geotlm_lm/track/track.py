@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.twist import Component, Twist
-from geotlm_lm.track.amounts import COLUMNS, SYSTEMATIC, Span, amount_of
+from geotlm_lm.track.amounts import COLUMNS, ENDS, SYSTEMATIC, Span, amount_of
 from geotlm_lm.track.events import Event, EventKind
 
 Floats = NDArray[np.float64]
@@ -69,8 +69,7 @@ class Track:
     def path_deviations(self) -> Floats:
         """Deviations of the same, (n, 4)."""
         own = np.diagonal(np.cumsum(self.covariances, axis=0), axis1=1, axis2=2)
-        shares = np.array([SYSTEMATIC[0], *[SYSTEMATIC[1]] * 2, SYSTEMATIC[2]])
-        return np.sqrt(own + np.square(shares * self.path_from_start))
+        return np.sqrt(own + np.square(_SYSTEMATIC_OF * self.path_from_start))
 
     @property
     def is_touched(self) -> NDArray[np.bool_]:
@@ -142,15 +141,30 @@ class Track:
 
         Signed, but for a slide.
         """
-        way = np.cumsum(self.twists[:, COLUMNS[component]], axis=0)
+        rate = self.rates()[0][:, COLUMNS[component]]
+        return np.linalg.norm(rate, axis=1) if rate.shape[1] > 1 else rate[:, 0]
+
+    def rates(self) -> tuple[Floats, Floats]:
+        """Return how fast it turns, goes right, down and inward around each frame, (n, 4).
+
+        Returns:
+            Degrees, pixels and mm a second, and their deviations, which are zero where nothing
+            touches: what does not touch does not move.
+        """
         if len(self) < 2:
-            return np.zeros(len(self))
+            return np.zeros((len(self), 4)), np.zeros((len(self), 4))
         early = np.searchsorted(self.times_s, self.times_s - SPEED_S / 2)
         late = np.searchsorted(self.times_s, self.times_s + SPEED_S / 2, side="right") - 1
         early, late = np.minimum(early, len(self) - 2), np.maximum(late, early + 1)
         late = np.minimum(late, len(self) - 1)
-        rate = (way[late] - way[early]) / (self.times_s[late] - self.times_s[early])[:, None]
-        return np.linalg.norm(rate, axis=1) if rate.shape[1] > 1 else rate[:, 0]
+        seconds = (self.times_s[late] - self.times_s[early])[:, None]
+        path, own = self.path_from_start, np.diagonal(self.covariances, axis1=1, axis2=2)
+        own = np.cumsum(own, axis=0)
+        way, doubt = path[late] - path[early], own[late] - own[early]
+        off = np.square(_SYSTEMATIC_OF * way) + np.square(_ENDS_OF)
+        touched = np.concatenate([[0], np.cumsum(self.is_touched)])
+        is_free = touched[late + 1] == touched[early]
+        return way / seconds, np.where(is_free[:, None], 0.0, np.sqrt(doubt + off) / seconds)
 
     def fastest(self, component: Component) -> tuple[float, float]:
         """Return when it was fastest (seconds), and how fast: a second, signed but for a slide."""
@@ -207,6 +221,9 @@ class Track:
 
 
 TOUCHED = 0.5
+
+_SYSTEMATIC_OF, _ENDS_OF = np.array([SYSTEMATIC, ENDS])[:, [0, 1, 1, 2]]
+"""Of each number of a twist: a slide has two."""
 
 _ARRAYS = ("numbers", "times_s", "contact", "strength_grey", "twists", "covariances", "radius_px")
 _WAYS = ("turn_deg", "right_px", "down_px", "inward_mm")

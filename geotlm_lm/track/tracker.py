@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.recordings.idle import activity_grey, estimate_background, find_idle
 from geotlm_lm.recordings.imprints import FAINT_IMPRINT, imprints_of, strength_of
 from geotlm_lm.track.believing import Believe
@@ -199,6 +200,7 @@ def track_of(
     believe: Believe | None = None,
     *,
     idle: Frames | None = None,
+    progress: Progress = silent,
 ) -> Track:
     """Return the track of a recording.
 
@@ -206,6 +208,7 @@ def track_of(
         source: A clip, whose idle gel is looked for first, or frames with their times.
         believe: As of `Tracker`.
         idle: The untouched gel, if known.
+        progress: Called after each frame of a clip.
 
     Raises:
         UnreadableClip: As of `Tracker.feed`.
@@ -218,8 +221,10 @@ def track_of(
     gel = idle if idle is not None else source.background
     gel = _gel_of(source) if gel is None else gel
     tracker = Tracker(believe, idle=gel)
-    for frame, number in zip(source.frames, source.frame_numbers, strict=True):
+    numbered = zip(source.frames, source.frame_numbers, strict=True)
+    for done, (frame, number) in enumerate(numbered, start=1):
         tracker.feed(frame, source.second_of(number, ASSUMED_FPS), number)
+        progress("tracking", done, len(source))
     return tracker.finish()
 
 

@@ -74,7 +74,7 @@ class TrainingPreset(HeadsPreset):
 
 DEFAULT = TrainingPreset(
     name="default",
-    reading_steps=3_600,
+    reading_steps=7_000,
     reading_batch=128,
     pretraining_clips=32_000,
     head_clips=16_000,

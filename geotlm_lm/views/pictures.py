@@ -169,13 +169,32 @@ def draw_arrows(
         scale: Of the arrows.
     """
     drawn = image.copy()
-    gh, gw = mask.shape
-    for row, column in np.argwhere((mask > 0) & (mask >= mask.mean())):
-        tail = np.array([(column + 0.5) / gw, (row + 0.5) / gh])
-        ends = _grid_points(view, image.shape[:2], _arrow(tail, field[row, column], scale))
+    size = (image.shape[1], image.shape[0])
+    for ends in (arrow_ends(field, mask, view, scale) * size).astype(np.float32):
         if np.linalg.norm(ends[1] - ends[0]) > ARROW_THICKNESS:
             _draw_arrow(drawn, ends)
     return drawn
+
+
+def arrow_ends(
+    field: Floats, mask: Floats, view: View, scale: ArrowScale = LEARNED_SHEAR
+) -> NDArray[np.float64]:
+    """Return where arrows of a field begin and end, where more than the view's mean is in contact.
+
+    Args:
+        field: (x right, y down), shape (gh, gw, 2), in units of the scale.
+        mask: Contact mask, shape (gh, gw), in [0, 1].
+        view: The square the grid covers.
+        scale: Of the arrows.
+
+    Returns:
+        Shares (x, y) of the picture's width and height, tail before tip, (n, 2, 2).
+    """
+    gh, gw = mask.shape
+    rows, columns = np.nonzero((mask > 0) & (mask >= mask.mean()))
+    tails = np.stack([(columns + 0.5) / gw, (rows + 0.5) / gh], axis=-1)
+    tips = tails + field[rows, columns] * scale.unit_px / IMAGE_SIDE
+    return view.in_picture(np.stack([tails, tips], axis=1))
 
 
 def draw_legend(image: Image, view: View, scale: ArrowScale = LEARNED_SHEAR) -> Image:

@@ -54,10 +54,10 @@ def test_the_probability_holds_that_of_understanding(bundle):
 
 
 def test_what_is_hardly_understood_is_asked_back(bundle):
-    answer = ask(feeling(bundle, "left", understood=0.3), "mirror > way turn")
+    answer = ask(feeling(bundle, "left", understood=0.3), "mirror > way slide")
     assert answer.abstained
-    assert "which way it turns, in the mirror" in answer.text
-    assert answer.confidence == 0
+    assert "Which way it slides, in the mirror? It slides right" in answer.text
+    assert (answer.direction, answer.decided, answer.confidence) == (None, None, 0)
 
 
 def test_what_is_more_likely_wrong_is_a_guess(bundle):

@@ -26,6 +26,13 @@ EXECUTABLE = next(
 )
 """Of the browser; None where there is none."""
 
+STAGE = "([...document.querySelectorAll('.stage')].find(one => one.offsetParent) || {dataset: {}})"
+SHOWN, NOTHING_SHOWN = (f"{STAGE}.dataset.shown == {one!r}" for one in ("all", "nothing"))
+"""Whether the stage that is seen shows a recording with all that is known of it, or none."""
+
+NAME = "document.querySelector('.stage-title strong')"
+"""What the recording on the Ask tab is called."""
+
 
 class Browser:
     """One page of one browser.
@@ -100,14 +107,14 @@ class Browser:
         raise TimeoutError(f"{script} was not true within {seconds:g} s")
 
     def open(self, address: str) -> None:
-        """Show a page and wait until it answers to clicks, its gallery complete."""
+        """Show a page and wait until its first example is shown, and it answers to clicks."""
         self.call("Page.navigate", url=address)
-        self.wait_for(
-            "(() => { const all = [...document.querySelectorAll('.thumbnail-item img')]; "
-            "return all.length && all.every(one => one.complete && one.naturalWidth) "
-            "&& !document.body.innerText.includes('Loading...'); })()",
-            seconds=300.0,
-        )
+        self.wait_for(f"{SHOWN} && !document.body.innerText.includes('Loading...')", seconds=300.0)
+
+    def open_example(self, name: str) -> None:
+        """Click an example and wait until it is shown with what the model reads in it."""
+        self.click(name, "button.example")
+        self.wait_for(f"{SHOWN} && {NAME}.innerText == {name!r}")
 
     def click(self, text: str, kind: str = "button") -> None:
         """Click the first visible element of a kind that holds a text."""

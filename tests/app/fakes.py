@@ -11,11 +11,12 @@ from geotlm_lm.answering.encoded import with_background
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.view import View
 from geotlm_lm.checkpoint import Calibration
+from geotlm_lm.core.progress import silent
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
 from geotlm_lm.recordings.span import frames_inside
-from geotlm_lm.track.tracker import Tracker
+from geotlm_lm.track.tracker import Tracker, track_of
 from tests.answering.scripted import Scripted, ScriptedReader, believed
 
 READ = {
@@ -52,7 +53,7 @@ class FakeAnswerer(Answerer):
         )
         super().__init__(bundle)
 
-    def encode(self, clip, *, span=None, track=None):
+    def encode(self, clip, *, span=None, track=None, progress=silent):
         field, mask = torch.zeros(1, 14, 14, 2), torch.zeros(1, 14, 14)
         field[..., 0] = 1
         mask[:, :, :7] = 1
@@ -65,7 +66,13 @@ class FakeAnswerer(Answerer):
         places = np.linspace(0, len(inside) - 1, 4).round().astype(int).tolist()
         seen = ", ".join(str(inside.frame_numbers[place]) for place in places)
         clip = with_background(inside.select(places)).with_note(f"Frames {seen} are shown.")
-        return Encoded(clip, perception, {"encode": 1.0}, believe=_belief)
+        found = {}
+        if inside.fps is not None and len(inside) > 4:
+            found = {"track": track_of(inside), "recording": inside}
+        return Encoded(clip, perception, {"encode": 1.0}, believe=_belief, **found)
+
+    def track(self, recording, *, progress=silent):
+        return track_of(recording, progress=progress)
 
     def tracker(self, recording=None):
         return Tracker()  # measures alone: no model is asked

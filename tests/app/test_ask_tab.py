@@ -6,8 +6,9 @@ import pytest
 
 pytest.importorskip("gradio", reason="the page needs gradio (extra: app)")
 
-from app import ask_tab  # noqa: E402
 from app.clip_loading import load_clip  # noqa: E402
+from app.opening import Source  # noqa: E402
+from app.talking import Talking  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 
 QUESTION = "Is it <b>5 px</b> &amp; a < b?"
@@ -16,17 +17,17 @@ SHOWN = "Is it &lt;b&gt;5 px&lt;/b&gt; &amp;amp; a &lt; b?"
 
 @pytest.mark.parametrize("as_blocks", [False, True], ids=["text", "blocks"])
 def test_a_question_is_asked_again_as_it_was_typed(recordings, as_blocks):
-    asked = []
-    session = SimpleNamespace(take_back=asked.append)
-    answerer = FakeAnswerer()
+    asked, answerer = [], FakeAnswerer()
     answerer.bundle.reader.lines[QUESTION] = "way"
-    shown = load_clip(answerer, str(recordings["bright"]))
-    chat = next(ask_tab._answer(answerer, shown, QUESTION, [], [], None))[0]
+    path = str(recordings["bright"])
+    shown, talking = load_clip(answerer, path), Talking(answerer)
+    others = (shown, Source(path, "bright.npy"), [], None, "http://127.0.0.1:7860")
+    chat = next(talking.ask(QUESTION, [], *others))["chat"]
     assert chat[0]["content"] == SHOWN
     if as_blocks:
         chat[0]["content"] = [{"type": "text", "text": SHOWN}]
-    steps = ask_tab._retry(answerer, shown, "Another?", chat, [], None)
-    shown.session.take_back = session.take_back
-    again = next(steps)[0]
+    shown.session.take_back = SimpleNamespace(call=asked.append).call
+    again = next(talking.again(chat, *others))
     assert asked == [QUESTION]
-    assert again[0]["content"] == SHOWN
+    assert again["chat"][0]["content"] == SHOWN
+    assert "question" not in again  # what is being typed stays

@@ -6,52 +6,60 @@ import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from tests.app.test_browser import CHECKED, PICTURE, TEXT  # noqa: E402
+from tests.app.browser import NAME, NOTHING_SHOWN, SHOWN  # noqa: E402
+from tests.app.test_browser import CHECKED, TEXT  # noqa: E402
 
-NO_PICTURE = f"!{PICTURE}"
+
+def shown(name):
+    return f"{SHOWN} && {NAME}.innerText == {name!r}"
+
+
 NONE_OPEN = f"{TEXT}.includes('No recording is open; upload a clip first.')"
 
 
 def test_a_recording_that_fails_closes_the_one_before(browser, recordings, tmp_path):
     (tmp_path / "broken.npy").write_bytes(b"no recording")
     browser.upload("Recording", recordings["dark"])
-    browser.wait_for(f"{PICTURE} != null")
+    browser.wait_for(shown("dark.npy"))
+    browser.fill("Question", "Which way?")
     browser.click("Ask", "button.primary")
     browser.wait_for(f"{TEXT}.includes('slides left, ')")
     browser.upload("Recording", tmp_path / "broken.npy")
-    browser.wait_for(NO_PICTURE)
+    browser.wait_for(NOTHING_SHOWN)
     browser.wait_for(f"!{TEXT}.includes('slides left, ')")
+    browser.fill("Question", "Which way?")
     browser.click("Ask", "button.primary")
     browser.wait_for(NONE_OPEN)
     browser.upload("Recording", recordings["bright"])  # beside the one that failed
-    browser.wait_for(f"{PICTURE} != null")
+    browser.wait_for(shown("bright.npy"))
     assert "tmp" not in browser.run(TEXT)
 
 
 def test_a_recording_that_is_taken_away_is_closed(browser, recordings):
     browser.upload("Recording", recordings["dark"])
-    browser.wait_for(f"{PICTURE} != null")
+    browser.wait_for(shown("dark.npy"))
     browser.run("document.querySelector('button[aria-label=\"Clear\"]').click()")
-    browser.wait_for(NO_PICTURE)
+    browser.wait_for(NOTHING_SHOWN)
+    browser.fill("Question", "Which way?")
     browser.click("Ask", "button.primary")
     browser.wait_for(NONE_OPEN)
 
 
 def test_of_two_recordings_the_newest_is_opened_alone(browser, recordings):
     browser.upload("Recording", recordings["dark"])
-    browser.wait_for(f"{PICTURE} != null && {TEXT}.includes('dark')")
+    browser.wait_for(shown("dark.npy"))
     browser.upload("Recording", recordings["bright"])
     browser.wait_for(f"{TEXT}.includes('bright') && !{TEXT}.includes('dark')")
+    browser.fill("Question", "Which way?")
     browser.click("Ask", "button.primary")
     browser.wait_for(f"{TEXT}.includes('slides right, ')")
 
 
 def test_what_is_shown_is_read_again_and_not_what_was_uploaded_before(browser, recordings):
     browser.upload("Recording", recordings["dark"])
-    browser.wait_for(f"{PICTURE} != null")
-    browser.run("document.querySelector('.thumbnail-item').click()")
+    browser.wait_for(shown("dark.npy"))
+    browser.open_example("cable")
     browser.wait_for(f"!{TEXT}.includes('dark')")
-    browser.wait_for(f"{PICTURE} != null")
     browser.click("Frames and notes")
     time.sleep(1)
     browser.fill("First frame", "0")
@@ -59,7 +67,7 @@ def test_what_is_shown_is_read_again_and_not_what_was_uploaded_before(browser, r
     time.sleep(1)  # until the page has taken the fields in
     browser.click("Read again with this span")
     browser.wait_for(f"{TEXT}.includes('The span was 0 to 1.5, expected two whole numbers')")
-    browser.wait_for(NO_PICTURE)
+    browser.wait_for(NOTHING_SHOWN)
     browser.fill("Last frame", "3")
     time.sleep(1)
     browser.click("Read again with this span")
@@ -77,6 +85,7 @@ def field(label):
 
 
 def test_an_image_is_turned_one_way_or_the_other(browser):
+    browser.click("Frame of reference", "button")
     for way in ("90° counterclockwise", "90° clockwise", "90° counterclockwise"):
         box = f"image is turned {way}"
         browser.run(f"document.querySelector('input[name=\"{box}\"]').click()")

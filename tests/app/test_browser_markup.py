@@ -11,10 +11,10 @@ pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)
 from app import ui  # noqa: E402
 from geotlm_lm import Session  # noqa: E402
 from geotlm_lm.answering import CAMERA  # noqa: E402
+from tests.app.browser import NAME, SHOWN  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 
 TEXT = "document.body.innerText"
-SHOWN = "[...document.images].some(i => i.offsetParent && i.naturalWidth == 448)"
 
 
 class Echoing(FakeAnswerer):
@@ -25,8 +25,8 @@ class Echoing(FakeAnswerer):
     def session(self, encoded, frame=CAMERA):
         return EchoingSession(self, encoded, frame)
 
-    def compare(self, first, second):
-        told, text = super().compare(first, second), f"You said {self.asked}"
+    def compare(self, first, second, question="Do they go the same way?"):
+        told, text = super().compare(first, second, question), f"You said {self.asked}"
         return replace(told, text=text, first=replace(told.first, text=text))
 
 
@@ -80,7 +80,8 @@ def test_a_question_is_shown_as_it_was_typed(page, elsewhere, recordings, markup
     (browser, answerer), (site, asked) = page, elsewhere
     answerer.asked = markup.format(site=site)
     browser.upload("Recording", recordings["dark"])
-    browser.wait_for(SHOWN, seconds=60)
+    browser.wait_for(f"{SHOWN} && {NAME}.innerText == 'dark.npy'", seconds=60)
+    browser.click("Evidence", "button")
     browser.fill("Question", answerer.asked)
     browser.click("Ask", "button.primary")
     for beginning in ("", "You said ", "Noted: "):

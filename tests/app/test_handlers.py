@@ -6,9 +6,8 @@ import pytest
 
 from app import facts as page_facts
 from app import handlers, ui
-from app.clip_loading import load_clip, perceive
+from app.clip_loading import load_clip
 from geotlm_lm import FrameSpec, GeoTLMError, Motion
-from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import MissingDependency
 from tests.app.fakes import FakeAnswerer
 
@@ -146,29 +145,6 @@ def test_of_both_quarters_the_one_checked_last_holds():
         *before,
         page_facts.UPSIDE_DOWN,
     ]
-
-
-def test_frames_are_counted_from_one_to_the_last():
-    levels = [40, 80, 120, 160]
-    frames = np.stack([np.full((48, 64, 3), level, np.uint8) for level in levels])
-    shown = perceive(FakeAnswerer(), Clip(frames, background=frames[0]))
-    drawn = [handlers.draw(shown, "raw", number) for number in (0, 1, 2, 3, 4, 9)]
-    assert [int(np.median(one)) for one in drawn] == [40, 40, 80, 120, 160, 160]
-
-
-def test_arrows_are_drawn_only_where_there_is_contact(path):
-    shown = load_clip(FakeAnswerer(), path, 3, 9)
-    raw, drawn = (handlers.draw(shown, view, 4).astype(int) for view in ("raw", "arrows"))
-    changed = np.abs(drawn - raw).sum(axis=-1) > 30
-    assert changed[:, :224].sum() > 500
-    assert changed[:, 260:].sum() < 10
-
-
-def test_a_view_that_is_not_known_of_a_clip_falls_back_to_the_frame(path):
-    shown = load_clip(FakeAnswerer(), path)
-    assert shown.views == ("raw", "difference", "contact", "arrows")
-    assert np.array_equal(handlers.draw(shown, "depth", 2), handlers.draw(shown, "raw", 2))
-    assert handlers.draw(None, "raw", 1) is None
 
 
 def test_several_images_are_one_recording(tmp_path):

@@ -31,7 +31,7 @@ CALLS = {
     "call": ("POST", "/gradio_api/call/simulate", b'{"data": []}', JSON),
     "run": ("POST", "/gradio_api/run/evidence", b'{"data": []}', JSON),
     "upload": ("POST", "/gradio_api/upload", FORM, UPLOAD),
-    "mcp": ("POST", "/gradio_api/mcp/", PING, JSON),
+    "mcp": ("POST", "/mcp", PING, JSON),
 }
 
 

@@ -1,5 +1,6 @@
 """The served page and its typed interface, used as a program would: by a real client."""
 
+import base64
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -41,6 +42,21 @@ def test_evidence_comes_without_the_language_model(client, tmp_path):
     assert np.shape(evidence["shear_change"]) == (14, 14, 2)
 
 
+def test_what_is_left_out_is_as_documented_and_what_is_named_holds(client):
+    bright = ("example:bead_right", "Which way does it go?")
+    plain = client.predict(*bright, api_name="/ask")
+    behind = client.predict(*bright, viewpoint="object", frames=[0, 2], api_name="/ask")
+    assert {plain["direction"], behind["direction"]} == {"left", "right"}
+    assert behind["frames_used"][-1] == 2
+
+
+def test_a_track_and_a_picture_come_as_plain_values(client):
+    track = client.predict("example:bead_right", api_name="/track")
+    assert (track["totals"]["frames"], track["first_frame"]) == (4, 0)
+    drawn = client.predict("example:bead_right", "contact", api_name="/picture")
+    assert base64.b64decode(drawn["png_base64"]).startswith(b"\x89PNG")
+
+
 def test_two_uploads_are_compared(client, tmp_path):
     clips = [handle_file(saved(tmp_path, f"{level}.npy", level)) for level in (150, 60)]
     assert client.predict(*clips, api_name="/compare")["relation"] == "opposite"
@@ -55,7 +71,7 @@ def test_a_touch_is_simulated_and_judged(client):
 def test_a_file_of_this_machine_that_was_not_uploaded_is_refused(client, tmp_path):
     path = saved(tmp_path, "private.npy", 150)
     for trick in ({"path": str(path)}, str(path), {"path": "../../etc/passwd"}):
-        with pytest.raises(AppError, match="The clip is no upload"):
+        with pytest.raises(AppError, match="The recording is neither|There is no recording"):
             client.predict(trick, api_name="/evidence")
 
 
@@ -67,7 +83,7 @@ def test_a_mistake_is_one_sentence_and_no_trace(client, tmp_path):
     assert "Traceback" not in str(caught.value)
     with pytest.raises(AppError, match="There is no shape 'unicorn'"):
         client.predict("unicorn", 0.6, 0.0, 1.0, 0.0, 0.0, 4.0, 1, api_name="/simulate")
-    with pytest.raises(AppError, match="seed was left empty; give a number"):
+    with pytest.raises(AppError, match="seed was None, and input should be a valid integer"):
         client.predict("key", 0.6, 0.0, 1.0, 0.0, 0.0, 4.0, None, api_name="/simulate")
 
 

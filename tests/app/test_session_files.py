@@ -12,6 +12,7 @@ pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)
 from app import session_files, ui  # noqa: E402
 from app.cache_folder import own_cache_folder  # noqa: E402
 from app.session_files import SessionFiles, remove_seen  # noqa: E402
+from tests.app.browser import NAME, SHOWN  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 from tests.app.test_browser_camera import TEXT, start_camera  # noqa: E402
 
@@ -74,7 +75,7 @@ def files_in(folder):
 def test_an_upload_is_gone_when_its_page_was_closed(page, recordings):
     browser, folder = page
     browser.upload("Recording", recordings["dark"])
-    browser.wait_for("[...document.images].some(i => i.offsetParent && i.naturalWidth == 448)")
+    browser.wait_for(f"{SHOWN} && {NAME}.innerText == 'dark.npy'")
     assert [one.name for one in files_in(folder)].count("dark.npy") == 1
     browser.call("Page.navigate", url="about:blank")
     until = time.monotonic() + 60

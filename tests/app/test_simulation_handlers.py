@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from app.simulation_handlers import OBJECTS, simulate, touch_of
-from geotlm_lm import GeoTLMError, Touch, picture, simulate_touch
-from geotlm_lm.backbone.view import View
+from app.stage import field_of
+from geotlm_lm import GeoTLMError, Touch, simulate_touch
 from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
-from geotlm_lm.views.pictures import TRUE_DISPLACEMENT, draw_arrows, draw_legend
 from tests.app.fakes import FakeAnswerer
 
 
@@ -24,7 +23,7 @@ def test_the_truth_is_what_was_asked_for(made):
     assert true["rotation_deg"] == 0
     assert true["slide_x_px"] == pytest.approx(IMAGE_SIDE / 20.3, abs=0.01)
     assert (made.facts["true_motion"], made.facts["true_ways"]) == ("right", ["right"])
-    assert made.shown.views[-1] == "depth"
+    assert made.shown.seen.depth_mm.shape[0] == 4
 
 
 def test_a_slide_down_is_told_in_the_pixels_of_the_squashed_picture():
@@ -62,12 +61,12 @@ def test_the_error_is_the_reading_less_the_truth(made):
 def test_the_true_field_goes_to_the_right_wherever_it_touches_in_the_end(made):
     truth = simulate_touch(Touch("key", slide_x_mm=1.0, seed=1))
     right = (truth.contact[-1] > 0)[..., None] * np.float32([IMAGE_SIDE / 20.3, 0])
-    frame = picture(made.shown.seen, "raw")
-    contact = truth.contact.mean(axis=0)
-    expected = draw_arrows(frame, right, contact, View(), TRUE_DISPLACEMENT)
-    assert not np.array_equal(expected, frame)
-    expected = draw_legend(expected, View(), TRUE_DISPLACEMENT)
-    assert np.array_equal(made.truth_picture, expected)
+    assert made.truth.shear_change == pytest.approx(right, abs=0.01)
+    assert np.array_equal(made.truth.mask, truth.contact.mean(axis=0))
+    field = field_of(made.truth, "truth", "true motion", "cyan")
+    tails, tips = np.array(field["ends"]).transpose(1, 0, 2)
+    assert np.ptp(tips[:, 0] - tails[:, 0]) < 1e-3 or (tips[:, 0] >= tails[:, 0]).all()
+    assert field["legend"] == {"length": pytest.approx(20 / 224), "text": "20 px of displacement"}
 
 
 def test_the_shapes_on_offer_are_the_everyday_ones():

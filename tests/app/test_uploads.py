@@ -2,7 +2,6 @@
 
 import base64
 import io
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -73,7 +72,7 @@ def test_a_link_out_of_the_folder_is_refused(folder):
         Uploads(folder).path_of(str(folder / "abc" / "link.npz"))
 
 
-def test_a_recording_inside_a_message_is_named_after_its_kind(folder):
+def test_a_recording_inside_a_message_is_named_after_its_kind_and_gone_once_read(folder):
     beginnings = {
         ".avi": b"RIFF\0\0\0\0AVI LIST",
         ".mp4": b"\0\0\0\x1cftypisom",
@@ -84,15 +83,12 @@ def test_a_recording_inside_a_message_is_named_after_its_kind(folder):
     }
     array = io.BytesIO()
     np.save(array, np.zeros(3))
+    before = sorted(folder.rglob("*"))
     for suffix, stored in (beginnings | {".npy": array.getvalue()}).items():
-        path = Path(Uploads(folder).path_of(data_uri(stored)))
-        assert (path.suffix, path.read_bytes()) == (suffix, stored)
-        assert path.is_relative_to(folder)
-
-
-def test_the_same_recording_is_kept_once_whatever_it_is_called(folder):
-    sent = [data_uri(b"PK\x03\x04", form) for form in ("data:;base64", "data:a/b;x=../y;base64")]
-    assert len({Uploads(folder).path_of(one) for one in sent}) == 1
+        with Uploads(folder).unpacked(data_uri(stored, "data:a/b;x=../y;base64")) as path:
+            assert (path.suffix, path.read_bytes()) == (suffix, stored)
+            assert path.is_relative_to(folder)
+        assert sorted(folder.rglob("*")) == before
 
 
 @pytest.mark.parametrize(
@@ -117,6 +113,6 @@ def test_the_same_recording_is_kept_once_whatever_it_is_called(folder):
 )
 def test_a_message_that_holds_no_recording_is_told(folder, monkeypatch, uri, said):
     monkeypatch.setattr(uploads, "INLINE_BYTES", 2**20)
-    with pytest.raises(GeoTLMError) as caught:
-        Uploads(folder).path_of(uri)
+    with pytest.raises(GeoTLMError) as caught, Uploads(folder).unpacked(uri):
+        pytest.fail("it was opened")
     assert str(caught.value) == said

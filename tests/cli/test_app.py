@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -28,12 +29,13 @@ def test_port_number_format_and_the_wish_to_serve_agents_are_handed_on(
 ):
     served = []
 
-    def serve(port, *, mcp, precision):
-        served.append((port, mcp, precision))
+    def serve(port, *, mcp, recordings, precision):
+        served.append((port, mcp, recordings, precision))
 
     monkeypatch.setattr("app.__main__.serve", serve)
-    run(capsys, "--port", "7999", "--precision", "int8", *["--mcp"] * is_served)
-    assert served == [(7999, is_served, "int8")]
+    told = ("--port", "7999", "--precision", "int8", "--recordings", "here")
+    run(capsys, *told, *["--mcp"] * is_served)
+    assert served == [(7999, is_served, Path("here"), "int8")]
 
 
 def test_a_port_that_cannot_be_is_a_wrong_call(capsys):

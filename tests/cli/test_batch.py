@@ -58,7 +58,7 @@ def test_what_is_no_recording_is_named(invoke, tmp_path):
     for _ in range(2):  # the second time the first one's rows lie there
         assert (
             "note: skipped as no recording (.npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, .webm, .tif, "
-            ".tiff or folders of images): foil.gif\n" in invoke("--out", own).stderr
+            ".tiff, .mcap, .db3 or folders of images): foil.gif\n" in invoke("--out", own).stderr
         )
     for name in "abcdef":
         (folder / f"{name}.txt").write_bytes(b"")

@@ -65,8 +65,7 @@ WRONG_CALLS = {
     ),
     "no film to force": (
         ["watch", "--source", "a.npz", "--force"],
-        "--force lets --out, --plot and --video replace files; give one of them, or leave it "
-        "out.\n",
+        "--force lets --out and other options replace files; give one of them, or leave it out.\n",
     ),
     "a clip that is no archive": (
         ["simulate", "--clip", "a.npy"],

@@ -15,7 +15,7 @@ PACKAGE = Path(geotlm_lm.__file__).parent
 
 LEVELS = (
     {"core"},
-    {"alignment"},
+    {"alignment", "local_pool"},
     {"simulation", "recordings", "backbone", "dgr", "probe", "language"},
     {"model", "data", "views", "motion"},
     {"track"},
@@ -23,7 +23,7 @@ LEVELS = (
     {"checkpoint"},
     {"precision"},
     {"answering", "training"},
-    {"benchmarks", "reference_readings"},
+    {"benchmarks", "data_sets", "reference_readings", "doctor"},
     {"cli"},
 )
 """Rooms and top-level modules, lowest first. Rooms of one level do not import each other."""

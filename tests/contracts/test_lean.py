@@ -138,6 +138,7 @@ NEEDS = {
     "evaluate --help": set(),
     "bench render --help": set(),
     "info --clip CLIP": READING,
+    "doctor CLIP": READING,
     "simulate --clip MADE": SIMULATING,
     "answer --clip CLIP --q Which?": ANSWERING,
     "answer --clip CLIP --q Which? --why": ANSWERING,

@@ -207,11 +207,13 @@ CASES = {
     "clip": (
         b"x",
         "files without an ending are not known, expected .npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, "
-        ".webm, .tif, .tiff or a folder of images; export the recording as one of these.",
+        ".webm, .tif, .tiff, .mcap, .db3 or a folder of images; export the recording as one of "
+        "these.",
     ),
     "clip.tactile": (
         b"x",
         "files named '.tactile' are not known, expected .npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, "
-        ".webm, .tif, .tiff or a folder of images; export the recording as one of these.",
+        ".webm, .tif, .tiff, .mcap, .db3 or a folder of images; export the recording as one of "
+        "these.",
     ),
 }

@@ -239,8 +239,8 @@ def test_a_worker_asked_to_end_while_it_writes_leaves_the_whole_shard(tmp_path, 
         signal.raise_signal(signal.SIGTERM)
         return save(*arguments)
 
-    save = dataset._save_atomically
-    monkeypatch.setattr(dataset, "_save_atomically", asked)
+    save = dataset._save
+    monkeypatch.setattr(dataset, "_save", asked)
     before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         with pytest.raises(KeyboardInterrupt):

@@ -1,0 +1,142 @@
+"""Measure how long questions take at a served page that others use: `python .ci/load.py`.
+
+First three recordings of 250 frames are tracked over and over while one visitor asks; then twenty
+visitors ask at once, each about its own example. An answer that differs from the one given to the
+same question alone is a mixed one. Every request goes through the page's own queue.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from threading import Event
+
+import httpx
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from app import ui
+from app.cache_folder import own_cache_folder
+from app.sources import EXAMPLES
+from geotlm_lm import Answerer, Touch, simulate_touch
+
+QUESTIONS = ("Which way is it turning?", "Is it sliding to the left?", "How far did it go?")
+FRAMES, RECORDINGS, VISITORS, ROUNDS = 250, 3, 20, 3
+
+CLIENT = httpx.Client(timeout=600, limits=httpx.Limits(max_connections=None))
+
+
+def ask(address: str, **given: object) -> tuple[dict, float]:
+    """Return a tool's result, and the seconds until it was there."""
+    tool = given.pop("tool", "ask")
+    started = time.perf_counter()
+    url = f"{address}gradio_api/call"
+    call = CLIENT.post(f"{url}/v2/{tool}", json=given).json()
+    with CLIENT.stream("GET", f"{url}/{tool}/{call['event_id']}") as told:
+        lines = [line for line in told.iter_lines() if line]
+    if "event: complete" not in lines:
+        raise RuntimeError(f"{tool} {given}: {lines}")
+    return json.loads(lines[-1].removeprefix("data: "))[0], time.perf_counter() - started
+
+
+def write_recordings(folder: Path) -> list[str]:
+    """Write recordings of a key that is turned to and fro, and return their names."""
+    names = []
+    for seed in range(RECORDINGS):
+        clip = simulate_touch(Touch("key", twist_deg=12.0, slide_x_mm=0.5, seed=seed)).clip
+        touched = np.concatenate([clip.frames, clip.frames[::-1]])
+        idle = np.repeat(clip.background[None], 20, axis=0)
+        turned = np.tile(touched, (FRAMES // len(touched), 1, 1, 1))
+        noise = np.random.default_rng(seed).integers(0, 3, (FRAMES, *clip.background.shape))
+        frames = np.concatenate([idle, turned])[:FRAMES] // 2 * 2 + noise[:FRAMES].astype(np.uint8)
+        names.append(f"long{seed}.npz")
+        np.savez(folder / names[-1], frames=frames, fps=25.0)
+    return names
+
+
+def under_tracking(address: str, folder: Path, names: list[str], seconds: float) -> None:
+    """Print how long one visitor's questions take while recordings are tracked."""
+    ended = Event()
+
+    def track(name: str) -> list[float]:
+        taken = []
+        while not ended.is_set():
+            os.utime(folder / name)  # another recording, as far as the server knows
+            taken.append(ask(address, tool="track", recording=name)[1])
+        return taken
+
+    spent_s, began_s = time.process_time(), time.monotonic()
+    with ThreadPoolExecutor(len(names)) as pool:
+        running = [pool.submit(track, name) for name in names]
+        time.sleep(1)
+        until, taken = time.monotonic() + seconds, []
+        while time.monotonic() < until:
+            for name in EXAMPLES:
+                given = {"recording": name, "question": QUESTIONS[len(taken) % len(QUESTIONS)]}
+                taken.append(ask(address, **given)[1])
+        ended.set()
+        tracked = [one for each in running for one in each.result()]
+    tell(f"a question while {len(names)} recordings of {FRAMES} frames are tracked", taken)
+    share = (time.process_time() - spent_s) / (time.monotonic() - began_s)
+    print(f"  while this process got {100 * share:.0f} % of a processor")
+    tell("a recording beside the others and the questions", tracked)
+
+
+def at_once(address: str) -> int:
+    """Print how long questions of twenty visitors take; return how many answers were mixed."""
+    examples = list(EXAMPLES)
+    asked = [
+        [(examples[(visitor + turn) % len(examples)], QUESTIONS[(visitor + turn) % 3])
+         for turn in range(ROUNDS)]
+        for visitor in range(VISITORS)
+    ]  # fmt: skip
+
+    def one(recording: str, question: str) -> tuple[str, float]:
+        result, taken = ask(address, recording=recording, question=question)
+        return result["text"], taken
+
+    alone = {pair: one(*pair)[0] for pair in sorted({pair for each in asked for pair in each})}
+    spent_s = time.process_time()
+    with ThreadPoolExecutor(VISITORS) as pool:
+        told = list(pool.map(lambda pairs: [(pair, *one(*pair)) for pair in pairs], asked))
+    spent_s = time.process_time() - spent_s
+    taken = [each[2] for some in told for each in some]
+    tell(f"a question of {VISITORS} visitors at once", taken)
+    print(f"  of which the processor works {1000 * spent_s / len(taken):.0f} ms for each")
+    return sum(text != alone[pair] for some in told for pair, text, _ in some)
+
+
+def tell(what: str, seconds: list[float]) -> None:
+    """Print the median and the 95th percentile."""
+    half, most = np.percentile(seconds, [50, 95])
+    print(f"{what}: median {half:.2f} s, p95 {most:.2f} s, n {len(seconds)}", flush=True)
+
+
+def main() -> None:
+    """Serve the page, measure, and end with 1 if an answer was mixed."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--seconds", type=float, default=30.0, help="to ask beside tracking")
+    seconds = options.parse_args().seconds
+    with own_cache_folder(), tempfile.TemporaryDirectory() as home:
+        folder = Path(home)
+        names = write_recordings(folder)
+        page = ui.build(Answerer.load(), folder)
+        address = ui.launch(page)
+        try:
+            under_tracking(address, folder, names, seconds)
+            mixed = at_once(address)
+        finally:
+            page.close()
+    print(f"mixed answers: {mixed}")
+    sys.exit(mixed > 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,89 @@
+"""The question that was answered last, as a program would ask it."""
+
+from __future__ import annotations
+
+import json
+import shlex
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from .facts import sentences_of
+
+if TYPE_CHECKING:
+    from geotlm_lm import FrameSpec
+
+
+@dataclass(frozen=True)
+class Calls:
+    """The same call three times: of the shell, of Python, of the page's interface."""
+
+    command: str
+    python: str
+    rest: str
+
+
+def calls_of(
+    path: str,
+    questions: list[str],
+    frame: FrameSpec,
+    span: tuple[int, int] | None = None,
+    address: str = "http://127.0.0.1:7860",
+) -> Calls:
+    """Return the calls that ask the last of these questions.
+
+    Args:
+        path: Of the recording, as its owner knows it.
+        questions: Of the conversation so far; only Python's call keeps it, where it is longer.
+        frame: That was checked in the page.
+        span: First and last frame, where only a part is asked about.
+        address: Of the page.
+    """
+    stated = sentences_of(frame)
+    question = " ".join([*stated, questions[-1]])
+    command = ["geotlm-lm", "answer", "--clip", path, "--q", question]
+    if frame.mm_per_px is not None:
+        command += ["--mm-per-px", f"{frame.mm_per_px:g}"]
+    if span is not None:
+        command += ["--frames", f"{span[0]}:{span[1]}"]
+    in_mm = [] if frame.mm_per_px is None else [f"{frame.mm_per_px:g} mm per pixel."]
+    return Calls(
+        shlex.join(command),
+        _python(path, questions, stated + in_mm, span),
+        _rest(path, " ".join([*in_mm, question]), address),
+    )
+
+
+def _python(path: str, questions: list[str], stated: list[str], span: tuple | None) -> str:
+    of_span = "" if span is None else f", span=({span[0]}, {span[1]})"
+    lines = [
+        "from geotlm_lm import Answerer, read_clip",
+        "",
+        "answerer = Answerer.load()",
+        f"seen = answerer.encode(read_clip({path!r}){of_span})",
+    ]
+    if len(questions) == 1:
+        return "\n".join(
+            [*lines, f"print(answerer.ask(seen, {' '.join([*stated, *questions])!r}).text)"]
+        )
+    first = " ".join([*stated, questions[0]])
+    return "\n".join(
+        [
+            *lines,
+            "talk = answerer.session(seen)",
+            *[f"talk.ask({one!r})" for one in (first, *questions[1:-1])],
+            f"print(talk.ask({questions[-1]!r}).text)",
+        ]
+    )
+
+
+def _rest(path: str, question: str, address: str) -> str:
+    quoted = json.dumps(question).replace("'", "'\\''")
+    return "\n".join(
+        [
+            f"url={address}/gradio_api",
+            f"clip=$(curl -s -F files=@{shlex.quote(path)} $url/upload | cut -d'\"' -f2)",
+            f'asked=\'{{"recording": "\'$clip\'", "question": {quoted}}}\'',
+            'call=$(curl -s $url/call/v2/ask --json "$asked")',
+            "curl -s $url/call/ask/$(echo $call | cut -d'\"' -f4)",
+        ]
+    )

@@ -1,0 +1,81 @@
+"""`geotlm-lm label`: what a camera of a LeRobot data set felt, as columns of a new one."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from geotlm_lm.cli.options import (
+    BundleFolder,
+    MmPerPixel,
+    Precision,
+    SquarePixels,
+    path_of,
+    path_option,
+    require_writable,
+)
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.threads import usable_cores
+
+REFUSED_TOLD = 5
+"""Episodes that could not be tracked which are told; of more than these, how many."""
+
+
+def label(
+    data_set: Annotated[
+        Path,
+        typer.Argument(
+            parser=path_of, metavar="DATASET", help="Folder of a LeRobot data set, version 3."
+        ),
+    ],
+    camera: Annotated[
+        str, typer.Option(help="The touch sensor's feature, as observation.images.tactile.")
+    ],
+    out: Annotated[
+        Path, path_option(help="Folder of the new data set; a stopped run is continued.")
+    ],
+    workers: Annotated[
+        int | None,
+        typer.Option(min=1, help="Processes that track. [default: one per usable core]"),
+    ] = None,
+    square_pixels: SquarePixels = None,
+    mm_per_px: MmPerPixel = None,
+    model: BundleFolder = None,
+    precision: Precision = "float32",
+) -> None:
+    """Label a LeRobot data set: how the touched object turns and travels in every frame.
+
+    Every episode is tracked; the data set that is written beside the original holds its columns,
+    the rates and the contact of each frame with their deviations, and a table of events. Videos
+    are linked or copied, never encoded again.
+
+    Example: geotlm-lm label robot --camera observation.images.tactile --out robot_labelled
+    """
+    scale = FrameSpec(mm_per_px=mm_per_px).mm_per_px
+    from geotlm_lm.data_sets.lerobot import read_data_set
+
+    found = read_data_set(data_set)
+    found.require_camera(camera)
+    require_writable(out.parent, "--out")
+
+    # Imported only now: a wrong path must not wait for the model's libraries.
+    from geotlm_lm.cli.progress import progress_on_stderr
+    from geotlm_lm.data_sets.labelling import Labelling, label_data_set
+
+    labelling = Labelling(data_set, camera, model, precision, square_pixels, scale)
+    result = label_data_set(
+        labelling,
+        out,
+        workers=workers or usable_cores(),
+        progress=progress_on_stderr("episodes"),
+    )
+    if result.continued:
+        print(f"note: {result.continued} episodes were there from a stopped run", file=sys.stderr)
+    for index, why in list(result.refused.items())[:REFUSED_TOLD]:
+        print(f"note: episode {index} has no labels: {why}", file=sys.stderr)
+    if len(result.refused) > REFUSED_TOLD:
+        print(f"note: {len(result.refused)} episodes in all have no labels", file=sys.stderr)
+    print(f"{out}: {result.episodes} episodes, {result.frames} frames, {result.events} events")

@@ -1,0 +1,88 @@
+"""What `answer` and `track` read: a recording, or one episode of a LeRobot data set."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from geotlm_lm.core.errors import UsageError
+
+if TYPE_CHECKING:
+    from geotlm_lm.core.clip import Clip
+
+EpisodeNumber = Annotated[
+    int | None,
+    typer.Option("--episode", min=0, help="Of a LeRobot data set: which one. [default: 0]"),
+]
+CameraName = Annotated[
+    str | None,
+    typer.Option(
+        "--camera", help="Of a LeRobot data set: the touch sensor's. [default: the only one]"
+    ),
+]
+
+
+def read_recording(path: Path, episode: int | None, camera: str | None, **reading: Any) -> Clip:
+    """Return the recording at `path`, or an episode of the data set there.
+
+    Args:
+        path: Of a recording, or the folder of a LeRobot data set.
+        episode: Number of the episode; None takes the first.
+        camera: Name of its camera; None takes the only one.
+        reading: Options of `read_clip`.
+
+    Raises:
+        UsageError: If the episode or the camera is not there, or is given of a recording.
+        UnreadableClip: If it cannot be read.
+        MissingDependency: If a package that reads a data set is not installed.
+    """
+    from geotlm_lm.data_sets.lerobot import is_data_set
+    from geotlm_lm.recordings.read import read_clip
+
+    if is_data_set(path):
+        return _episode(path, episode or 0, camera, **reading)
+    if episode is not None or camera is not None:
+        raise UsageError(
+            f"--episode and --camera are of a LeRobot data set, and {path} is none; leave them out."
+        )
+    return read_clip(path, **reading)
+
+
+def _episode(
+    root: Path,
+    episode: int,
+    camera: str | None,
+    *,
+    layout: str | None,
+    fps: float | None,
+    background: Path | None,
+    square_pixels: bool | None,
+    topic: str | None,
+) -> Clip:
+    from geotlm_lm.data_sets.episode_frames import episode_clip
+    from geotlm_lm.data_sets.lerobot import read_data_set
+    from geotlm_lm.recordings.pixels import check_layout
+    from geotlm_lm.recordings.read import read_background, require_rate
+    from geotlm_lm.recordings.span import require_motion
+
+    if topic is not None:
+        raise UsageError(f"--topic is of a bag, and {root} is a data set; give --camera instead.")
+    checked = check_layout(layout)
+    require_rate(fps)
+    data_set = read_data_set(root)
+    found = camera or (data_set.cameras[0] if len(data_set.cameras) == 1 else None)
+    if found is None:
+        raise UsageError(
+            f"{root}: has {len(data_set.cameras)} cameras: {', '.join(data_set.cameras)}; give the "
+            f"touch sensor's by --camera."
+        )
+    clip = episode_clip(data_set, data_set.episode(episode), found, square_pixels=square_pixels)
+    require_motion(clip)
+    if checked is not None:
+        clip = clip.with_note(f"The layout {checked} is not used: only arrays have one to tell.")
+    if fps is not None:
+        clip = replace(clip, fps=fps)
+    return clip if background is None else replace(clip, background=read_background(background))

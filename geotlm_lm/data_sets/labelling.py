@@ -1,0 +1,261 @@
+"""Labels a whole LeRobot data set by tracking each of its episodes; a stopped run is resumed.
+
+What is done of each episode is kept in `NAME.part` beside the new data set until all is there, so
+that a reader of it never sees half of one. Same bytes whatever the number of processes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import zipfile
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geotlm_lm import __version__
+from geotlm_lm.core.atomic import only_writer, replacing, write_text_atomically
+from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.interrupts import uninterrupted_step
+from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.data_sets.episode_frames import episode_clip, episode_frames
+from geotlm_lm.data_sets.labelled import Labels, write_labelled
+from geotlm_lm.data_sets.lerobot import Episode, LeRobotDataSet, read_data_set
+from geotlm_lm.data_sets.motion_columns import (
+    CAMERA_PREFIX,
+    Values,
+    column_names,
+    motion_values,
+    unknown_values,
+)
+from geotlm_lm.local_pool import each_done
+from geotlm_lm.recordings.legible import require_any_legible
+from geotlm_lm.recordings.pixel_shape import with_square_pixels
+from geotlm_lm.track.export import Exported
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering.answerer import Answerer
+
+LABELS_VERSION = 1
+"""Of what is written of an episode: another version's are not continued."""
+
+
+@dataclass(frozen=True)
+class Labelling:
+    """How episodes are tracked; a process that does so is given this.
+
+    Args:
+        root: Folder of the data set.
+        camera: Name of the feature that is looked at.
+        model: Folder of a model bundle; None takes the one shipped.
+        precision: Number format of the model.
+        square_pixels: As of `read_clip`.
+        mm_per_px: Width on the gel of a pixel, mm; None tells travel in pixels of the frames.
+    """
+
+    root: Path
+    camera: str
+    model: Path | None = None
+    precision: str = "float32"
+    square_pixels: bool | None = None
+    mm_per_px: float | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        return column_names(self.camera, "px" if self.mm_per_px is None else "mm")
+
+
+@dataclass(frozen=True)
+class LabelResult:
+    """What a run wrote.
+
+    Args:
+        episodes: How many the data set has.
+        frames: Of all of them.
+        events: Rows of the events' table.
+        continued: Episodes that an earlier, stopped run had tracked.
+        refused: What was amiss with those that could not be tracked, by their number.
+    """
+
+    episodes: int
+    frames: int
+    events: int
+    continued: int
+    refused: dict[int, str]
+
+
+def label_data_set(
+    labelling: Labelling, out: Path, *, workers: int = 1, progress: Progress = silent
+) -> LabelResult:
+    """Write a LeRobot data set with the motion seen by a camera beside the original.
+
+    Args:
+        labelling: What is labelled, and how.
+        out: Folder of the new data set.
+        workers: Processes, one thread each; the result does not depend on it.
+        progress: Told how many episodes are done.
+
+    Raises:
+        UnreadableClip: If the data set cannot be read.
+        UsageError: If there is no such camera, if the data set is labelled already, if `out` holds
+            something, or if an unfinished run of something else lies beside it.
+        GeoTLMError: If a worker was killed.
+    """
+    data_set = read_data_set(labelling.root)
+    data_set.require_camera(labelling.camera)
+    _require_free(data_set, labelling, out)
+    part = out.with_name(f"{out.name}.part")
+    with only_writer(part) as is_alone:
+        if not is_alone:
+            raise UsageError(
+                f"{part}: another run is writing it, expected one at a time; wait for it, or give "
+                f"another --out."
+            )
+        settings = _settings(data_set, labelling)
+        _begin(part, settings)
+        files = [part / f"episode-{one.index:06d}.npz" for one in data_set.episodes]
+        missing = [
+            _Part(labelling, replace(data_set, episodes=()), one, file)
+            for one, file in zip(data_set.episodes, files, strict=True)
+            if _kept(file, one) is None
+        ]
+        continued = done = len(files) - len(missing)
+        for _ in each_done(_label_episode, missing, workers):
+            done += 1
+            progress("labelled", done, len(files))
+        result = _assemble(data_set, labelling, files, settings, part / "data_set")
+        with uninterrupted_step():
+            os.replace(part / "data_set", out)
+            shutil.rmtree(part)
+    return LabelResult(len(files), result[0], result[1], continued, result[2])
+
+
+@dataclass(frozen=True)
+class _Part:
+    labelling: Labelling
+    data_set: LeRobotDataSet  # without its episodes: a process is given its own alone
+    episode: Episode
+    file: Path
+
+
+def _require_free(data_set: LeRobotDataSet, labelling: Labelling, out: Path) -> None:
+    there = next((one for one in labelling.names if one in data_set.features), None)
+    if there is not None:
+        raise UsageError(
+            f"{data_set.root}: has a column {there} already, expected one without; give the "
+            f"original data set."
+        )
+    if out.resolve().is_relative_to(data_set.root.resolve()):
+        raise UsageError(
+            f"--out: {out} lies in the data set that is read, expected a folder beside it; give "
+            f"another place."
+        )
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise UsageError(
+            f"--out: {out} is there already and would be replaced, expected a new folder; give "
+            f"another name."
+        )
+
+
+def _settings(data_set: LeRobotDataSet, labelling: Labelling) -> dict[str, Any]:
+    """Return what decides the labels, so that no other run's are taken for them."""
+    about = {"info": data_set.info, "rows": [one.row for one in data_set.episodes]}
+    told = json.dumps(about, sort_keys=True, default=str)
+    return {
+        "labels": LABELS_VERSION,
+        "made_by": f"geotlm-lm {__version__}",
+        "model": _answerer(labelling.model, labelling.precision).bundle.digest(),
+        "precision": labelling.precision,
+        "camera": labelling.camera,
+        "square_pixels": labelling.square_pixels,
+        "mm_per_px": labelling.mm_per_px,
+        "of": hashlib.sha256(told.encode()).hexdigest()[:16],
+    }
+
+
+def _begin(part: Path, settings: dict[str, Any]) -> None:
+    """Begin a run in a folder, or go on with the one that was stopped there."""
+    path = part / "settings.json"
+    if part.exists():
+        try:
+            found = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            found = None
+        if found != settings and (found is not None or any(part.iterdir())):
+            raise UsageError(
+                f"{part}: belongs to a run of another data set, camera, model or version, expected "
+                f"this one's; delete it to begin anew, or give another --out."
+            )
+    write_text_atomically(path, json.dumps(settings) + "\n")
+    shutil.rmtree(part / "data_set", ignore_errors=True)
+
+
+@lru_cache(maxsize=1)
+def _answerer(model: Path | None, precision: str) -> Answerer:
+    from geotlm_lm.answering import Answerer
+
+    return Answerer.load(model, precision=precision)
+
+
+def _label_episode(part: _Part) -> int:
+    episode = part.episode
+    told: dict[str, Any] = {"events": [], "notes": [], "refused": None}
+    try:
+        exported = _tracked(part.data_set, episode, part.labelling)
+        values = motion_values(exported, episode.length)
+        told |= {name: exported.to_dict()[name] for name in ("events", "notes")}
+    except UnreadableClip as error:
+        values, told["refused"] = unknown_values(episode.length), str(error)
+    with uninterrupted_step(), replacing(part.file) as stream:
+        np.savez(stream, values=values, told=np.array(json.dumps(told)))
+    return episode.index
+
+
+def _tracked(data_set: LeRobotDataSet, episode: Episode, labelling: Labelling) -> Exported:
+    """Return the track of an episode; one too long for memory is decoded anew, frame by frame."""
+    is_square = labelling.square_pixels
+    clip = episode_clip(data_set, episode, labelling.camera, square_pixels=is_square)
+    require_any_legible(clip)
+    tracker = _answerer(labelling.model, labelling.precision).tracker(clip)
+    frames = clip.frames
+    if len(clip) < episode.length:
+        frames = episode_frames(data_set, episode, labelling.camera)
+    for number, frame in enumerate(frames):
+        tracker.feed(with_square_pixels(frame) if is_square else frame, number / data_set.fps)
+    return Exported(tracker.finish(), labelling.mm_per_px)
+
+
+def _kept(file: Path, episode: Episode) -> tuple[Values, dict[str, Any]] | None:
+    """Return what was kept of an episode; None where that is missing or damaged."""
+    try:
+        with np.load(file, allow_pickle=False) as stored:
+            values, told = stored["values"], json.loads(str(stored["told"]))
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return None
+    return (values, told) if len(values) == episode.length else None
+
+
+def _assemble(
+    data_set: LeRobotDataSet,
+    labelling: Labelling,
+    files: list[Path],
+    settings: dict[str, Any],
+    folder: Path,
+) -> tuple[int, int, dict[int, str]]:
+    """Write the data set and return its frames, its events and what was refused."""
+    kept = [_kept(file, one) for file, one in zip(files, data_set.episodes, strict=True)]
+    values, told = zip(*kept, strict=True)
+    events = [{"episode_index": n} | event for n, one in enumerate(told) for event in one["events"]]
+    refused = {n: one["refused"] for n, one in enumerate(told) if one["refused"] is not None}
+    notes = {str(n): one["notes"] for n, one in enumerate(told) if one["notes"]}
+    short = labelling.camera.removeprefix(CAMERA_PREFIX)
+    made_by = settings | {"refused": {str(n): why for n, why in refused.items()}, "notes": notes}
+    labels = Labels(labelling.names, values, events, f"meta/{short}_events.parquet", made_by)
+    write_labelled(data_set, labels, folder)
+    return sum(map(len, values)), len(events), refused

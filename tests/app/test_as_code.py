@@ -1,0 +1,63 @@
+"""A question as code asks the same: the command parses, Python runs, the call is whole."""
+
+import json
+import shlex
+import subprocess
+from types import SimpleNamespace
+
+from app.as_code import calls_of
+from geotlm_lm import FrameSpec
+
+CAMERA = FrameSpec()
+
+
+def test_the_command_is_one_that_a_shell_takes_apart_again():
+    calls = calls_of("it's mine.npz", ["Is it 'still'?"], FrameSpec(mm_per_px=0.06), (3, 9))
+    assert shlex.split(calls.command) == [
+        *("geotlm-lm", "answer", "--clip", "it's mine.npz", "--q", "Is it 'still'?"),
+        *("--mm-per-px", "0.06", "--frames", "3:9"),
+    ]
+
+
+def test_facts_that_were_checked_are_stated_in_the_question():
+    frame = FrameSpec(image_mirrored=True, viewpoint="object")
+    calls = calls_of("a.npz", ["Which way?"], frame)
+    stated = "The image is mirrored. I look from the object's side. Which way?"
+    assert shlex.split(calls.command)[-1] == stated
+    assert repr(stated) in calls.python
+
+
+def asked_by(program):
+    """Run a program with stand-ins for the model and the file, and return what it did."""
+    did = []
+    session = SimpleNamespace(ask=lambda text: did.append(text) or SimpleNamespace(text=text))
+    answerer = SimpleNamespace(
+        encode=lambda clip, span=None: did.append((clip, span)),
+        ask=lambda seen, text: session.ask(text),
+        session=lambda seen: session,
+    )
+    lines = program.splitlines()
+    assert lines[0] == "from geotlm_lm import Answerer, read_clip"
+    names = {"Answerer": SimpleNamespace(load=lambda: answerer), "read_clip": lambda path: path}
+    exec("\n".join(lines[1:]), names)
+    return did
+
+
+def test_the_program_asks_one_question_or_the_whole_conversation():
+    one = calls_of("a.npz", ["Which way?"], CAMERA, (3, 9)).python
+    assert asked_by(one) == [("a.npz", (3, 9)), "Which way?"]
+    talk = calls_of("a.npz", ["Which way?", "And 'mirrored'?", "Why?"], FrameSpec(mm_per_px=0.1))
+    assert asked_by(talk.python) == [
+        *(("a.npz", None), "0.1 mm per pixel. Which way?", "And 'mirrored'?", "Why?"),
+    ]
+
+
+def test_the_call_sends_the_question_as_it_is():
+    question = "Is it 'left', \"right\" or $HOME?"
+    calls = calls_of("my clip.npz", [question], CAMERA, address="http://localhost:1")
+    lines = calls.rest.splitlines()
+    assert lines[0] == "url=http://localhost:1/gradio_api"
+    script = "\n".join(["clip=/uploaded.npz", lines[2], 'printf %s "$asked"'])
+    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout) == {"recording": "/uploaded.npz", "question": question}
+    assert shlex.split(lines[1][len("clip=$(") :].split(" | ")[0])[3] == "files=@my clip.npz"

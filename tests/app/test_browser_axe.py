@@ -1,0 +1,33 @@
+"""People who see little, or use keys alone, can use the page: axe finds nothing serious."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
+axe_core_python = pytest.importorskip("axe_core_python", reason="axe is in the extra dev")
+
+from tests.app.browser import SHOWN  # noqa: E402
+
+TABS = ("Ask", "Compare", "Live", "Simulate", "Benchmark", "API")
+RUN = """;window.found = null; axe.run(document, {resultTypes: ['violations']}).then(told => {
+    window.found = JSON.stringify(told.violations.map(
+        one => [one.impact, one.id, one.nodes.map(node => node.html.slice(0, 200))]))}); 1"""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing_critical_or_serious(new_browser, address, theme):
+    browser = new_browser((1400, 900))
+    browser.open(f"{address}?__theme={theme}")
+    browser.wait_for(SHOWN)
+    axe = (Path(axe_core_python.__file__).parent / "axe.min.js").read_text()
+    for tab in TABS:
+        browser.click(tab, "button[role=tab]")
+        browser.wait_for(
+            f"document.querySelector('button[role=tab][aria-selected=true]').innerText == {tab!r}"
+        )
+        browser.run(axe + RUN)
+        browser.wait_for("window.found !== null")
+        found = json.loads(browser.run("window.found"))
+        assert [one for one in found if one[0] in ("critical", "serious")] == [], tab

@@ -1,0 +1,178 @@
+"""The model is handed on in the order it is asked for, and long work lets others in: no clock."""
+
+import time
+from threading import Thread
+
+import numpy as np
+import pytest
+
+from app.turns import AnswererInTurns, Turns
+from tests.app.fakes import FakeAnswerer
+from tests.track.recordings import there_and_back
+
+
+def started(work, turns, waiting):
+    """Start a thread and return it once so many stand in line."""
+    thread = Thread(target=work, daemon=True)
+    thread.start()
+    deadline = time.monotonic() + 60
+    while turns.waiting < waiting:
+        assert time.monotonic() < deadline
+        time.sleep(0.001)
+    return thread
+
+
+def test_turns_are_handed_on_in_the_order_in_which_they_were_asked_for():
+    turns, order = Turns(), []
+
+    def work(name):
+        with turns.turn():
+            order.append(name)
+
+    with turns.turn():
+        threads = [
+            started(lambda name=name: work(name), turns, place)
+            for place, name in enumerate("abcd", start=1)
+        ]
+        assert order == []
+    for thread in threads:
+        thread.join()
+    assert order == list("abcd")
+    assert turns.waiting == 0
+
+
+def test_long_work_lets_all_that_wait_go_first_and_then_goes_on():
+    turns, order = Turns(slice_s=0.0), []
+
+    def question(name):
+        with turns.turn():
+            order.append(name)
+
+    with turns.turn() as turn:
+        order.append("frame 1")
+        threads = [
+            started(lambda name=name: question(name), turns, place)
+            for place, name in enumerate(("first", "second"), start=1)
+        ]
+        turn.progress("tracking", 1, 2)
+        order.append("frame 2")
+    for thread in threads:
+        thread.join()
+    assert order == ["frame 1", "first", "second", "frame 2"]
+
+
+def test_two_recordings_take_turns_frame_by_frame():
+    turns, order = Turns(slice_s=0.0), []
+
+    def track(name):
+        with turns.turn() as turn:
+            for _ in range(3):
+                order.append(name)
+                turn.progress("tracking", 0, 3)
+
+    with turns.turn():
+        threads = [started(lambda name=name: track(name), turns, place) for place, name in
+                   enumerate("ab", start=1)]  # fmt: skip
+    for thread in threads:
+        thread.join()
+    assert order == list("ababab")
+
+
+def test_before_its_slice_is_over_a_turn_is_kept():
+    turns, order = Turns(slice_s=1e9), []
+
+    def question():
+        with turns.turn():
+            order.append("question")
+
+    with turns.turn() as turn:
+        thread = started(question, turns, 1)
+        turn.progress("tracking", 1, 2)
+        order.append("frame")
+    thread.join()
+    assert order == ["frame", "question"]
+
+
+def test_a_turn_is_given_back_when_the_work_fails():
+    turns = Turns()
+    with pytest.raises(ZeroDivisionError), turns.turn():
+        raise ZeroDivisionError
+    with turns.turn():
+        pass
+
+
+def test_who_waits_is_told_the_place_in_the_line(monkeypatch):
+    monkeypatch.setattr("app.turns.TOLD_EVERY_S", 0.001)
+    told = []
+    turns = Turns(lambda *one: told.append(one))
+    with turns.turn():
+        thread = started(lambda: turns.turn().__enter__(), turns, 1)
+        deadline = time.monotonic() + 60
+        while not told:
+            assert time.monotonic() < deadline
+            time.sleep(0.001)
+    thread.join()
+    assert told[0] == ("waiting for the model, 1 before you", 0, 1)
+
+
+def test_a_question_is_answered_between_two_frames_of_somebody_elses_recording():
+    turns, order = Turns(slice_s=0.0), []
+    recording = there_and_back()
+
+    class Tracking(FakeAnswerer):
+        def track(self, recording, *, progress):
+            for number in range(3):
+                order.append(f"frame {number}")
+                if number == 1:
+                    threads.append(started(ask, turns, 1))
+                progress("tracking", number, 3)
+
+        def ask(self, encoded, question, **named):
+            order.append("question")
+
+    shared, threads = AnswererInTurns(Tracking(), turns), []
+
+    def ask():
+        shared.ask(None, "Which way?")
+
+    shared.track(recording)
+    threads[0].join()
+    assert order == ["frame 0", "frame 1", "question", "frame 2"]
+
+
+def test_a_track_made_in_turns_is_the_same():
+    recording = there_and_back()
+    plain = FakeAnswerer().track(recording)
+    turns = Turns(slice_s=0.0)
+    shared = AnswererInTurns(FakeAnswerer(), turns)
+    tracks = {}
+
+    def track(name):
+        tracks[name] = shared.track(recording)
+
+    with turns.turn():
+        threads = [started(lambda name=name: track(name), turns, place) for place, name in
+                   enumerate("ab", start=1)]  # fmt: skip
+    for thread in threads:
+        thread.join()
+    for found in tracks.values():
+        assert np.array_equal(found.twists, plain.twists)
+        assert found.events == plain.events
+
+
+def test_a_conversation_and_a_camera_wait_for_their_turn_too():
+    turns = Turns()
+    shared = AnswererInTurns(FakeAnswerer(), turns)
+    clip = there_and_back()
+    session, tracker = shared.session(shared.encode(clip)), shared.tracker()
+    done = []
+    with turns.turn():
+        threads = [
+            started(lambda: done.append(session.ask("Which way does it go?").text), turns, 1),
+            started(lambda: done.append(tracker.feed(clip.frames[0], 0.0)), turns, 2),
+        ]
+        assert done == []
+    for thread in threads:
+        thread.join()
+    assert len(done) == 2
+    assert [turn.question for turn in session.history] == ["Which way does it go?"]

@@ -1,0 +1,292 @@
+"""Labels beside a data set: what is expected is the track of the same recording, and the original.
+
+A tracker that measures stands in for the model, but where processes start their own.
+"""
+
+import json
+from types import SimpleNamespace
+
+import cv2
+import numpy as np
+import pytest
+
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.data_sets import labelling as labelling_module
+from geotlm_lm.data_sets.labelling import Labelling, label_data_set
+from geotlm_lm.data_sets.lerobot import read_data_set
+from geotlm_lm.recordings import limits
+from geotlm_lm.track.tracker import Tracker, track_of
+from tests.data_sets.lerobot_files import CAMERA, FPS, KINDS, turned, write_data_set
+from tests.track import stream as simulated
+
+parquet = pytest.importorskip("pyarrow.parquet", reason="needs pyarrow, of the extra lerobot")
+pytest.importorskip("av", reason="needs av, of the extra lerobot")
+
+CLIPS = [turned(20), turned(-15, 28), turned(10, 26)]
+
+NAMES = tuple(
+    f"tactile.{name}{suffix}"
+    for name in ("turn_deg_s", "right_px_s", "down_px_s", "contact")
+    for suffix in ("", "_deviation")
+)
+
+
+class Measuring:
+    """Tracks by measurement alone: no model is loaded."""
+
+    bundle = SimpleNamespace(digest=lambda: "measured")
+
+    def tracker(self, recording=None):
+        return Tracker(idle=recording.frames[0])
+
+
+@pytest.fixture
+def without_model(monkeypatch):
+    monkeypatch.setattr("geotlm_lm.answering.Answerer.load", lambda *_, **__: Measuring())
+    labelling_module._answerer.cache_clear()
+    yield
+    labelling_module._answerer.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def root(tmp_path_factory):
+    return write_data_set(tmp_path_factory.mktemp("sets") / "robot", CLIPS)
+
+
+def files_of(folder):
+    paths = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): path.read_bytes() for path in paths}
+
+
+def rows(folder):
+    paths = sorted(folder.glob("data/*/*.parquet"))
+    return [row for path in paths for row in parquet.ParquetFile(path).read().to_pylist()]
+
+
+def test_each_row_holds_what_the_track_of_its_episode_tells(root, tmp_path, without_model):
+    result = label_data_set(Labelling(root, CAMERA), tmp_path / "out")
+    assert (result.episodes, result.frames, result.refused) == (3, 78, {})
+    told = rows(tmp_path / "out")
+    track = track_of(CLIPS[1], idle=CLIPS[1].frames[0])
+    rates, deviations = track.rates()
+    of_second = [row for row in told if row["episode_index"] == 1]
+    turning = [row["tactile.turn_deg_s"] for row in of_second]
+    # A codec lies between them: tenths of a degree.
+    assert turning == pytest.approx(rates[:, 0].tolist(), abs=4)
+    assert min(turning) == pytest.approx(-15 / 13 * FPS, rel=0.2)
+    doubt = [row["tactile.turn_deg_s_deviation"] for row in of_second]
+    assert doubt == pytest.approx(deviations[:, 0].tolist(), rel=0.6, abs=1)
+    touched = np.array([row["tactile.contact"] for row in of_second]) > 0.5
+    assert np.flatnonzero(touched).tolist() == list(range(7, 25))
+    assert all(row[name] == 0 for row in of_second[:4] for name in NAMES[:6])
+
+
+def small(clip):
+    """Return a clip in a camera's shape, 160 x 120."""
+    frames = [cv2.resize(frame, (160, 120), interpolation=cv2.INTER_AREA) for frame in clip.frames]
+    return Clip(np.stack(frames), fps=FPS)
+
+
+def test_a_simulated_recording_is_labelled_as_its_array_is_and_spans_hold_the_truth(
+    tmp_path, without_model
+):
+    clip = small(simulated.stream())
+    root = write_data_set(tmp_path / "robot", [clip, clip.select(range(60))])
+    label_data_set(Labelling(root, CAMERA), tmp_path / "out")
+    told = [row for row in rows(tmp_path / "out") if row["episode_index"] == 0]
+    turning = np.array([row["tactile.turn_deg_s"] for row in told])
+    deviations = np.array([row["tactile.turn_deg_s_deviation"] for row in told])
+    track = track_of(clip, idle=clip.frames[0])
+    of_array = track.rates()[0][:, 0]
+    # What a codec changes of a rate is well below what is doubted of it.
+    moving = np.abs(of_array) > 10
+    assert np.sqrt(np.mean((turning - of_array)[moving] ** 2)) < 0.5 * deviations[moving].mean()
+    touched = deviations > 0
+    off = np.abs(turning - simulated_turn_deg_s(track.times_s))[touched]
+    assert (off < 1.645 * deviations[touched]).mean() >= 0.9
+
+
+def simulated_turn_deg_s(times_s):
+    """Return the true rate over the time that a rate is measured over."""
+    stops = np.array([simulated.TURN, simulated.TURN_END, simulated.BACK, simulated.BACK_END])
+    turn, back = simulated.TURN_DEG, simulated.BACK_DEG
+    way = [np.interp(times_s + off, stops / FPS, [0, turn, turn, turn - back])
+           for off in (-2 / FPS, 2 / FPS)]  # fmt: skip
+    return (way[1] - way[0]) * FPS / 4
+
+
+def test_the_new_data_set_is_the_old_one_with_columns(root, tmp_path, without_model):
+    out = tmp_path / "out"
+    label_data_set(Labelling(root, CAMERA), out)
+    data_set, original = read_data_set(out), read_data_set(root)
+    assert data_set.episodes == original.episodes
+    added = {name: data_set.features[name] for name in NAMES}
+    assert data_set.info == original.info | {"features": original.features | added}
+    assert set(map(json.dumps, added.values())) == {
+        '{"dtype": "float32", "shape": [1], "names": null}'
+    }
+    plain = [{k: v for k, v in row.items() if k not in NAMES} for row in rows(out)]
+    assert plain == rows(root)
+    before, after = (
+        parquet.ParquetFile(folder / "data/chunk-000/file-000.parquet") for folder in (root, out)
+    )
+    assert after.num_row_groups == before.num_row_groups == 2
+    assert after.schema_arrow.metadata == before.schema_arrow.metadata
+    assert {str(after.schema_arrow.field(name).type) for name in NAMES} == {"float"}
+    kept = ("README.md", "meta/tasks.parquet")
+    assert all((out / name).read_bytes() == (root / name).read_bytes() for name in kept)
+
+
+def test_videos_are_the_same_files_and_where_that_cannot_be_equal_ones(
+    root, tmp_path, monkeypatch, without_model
+):
+    name = f"videos/{CAMERA}/chunk-000/file-001.mp4"
+    label_data_set(Labelling(root, CAMERA), tmp_path / "linked")
+    assert (tmp_path / "linked" / name).samefile(root / name)
+
+    def unlinked(*_):
+        raise OSError("another disk")
+
+    monkeypatch.setattr("os.link", unlinked)
+    label_data_set(Labelling(root, CAMERA), tmp_path / "copied")
+    assert not (tmp_path / "copied" / name).samefile(root / name)
+    assert files_of(tmp_path / "copied") == files_of(tmp_path / "linked")
+
+
+def test_statistics_are_those_of_the_columns(root, tmp_path, without_model):
+    out = tmp_path / "out"
+    label_data_set(Labelling(root, CAMERA), out)
+    told = json.loads((out / "meta/stats.json").read_text())
+    values = np.array([row["tactile.turn_deg_s"] for row in rows(out)])
+    assert set(told["tactile.turn_deg_s"]) == set(KINDS)
+    assert told["tactile.turn_deg_s"]["mean"] == pytest.approx([values.mean()])
+    assert told["tactile.turn_deg_s"]["q90"] == pytest.approx([np.quantile(values, 0.9)])
+    assert told["tactile.turn_deg_s"]["count"] == [78]
+    assert told["index"] == json.loads((root / "meta/stats.json").read_text())["index"]
+    table = parquet.ParquetFile(out / "meta/episodes/chunk-000/file-000.parquet").read()
+    kept = table["stats/timestamp/max"].type
+    assert table["stats/tactile.contact/max"].type == kept
+    assert table["stats/tactile.contact/count"].to_pylist() == [[24], [28], [26]]
+    least = table["stats/tactile.turn_deg_s/min"].to_pylist()
+    assert least[1] == pytest.approx([values[24:52].min()])
+
+
+def test_events_are_a_table_with_their_episode(root, tmp_path, without_model):
+    label_data_set(Labelling(root, CAMERA, mm_per_px=0.06), tmp_path / "out")
+    table = parquet.ParquetFile(tmp_path / "out/meta/tactile_events.parquet").read()
+    turns = [one for one in table.to_pylist() if one["event"] == "turn"]
+    assert [(one["episode_index"], one["way"]) for one in turns] == [
+        (0, "clockwise"),
+        (1, "counterclockwise"),
+        (2, "clockwise"),
+    ]
+    assert [one["amount"] for one in turns] == pytest.approx([20, -15, 10], rel=0.25)
+    made_by = json.loads(table.schema.metadata[b"geotlm_lm"])
+    assert (made_by["model"], made_by["mm_per_px"]) == ("measured", 0.06)
+    assert "tactile.right_mm_s" in read_data_set(tmp_path / "out").features
+
+
+def test_a_stopped_run_keeps_what_is_done_and_ends_with_the_same_bytes(
+    root, tmp_path, monkeypatch, without_model
+):
+    whole, out = tmp_path / "whole", tmp_path / "out"
+    label_data_set(Labelling(root, CAMERA), whole)
+    tracked, track = [], labelling_module._tracked
+
+    def stopping(data_set, episode, labelling):
+        if len(tracked) == 2:
+            raise KeyboardInterrupt
+        tracked.append(episode.index)
+        return track(data_set, episode, labelling)
+
+    monkeypatch.setattr(labelling_module, "_tracked", stopping)
+    with pytest.raises(KeyboardInterrupt):
+        label_data_set(Labelling(root, CAMERA), out)
+    assert not out.exists()
+    (tmp_path / "out.part/episode-000001.npz").write_bytes(b"half of it")
+    tracked.clear()
+    assert label_data_set(Labelling(root, CAMERA), out).continued == 1
+    assert tracked == [1, 2]
+    assert files_of(out) == files_of(whole)
+    assert not (tmp_path / "out.part").exists()
+
+
+def test_what_another_run_left_is_not_continued(root, tmp_path, monkeypatch, without_model):
+    def stopped(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(labelling_module, "_tracked", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        label_data_set(Labelling(root, CAMERA), tmp_path / "out")
+    with pytest.raises(UsageError, match="belongs to a run of another data set, camera, model"):
+        label_data_set(Labelling(root, CAMERA, mm_per_px=0.1), tmp_path / "out")
+
+
+def test_nothing_is_replaced_and_nothing_labelled_twice(root, tmp_path, without_model):
+    out = tmp_path / "out"
+    label_data_set(Labelling(root, CAMERA), out)
+    with pytest.raises(UsageError, match="is there already and would be replaced"):
+        label_data_set(Labelling(root, CAMERA), out)
+    with pytest.raises(UsageError, match=r"has a column tactile\.turn_deg_s already"):
+        label_data_set(Labelling(out, CAMERA), tmp_path / "twice")
+    with pytest.raises(UsageError, match="lies in the data set that is read"):
+        label_data_set(Labelling(root, CAMERA), root / "labelled")
+
+
+def test_an_episode_without_a_picture_has_no_labels_and_the_others_have(tmp_path, without_model):
+    black = Clip(np.zeros_like(CLIPS[0].frames), fps=FPS)
+    root = write_data_set(tmp_path / "robot", [CLIPS[0], black])
+    result = label_data_set(Labelling(root, CAMERA), tmp_path / "out")
+    assert list(result.refused) == [1]
+    assert "is black, expected at most" in result.refused[1]
+    turning = np.array([row["tactile.turn_deg_s"] for row in rows(tmp_path / "out")])
+    assert np.isfinite(turning[:24]).all()
+    assert np.isnan(turning[24:]).all()
+    told = json.loads((tmp_path / "out/meta/stats.json").read_text())
+    assert np.isfinite(told["tactile.turn_deg_s"]["mean"]).all()
+
+
+def test_an_episode_that_does_not_fit_into_memory_is_tracked_frame_by_frame(
+    root, tmp_path, monkeypatch, without_model
+):
+    label_data_set(Labelling(root, CAMERA), tmp_path / "whole")
+    monkeypatch.setattr(limits, "KEPT_BYTES", 10 * CLIPS[0].frames[0].nbytes)
+    label_data_set(Labelling(root, CAMERA), tmp_path / "out")
+    assert rows(tmp_path / "out") == rows(tmp_path / "whole")
+
+
+def test_as_many_processes_as_there_are_write_the_same_bytes(root, tmp_path, answerer):
+    labelling_module._answerer.cache_clear()
+    for workers in (1, 2):
+        label_data_set(Labelling(root, CAMERA), tmp_path / f"by{workers}", workers=workers)
+    assert files_of(tmp_path / "by1") == files_of(tmp_path / "by2")
+
+
+def test_rerun_reads_the_new_data_set_as_one_of_version_3(root, tmp_path, without_model):
+    rerun = pytest.importorskip("rerun.experimental", reason="needs rerun-sdk, of the extra rerun")
+    label_data_set(Labelling(root, CAMERA), tmp_path / "out")
+    reader = rerun.LeRobotReader(tmp_path / "out")
+    assert (reader.version, list(reader.episodes())) == ("v3", [0, 1, 2])
+
+
+def test_datasets_reads_the_new_tables_by_their_features_as_lerobot_does(
+    root, tmp_path, without_model
+):
+    datasets = pytest.importorskip("datasets", reason="needs datasets, of the extra dev")
+    out = tmp_path / "out"
+    label_data_set(Labelling(root, CAMERA), out)
+    kinds = {
+        name: datasets.Value(feature["dtype"])
+        if feature["shape"] == [1]
+        else datasets.Sequence(datasets.Value(feature["dtype"]), length=feature["shape"][0])
+        for name, feature in read_data_set(out).features.items()
+        if feature["dtype"] != "video"
+    }
+    for folder, features in (("data", datasets.Features(kinds)), ("meta/episodes", None)):
+        paths = [str(path) for path in sorted((out / folder).glob("*/*.parquet"))]
+        found = datasets.Dataset.from_parquet(
+            paths, features=features, cache_dir=str(tmp_path / "cache")
+        )
+        assert len(found) == {"data": 78, "meta/episodes": 3}[folder]
+    assert found[1]["stats/tactile.contact/count"] == [28]
