@@ -174,10 +174,14 @@ class SessionInTurns:
             return self._session.ask(question)
 
     def stream(self, question: str) -> Iterator[Any]:
-        """Yield the reply word by word, found in one turn; as `Session.stream`."""
-        with self._turns.turn():
-            pieces = list(self._session.stream(question))
-        yield from pieces
+        """Yield the reply word by word, each found in a turn; as `Session.stream`."""
+        pieces, is_over = self._session.stream(question), object()
+        while True:
+            with self._turns.turn():
+                piece = next(pieces, is_over)
+            if piece is is_over:
+                return
+            yield piece
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._session, name)

@@ -125,7 +125,7 @@ class Answerer:
         """
         return tracker_of(self.bundle, recording)
 
-    def _believing(self, encoded: Encoded) -> Encoded:
+    def believing(self, encoded: Encoded) -> Encoded:
         """Return a clip that somebody else has perceived with what makes its belief."""
         require_encoded(encoded)
         if encoded.believe is not None:
@@ -154,7 +154,7 @@ class Answerer:
             UsageError: If the question is empty or too long.
             TypeError: If the clip is not encoded, the question no text, or the frame none.
         """
-        encoded = self._believing(encoded)
+        encoded = self.believing(encoded)
         require_frame(frame)
         found = understand(
             self.bundle.reader, check_question(question), says=lambda one: says(one, frame, encoded)
@@ -187,7 +187,7 @@ class Answerer:
             UsageError: If the question is empty or too long.
             TypeError: If a clip is not encoded, the question no text, or the frame none.
         """
-        clips = (self._believing(first), self._believing(second))
+        clips = (self.believing(first), self.believing(second))
         require_frame(frame)
         found = understand(
             self.bundle.reader, check_question(question), says=lambda one: says(one, frame, *clips)
@@ -205,7 +205,7 @@ class Answerer:
         Raises:
             TypeError: If the clip is not encoded, or the answer is none about one clip.
         """
-        encoded = self._believing(encoded)
+        encoded = self.believing(encoded)
         require_answer(answer)
         edits = {part.edit for part in answer.resumed.parts} or {Edit()}
         is_plain = edits == {Edit()}

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from geotlm_lm.answering.answer import Answer, Comparison
 from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.answering.evidence_of import evidence_of, regions_of
+from geotlm_lm.answering.evidence_of import evidence_of, recording_of, regions_of
 from geotlm_lm.answering.measured_motion import MeasuredMotion
 from geotlm_lm.answering.own_words import own_words
 from geotlm_lm.answering.understanding import Understood
@@ -42,10 +43,10 @@ def _is_of_two(part: t.Part) -> bool:
 
 
 def frame_after(query: t.Query, frame: FrameSpec, columns: int) -> FrameSpec:
-    """Return the frame in which the facts that were stated hold."""
+    """Return the frame in which the facts that were stated hold; the one before if they cannot."""
     try:
         return with_facts(frame, query.facts, columns)
-    except UsageError:  # no camera has such pixels; the answer says so
+    except UsageError:  # no camera has such pixels: `_decided` says so
         return frame
 
 
@@ -67,14 +68,13 @@ def answer(
     """
     started = time.perf_counter()
     query = understood.query
-    now = frame_after(query, frame, encoded.clip.frames.shape[2])
     if understood.ask_back is not None:
+        now = frame_after(query, frame, encoded.clip.frames.shape[2])
         return _plain(encoded, understood, now, understood.ask_back, started)
     if not query.parts:
         return _noted(encoded, understood, frame, started)
     clips = (encoded,) if other is None else (other, encoded)
-    found = _decisions(query, now, clips)
-    return _told(bundle, encoded, understood, found, evidence_of(encoded), started)
+    return _told(bundle, understood, _decided(query, frame, clips), started)
 
 
 def says(query: t.Query, frame: FrameSpec, *clips: Encoded) -> tuple[str, FrameSpec]:
@@ -85,20 +85,42 @@ def says(query: t.Query, frame: FrameSpec, *clips: Encoded) -> tuple[str, FrameS
         frame: What held before.
         *clips: One, or two that follow each other.
     """
+    found = _decided(query, frame, clips)
     now = frame_after(query, frame, clips[-1].clip.frames.shape[2])
-    found = _decisions(query, now, clips)
-    return in_form(found, query.form, evidence_of(*clips).recording), now
+    about = found[0].clips[-1] if found else clips[-1]
+    return in_form([one.decision for one in found], query.form, recording_of(about)), now
 
 
-def _decisions(query: t.Query, now: FrameSpec, clips: Sequence[Encoded]) -> tuple[Decision, ...]:
+@dataclass(frozen=True)
+class _Decided:
+    """What one part is answered by, and the clips that it is about."""
+
+    decision: Decision
+    clips: tuple[Encoded, ...]
+
+    def withheld(self, bundle: Bundle) -> str | None:
+        """Return what is said in place of it; None where it is told."""
+        each = self.decision.each if len(self.clips) == 2 else (self.decision,)
+        reasons = (
+            why_withheld(bundle, clip, one) for clip, one in zip(self.clips, each, strict=False)
+        )
+        return next((one for one in reasons if one is not None), None)
+
+
+def _decided(query: t.Query, frame: FrameSpec, clips: tuple[Encoded, ...]) -> tuple[_Decided, ...]:
+    try:
+        now = with_facts(frame, query.facts, clips[-1].clip.frames.shape[2])
+    except UsageError:  # no camera has such pixels
+        lacks = (Decision(part, frame, missing="pixel") for part in query.parts)
+        return tuple(_Decided(one, clips[-1:]) for one in lacks)
     found = []
     for part in query.parts:
-        if _is_of_two(part):
-            found.append(decide(part, evidence_of(*clips), now))
-            continue
-        about = clips[0] if part.subject.clip in ("first", "previous") else clips[-1]
-        plain = replace(part, subject=replace(part.subject, clip=None))
-        found.append(decide(plain, evidence_of(about), now))
+        about = clips
+        if not _is_of_two(part):
+            is_first = part.subject.clip in ("first", "previous")
+            about = clips[:1] if is_first else clips[-1:]
+            part = replace(part, subject=replace(part.subject, clip=None))
+        found.append(_Decided(decide(part, evidence_of(*about), now), about))
     return tuple(found)
 
 
@@ -110,28 +132,46 @@ def compare(
 ) -> Comparison:
     """Answer a question about two clips."""
     first, second = clips
-    evidence = evidence_of(first, second)
-    now = frame_after(understood.query, frame, evidence.recording.columns)
+    now = frame_after(understood.query, frame, first.clip.frames.shape[2])
     open_ = Understood(t.Query((t.Part(t.Ask("way")),)), "way", 1.0)
     each = [answer(bundle, one, open_, now) for one in clips]
     query = understood.query
     if understood.ask_back is not None or not query.parts:
-        found = [answer(bundle, second, understood, now)]
-        text, sure, word = found[0].text, 0.0, None
+        text, sure, word = answer(bundle, second, understood, frame).text, 0.0, None
     else:
-        decisions = _decisions(query, now, clips)
-        sure = understood.probability * min(one.probability for one in decisions)
-        text = in_form(decisions, query.form, evidence.recording, sure=sure)
-        word = decided(decisions[0], evidence.recording)
-        is_missing = any(one.missing is not None for one in decisions)
-        if is_missing or sure < LEAST_SURE:
-            text = text if is_missing else tentative(text, sure)
-            sure, word = 0.0, None
+        text, sure, word = _compared(bundle, understood, _decided(query, frame, clips))
     relation = _relation(each)
     kind = query.parts[0].ask.kind if query.parts else "fact"
     if kind == "compare" and word is None and sure > 0:
         word = relation
     return Comparison(text, relation, sure, sure == 0.0, *each, word, kind, now, query)
+
+
+def _compared(
+    bundle: Bundle, understood: Understood, found: tuple[_Decided, ...]
+) -> tuple[str, float, str | None]:
+    """Return the words of a comparison, how sure they are, and the deciding one."""
+    form, decisions = understood.query.form, [one.decision for one in found]
+    recording = recording_of(found[0].clips[0])
+    withheld = next((why for one in found if (why := one.withheld(bundle)) is not None), None)
+    if withheld is not None:
+        return _withheld(withheld, form), 0.0, None
+    sure = understood.probability * min(one.probability for one in decisions)
+    text = in_form(decisions, form, recording, sure=sure)
+    if any(one.missing is not None for one in decisions):
+        return text, 0.0, None
+    if sure < LEAST_SURE:
+        return _guess(text, form, sure), 0.0, None
+    return text, sure, decided(decisions[0], recording)
+
+
+def _withheld(why: str, form: str) -> str:
+    return json.dumps({"missing": why, "probability": 0.0}) if form == "json" else why
+
+
+def _guess(text: str, form: str, sure: float) -> str:
+    """Return words as a guess; JSON holds its own probability."""
+    return text if form == "json" else tentative(text, sure)
 
 
 def _relation(each: Sequence[Answer]) -> str:
@@ -144,19 +184,13 @@ def _relation(each: Sequence[Answer]) -> str:
 
 
 def _told(
-    bundle: Bundle,
-    encoded: Encoded,
-    understood: Understood,
-    found: tuple[Decision, ...],
-    evidence: Evidence,
-    started: float,
+    bundle: Bundle, understood: Understood, told: tuple[_Decided, ...], started: float
 ) -> Answer:
     """Word the decisions on every part of a query."""
-    query, first = understood.query, found[0]
+    query, found, encoded = understood.query, [one.decision for one in told], told[0].clips[-1]
+    first, evidence = found[0], evidence_of(encoded)
     sure = understood.probability * min(one.probability for one in found)
-    withheld = next(
-        (why for one in found if (why := why_withheld(bundle, encoded, one)) is not None), None
-    )
+    withheld = next((why for one in told if (why := one.withheld(bundle)) is not None), None)
     told_by, text = "rule", None
     if len(found) == 1 and query.form == "sentence" and withheld is None:
         text = own_words(bundle, encoded, first)
@@ -166,16 +200,16 @@ def _told(
     kind = first.part.ask.kind
     is_guess = not is_silent and _is_guess(found)
     if withheld is not None:
-        text, told_by = withheld, "rule"
+        text, told_by = _withheld(withheld, query.form), "rule"
     elif is_guess:
-        text, told_by = tentative(text, min(map(_motion_chance, found))), "rule"
+        text, told_by = _guess(text, query.form, min(map(_motion_chance, found))), "rule"
     is_abstained = withheld is not None or is_silent or is_guess
-    told = _plain(encoded, understood, first.frame, text, started)
+    plain = _plain(encoded, understood, first.frame, text, started)
     moves = first.movements
     return replace(
-        told,
+        plain,
         kind=kind,
-        notes=(*told.notes, *_notes(found, evidence)),
+        notes=(*plain.notes, *_notes(found, evidence)),
         abstained=is_abstained and kind not in _OF_FILE,
         confidence=sure if kind in _OF_FILE else 0.0 if is_abstained else sure,
         direction=None if is_abstained or kind in _NO_WAY else _direction(first),

@@ -18,7 +18,10 @@ from geotlm_lm.query.types import Query
 
 Reply = Answer | Comparison
 
-_REFER_BACK = ("talk", "help", "setup", "recording", "why", "how-sure", "alternatives")
+_REFER_BACK = (
+    *("talk", "help", "setup", "recording", "why", "how-sure", "alternatives"),
+    *("unanswerable", "not-understood"),
+)
 """Asks that leave what was asked before as it is: "thanks", "why?", "and in radians?"."""
 
 
@@ -46,6 +49,9 @@ class Explaining(Protocol):
 
     bundle: Bundle
 
+    def believing(self, encoded: Encoded) -> Encoded:
+        """Return a clip with what makes its belief."""
+
     def why(self, encoded: Encoded, answer: Answer) -> Why:
         """Return the reasons for an answer."""
 
@@ -66,7 +72,7 @@ class Session:
         require_encoded(encoded)
         require_frame(frame)
         self.answerer = answerer
-        self.clips = [encoded]
+        self.clips = [answerer.believing(encoded)]
         self.frame = frame
         self.history: list[Turn] = []
         self._before = Query()
@@ -93,7 +99,7 @@ class Session:
         require_encoded(encoded)
         if encoded.clip.frames.shape[1:3] != self.encoded.clip.frames.shape[1:3]:
             self.frame = replace(self.frame, mm_per_px=None)
-        self.clips.append(encoded)
+        self.clips.append(self.answerer.believing(encoded))
 
     def ask(self, question: str) -> Reply:
         """Answer the next question.
@@ -178,4 +184,4 @@ def in_pieces(reply: Reply) -> Iterator[str | Reply]:
 
 
 def _is_about_clip(reply: Reply) -> bool:
-    return reply.kind not in ("fact", "unanswerable", "not-understood", *_REFER_BACK)
+    return reply.kind not in ("fact", *_REFER_BACK)

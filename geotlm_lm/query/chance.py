@@ -59,12 +59,14 @@ class Judge:
         limit: Converts what is said.
         tightens: Tells tightening; raises `Missing` where facts lack.
         happens: Tells events; raises `Missing` of a clip.
+        aslant: Both ways of a slide that is told by two: each of them is so where either is.
     """
 
     belief: Belief
     limit: Limit
     tightens: Thread
     happens: Happens
+    aslant: frozenset[Motion] = frozenset()
 
     def chance(self, proposition: Proposition) -> float:
         """Return how probable a proposition is.
@@ -174,6 +176,7 @@ class Judge:
             if share <= 0:
                 continue
             ways = frozenset(way for way, _ in chosen if way is not None)
+            ways |= self.aslant if ways & self.aslant else frozenset()
             for amounts in product(*bells):
                 yield State(ways, True, dict(amounts)), share / count ** len(bounded)
 

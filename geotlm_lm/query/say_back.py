@@ -20,6 +20,7 @@ _EDITS = {
 _OF = {None: "it moves", "turn": "it turns", "slide": "it slides", "press": "it presses in",
        "x": "it slides along x", "y": "it slides along y", "thread": "it tightens or loosens",
        "sign": "it turns, as a sign"}  # fmt: skip
+_MEASURES = {"path": ", there and back added up", "peak": " at most"}
 _SPANS = {
     "whole": "in the whole recording",
     "start": "at the start",
@@ -82,7 +83,8 @@ def _ask(ask: t.Ask) -> str:
         )
     if ask.kind == "amount":
         how = "how fast" if ask.per else "how far"
-        return f"{how} {_OF.get(ask.of, f'it goes {WORDS.get(ask.of or str(), ask.of)}')}"
+        summed = _MEASURES.get(ask.measure, "")
+        return f"{how} {_OF.get(ask.of, f'it goes {WORDS.get(ask.of or str(), ask.of)}')}{summed}"
     if ask.kind == "order":
         named = [WORDS.get(one, one) for one in (ask.of, ask.then) if one]
         return "what happens first and what then" + f" ({', '.join(named)})" * bool(named)

@@ -41,7 +41,10 @@ class Scene:
         self.track = evidence.track
         is_turned = self.edit.rotation[0] == 0  # columns are rows then
         self.recording = replace(evidence.recording, is_turned=is_turned)
-        self.judge = Judge(self.belief, self.limit, self._tightens, self._happens)
+        way = self.belief.way(Component.SLIDE)
+        aslant = self._aslant(way)
+        both = frozenset({way, aslant}) if aslant else frozenset()
+        self.judge = Judge(self.belief, self.limit, self._tightens, self._happens, both)
 
     def limit(self, name: str, said: Quantity) -> float:
         """Return an amount that is said in the base unit of what it is compared with."""

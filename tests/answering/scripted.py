@@ -78,8 +78,8 @@ class Believing(Answerer):
     def encode(self, clip, *, span=None):
         return self._scripted(super().encode(clip, span=span))
 
-    def _believing(self, encoded):
-        super()._believing(encoded)
+    def believing(self, encoded):
+        super().believing(encoded)
         is_own = any(getattr(encoded.believe, "args", (None,))[0] is one for one in self.given)
         return encoded if is_own else self._scripted(encoded)
 

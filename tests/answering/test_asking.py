@@ -175,3 +175,9 @@ def test_two_clips_are_compared(bundle):
     assert answerer.compare(first, second, "of-second > way turn").decided == "clockwise"
     which = answerer.compare(first, second, "which-clip ccw")
     assert (which.decided, which.relation) == ("neither", "same")
+
+
+def test_a_pixel_no_camera_has_answers_nothing(bundle):
+    answer = ask(feeling(bundle, "clockwise"), "fact mirrored ; fact scale 50.0:mm ; way")
+    assert (answer.direction, answer.decided, answer.abstained) == (None, None, True)
+    assert "0.001 to 2 mm" in answer.text

@@ -4,7 +4,7 @@ import pytest
 
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
-from tests.answering.scripted import feeling, recording
+from tests.answering.scripted import believed, feeling, recording
 
 
 @pytest.fixture
@@ -99,3 +99,14 @@ def test_two_sessions_share_nothing(bundle):
 def test_words_are_streamed_to_the_same_answer(session):
     *words, answer = session.stream("Which way?")
     assert "".join(words) == answer.text
+
+
+def test_what_is_told_of_the_clip_before_rests_on_it(bundle):
+    answerer = feeling(bundle, "clockwise")
+    session = answerer.session(answerer.encode(recording()))
+    answerer.belief = believed("right")
+    session.add_clip(answerer.encode(recording(seed=2)))
+    first = session.ask("of-first > way")
+    assert first.direction is Motion.CLOCKWISE
+    assert max(first.options, key=first.options.get) == "clockwise"
+    assert session.ask("way").direction is Motion.RIGHT

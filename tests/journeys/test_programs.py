@@ -116,7 +116,7 @@ def test_a_real_recording_is_listed_tracked_asked_about_and_drawn(answerer, tmp_
     assert [one["way"] for one in track["events"] if one["event"] == "turn"][:1] == ["clockwise"]
     asked = (
         "When did it turn clockwise?",
-        "How far did it turn in total?",
+        "How far did it turn, there and back added up?",
         "Is anything touching the gel?",
     )
     answers = [tools["ask"].call(name | {"question": one}) for one in asked]
