@@ -135,7 +135,7 @@ class Judge:
 
     def _within(self, literal: Literal, state: State) -> bool:
         name, bound = self._measured(literal), literal.bound
-        sign = OF_ATOM.get(literal.atom, ("", 0))[1]
+        way, sign = WAY_ATOMS.get(literal.atom), OF_ATOM.get(literal.atom, ("", 0))[1]
         amount = state.amounts[name] * sign if sign else abs(state.amounts[name])
         ends = sharing_units([one for one in (bound.low, bound.high) if one is not None])
         low, high = self.limit(name, ends[0]), self.limit(name, ends[-1])
@@ -143,6 +143,9 @@ class Judge:
         # "-20 degrees" goes against the way that is positive: what it denies is the sign.
         if low < 0 and not sign:
             amount = state.amounts[name]
+        # What goes the other way goes this way by no amount, not even by less than another.
+        if way is not None and (way not in state.ways or amount < 0):
+            return False
         if bound.relation == "less":
             return amount < high
         # What does not count goes no half degree either, however small that is.

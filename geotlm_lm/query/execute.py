@@ -43,6 +43,8 @@ def execute(query: t.Query, evidence: Evidence, frame: FrameSpec) -> tuple[Decis
 
 def decide(part: t.Part, evidence: Evidence, frame: FrameSpec) -> Decision:
     """Return what one part is answered by."""
+    if part.ask.kind in _UNTOUCHED:  # the same of either clip
+        return Decision(replace(part, subject=replace(part.subject, clip=None)), frame)
     try:
         if part.ask.kind in ("compare", "which-clip") or part.subject.clip in t.OF_SEVERAL:
             return decide_on_two(part, evidence, frame, decide)
@@ -66,16 +68,16 @@ def _evidence_of(subject: t.Subject, evidence: Evidence) -> Evidence:
 
 def _of_one(part: t.Part, evidence: Evidence, frame: FrameSpec) -> Decision:
     kind = part.ask.kind
-    if kind in _UNTOUCHED:
-        return Decision(part, frame)
+    if kind == "recording":
+        return Decision(part, frame, recording=evidence.recording)
     scene = Scene(part, evidence, frame)
     if kind in ("when", "how-long", "how-often", "order"):
         return _timed(scene, part.ask)
     return _DECIDES[kind](scene, part.ask)
 
 
-_UNTOUCHED = ("recording", "setup", "help", "talk", "unanswerable", "not-understood", "again")
-"""Answered by the file, the frame or by nothing; "again" is resolved before."""
+_UNTOUCHED = ("setup", "help", "talk", "unanswerable", "not-understood", "again")
+"""Answered by the frame or by nothing; "again" is resolved before."""
 
 
 def _timed(scene: Scene, ask: t.Ask) -> Decision:

@@ -13,7 +13,7 @@ from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import Decision
 from geotlm_lm.query.happenings import Happening
 from geotlm_lm.query.phrases import frame_phrase
-from geotlm_lm.query.tell import option_words, tell
+from geotlm_lm.query.tell import SEPARATE, option_words, tell
 from geotlm_lm.query.tell_track import moment
 
 
@@ -24,6 +24,9 @@ def decided(decision: Decision, recording: Recording) -> str | None:
         return None
     if decision.verdict is not None:
         return "yes" if decision.verdict else "no"
+    if decision.part.subject.clip in t.OF_SEVERAL:
+        words = [decided(one, one.recording or recording) for one in decision.each]
+        return "; ".join(words) if all(words) else None
     if ask.kind == "which-clip" or ask.relation in ("which-more", "which-less"):
         return " and ".join(("first", "second")[at] for at in decision.options) or "neither"
     if ask.of == "thread":
@@ -79,7 +82,7 @@ def _short(decision: Decision, form: str, recording: Recording) -> str | None:
     if form in ("word", "brief", "letter", "yes-no"):
         is_fitting = form != "yes-no" or decision.verdict is not None
         return f"{word[:1].upper()}{word[1:]}" + "." if is_fitting else None
-    if form == "number":
+    if form == "number" and not decision.each:
         return f"{decision.amounts[0].value:g}" if decision.amounts else _count(decision)
     if form == "sign" and decision.movements:
         positive = (Motion.CLOCKWISE, Motion.RIGHT, Motion.DOWN, Motion.PRESS)
@@ -119,6 +122,11 @@ def as_json(decisions: Sequence[Decision], recording: Recording, sure: float) ->
             found["chosen"] = decided(one, recording)
         if ask.kind == "order":
             found["events"] = [_event(event) for event in one.happenings]
+        if ask.kind in SEPARATE and one.each:
+            found["each"] = [
+                as_json((of_one,), of_one.recording or recording, of_one.probability)
+                for of_one in one.each
+            ]
         if one.area is not None:
             found["contact_share"] = round(one.area.share, 4)
     where = next((frame_phrase(one.edit) for one in decisions if one.movements), None)
