@@ -56,7 +56,8 @@ class Recording:
         rows: Their height.
         is_turned: Whether they are looked at turned by a quarter.
         rate_hz: Frames per second; None where it is not told.
-        frames: How many there are.
+        frames: How many the file has, however many of them were read.
+        duration_s: How long it is; None where they are taken evenly at that rate, or nothing tells.
         used: Numbers of the frames that the clip is of.
         moving_s: For how long a recording that was followed moves; None of a clip.
         step_s: Time from frame to frame, or 1 for numbers of frames in its place.
@@ -70,6 +71,7 @@ class Recording:
     is_turned: bool = False
     moving_s: float | None = None
     step_s: float | None = None
+    duration_s: float | None = None
 
     @property
     def steps(self) -> int:

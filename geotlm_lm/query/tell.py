@@ -269,13 +269,14 @@ def _which(decision: Decision, _: Recording) -> str:
 def _recording(decision: Decision, recording: Recording) -> str:
     topic, frame = decision.part.ask.topic, decision.frame
     rate = recording.rate_hz
+    duration_s = recording.duration_s or (recording.frames / rate if rate else None)
     found = {
         "frames": f"{recording.frames} frames",
         "size": f"{recording.columns} x {recording.rows} pixels",
         "used": f"frames {', '.join(map(str, recording.used))}",
         "rate": f"{rate:g} frames per second" if rate else None,
         "interval": f"{1000 / rate:.3g} ms" if rate else None,
-        "duration": f"{recording.frames / rate:.3g} s" if rate else None,
+        "duration": duration_s and f"{duration_s:.3g} s",
         "scale": frame.mm_per_px and f"{frame.mm_per_px:g} mm per pixel",
     }[topic]
     lacking = "scale" if topic == "scale" else "rate"
