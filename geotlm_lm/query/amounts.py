@@ -9,6 +9,7 @@ from statistics import NormalDist
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE, TOLERANCES
+from geotlm_lm.core.twist import Component
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.quantities import FACTORS, Quantity, in_base
 from geotlm_lm.query.types import PER, UNITS, WAY_ATOMS
@@ -262,3 +263,9 @@ def sized(atom: str, mean: float, deviation: float, unit: str, scale: float) -> 
 def atom_of(unit: str) -> str:
     """Return the component whose amounts have a unit: what "20 degrees" or "3 px" are of."""
     return "turn" if unit.partition("/")[0] in FACTORS["angle"] else "slide"
+
+
+def component_of(name: str) -> Component:
+    """Return the component that is measured by a name of `OF_ATOM`."""
+    names = {"turn": Component.TURN, "inward": Component.PRESS}
+    return names.get(name, Component.SLIDE)

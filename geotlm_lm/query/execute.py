@@ -20,8 +20,9 @@ from geotlm_lm.query.amounts import Missing, bell, measure
 from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Movement
 from geotlm_lm.query.facts import with_facts
 from geotlm_lm.query.happenings import Happening
+from geotlm_lm.query.paths import peak
 from geotlm_lm.query.scene import Scene
-from geotlm_lm.query.track import on_track, part_of, peak
+from geotlm_lm.query.track import on_track, part_of
 from geotlm_lm.query.two_clips import decide_on_two
 from geotlm_lm.track.events import TOGETHER_S, EventKind
 

@@ -43,9 +43,15 @@ class Scene:
         self.recording = replace(evidence.recording, is_turned=is_turned)
         self.judge = Judge(self.belief, self.limit, self._tightens, self._happens)
 
-    def limit(self, name: str, said: Quantity) -> float:
-        """Return an amount that is said in the base unit of what it is compared with."""
-        return limit(name, said, self.frame, self.recording, self.belief)
+    def limit(self, name: str, said: Quantity, lasts_s: float | None = None) -> float:
+        """Return an amount that is said in the base unit of what it is compared with.
+
+        Of a speed it is how far that goes while what moves does so, or in `lasts_s`.
+        """
+        recording = self.recording
+        if lasts_s is not None:
+            recording = replace(recording, moving_s=lasts_s)
+        return limit(name, said, self.frame, recording, self.belief)
 
     def _happens(self, atom: str) -> bool:
         if self.track is None:

@@ -58,10 +58,11 @@ def tell_times(decision: Decision, recording: Recording) -> str:
     found = largest(decision.happenings)
     if ask.kind == "order":
         return _order(decision, found, recording)
-    atom = ask.proposition.literals[0].atom
+    said = ask.proposition.literals[0]
+    atom = said.atom if said.bound is None else ""
     if ask.kind == "how-often":
         count = int(decision.times[0])
-        nouns = _NOUNS.get(atom, ("time", "times"))
+        nouns = _NOUNS.get(said.atom, ("time", "times"))
         told = f"{count or 'no'} {nouns[count != 1]}"
         return f"{told}: {story(decision, found, recording)}" if found else told
     if not decision.times or (ask.kind == "how-long" and not decision.times[0]):
@@ -71,9 +72,9 @@ def tell_times(decision: Decision, recording: Recording) -> str:
         long = long.removeprefix("frame ") + " frames" if recording.rate_hz is None else long
         return f"for {long}" + (f": {story(decision, found, recording)}" if found else "")
     at = moment(decision.times[0], recording)
-    if not found:
+    if not found and atom == "touch":
         return f"{'it touches from' if ask.edge == 'begin' else 'it is touched until'} {at}"
-    return f"at {at}: {story(decision, found, recording)}"
+    return f"at {at}" + (f": {story(decision, found, recording)}" if found else "")
 
 
 def largest(found: Sequence[Happening]) -> list[Happening]:
