@@ -114,6 +114,17 @@ def is_so(
     return all(held) if proposition.joint == "and" else any(held)
 
 
+_CONTRARY = {"touch": "none", "none": "touch", "made": "lost", "lost": "made"}
+
+
+def as_contact(proposition: t.Proposition) -> t.Proposition:
+    """Return a proposition of one thing with denied contact as its absence, and the reverse."""
+    first, *others = proposition.literals
+    if others or not first.denied or first.atom not in _CONTRARY:
+        return proposition
+    return t.Proposition((t.Literal(_CONTRARY[first.atom], first.bound),))
+
+
 def measured(said: t.Literal) -> str:
     """Return what a literal with a bound is measured by: a name of `OF_ATOM`.
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import Decision
-from geotlm_lm.query.happenings import Happening
+from geotlm_lm.query.happenings import Happening, as_contact
 from geotlm_lm.query.phrases import amount_phrase, where_phrase
 from geotlm_lm.track.events import TOGETHER_S, EventKind
 
@@ -58,11 +58,13 @@ def tell_times(decision: Decision, recording: Recording) -> str:
     found = largest(decision.happenings)
     if ask.kind == "order":
         return _order(decision, found, recording)
-    said = ask.proposition.literals[0]
-    atom = said.atom if said.bound is None else ""
+    proposition = as_contact(ask.proposition)
+    said = proposition.literals[0]
+    is_plain = len(proposition.literals) == 1 and not said.denied
+    atom = said.atom if is_plain and said.bound is None else ""
     if ask.kind == "how-often":
         count = int(decision.times[0])
-        nouns = _NOUNS.get(said.atom, ("time", "times"))
+        nouns = _NOUNS.get(said.atom if is_plain else "", ("time", "times"))
         told = f"{count or 'no'} {nouns[count != 1]}"
         return f"{told}: {story(decision, found, recording)}" if found else told
     if not decision.times or (ask.kind == "how-long" and not decision.times[0]):
@@ -74,6 +76,8 @@ def tell_times(decision: Decision, recording: Recording) -> str:
     at = moment(decision.times[0], recording)
     if not found and atom == "touch":
         return f"{'it touches from' if ask.edge == 'begin' else 'it is touched until'} {at}"
+    if len(decision.times) == 2:
+        return times_phrase(*decision.times, recording)
     return f"at {at}" + (f": {story(decision, found, recording)}" if found else "")
 
 

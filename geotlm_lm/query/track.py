@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,12 +16,14 @@ from geotlm_lm.query.happenings import (
     Happening,
     Limit,
     Sized,
+    as_contact,
     by_begin,
     is_so,
     measured,
     seen,
     turned_back,
 )
+from geotlm_lm.query.intervals import outside, within_all, within_any
 from geotlm_lm.query.paths import crossing, played
 from geotlm_lm.query.quantities import in_base
 from geotlm_lm.track.events import TOGETHER_S, EventKind
@@ -130,6 +132,9 @@ def on_track(ask: t.Ask, edit: Edit, track: Track | None, sized: Sized, limit: L
     found = seen(track, edit, sized)
     if ask.kind == "order":
         return _order(ask, found, track, limit)
+    ask = replace(ask, proposition=as_contact(ask.proposition))
+    if any(one.denied for one in ask.proposition.literals):
+        return _denied(ask, found, played(track, edit), limit)
     atoms = _atoms(ask.proposition)
     if ask.kind == "how-often" and atoms == ["reverses"]:
         turns = [one for one in found if one.kind is EventKind.TURN]
@@ -140,6 +145,8 @@ def on_track(ask: t.Ask, edit: Edit, track: Track | None, sized: Sized, limit: L
     if ask.kind == "when" and len(bounded) == 1 and bounded[0].bound.relation == "more":
         return _crossed(ask, bounded[0], found, played(track, edit), edit, limit)
     chosen = [one for one in found if is_so(one, ask.proposition, found, limit)]
+    if ask.kind == "when" and atoms == ["none"] and not chosen:  # never touched, or never let go
+        return _denied(replace(ask, proposition=_NOT_TOUCHED), found, played(track, edit), limit)
     if ask.kind == "how-often":
         return Timed(None, tuple(chosen), (float(len(chosen)),), _sure(chosen, track))
     if ask.kind == "how-long":
@@ -148,6 +155,29 @@ def on_track(ask: t.Ask, edit: Edit, track: Track | None, sized: Sized, limit: L
     begins = ask.edge == "begin" and atoms != ["stops"]
     times = [one.begin_s for one in chosen][:1] if begins else [one.end_s for one in chosen][-1:]
     return Timed(None, tuple(chosen), tuple(times), _sure(chosen, track))
+
+
+def _denied(ask: t.Ask, found: Sequence[Happening], track: Track, limit: Limit) -> Timed:
+    """Return for which times something is so of which a part is denied: all but its own."""
+    whole = (float(track.times_s[0]), float(track.times_s[-1]))
+    spans = []
+    for one in ask.proposition.literals:
+        said = t.Proposition((replace(one, denied=False),))
+        if one.atom in ("touch", "none"):
+            own = list(track.contacts())
+            own = own if one.atom == "touch" else outside(own, whole)
+        else:
+            own = [(each.begin_s, each.end_s) for each in found if is_so(each, said, found, limit)]
+        spans.append(outside(own, whole) if one.denied else own)
+    spans = (within_all if ask.proposition.joint == "and" else within_any)(spans)
+    spans = [one for one in spans if one[1] > one[0]]
+    if ask.kind == "when":
+        times = spans[0] if spans and ask.edge == "begin" else tuple(end for _, end in spans[-1:])
+    elif ask.kind == "how-long":
+        times = (sum(end - begin for begin, end in spans),)
+    else:
+        times = (float(len(spans)),)
+    return Timed(None, (), times, _sure(found, track))
 
 
 def _crossed(
@@ -209,6 +239,9 @@ def _together(ask: t.Ask, chosen: Sequence[Happening], track: Track) -> float:
 def _sure(chosen: Sequence[Happening], track: Track) -> float:
     touched = float(track.contact.max(initial=0.0))
     return min((one.probability for one in chosen), default=max(touched, 1 - touched))
+
+
+_NOT_TOUCHED = t.Proposition((t.Literal("touch", denied=True),))
 
 
 def _atoms(proposition: t.Proposition) -> list[str]:
