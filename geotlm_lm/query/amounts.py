@@ -59,7 +59,8 @@ class Recording:
         rate_hz: Frames per second; None where it is not told.
         frames: How many there are.
         used: Numbers of the frames that the clip is of.
-        moving_s: For how long a recording that was followed moves; None of a clip.
+        moving_s: For how long what is asked about moves in a recording that was followed; None of
+            a clip.
         step_s: Time from frame to frame, or 1 for numbers of frames in its place.
     """
 
@@ -76,6 +77,11 @@ class Recording:
     def steps(self) -> int:
         """Frames from the first used to the last."""
         return self.used[-1] - self.used[0]
+
+    @property
+    def moving_steps(self) -> float:
+        """Steps from frame to frame in the time in which it moves."""
+        return max((self.moving_s or 0.0) / (self.step_s or 1.0), 1e-9)
 
     @property
     def seconds(self) -> float | None:
@@ -208,7 +214,7 @@ def _length_factor(name: str, unit: str, belief: Belief, frame: FrameSpec, recor
 
 def _times(per: str, recording: Recording) -> float:
     if per == "frame":
-        return max(recording.steps, 1)
+        return max(recording.steps, 1) if recording.moving_s is None else recording.moving_steps
     if not recording.seconds:
         raise Missing("rate")
     return recording.seconds / FACTORS["time"].get(per, 1.0)

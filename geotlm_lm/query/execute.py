@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from statistics import NormalDist
 
 from geotlm_lm.core.errors import UsageError
@@ -16,7 +15,7 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, WAYS, Component
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import Missing, bell, measure
+from geotlm_lm.query.amounts import Missing, bell
 from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Movement
 from geotlm_lm.query.facts import with_facts
 from geotlm_lm.query.happenings import Happening
@@ -123,7 +122,7 @@ def _along(scene: Scene, axis: str) -> Decision:
     found = scene.telling((slide,))
     if found.get("rest") or slide in found["denied"]:
         return scene.decision(**found)
-    part = measure(axis, scene.belief, scene.frame, scene.recording)
+    part = scene.amount(axis)
     mean, deviation = bell(scene.belief, axis)
     way = _AXIS_WAYS[axis][mean > 0]
     sure = NormalDist(abs(mean), max(deviation, 1e-6))
@@ -211,8 +210,7 @@ def _amount(scene: Scene, ask: t.Ask) -> Decision:
     unseen = [one for one in counting if not scene.belief.readable[one]]
     if unseen and len(unseen) == len(counting):
         raise Missing("unreadable")
-    told = partial(measure, belief=scene.belief, frame=scene.frame, recording=scene.recording)
-    amounts = tuple(told(one, unit=ask.unit, per=ask.per) for one in atoms)
+    amounts = tuple(scene.amount(one, ask.unit, ask.per) for one in atoms)
     sure = min([found["probability"], *(one.probability for one in amounts)])
     return scene.decision(**found | {"amounts": amounts, "probability": sure})
 
