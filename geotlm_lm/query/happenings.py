@@ -88,11 +88,25 @@ def turned_back(turns: Sequence[Happening]) -> list[Happening]:
     return [one for before, one in pairwise(turns) if one.way is reverse(before.way)]
 
 
-def happens(atom: str, edit: Edit, track: Track, sized: Sized) -> bool:
-    """Tell whether something that only a recording shows happens in it."""
+def happens(atom: str, edit: Edit, track: Track, sized: Sized) -> float:
+    """Return how probable it is that something that only a recording shows happens in it.
+
+    That of the surest event that shows it; of none the doubt in what was found instead.
+    """
     found = seen(track, edit, sized)
     proposition = t.Proposition((t.Literal(atom),))
-    return any(is_so(one, proposition, found) for one in found)
+    shown = [one.probability for one in found if is_so(one, proposition, found)]
+    if atom == "reverses":
+        turns = [one for one in found if one.kind is EventKind.TURN]
+        shown = [
+            min(before.probability, one.probability)
+            for before, one in pairwise(turns)
+            if one.way is reverse(before.way)
+        ]
+    if shown:
+        return max(shown)
+    touched = float(track.contact.max(initial=0.0))
+    return 1 - max((one.probability for one in found), default=max(touched, 1 - touched))
 
 
 def is_so(

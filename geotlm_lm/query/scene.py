@@ -70,7 +70,7 @@ class Scene:
         events = [one for one in self.track.of(component_of(name)) if one.begin_s < one.end_s]
         return replace(self.recording, moving_s=together_s(events) or self.track.seconds)
 
-    def _happens(self, atom: str) -> bool:
+    def _happens(self, atom: str) -> float:
         if self.track is None:
             raise Missing("track")
         return happens(atom, self.edit, self.track, self.sized)

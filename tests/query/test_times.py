@@ -1,7 +1,9 @@
 """What happens when, how long and how often is that of which all is so that the question says."""
 
+from dataclasses import replace
+
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geotlm_lm.query.edit import Edit
@@ -85,3 +87,17 @@ def test_what_lies_outside_either_lies_outside_both(one, other):
     whole = (0, 10)
     apart = within_all([outside(one, whole), outside(other, whole)])
     assert apart == outside(within_any([one, other]), whole)
+
+
+@given(st.floats(0.51, 1.0), st.sampled_from(["starts", "stops", "lost", "made", "reverses"]))
+@settings(max_examples=20, deadline=None)
+def test_what_happens_is_as_sure_as_its_events(sure, atom):
+    events = tuple(replace(one, probability=sure) for one in whole().events)
+    track = replace(whole(), events=events)
+    found, denied = (
+        answer(f"claim {said}", certain(turn=20), track=track) for said in (atom, f"not {atom}")
+    )
+    assert (found.probability, denied.probability) == pytest.approx((sure, sure))
+    assert found.verdict is (atom != "reverses")
+    both = answer(f"how-sure {atom} and starts", certain(turn=20), track=track)
+    assert both.chances[0] == pytest.approx(sure if atom != "reverses" else 1 - sure)
