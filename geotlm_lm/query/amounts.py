@@ -78,6 +78,18 @@ class Recording:
         """Frames from the first used to the last."""
         return self.used[-1] - self.used[0]
 
+    def unit_s(self, per: str) -> float:
+        """Return how long a unit of time of `PER` is on a track's clock, seconds.
+
+        Raises:
+            Missing: If the clock only counts frames, for it lacks a rate.
+        """
+        if per == "per-frame":
+            return self.step_s or 1.0
+        if not self.rate_hz:
+            raise Missing("rate")
+        return PER[per]
+
     @property
     def moving_steps(self) -> float:
         """Steps from frame to frame in the time in which it moves."""

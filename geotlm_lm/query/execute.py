@@ -15,7 +15,7 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, WAYS, Component
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import Missing, bell
+from geotlm_lm.query.amounts import OF_ATOM, Missing, bell, component_of
 from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Movement
 from geotlm_lm.query.facts import with_facts
 from geotlm_lm.query.happenings import Happening
@@ -228,21 +228,23 @@ def _extreme(scene: Scene, ask: t.Ask) -> Decision:
     found = scene.telling(subjects)
     if not found.get("movements") or found["denied"]:
         return scene.decision(**found)
-    component = found["movements"][0].component
+    atom = ask.of if ask.of in OF_ATOM else found["movements"][0].component.value
     if ask.measure == "path":
         if scene.track is None:
             return _amount(scene, replace(ask, measure=None))
-        span, times = scene.track.path(component), ()
-        mean, deviation = span.mean, span.deviation
+        far, times = scene.track.path(component_of(OF_ATOM[atom][0])), ()
+        amount = scene.as_told(atom, far.mean, far.deviation, unit=ask.unit)
     else:
-        mean, deviation, at_s = peak(scene.track, component, is_speed=ask.per is not None)
-        times = (at_s,)
-    amount = scene.as_told(component.value, mean, deviation, unit=ask.unit)
-    if ask.measure == "peak" and ask.per is not None:
-        amount = replace(amount, unit=f"{amount.unit}/s")
-    probability = min(found["probability"], amount.probability)
+        mean, deviation, *times = peak(scene.track, scene.edit, atom, is_speed=ask.per is not None)
+        if mean <= 0:
+            return scene.decision(**found)  # it never goes that way
+        unit_s = scene.recording.unit_s(ask.per) if ask.per else 1.0
+        amount = scene.as_told(atom, mean * unit_s, deviation * unit_s, unit=ask.unit)
+        per = f"/{ask.per.removeprefix('per-')}" if ask.per else ""
+        amount = replace(amount, unit=amount.unit + per)
+    sure = min(found["probability"], amount.probability)
     return scene.decision(
-        **found | {"amounts": (amount,), "times": times, "probability": probability}
+        **found | {"amounts": (amount,), "times": tuple(times), "probability": sure}
     )
 
 

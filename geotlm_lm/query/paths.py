@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import OF_ATOM, Missing
+from geotlm_lm.query.amounts import OF_ATOM, Missing, component_of
 from geotlm_lm.query.edit import Edit
 from geotlm_lm.query.happenings import Limit, measured
 from geotlm_lm.query.quantities import in_base
@@ -65,27 +64,37 @@ def crossing(said: t.Literal, edit: Edit, track: Track, limit: Limit) -> NDArray
 
 
 def peak(
-    track: Track | None, component: Component, *, is_speed: bool
+    track: Track | None, edit: Edit, atom: str, *, is_speed: bool
 ) -> tuple[float, float, float]:
-    """Return the greatest way from the start, or the greatest speed, and its deviation and time.
+    """Return the greatest way from the start, or speed, and its deviation and time.
 
-    In degrees, pixels or mm, or the same per second; of either sign.
+    Args:
+        track: Of a recording.
+        edit: The point of view.
+        atom: Of which; of a way only what goes that way counts.
+        is_speed: Whether the speed is asked for.
+
+    Returns:
+        Degrees, pixels or mm, or the same per second, its deviation, and seconds; what never goes
+        the way of the atom goes 0 or less.
 
     Raises:
         Missing: If no recording was followed.
     """
     if track is None:
         raise Missing("track")
-    if is_speed:
-        time_s, speed = track.fastest(component)
-        net = track.path(component)
-        share = net.deviation / max(net.mean, 1e-6)
-        return abs(speed), abs(speed) * min(share, 1.0), time_s
-    column = COMPONENTS.index(component)
-    way, doubt = track.path_from_start, track.path_deviations
-    if component is Component.SLIDE:
+    name, sign = OF_ATOM[atom]
+    as_played = played(track, edit)
+    way = (as_played.rates()[0] if is_speed else as_played.path_from_start) @ edit.matrix.T
+    doubt = as_played.path_deviations @ np.abs(edit.matrix).T
+    if name == "slide":
         far, off = np.hypot(way[:, 1], way[:, 2]), np.max(doubt[:, 1:3], axis=1)
     else:
-        far, off = np.abs(way[:, 3 * (column == 2)]), doubt[:, 3 * (column == 2)]
+        far, off = way[:, _COLUMNS[name]], doubt[:, _COLUMNS[name]]
+        far = far * sign if sign else np.abs(far)
     place = int(np.argmax(far))
-    return float(far[place]), float(off[place]), float(track.times_s[place])
+    deviation = float(off[place])
+    if is_speed:
+        net = track.path(component_of(name))
+        deviation = float(far[place]) * min(net.deviation / max(net.mean, 1e-6), 1.0)
+    return float(far[place]), deviation, float(as_played.times_s[place])

@@ -49,7 +49,12 @@ def moment(time_s: float, recording: Recording) -> str:
     """Return a time or a duration: "1.2 s", or a frame's number of a recording without a rate."""
     if recording.rate_hz is not None:
         return f"{time_s:.1f} s"
-    return f"frame {round(time_s / (recording.step_s or 1.0))}"
+    return f"frame {frames(time_s, recording)}"
+
+
+def frames(time_s: float, recording: Recording) -> int:
+    """Return a time or a duration in frames."""
+    return round(time_s / (recording.step_s or 1.0))
 
 
 def tell_times(decision: Decision, recording: Recording) -> str:
