@@ -244,10 +244,8 @@ def _extreme(scene: Scene, ask: t.Ask) -> Decision:
         amount = scene.as_told(atom, mean * unit_s, deviation * unit_s, unit=ask.unit)
         per = f"/{ask.per.removeprefix('per-')}" if ask.per else ""
         amount = replace(amount, unit=amount.unit + per)
-    sure = min(found["probability"], amount.probability)
-    return scene.decision(
-        **found | {"amounts": (amount,), "times": tuple(times), "probability": sure}
-    )
+    found["probability"] = min(found["probability"], amount.probability)
+    return scene.decision(**found | {"amounts": (amount,), "times": tuple(times)})
 
 
 def _fits(atom: str, unit: str | None) -> bool:
