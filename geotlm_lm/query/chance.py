@@ -113,8 +113,9 @@ class Judge:
             wanted = dict(zip(WAYS[COMPONENT_ATOMS["turn"]], tightens, strict=True))
             return any(wanted[way] == (atom == "tighten") for way in turns)
         if atom in EVENT_ATOMS:
-            seen = state.touches if atom == "made" else _is_lost(state)
-            return state.events.get(atom, seen)
+            if atom not in state.events and atom == "lost":
+                return self._is_lost(state)
+            return state.events.get(atom, state.touches)
         return {
             "move": bool(ways),
             "still": state.touches and not ways,
@@ -123,6 +124,11 @@ class Judge:
             "x": bool(ways & {Motion.LEFT, Motion.RIGHT}),
             "y": bool(ways & {Motion.UP, Motion.DOWN}),
         }[atom]
+
+    def _is_lost(self, state: State) -> bool:
+        if self.belief.ways[Motion.RELEASE] >= 0.5:  # it lifts off: whether for good is seen later
+            raise Missing("track")
+        return not state.touches
 
     def _measured(self, literal: Literal) -> str:
         atom = literal.atom
@@ -197,10 +203,6 @@ class Judge:
             ways |= self.aslant if ways & self.aslant else frozenset()
             for amounts in product(*bells):
                 yield State(ways, True, dict(amounts)), share / count ** len(bounded)
-
-
-def _is_lost(state: State) -> bool:
-    return not state.touches or Motion.RELEASE in state.ways
 
 
 def _quantiles(mean: float, deviation: float, count: int) -> list[float]:
