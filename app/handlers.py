@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm import (
@@ -23,8 +22,6 @@ AMOUNT_QUESTION = "How far did it go?"
 """Asked of what was just simulated."""
 
 COMPARISON_QUESTION = "Do they go the same way?"
-
-EXAMPLE_CLIPS = sorted(str(path) for path in (Path(__file__).parent / "examples").glob("*.npz"))
 
 
 @dataclass(frozen=True)

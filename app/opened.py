@@ -17,9 +17,6 @@ from .sources import Sources
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-FEW_FRAMES = 4
-"""Frames that are looked at together; what has more is tracked."""
-
 
 @dataclass(frozen=True, eq=False)
 class Opened:

@@ -95,7 +95,18 @@ class RecordingsFolder:
 
 
 def _recording(path: Path, name: str) -> Stored | None:
-    """Return what a path holds; None where it is no recording, or hidden, or a link."""
+    """Return what a path holds; None where it is no recording, hidden, a link or unreadable.
+
+    Nor is it one under a name that is no text: nobody could be told it.
+    """
+    try:
+        name.encode()
+        return _stored_at(path, name)
+    except (OSError, UnicodeEncodeError):
+        return None
+
+
+def _stored_at(path: Path, name: str) -> Stored | None:
     if _is_plain(path, False):
         suffix = path.suffix.lower()
         kind = suffix[1:] if suffix in CLIP_SUFFIXES else ""
@@ -111,7 +122,10 @@ def _recording(path: Path, name: str) -> Stored | None:
 
 def _plain_names(place: Path, kinds: tuple[bool, ...]) -> list[str]:
     """Return the names in a folder of its folders (True), its files (False), or both."""
-    names = os.listdir(place)
+    try:
+        names = os.listdir(place)
+    except OSError:
+        return []
     return [one for one in names if any(_is_plain(place / one, kind) for kind in kinds)]
 
 

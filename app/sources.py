@@ -64,7 +64,10 @@ class Sources:
             yield EXAMPLES[given]
             return
         if self._uploads.holds(given):
-            yield Path(self._uploads.path_of(given))
+            path = Path(self._uploads.path_of(given))
+            if not path.is_file():
+                raise GeoTLMError("The upload is not on the server any more; send the file again.")
+            yield path
             return
         yield self._named(given)
 

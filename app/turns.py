@@ -48,10 +48,12 @@ class Turns:
     def turn(self) -> Iterator[Turn]:
         """Wait for a turn, and hold it."""
         self.take()
+        turn = Turn(self)
         try:
-            yield Turn(self)
+            yield turn
         finally:
-            self.give()
+            if turn.is_held:
+                self.give()
 
     @property
     def waiting(self) -> int:
@@ -66,11 +68,11 @@ class Turns:
                 self._is_taken = True
                 return
             self._line.append(mine)
-        while not mine.wait(TOLD_EVERY_S):
-            with self._lock:
-                before = self._line.index(mine) + 1 if mine in self._line else 0
-            if before:
-                self.tell(f"waiting for the model, {before} before you", 0, before)
+        try:
+            self._wait(mine)
+        except BaseException:
+            self._leave(mine)
+            raise
 
     def give(self) -> None:
         """Hand the turn to the first in line; nobody can slip in between."""
@@ -80,16 +82,35 @@ class Turns:
             else:
                 self._is_taken = False
 
+    def _wait(self, mine: Event) -> None:
+        while not mine.wait(TOLD_EVERY_S):
+            with self._lock:
+                before = self._line.index(mine) + 1 if mine in self._line else 0
+            if before:
+                self.tell(f"waiting for the model, {before} before you", 0, before)
+
+    def _leave(self, mine: Event) -> None:
+        """Stand in line no more; a turn that came in the meantime goes to the next."""
+        with self._lock:
+            if is_waiting := mine in self._line:
+                self._line.remove(mine)
+        if not is_waiting:
+            self.give()
+
 
 class Turn:
     """A turn that is held, and may be given up for a while between two frames.
 
     Args:
         turns: Whose it is.
+
+    Attributes:
+        is_held: Whether it is held now; not while others go first, nor if the wait for them failed.
     """
 
     def __init__(self, turns: Turns) -> None:
         self._turns = turns
+        self.is_held = True
         self._since_s = self._told_s = time.monotonic()
 
     def progress(self, what: str, done: int, total: int) -> None:
@@ -99,8 +120,10 @@ class Turn:
             self._told_s = now_s
             self._turns.tell(what, done, total)
         if self._turns.waiting and now_s - self._since_s >= self._turns.slice_s:
+            self.is_held = False
             self._turns.give()
             self._turns.take()
+            self.is_held = True
             self._since_s = time.monotonic()
 
 

@@ -13,8 +13,6 @@ from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.model import contact_centre
 from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import ContactArea, Evidence
-from geotlm_lm.track.events import MOVING
-from geotlm_lm.track.whole import together_s
 
 
 def evidence_of(encoded: Encoded, other: Encoded | None = None) -> Evidence:
@@ -38,18 +36,16 @@ def recording_of(encoded: Encoded) -> Recording:
     """Return the facts about the file that a clip is of."""
     clip, track = encoded.clip, encoded.track
     rows, columns = clip.frames.shape[1:3]
-    moving_s, step_s = None, None
+    step_s = None
     if track is not None:
-        moving = [one for one in track.events if one.kind in MOVING]
-        moving_s = together_s(moving) or track.seconds
         step_s = float(np.median(np.diff(track.times_s)) / np.median(np.diff(track.numbers)))
     return Recording(
         columns=columns,
         rows=rows,
         rate_hz=clip.fps,
-        frames=len(encoded.recording or clip),
+        frames=clip.recorded_frames,
+        duration_s=clip.recorded_s,
         used=clip.frame_numbers,
-        moving_s=moving_s,
         step_s=step_s,
     )
 

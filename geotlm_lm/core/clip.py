@@ -30,6 +30,8 @@ class Clip:
         notes: What a reader guessed or warns about, one sentence each.
         times_s: When each frame of that recording was taken, by its number, seconds from the first
             one on; () where they are as even as `fps` tells, or nothing tells it.
+        recorded_frames: How many frames that recording has, however many of them are here; 0 where
+            they are as many as their numbers tell.
 
     Raises:
         UnreadableClip: If the frames or the background are not of this form.
@@ -44,6 +46,7 @@ class Clip:
     frame_numbers: tuple[int, ...] = ()
     notes: tuple[str, ...] = field(default=())
     times_s: tuple[float, ...] = ()
+    recorded_frames: int = 0
 
     def __post_init__(self) -> None:
         frames = self.frames
@@ -77,6 +80,8 @@ class Clip:
             object.__setattr__(self, "frame_numbers", tuple(range(len(frames))))
         if len(self.frame_numbers) != len(frames):
             raise ValueError(f"{len(frames)} frames have {len(self.frame_numbers)} numbers")
+        counted = max(self.recorded_frames, max(self.frame_numbers) + 1)
+        object.__setattr__(self, "recorded_frames", counted)
         # Only the clip's own view is locked: the caller's array may be a buffer that is used again.
         own = frames.view()
         own.setflags(write=False)
@@ -95,6 +100,13 @@ class Clip:
 
     def __len__(self) -> int:
         return len(self.frames)
+
+    @property
+    def recorded_s(self) -> float | None:
+        """How long that recording is, its last frame included; None where nothing tells it."""
+        if self.fps is None:
+            return None
+        return self.second_of(self.recorded_frames, self.fps)
 
     @property
     def is_timed(self) -> bool:

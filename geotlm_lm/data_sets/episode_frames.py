@@ -55,6 +55,7 @@ def episode_clip(
         fps=data_set.fps,
         name=name,
         frame_numbers=tuple(range(0, episode.length, stride)),
+        recorded_frames=episode.length,
         notes=(stride_note(stride, episode.length),) if stride > 1 else (),
     )
     return with_pixel_shape(clip, is_square=square_pixels)

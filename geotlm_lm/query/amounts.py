@@ -9,6 +9,7 @@ from statistics import NormalDist
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE, TOLERANCES
+from geotlm_lm.core.twist import Component
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.quantities import FACTORS, Quantity, in_base
 from geotlm_lm.query.types import PER, UNITS, WAY_ATOMS
@@ -56,9 +57,11 @@ class Recording:
         rows: Their height.
         is_turned: Whether they are looked at turned by a quarter.
         rate_hz: Frames per second; None where it is not told.
-        frames: How many there are.
+        frames: How many the file has, however many of them were read.
+        duration_s: How long it is; None where they are taken evenly at that rate, or nothing tells.
         used: Numbers of the frames that the clip is of.
-        moving_s: For how long a recording that was followed moves; None of a clip.
+        moving_s: For how long what is asked about moves in a recording that was followed; None of
+            a clip.
         step_s: Time from frame to frame, or 1 for numbers of frames in its place.
     """
 
@@ -70,11 +73,29 @@ class Recording:
     is_turned: bool = False
     moving_s: float | None = None
     step_s: float | None = None
+    duration_s: float | None = None
 
     @property
     def steps(self) -> int:
         """Frames from the first used to the last."""
         return self.used[-1] - self.used[0]
+
+    def unit_s(self, per: str) -> float:
+        """Return how long a unit of time of `PER` is on a track's clock, seconds.
+
+        Raises:
+            Missing: If the clock only counts frames, for it lacks a rate.
+        """
+        if per == "per-frame":
+            return self.step_s or 1.0
+        if not self.rate_hz:
+            raise Missing("rate")
+        return PER[per]
+
+    @property
+    def moving_steps(self) -> float:
+        """Steps from frame to frame in the time in which it moves."""
+        return max((self.moving_s or 0.0) / (self.step_s or 1.0), 1e-9)
 
     @property
     def seconds(self) -> float | None:
@@ -207,7 +228,7 @@ def _length_factor(name: str, unit: str, belief: Belief, frame: FrameSpec, recor
 
 def _times(per: str, recording: Recording) -> float:
     if per == "frame":
-        return max(recording.steps, 1)
+        return max(recording.steps, 1) if recording.moving_s is None else recording.moving_steps
     if not recording.seconds:
         raise Missing("rate")
     return recording.seconds / FACTORS["time"].get(per, 1.0)
@@ -262,3 +283,9 @@ def sized(atom: str, mean: float, deviation: float, unit: str, scale: float) -> 
 def atom_of(unit: str) -> str:
     """Return the component whose amounts have a unit: what "20 degrees" or "3 px" are of."""
     return "turn" if unit.partition("/")[0] in FACTORS["angle"] else "slide"
+
+
+def component_of(name: str) -> Component:
+    """Return the component that is measured by a name of `OF_ATOM`."""
+    names = {"turn": Component.TURN, "inward": Component.PRESS}
+    return names.get(name, Component.SLIDE)

@@ -6,8 +6,8 @@ So it and its denial add up to 1, and a claim, a choice and an open question agr
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
-from itertools import product
+from dataclasses import dataclass, field, replace
+from itertools import pairwise, product
 from statistics import NormalDist
 
 from geotlm_lm.core.labels import Motion
@@ -31,8 +31,8 @@ Limit = Callable[[str, Quantity], float]
 Thread = Callable[[Motion], bool]
 """Whether a way of turning, as it is told, tightens."""
 
-Happens = Callable[[str], bool]
-"""Whether something that only a recording shows happens in it."""
+Happens = Callable[[str], float]
+"""How probable it is that something that only a recording shows happens in it."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +43,13 @@ class State:
         ways: Of the components that count.
         touches: Whether something does.
         amounts: Signed amounts that a proposition bounds, by name, in their base unit.
+        events: Whether things that only a recording shows happen.
     """
 
     ways: frozenset[Motion]
     touches: bool
     amounts: Mapping[str, float] = field(default_factory=dict)
+    events: Mapping[str, bool] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class Judge:
         belief: As it is seen from the point of view asked about.
         limit: Converts what is said.
         tightens: Tells tightening; raises `Missing` where facts lack.
-        happens: Tells events; raises `Missing` of a clip.
+        happens: Tells how probable events are; raises `Missing` of a clip.
         aslant: Both ways of a slide that is told by two: each of them is so where either is.
     """
 
@@ -84,11 +86,13 @@ class Judge:
             for one in proposition.literals
             if one.bound is not None
         }
+        atoms = {each.atom for one in propositions for each in one.literals}
+        branches = list(self._events(sorted(atoms & set(EVENT_ATOMS))))
         sums = [0.0] * (len(propositions) + 1)
-        for state, share in self._states(sorted(bounded)):
-            found = [self._holds(one, state) for one in propositions]
+        for (state, share), (events, odds) in product(self._states(sorted(bounded)), branches):
+            found = [self._holds(one, replace(state, events=events)) for one in propositions]
             for at, holds in enumerate([*found, not any(found)]):
-                sums[at] += share * holds
+                sums[at] += share * odds * holds
         return [min(one, 1.0) for one in sums]
 
     def _holds(self, proposition: Proposition, state: State) -> bool:
@@ -109,12 +113,9 @@ class Judge:
             wanted = dict(zip(WAYS[COMPONENT_ATOMS["turn"]], tightens, strict=True))
             return any(wanted[way] == (atom == "tighten") for way in turns)
         if atom in EVENT_ATOMS:
-            try:
-                return self.happens(atom)
-            except Missing:
-                if atom not in ("made", "lost"):
-                    raise
-            return state.touches if atom == "made" else _is_lost(state)
+            if atom not in state.events and atom == "lost":
+                return self._is_lost(state)
+            return state.events.get(atom, state.touches)
         return {
             "move": bool(ways),
             "still": state.touches and not ways,
@@ -123,6 +124,11 @@ class Judge:
             "x": bool(ways & {Motion.LEFT, Motion.RIGHT}),
             "y": bool(ways & {Motion.UP, Motion.DOWN}),
         }[atom]
+
+    def _is_lost(self, state: State) -> bool:
+        if self.belief.ways[Motion.RELEASE] >= 0.5:  # it lifts off: whether for good is seen later
+            raise Missing("track")
+        return not state.touches
 
     def _measured(self, literal: Literal) -> str:
         atom = literal.atom
@@ -135,7 +141,7 @@ class Judge:
 
     def _within(self, literal: Literal, state: State) -> bool:
         name, bound = self._measured(literal), literal.bound
-        sign = OF_ATOM.get(literal.atom, ("", 0))[1]
+        way, sign = WAY_ATOMS.get(literal.atom), OF_ATOM.get(literal.atom, ("", 0))[1]
         amount = state.amounts[name] * sign if sign else abs(state.amounts[name])
         ends = sharing_units([one for one in (bound.low, bound.high) if one is not None])
         low, high = self.limit(name, ends[0]), self.limit(name, ends[-1])
@@ -143,6 +149,9 @@ class Judge:
         # "-20 degrees" goes against the way that is positive: what it denies is the sign.
         if low < 0 and not sign:
             amount = state.amounts[name]
+        # What goes the other way goes this way by no amount, not even by less than another.
+        if way is not None and (way not in state.ways or amount < 0):
+            return False
         if bound.relation == "less":
             return amount < high
         # What does not count goes no half degree either, however small that is.
@@ -153,6 +162,21 @@ class Judge:
         far = max(TOLERANCES[BASES[name]], RELATIVE_TOLERANCE * abs(low))
         far = far if bound.relation == "about" else 0.0
         return low - far <= amount <= high + far
+
+    def _events(self, atoms: list[str]) -> Iterator[tuple[dict[str, bool], float]]:
+        """Yield which of some things happen, and how probable that is.
+
+        What is less probable happens only with what is more so: the same events show both.
+        """
+        chances = {}
+        for atom in atoms:
+            try:
+                chances[atom] = self.happens(atom)
+            except Missing:  # one clip shows as much of contact
+                if atom not in ("made", "lost"):
+                    raise
+        for low, high in pairwise(sorted({0.0, 1.0, *chances.values()})):
+            yield {atom: chance > low for atom, chance in chances.items()}, high - low
 
     def _states(self, bounded: list[str]) -> Iterator[tuple[State, float]]:
         """Yield every state and its probability; they sum to 1."""
@@ -179,10 +203,6 @@ class Judge:
             ways |= self.aslant if ways & self.aslant else frozenset()
             for amounts in product(*bells):
                 yield State(ways, True, dict(amounts)), share / count ** len(bounded)
-
-
-def _is_lost(state: State) -> bool:
-    return not state.touches or Motion.RELEASE in state.ways
 
 
 def _quantiles(mean: float, deviation: float, count: int) -> list[float]:

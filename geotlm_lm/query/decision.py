@@ -100,6 +100,7 @@ class Decision:
         probability: That it is right, of the least sure thing it says.
         missing: Why it cannot be told; None where it is.
         each: Of two clips what answers the same of either.
+        recording: The file that it is told of; None where it is the one at hand.
     """
 
     part: Part
@@ -118,6 +119,7 @@ class Decision:
     probability: float = 1.0
     missing: str | None = None
     each: tuple[Decision, ...] = ()
+    recording: Recording | None = None
 
     @property
     def edit(self) -> Edit:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from statistics import NormalDist
 
 from geotlm_lm.core.errors import UsageError
@@ -16,12 +15,13 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, WAYS, Component
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import Missing, bell, measure
+from geotlm_lm.query.amounts import OF_ATOM, Missing, bell, component_of
 from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Movement
 from geotlm_lm.query.facts import with_facts
 from geotlm_lm.query.happenings import Happening
+from geotlm_lm.query.paths import peak
 from geotlm_lm.query.scene import Scene
-from geotlm_lm.query.track import on_track, part_of, peak
+from geotlm_lm.query.track import on_track, part_of
 from geotlm_lm.query.two_clips import decide_on_two
 from geotlm_lm.track.events import TOGETHER_S, EventKind
 
@@ -43,6 +43,8 @@ def execute(query: t.Query, evidence: Evidence, frame: FrameSpec) -> tuple[Decis
 
 def decide(part: t.Part, evidence: Evidence, frame: FrameSpec) -> Decision:
     """Return what one part is answered by."""
+    if part.ask.kind in _UNTOUCHED:  # the same of either clip
+        return Decision(replace(part, subject=replace(part.subject, clip=None)), frame)
     try:
         if part.ask.kind in ("compare", "which-clip") or part.subject.clip in t.OF_SEVERAL:
             return decide_on_two(part, evidence, frame, decide)
@@ -66,16 +68,16 @@ def _evidence_of(subject: t.Subject, evidence: Evidence) -> Evidence:
 
 def _of_one(part: t.Part, evidence: Evidence, frame: FrameSpec) -> Decision:
     kind = part.ask.kind
-    if kind in _UNTOUCHED:
-        return Decision(part, frame)
+    if kind == "recording":
+        return Decision(part, frame, recording=evidence.recording)
     scene = Scene(part, evidence, frame)
     if kind in ("when", "how-long", "how-often", "order"):
         return _timed(scene, part.ask)
     return _DECIDES[kind](scene, part.ask)
 
 
-_UNTOUCHED = ("recording", "setup", "help", "talk", "unanswerable", "not-understood", "again")
-"""Answered by the file, the frame or by nothing; "again" is resolved before."""
+_UNTOUCHED = ("setup", "help", "talk", "unanswerable", "not-understood", "again")
+"""Answered by the frame or by nothing; "again" is resolved before."""
 
 
 def _timed(scene: Scene, ask: t.Ask) -> Decision:
@@ -122,7 +124,7 @@ def _along(scene: Scene, axis: str) -> Decision:
     found = scene.telling((slide,))
     if found.get("rest") or slide in found["denied"]:
         return scene.decision(**found)
-    part = measure(axis, scene.belief, scene.frame, scene.recording)
+    part = scene.amount(axis)
     mean, deviation = bell(scene.belief, axis)
     way = _AXIS_WAYS[axis][mean > 0]
     sure = NormalDist(abs(mean), max(deviation, 1e-6))
@@ -210,8 +212,7 @@ def _amount(scene: Scene, ask: t.Ask) -> Decision:
     unseen = [one for one in counting if not scene.belief.readable[one]]
     if unseen and len(unseen) == len(counting):
         raise Missing("unreadable")
-    told = partial(measure, belief=scene.belief, frame=scene.frame, recording=scene.recording)
-    amounts = tuple(told(one, unit=ask.unit, per=ask.per) for one in atoms)
+    amounts = tuple(scene.amount(one, ask.unit, ask.per) for one in atoms)
     sure = min([found["probability"], *(one.probability for one in amounts)])
     return scene.decision(**found | {"amounts": amounts, "probability": sure})
 
@@ -229,22 +230,22 @@ def _extreme(scene: Scene, ask: t.Ask) -> Decision:
     found = scene.telling(subjects)
     if not found.get("movements") or found["denied"]:
         return scene.decision(**found)
-    component = found["movements"][0].component
+    atom = ask.of if ask.of in OF_ATOM else found["movements"][0].component.value
     if ask.measure == "path":
         if scene.track is None:
             return _amount(scene, replace(ask, measure=None))
-        span, times = scene.track.path(component), ()
-        mean, deviation = span.mean, span.deviation
+        far, times = scene.track.path(component_of(OF_ATOM[atom][0])), ()
+        amount = scene.as_told(atom, far.mean, far.deviation, unit=ask.unit)
     else:
-        mean, deviation, at_s = peak(scene.track, component, is_speed=ask.per is not None)
-        times = (at_s,)
-    amount = scene.as_told(component.value, mean, deviation, unit=ask.unit)
-    if ask.measure == "peak" and ask.per is not None:
-        amount = replace(amount, unit=f"{amount.unit}/s")
-    probability = min(found["probability"], amount.probability)
-    return scene.decision(
-        **found | {"amounts": (amount,), "times": times, "probability": probability}
-    )
+        mean, deviation, *times = peak(scene.track, scene.edit, atom, is_speed=ask.per is not None)
+        if mean <= 0:
+            return scene.decision(**found)  # it never goes that way
+        unit_s = scene.recording.unit_s(ask.per) if ask.per else 1.0
+        amount = scene.as_told(atom, mean * unit_s, deviation * unit_s, unit=ask.unit)
+        per = f"/{ask.per.removeprefix('per-')}" if ask.per else ""
+        amount = replace(amount, unit=amount.unit + per)
+    found["probability"] = min(found["probability"], amount.probability)
+    return scene.decision(**found | {"amounts": (amount,), "times": tuple(times)})
 
 
 def _fits(atom: str, unit: str | None) -> bool:

@@ -13,8 +13,8 @@ from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import Decision
 from geotlm_lm.query.happenings import Happening
 from geotlm_lm.query.phrases import frame_phrase
-from geotlm_lm.query.tell import option_words, tell
-from geotlm_lm.query.tell_track import moment
+from geotlm_lm.query.tell import SEPARATE, option_words, tell
+from geotlm_lm.query.tell_track import frames, moment
 
 
 def decided(decision: Decision, recording: Recording) -> str | None:
@@ -24,6 +24,9 @@ def decided(decision: Decision, recording: Recording) -> str | None:
         return None
     if decision.verdict is not None:
         return "yes" if decision.verdict else "no"
+    if decision.part.subject.clip in t.OF_SEVERAL:
+        words = [decided(one, one.recording or recording) for one in decision.each]
+        return "; ".join(words) if all(words) else None
     if ask.kind == "which-clip" or ask.relation in ("which-more", "which-less"):
         return " and ".join(("first", "second")[at] for at in decision.options) or "neither"
     if ask.of == "thread":
@@ -79,16 +82,19 @@ def _short(decision: Decision, form: str, recording: Recording) -> str | None:
     if form in ("word", "brief", "letter", "yes-no"):
         is_fitting = form != "yes-no" or decision.verdict is not None
         return f"{word[:1].upper()}{word[1:]}" + "." if is_fitting else None
-    if form == "number":
-        return f"{decision.amounts[0].value:g}" if decision.amounts else _count(decision)
+    if form == "number" and not decision.each:
+        return f"{decision.amounts[0].value:g}" if decision.amounts else _count(decision, recording)
     if form == "sign" and decision.movements:
         positive = (Motion.CLOCKWISE, Motion.RIGHT, Motion.DOWN, Motion.PRESS)
         return "+" if decision.movements[0].way in positive else "-"
     return None
 
 
-def _count(decision: Decision) -> str | None:
-    return f"{decision.times[0]:g}" if decision.times else None
+def _count(decision: Decision, recording: Recording) -> str | None:
+    if not decision.times:
+        return None
+    is_time = recording.rate_hz is None and decision.part.ask.kind != "how-often"
+    return f"{frames(decision.times[0], recording) if is_time else decision.times[0]:g}"
 
 
 def as_json(decisions: Sequence[Decision], recording: Recording, sure: float) -> dict[str, Any]:
@@ -113,20 +119,37 @@ def as_json(decisions: Sequence[Decision], recording: Recording, sure: float) ->
             unit = amount.unit.replace("/", "_per_")
             found[f"{amount.atom}_{unit}"] = amount.value
         if one.times:
-            name = {"how-often": "count", "how-long": "seconds"}.get(ask.kind, "time_s")
-            found[name] = round(one.times[0], 3)
+            is_count = ask.kind == "how-often" or recording.rate_hz is not None
+            names = _TIMED if is_count else _IN_FRAMES
+            time_s = one.times[0]
+            found[names.get(ask.kind, names[""])] = (
+                round(time_s, 3) if is_count else frames(time_s, recording)
+            )
         if ask.kind in ("choice", "compare", "which-clip") and one.options:
             found["chosen"] = decided(one, recording)
         if ask.kind == "order":
-            found["events"] = [_event(event) for event in one.happenings]
+            found["events"] = [_event(event, recording) for event in one.happenings]
+        if ask.kind in SEPARATE and one.each:
+            found["each"] = [
+                as_json((of_one,), of_one.recording or recording, of_one.probability)
+                for of_one in one.each
+            ]
         if one.area is not None:
             found["contact_share"] = round(one.area.share, 4)
     where = next((frame_phrase(one.edit) for one in decisions if one.movements), None)
     return found | ({"frame": where} if where else {}) | {"probability": round(sure, 3)}
 
 
-def _event(event: Happening) -> dict[str, Any]:
+_TIMED = {"how-often": "count", "how-long": "seconds", "": "time_s"}
+_IN_FRAMES = {"how-long": "frames", "": "at_frame"}
+"""Names of times by what is asked, where a frame rate is known and where none is."""
+
+
+def _event(event: Happening, recording: Recording) -> dict[str, Any]:
     told = {"kind": event.kind.value, "way": event.way.value}
     if event.amount is not None:
         told |= {"value": event.amount.value, "unit": event.amount.unit}
+    if recording.rate_hz is None:
+        begin, end = frames(event.begin_s, recording), frames(event.end_s, recording)
+        return told | {"begin_frame": begin, "end_frame": end}
     return told | {"begin_s": round(event.begin_s, 3), "end_s": round(event.end_s, 3)}

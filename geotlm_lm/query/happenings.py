@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from geotlm_lm.core.labels import Motion, reverse
-from geotlm_lm.core.twist import COMPONENT_OF, COUNTING_PX
+from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE, TOLERANCES
+from geotlm_lm.core.twist import COMPONENT_OF, COUNTING_PX, Twist
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import Measure, Missing
+from geotlm_lm.query.amounts import BASES, OF_ATOM, Measure, Missing, atom_of
 from geotlm_lm.query.edit import Edit
+from geotlm_lm.query.quantities import Quantity, sharing_units
 from geotlm_lm.track.events import Event, EventKind
 from geotlm_lm.track.track import Track
 from geotlm_lm.track.whole import path_of_event
@@ -23,6 +25,9 @@ TOLD = (*(EventKind.TOUCH, EventKind.PRESS, EventKind.TURN, EventKind.SLIDE),
 Sized = Callable[[Event, str], Measure]
 """(event, atom) -> how far it goes, as it is told."""
 
+Limit = Callable[[str, Quantity, float], float]
+"""(what is measured, what is said, seconds that it takes) -> the same in its base unit."""
+
 
 @dataclass(frozen=True)
 class Happening:
@@ -33,7 +38,8 @@ class Happening:
         way: Where it goes; of a touch a press, of a stick stillness.
         begin_s: When it begins.
         end_s: When it ends.
-        amount: How far it goes; None of a touch or a stick.
+        twist: How far it goes and which way.
+        amount: How far it goes, as it is told; None of a touch or a stick.
         path_px: How far it moves the imprint.
         probability: That it happens.
     """
@@ -42,6 +48,7 @@ class Happening:
     way: Motion
     begin_s: float
     end_s: float
+    twist: Twist
     amount: Measure | None
     path_px: float
     probability: float
@@ -63,7 +70,8 @@ def seen(track: Track, edit: Edit, sized: Sized) -> list[Happening]:
             kind = _BACKWARDS.get(kind, kind)
         way = edit.of_way(event.motion) if event.component else event.motion
         amount = None if event.component is None else sized(event, event.component.value)
-        found.append(Happening(kind, way, begin, end, amount, path, event.probability))
+        twist = edit.of_twist(event.twist)
+        found.append(Happening(kind, way, begin, end, twist, amount, path, event.probability))
     return sorted(found, key=by_begin)
 
 
@@ -71,7 +79,8 @@ def _touches(track: Track, total: float) -> list[Happening]:
     """Return where contact begins when a recording is played backwards: where it ended."""
     ends = [total - end for _, end in track.contacts() if end < track.times_s[-1]]
     sure = float(track.contact.max(initial=0.0))
-    return [Happening(EventKind.TOUCH, Motion.PRESS, at, at, None, 0.0, sure) for at in ends]
+    rest = Twist(0.0, 0.0, 0.0, 0.0)
+    return [Happening(EventKind.TOUCH, Motion.PRESS, at, at, rest, None, 0.0, sure) for at in ends]
 
 
 def turned_back(turns: Sequence[Happening]) -> list[Happening]:
@@ -79,17 +88,89 @@ def turned_back(turns: Sequence[Happening]) -> list[Happening]:
     return [one for before, one in pairwise(turns) if one.way is reverse(before.way)]
 
 
-def happens(atom: str, edit: Edit, track: Track, sized: Sized) -> bool:
-    """Tell whether something that only a recording shows happens in it."""
+def happens(atom: str, edit: Edit, track: Track, sized: Sized) -> float:
+    """Return how probable it is that something that only a recording shows happens in it.
+
+    That of the surest event that shows it; of none the doubt in what was found instead.
+    """
     found = seen(track, edit, sized)
     proposition = t.Proposition((t.Literal(atom),))
-    return any(is_so(one, proposition, found) for one in found)
+    shown = [one.probability for one in found if is_so(one, proposition, found)]
+    if atom == "reverses":
+        turns = [one for one in found if one.kind is EventKind.TURN]
+        shown = [
+            min(before.probability, one.probability)
+            for before, one in pairwise(turns)
+            if one.way is reverse(before.way)
+        ]
+    if shown:
+        return max(shown)
+    touched = float(track.contact.max(initial=0.0))
+    return 1 - max((one.probability for one in found), default=max(touched, 1 - touched))
 
 
-def is_so(one: Happening, proposition: t.Proposition, found: Sequence[Happening]) -> bool:
-    """Tell whether a proposition is so of one of a recording's events."""
-    held = [_has(one, each.atom, found) != each.denied for each in proposition.literals]
+def is_so(
+    one: Happening,
+    proposition: t.Proposition,
+    found: Sequence[Happening],
+    limit: Limit | None = None,
+) -> bool:
+    """Tell whether a proposition is so of one of a recording's events, amounts it bounds included.
+
+    Raises:
+        Missing: If it bounds what has no amount, or in a unit that nobody can convert.
+    """
+    held = [
+        (_has(one, each.atom, found) and (each.bound is None or _goes(one, each, limit)))
+        != each.denied
+        for each in proposition.literals
+    ]
     return all(held) if proposition.joint == "and" else any(held)
+
+
+_CONTRARY = {"touch": "none", "none": "touch", "made": "lost", "lost": "made"}
+
+
+def as_contact(proposition: t.Proposition) -> t.Proposition:
+    """Return a proposition of one thing with denied contact as its absence, and the reverse."""
+    first, *others = proposition.literals
+    if others or not first.denied or first.atom not in _CONTRARY:
+        return proposition
+    return t.Proposition((t.Literal(_CONTRARY[first.atom], first.bound),))
+
+
+def measured(said: t.Literal) -> str:
+    """Return what a literal with a bound is measured by: a name of `OF_ATOM`.
+
+    Raises:
+        Missing: If it has no amount.
+    """
+    atom = said.atom
+    if atom == "move":
+        ends = [one for one in (said.bound.low, said.bound.high) if one is not None]
+        atom = atom_of(sharing_units(ends)[-1].unit)
+    if atom not in OF_ATOM:
+        raise Missing("unit")
+    return OF_ATOM[atom][0]
+
+
+def _goes(one: Happening, said: t.Literal, limit: Limit) -> bool:
+    """Tell whether an event goes as far, or as fast, as a literal says."""
+    name, bound = measured(said), said.bound
+    ends = sharing_units([end for end in (bound.low, bound.high) if end is not None])
+    lasts_s = max(one.end_s - one.begin_s, 1e-9)
+    low, high = sorted((limit(name, ends[0], lasts_s), limit(name, ends[-1], lasts_s)))
+    sign = OF_ATOM.get(said.atom, ("", 0))[1]
+    twist = one.twist
+    amount = {"turn": twist.turn_deg, "x": twist.right_px, "y": twist.down_px,
+              "slide": twist.slide_px, "inward": twist.inward_mm}[name]  # fmt: skip
+    # "-20 degrees" goes against the way that is positive.
+    amount = amount * sign if sign else amount if low < 0 else abs(amount)
+    if bound.relation in ("less", "more"):
+        return amount < high if bound.relation == "less" else amount > low
+    far = max(TOLERANCES[BASES[name]], RELATIVE_TOLERANCE * abs(low))
+    far = far if bound.relation == "about" else 0.0
+    return low - far <= amount <= high + far
 
 
 def by_begin(one: Happening) -> tuple[float, bool, bool]:

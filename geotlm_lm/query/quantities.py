@@ -21,6 +21,9 @@ FACTORS = {
 }
 """How many degrees, millimetres or seconds a unit is; a pixel's and a frame's size varies."""
 
+LARGEST = 1e12
+"""Beyond every turn, length and time: a larger number is taken for this one."""
+
 _FIGURE = re.compile(r"[-+−]?(?:\d+(?:[.,]\d+)*|[.,]\d+)(?:\s*/\s*\d+)?")
 _CLOCK = re.compile(r"(\d{1,3}):([0-5]\d(?:\.\d+)?)(?![\d:])")
 _BEFORE = re.compile(r"([^\W\d_]+)\s*#?$")
@@ -89,8 +92,9 @@ def _figure_at(text: str, at: int) -> Found | None:
         return None
     end = match.end()
     mixed = re.compile(r"\s+(\d+)\s*/\s*(\d+)").match(text, end)
-    if mixed and "/" not in said and int(mixed[2]):
-        value, end = value + int(mixed[1]) / int(mixed[2]), mixed.end()
+    part = _value(f"{mixed[1]}/{mixed[2]}") if mixed and "/" not in said else None
+    if part is not None:
+        value, end = value + part, mixed.end()
     unit, end = _unit_at(text, end, may_join="/" in said or abs(value) < 1)
     return Found(Quantity(value, unit or "frame" * _follows_frame(text, at)), at, end)
 
@@ -107,10 +111,14 @@ def _value(said: str) -> float | None:
     if re.fullmatch(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+", top):
         top = top.replace(",", "")
     try:
-        value = float(top.replace(",", "."))
-        return value / float(bottom) if bottom else value
+        value = _bounded(float(top.replace(",", ".")))
+        return _bounded(value / _bounded(float(bottom))) if bottom else value
     except (ValueError, ZeroDivisionError):
         return None
+
+
+def _bounded(value: float) -> float:
+    return min(max(value, -LARGEST), LARGEST)
 
 
 def _words_at(text: str, at: int) -> Found | None:
@@ -175,7 +183,7 @@ def _spoken(text: str, at: int) -> tuple[float | None, int]:
         else:
             break
         word, after = _next_word(text, after)
-    return (total + (part or 0.0) if has_any else None), end
+    return (_bounded(total + (part or 0.0)) if has_any else None), end
 
 
 def _digits(text: str, at: int) -> tuple[str, int]:

@@ -9,7 +9,17 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import SLIDES, Motion, reverse
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import OF_ATOM, Measure, Missing, factor, limit, measure, sized
+from geotlm_lm.query.amounts import (
+    OF_ATOM,
+    Measure,
+    Missing,
+    Recording,
+    component_of,
+    factor,
+    limit,
+    measure,
+    sized,
+)
 from geotlm_lm.query.amounts import usual_unit as unit_of
 from geotlm_lm.query.chance import Judge
 from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Movement
@@ -46,11 +56,24 @@ class Scene:
         both = frozenset({way, aslant}) if aslant else frozenset()
         self.judge = Judge(self.belief, self.limit, self._tightens, self._happens, both)
 
-    def limit(self, name: str, said: Quantity) -> float:
-        """Return an amount that is said in the base unit of what it is compared with."""
-        return limit(name, said, self.frame, self.recording, self.belief)
+    def limit(self, name: str, said: Quantity, lasts_s: float | None = None) -> float:
+        """Return an amount that is said in the base unit of what it is compared with.
 
-    def _happens(self, atom: str) -> bool:
+        Of a speed it is how far that goes while what moves does so, or in `lasts_s`.
+        """
+        recording = self.recording_of(name)
+        if lasts_s is not None:
+            recording = replace(recording, moving_s=lasts_s)
+        return limit(name, said, self.frame, recording, self.belief)
+
+    def recording_of(self, name: str) -> Recording:
+        """Return the file with the time in which what is measured, a name of `OF_ATOM`, moves."""
+        if self.track is None:
+            return self.recording
+        events = [one for one in self.track.of(component_of(name)) if one.begin_s < one.end_s]
+        return replace(self.recording, moving_s=together_s(events) or self.track.seconds)
+
+    def _happens(self, atom: str) -> float:
         if self.track is None:
             raise Missing("track")
         return happens(atom, self.edit, self.track, self.sized)
@@ -87,9 +110,10 @@ class Scene:
             self._back_and_forth(component),
         )
 
-    def amount(self, atom: str) -> Measure:
-        """Return how far something goes, in its usual unit."""
-        return measure(atom, self.belief, self.frame, self.recording)
+    def amount(self, atom: str, unit: str | None = None, per: str | None = None) -> Measure:
+        """Return how far, or how fast, something goes; in its usual unit unless one is given."""
+        recording = self.recording_of(OF_ATOM[atom][0])
+        return measure(atom, self.belief, self.frame, recording, unit, per)
 
     def sized(self, event: Event, atom: str, unit: str | None = None) -> Measure:
         """Return how far an event goes."""
@@ -162,8 +186,3 @@ class Scene:
             rest = self.judge.chance(t.Proposition((t.Literal("still"),)))
             return {"rest": Motion.STILL, "denied": denied, "probability": rest}
         return {"movements": moves, "denied": denied, "probability": min(sure)}
-
-    @property
-    def moving_s(self) -> float | None:
-        """How long what moves does so."""
-        return None if self.track is None else together_s(self.track.events)

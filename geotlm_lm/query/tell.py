@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
-from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass
 from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.query import types as t
@@ -33,6 +33,10 @@ _KINDS = {
     Component.PRESS: MotionClass.PRESS,
 }
 SECOND_CLIP = ("the first", "the second")
+TIMED = ("when", "how-long", "how-often", "order")
+SEPARATE = (*TIMED, "recording", "place", "why", "how-sure", "alternatives")
+"""Asks that of two clips are told of each by itself."""
+
 OFF_CENTRE_SHARE = 1 / 6
 """Share of the image's side from its middle beyond which a place is no longer the middle's."""
 
@@ -44,22 +48,32 @@ def tell(decision: Decision, recording: Recording | None = None) -> str:
         decision: What is told.
         recording: The file, for its times and for questions on itself.
     """
-    ask, recording = decision.part.ask, recording or Recording()
+    ask, recording = decision.part.ask, decision.recording or recording or Recording()
     if decision.missing is not None:
         return replies()["missing"][decision.missing]
     if ask.kind == "unanswerable":
         return replies()["untold"][ask.topic]
     if ask.kind == "talk":
         return replies()["talk"][ask.topic]
-    if ask.kind == "recording":
-        return _recording(ask.topic, recording, decision.frame)
     if ask.kind == "setup":
         return f"I tell it in this frame: {decision.frame.sentence()}."
-    if ask.kind in ("when", "how-long", "how-often", "order"):
-        return _sentence(tell_times(decision, recording))
     is_of_two = decision.part.subject.clip in t.OF_SEVERAL
-    teller = _compare if is_of_two else _TELLERS.get(ask.kind)
+    teller = _of_several if is_of_two else _TELLERS.get(ask.kind)
     return replies()["help"] if teller is None else _sentence(teller(decision, recording))
+
+
+def _of_several(decision: Decision, recording: Recording) -> str:
+    """Return what two clips show: side by side, or each by itself."""
+    ask = decision.part.ask
+    is_motion = all(one.movements or one.rest for one in decision.each)
+    if is_motion and ask.kind not in SEPARATE:
+        return _compare(decision, recording)
+    teller = _TELLERS[ask.kind]
+    parts = [
+        f"{who}: {teller(replace(one, verdict=None), one.recording or recording).rstrip('.')}"
+        for who, one in zip(SECOND_CLIP, decision.each, strict=True)
+    ]
+    return {True: "yes: ", False: "no: ", None: ""}[decision.verdict] + "; ".join(parts)
 
 
 def _sentence(text: str) -> str:
@@ -252,22 +266,26 @@ def _which(decision: Decision, _: Recording) -> str:
     return f"{chosen}: {'; '.join(parts)}, {where_phrase(decision)}"
 
 
-def _recording(topic: str, recording: Recording, frame: FrameSpec) -> str:
+def _recording(decision: Decision, recording: Recording) -> str:
+    topic, frame = decision.part.ask.topic, decision.frame
     rate = recording.rate_hz
+    duration_s = recording.duration_s or (recording.frames / rate if rate else None)
     found = {
         "frames": f"{recording.frames} frames",
         "size": f"{recording.columns} x {recording.rows} pixels",
         "used": f"frames {', '.join(map(str, recording.used))}",
         "rate": f"{rate:g} frames per second" if rate else None,
         "interval": f"{1000 / rate:.3g} ms" if rate else None,
-        "duration": f"{recording.frames / rate:.3g} s" if rate else None,
+        "duration": duration_s and f"{duration_s:.3g} s",
         "scale": frame.mm_per_px and f"{frame.mm_per_px:g} mm per pixel",
     }[topic]
     lacking = "scale" if topic == "scale" else "rate"
-    return replies()["missing"][lacking] if found is None else _sentence(found)
+    return replies()["missing"][lacking] if found is None else found
 
 
 _TELLERS: dict[str, Callable[[Decision, Recording], str]] = {
+    **dict.fromkeys(TIMED, tell_times),
+    "recording": _recording,
     "way": _way,
     "why": _why,
     "kind": _kind,

@@ -8,7 +8,7 @@ from itertools import pairwise
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import Decision
-from geotlm_lm.query.happenings import Happening
+from geotlm_lm.query.happenings import Happening, as_contact
 from geotlm_lm.query.phrases import amount_phrase, where_phrase
 from geotlm_lm.track.events import TOGETHER_S, EventKind
 
@@ -49,7 +49,12 @@ def moment(time_s: float, recording: Recording) -> str:
     """Return a time or a duration: "1.2 s", or a frame's number of a recording without a rate."""
     if recording.rate_hz is not None:
         return f"{time_s:.1f} s"
-    return f"frame {round(time_s / (recording.step_s or 1.0))}"
+    return f"frame {frames(time_s, recording)}"
+
+
+def frames(time_s: float, recording: Recording) -> int:
+    """Return a time or a duration in frames."""
+    return round(time_s / (recording.step_s or 1.0))
 
 
 def tell_times(decision: Decision, recording: Recording) -> str:
@@ -58,10 +63,13 @@ def tell_times(decision: Decision, recording: Recording) -> str:
     found = largest(decision.happenings)
     if ask.kind == "order":
         return _order(decision, found, recording)
-    atom = ask.proposition.literals[0].atom
+    proposition = as_contact(ask.proposition)
+    said = proposition.literals[0]
+    is_plain = len(proposition.literals) == 1 and not said.denied
+    atom = said.atom if is_plain and said.bound is None else ""
     if ask.kind == "how-often":
         count = int(decision.times[0])
-        nouns = _NOUNS.get(atom, ("time", "times"))
+        nouns = _NOUNS.get(said.atom if is_plain else "", ("time", "times"))
         told = f"{count or 'no'} {nouns[count != 1]}"
         return f"{told}: {story(decision, found, recording)}" if found else told
     if not decision.times or (ask.kind == "how-long" and not decision.times[0]):
@@ -71,9 +79,11 @@ def tell_times(decision: Decision, recording: Recording) -> str:
         long = long.removeprefix("frame ") + " frames" if recording.rate_hz is None else long
         return f"for {long}" + (f": {story(decision, found, recording)}" if found else "")
     at = moment(decision.times[0], recording)
-    if not found:
+    if not found and atom == "touch":
         return f"{'it touches from' if ask.edge == 'begin' else 'it is touched until'} {at}"
-    return f"at {at}: {story(decision, found, recording)}"
+    if len(decision.times) == 2:
+        return times_phrase(*decision.times, recording)
+    return f"at {at}" + (f": {story(decision, found, recording)}" if found else "")
 
 
 def largest(found: Sequence[Happening]) -> list[Happening]:

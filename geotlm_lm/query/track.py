@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geotlm_lm.core.twist import COMPONENTS, Component
+from geotlm_lm.core.twist import COMPONENT_OF
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import OF_ATOM, Missing, Recording
+from geotlm_lm.query.amounts import Missing, Recording, component_of
 from geotlm_lm.query.edit import Edit
-from geotlm_lm.query.happenings import Happening, Sized, by_begin, is_so, seen, turned_back
+from geotlm_lm.query.happenings import (
+    Happening,
+    Limit,
+    Sized,
+    as_contact,
+    by_begin,
+    is_so,
+    measured,
+    seen,
+    turned_back,
+)
+from geotlm_lm.query.intervals import outside, within_all, within_any
+from geotlm_lm.query.paths import crossing, played
 from geotlm_lm.query.quantities import in_base
 from geotlm_lm.track.events import TOGETHER_S, EventKind
 from geotlm_lm.track.track import Track
@@ -99,19 +111,18 @@ def _length_s(said: t.Quantity, track: Track, recording: Recording) -> float:
     return _moment_s(said, track, recording)
 
 
-def on_track(
-    ask: t.Ask, edit: Edit, track: Track | None, sized: Sized, limit: Callable[..., float]
-) -> Timed:
+def on_track(ask: t.Ask, edit: Edit, track: Track | None, sized: Sized, limit: Limit) -> Timed:
     """Return what answers "when", "how long", "how often" and "in which order".
 
-    Played backwards, times run from the end.
+    Played backwards, times run from the end. What is said of an amount is so of the events that go
+    that far; "when it had turned more than" is the moment at which the way from the start does.
 
     Args:
         ask: What is asked.
         edit: The point of view.
         track: Of the recording.
         sized: Tells how far an event goes.
-        limit: (what is measured, what is said) -> the same in its base unit.
+        limit: Converts what is said.
 
     Raises:
         Missing: If no recording was followed, or it does not tell.
@@ -120,33 +131,82 @@ def on_track(
         raise Missing("track")
     found = seen(track, edit, sized)
     if ask.kind == "order":
-        return _order(ask, found, track)
-    if ask.kind == "how-often" and _atoms(ask.proposition) == ["reverses"]:
+        return _order(ask, found, track, limit)
+    ask = replace(ask, proposition=as_contact(ask.proposition))
+    if any(one.denied for one in ask.proposition.literals):
+        return _denied(ask, found, played(track, edit), limit)
+    atoms = _atoms(ask.proposition)
+    if ask.kind == "how-often" and atoms == ["reverses"]:
         turns = [one for one in found if one.kind is EventKind.TURN]
         return Timed(None, tuple(turns), (float(len(turned_back(turns))),), _sure(turns, track))
-    if _atoms(ask.proposition) == ["touch"] and ask.kind in ("when", "how-often"):
+    if atoms == ["touch"] and ask.kind in ("when", "how-often"):
         return _contacts(ask, edit, track)
-    chosen = [one for one in found if is_so(one, ask.proposition, found)]
-    if ask.kind == "when" and (crossed := _crossing(ask.proposition, edit, track, limit)):
-        return Timed(None, tuple(chosen), crossed, _sure(chosen, track))
+    bounded = [one for one in ask.proposition.literals if one.bound is not None]
+    if ask.kind == "when" and len(bounded) == 1 and bounded[0].bound.relation == "more":
+        return _crossed(ask, bounded[0], found, played(track, edit), edit, limit)
+    chosen = [one for one in found if is_so(one, ask.proposition, found, limit)]
+    if ask.kind == "when" and atoms == ["none"] and not chosen:  # never touched, or never let go
+        return _denied(replace(ask, proposition=_NOT_TOUCHED), found, played(track, edit), limit)
     if ask.kind == "how-often":
         return Timed(None, tuple(chosen), (float(len(chosen)),), _sure(chosen, track))
     if ask.kind == "how-long":
         return Timed(None, tuple(chosen), (_together(ask, chosen, track),), _sure(chosen, track))
     # That it stops is where its last motion ends.
-    begins = ask.edge == "begin" and _atoms(ask.proposition) != ["stops"]
+    begins = ask.edge == "begin" and atoms != ["stops"]
     times = [one.begin_s for one in chosen][:1] if begins else [one.end_s for one in chosen][-1:]
     return Timed(None, tuple(chosen), tuple(times), _sure(chosen, track))
 
 
-def _order(ask: t.Ask, found: Sequence[Happening], track: Track) -> Timed:
+def _denied(ask: t.Ask, found: Sequence[Happening], track: Track, limit: Limit) -> Timed:
+    """Return for which times something is so of which a part is denied: all but its own."""
+    whole = (float(track.times_s[0]), float(track.times_s[-1]))
+    spans = []
+    for one in ask.proposition.literals:
+        said = t.Proposition((replace(one, denied=False),))
+        if one.atom in ("touch", "none"):
+            own = list(track.contacts())
+            own = own if one.atom == "touch" else outside(own, whole)
+        else:
+            own = [(each.begin_s, each.end_s) for each in found if is_so(each, said, found, limit)]
+        spans.append(outside(own, whole) if one.denied else own)
+    spans = (within_all if ask.proposition.joint == "and" else within_any)(spans)
+    spans = [one for one in spans if one[1] > one[0]]
+    if ask.kind == "when":
+        times = spans[0] if spans and ask.edge == "begin" else tuple(end for _, end in spans[-1:])
+    elif ask.kind == "how-long":
+        times = (sum(end - begin for begin, end in spans),)
+    else:
+        times = (float(len(spans)),)
+    return Timed(None, (), times, _sure(found, track))
+
+
+def _crossed(
+    ask: t.Ask, said: t.Literal, found: Sequence[Happening], track: Track, edit: Edit, limit: Limit
+) -> Timed:
+    """Return when a way, or a speed, first or last is more than what is said."""
+    beyond = crossing(said, edit, track, limit)
+    if not len(beyond):
+        return Timed(None, (), (), _sure(found, track))
+    at = float(beyond[0 if ask.edge == "begin" else -1])
+    component = component_of(measured(said))
+    during = [
+        one
+        for one in found
+        if one.begin_s <= at <= one.end_s
+        and one.kind is not EventKind.TOUCH
+        and COMPONENT_OF.get(one.way) is component
+    ]
+    return Timed(None, tuple(during), (at,), _sure(during or found, track))
+
+
+def _order(ask: t.Ask, found: Sequence[Happening], track: Track, limit: Limit) -> Timed:
     if ask.of is None:
         return Timed(None, tuple(found), (), _sure(found, track))
     firsts = []
     for atom in (ask.of, ask.then):
         if atom is not None:
             said = t.Proposition((t.Literal(atom),))
-            firsts.append(next((one for one in found if is_so(one, said, found)), None))
+            firsts.append(next((one for one in found if is_so(one, said, found, limit)), None))
     if None in firsts:
         return Timed(False, tuple(one for one in firsts if one), (), _sure(found, track))
     if len(firsts) == 1:
@@ -157,10 +217,7 @@ def _order(ask: t.Ask, found: Sequence[Happening], track: Track) -> Timed:
 
 
 def _contacts(ask: t.Ask, edit: Edit, track: Track) -> Timed:
-    spans = list(track.contacts())
-    if edit.backwards:
-        total = float(track.times_s[0] + track.times_s[-1])
-        spans = [(total - end, total - begin) for begin, end in reversed(spans)]
+    spans = played(track, edit).contacts()
     sure = float(track.contact.max(initial=0.0))
     sure = max(sure, 1 - sure)
     if ask.kind == "how-often":
@@ -184,52 +241,8 @@ def _sure(chosen: Sequence[Happening], track: Track) -> float:
     return min((one.probability for one in chosen), default=max(touched, 1 - touched))
 
 
+_NOT_TOUCHED = t.Proposition((t.Literal("touch", denied=True),))
+
+
 def _atoms(proposition: t.Proposition) -> list[str]:
     return [one.atom for one in proposition.literals]
-
-
-def _crossing(
-    proposition: t.Proposition, edit: Edit, track: Track, limit: Callable[..., float]
-) -> tuple[float, ...]:
-    """Return when a way first goes beyond what is said: "when had it turned more than 20 deg"."""
-    bounded = [one for one in proposition.literals if one.bound is not None]
-    if len(bounded) != 1 or edit.backwards:
-        return ()
-    atom = "turn" if bounded[0].atom == "move" else bounded[0].atom
-    if atom not in OF_ATOM:
-        raise Missing("unit")
-    name, sign = OF_ATOM[atom]
-    least = limit(name, bounded[0].bound.low)
-    way = track.path_from_start @ edit.matrix.T
-    place = {"turn": 0, "x": 1, "y": 2, "inward": 3}
-    far = np.hypot(way[:, 1], way[:, 2]) if name == "slide" else way[:, place[name]]
-    far = far * sign if sign else np.abs(far)
-    beyond = np.flatnonzero(far >= least)
-    return (float(track.times_s[beyond[0]]),) if len(beyond) else ()
-
-
-def peak(
-    track: Track | None, component: Component, *, is_speed: bool
-) -> tuple[float, float, float]:
-    """Return the greatest way from the start, or the greatest speed, and its deviation and time.
-
-    In degrees, pixels or mm, or the same per second; of either sign.
-
-    Raises:
-        Missing: If no recording was followed.
-    """
-    if track is None:
-        raise Missing("track")
-    if is_speed:
-        time_s, speed = track.fastest(component)
-        net = track.path(component)
-        share = net.deviation / max(net.mean, 1e-6)
-        return abs(speed), abs(speed) * min(share, 1.0), time_s
-    column = COMPONENTS.index(component)
-    way, doubt = track.path_from_start, track.path_deviations
-    if component is Component.SLIDE:
-        far, off = np.hypot(way[:, 1], way[:, 2]), np.max(doubt[:, 1:3], axis=1)
-    else:
-        far, off = np.abs(way[:, 3 * (column == 2)]), doubt[:, 3 * (column == 2)]
-    place = int(np.argmax(far))
-    return float(far[place]), float(off[place]), float(track.times_s[place])

@@ -67,14 +67,12 @@ def _each(
     part: t.Part, evidence: Evidence, frame: FrameSpec, decide: Decide
 ) -> tuple[Decision, Decision]:
     plain = replace(part, subject=replace(part.subject, clip=None))
-    found = (
-        decide(plain, replace(evidence, second=None), frame),
-        decide(plain, evidence.second, frame),
-    )
-    for one in found:
+    clips = (replace(evidence, second=None), evidence.second)
+    first, second = (replace(decide(plain, one, frame), recording=one.recording) for one in clips)
+    for one in (first, second):
         if one.missing is not None:
             raise Missing(one.missing)
-    return found
+    return first, second
 
 
 _OF_AMOUNTS = ("more", "less", "which-more", "which-less")

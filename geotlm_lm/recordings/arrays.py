@@ -71,6 +71,7 @@ def read_archive(path: Path, layout: str | None = None) -> Clip:
         background=still_to_rgb(idle, order, name) if idle is not None else None,
         name=name,
         frame_numbers=clip.frame_numbers,
+        recorded_frames=clip.recorded_frames,
         notes=clip.notes,
     )
 
@@ -249,7 +250,8 @@ def _to_clip(
     notes, count, stride = (layout_note, range_note), count or len(stored), step * more
     if stride > 1:
         notes = (*notes, stride_note(stride, count))
-    return Clip(frames, name=name, frame_numbers=tuple(range(0, count, stride)), notes=notes)
+    numbers = tuple(range(0, count, stride))
+    return Clip(frames, name=name, frame_numbers=numbers, notes=notes, recorded_frames=count)
 
 
 def _one_number(value: NDArray, name: str) -> float | None:

@@ -137,6 +137,7 @@ def read_bag(path: Path, topic: str | None = None) -> Clip:
         fps=fps,
         name=name,
         frame_numbers=tuple(range(0, seen, stride)),
+        recorded_frames=seen,
         notes=tuple(notes),
         times_s=uneven_times_s(times_ms, fps),
     )

@@ -63,6 +63,7 @@ def read_folder(folder: Path) -> Clip:
         background=None if idle is None else read_still_image(idle),
         name=str(folder),
         frame_numbers=tuple(range(0, len(paths), stride)),
+        recorded_frames=len(paths),
         notes=notes,
     )
 

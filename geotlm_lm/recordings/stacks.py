@@ -64,7 +64,13 @@ def read_stack(path: Path) -> Clip:
     if not is_whole:
         notes.append(f"Only the first {len(sizes)} frames were read; cut the recording.")
     numbers = tuple(range(0, len(sizes), stride))
-    return Clip(frames, name=name, frame_numbers=numbers, notes=tuple(notes))
+    return Clip(
+        frames,
+        name=name,
+        frame_numbers=numbers,
+        notes=tuple(notes),
+        recorded_frames=len(sizes),
+    )
 
 
 def _decoded(name: str, count: int, stride: int) -> list[np.ndarray]:

@@ -68,6 +68,7 @@ def read_video(path: Path) -> Clip:
         fps=fps,
         name=str(path),
         frame_numbers=tuple(range(0, seen, stride)),
+        recorded_frames=seen,
         notes=notes,
         times_s=uneven_times_s(times_ms, fps),
     )

@@ -157,7 +157,17 @@ def test_a_speed_takes_a_frame_rate(bundle):
     assert answerer.ask(timed, "amount turn per-s").amount.value == pytest.approx(500, rel=0.01)
     assert answerer.ask(timed, "amount turn turn per-min").amount.unit == "turn/min"
     untimed = answerer.encode(recording())
-    assert "frame rate" in answerer.ask(untimed, "amount turn per-s").text
+    assert "--fps 25" in answerer.ask(untimed, "amount turn per-s").text
+
+
+@pytest.mark.parametrize("text", ["fact rate #1", "fact rate #1 ; amount turn per-s"])
+def test_a_frame_rate_that_is_only_said_is_refused_not_noted(bundle, text):
+    answerer = feeling(bundle, "clockwise")
+    reader = answerer.bundle.reader
+    reader.lines["recorded at 25 fps"] = text
+    answer = answerer.ask(answerer.encode(recording()), "recorded at 25 fps")
+    assert answer.abstained
+    assert "--fps 25" in answer.text
 
 
 def test_talk_claims_nothing_and_is_no_failure(bundle):

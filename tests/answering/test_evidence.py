@@ -1,5 +1,8 @@
 """The regions beside an answer are those of the field it was pooled from, each by its own name."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 import torch
 
@@ -9,7 +12,9 @@ from geotlm_lm.backbone.view import View
 from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
-from tests.answering.scripted import recording
+from geotlm_lm.recordings.read import read_clip
+from tests.answering.scripted import answerer_saying, recording
+from tests.tiny_bundle import tiny_bundle
 
 
 def test_every_region_has_its_own_means_of_the_shear_change():
@@ -34,3 +39,29 @@ def test_every_region_has_its_own_means_of_the_shear_change():
         "global": pytest.approx((0.5, -1.0)),
     }
     assert {one["contact_mass"] for one in regions.values()} == {0.25}
+
+
+def told_of_file(answerer, clip, **options):
+    encoded = answerer.encode(clip, **options)
+    return [answerer.ask(encoded, f"recording {topic}").text for topic in ("frames", "duration")]
+
+
+def test_the_file_is_told_as_long_as_it_is_however_few_frames_were_looked_at():
+    answerer = answerer_saying(tiny_bundle(), {})
+    assert told_of_file(answerer, recording(2, fps=25.0)) == ["2 frames.", "0.08 s."]
+    hundred = recording(100, fps=25.0)
+    assert told_of_file(answerer, hundred, span=(24, 26)) == ["100 frames.", "4 s."]
+    read = replace(hundred.select([0, 30, 60, 90]), recorded_frames=100)  # as of a long file
+    assert told_of_file(answerer, read) == ["100 frames.", "4 s."]
+
+
+def test_what_was_read_at_a_stride_knows_how_many_frames_there_were(tmp_path, monkeypatch):
+    monkeypatch.setattr("geotlm_lm.recordings.arrays.stride_for", lambda *given: 3)
+    np.save(tmp_path / "long.npy", recording(11).frames)
+    clip = read_clip(tmp_path / "long.npy")
+    assert (clip.frame_numbers, clip.recorded_frames) == ((0, 3, 6, 9), 11)
+
+
+def test_uneven_times_tell_how_long_it_is():
+    clip = replace(recording(3, fps=10.0), times_s=(0.0, 0.1, 0.9))
+    assert clip.recorded_s == pytest.approx(1.0)

@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app import handlers
+from app.example_clips import FOLDER
 from geotlm_lm import read_clip
 from geotlm_lm.cli.main import main
 
-FOLDER = Path(handlers.EXAMPLE_CLIPS[0]).parent
+CLIPS = sorted(FOLDER.glob("*.npz"))
 COMMANDS = re.findall(r"^geotlm-lm (.*)$", (FOLDER / "README.md").read_text(), re.MULTILINE)
 
 
 def test_every_clip_on_offer_has_its_command():
     named = sorted(Path(shlex.split(command)[2]).name for command in COMMANDS)
-    assert named == [Path(path).name for path in handlers.EXAMPLE_CLIPS]
+    assert named == [path.name for path in CLIPS]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -35,7 +35,7 @@ def test_a_clip_is_what_its_command_makes(tmp_path, command):
     assert made.notes == kept.notes
 
 
-@pytest.mark.parametrize("path", handlers.EXAMPLE_CLIPS, ids=lambda path: Path(path).stem)
+@pytest.mark.parametrize("path", CLIPS, ids=lambda path: path.stem)
 def test_a_clips_name_tells_its_object_and_motion(path):
     label = json.loads(str(np.load(path)["label"]))
-    assert Path(path).stem == f"{label['object']}_{label['motion']}"
+    assert path.stem == f"{label['object']}_{label['motion']}"

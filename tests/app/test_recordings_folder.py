@@ -1,11 +1,14 @@
 """The folder that is served lists recordings alone, and nothing outside it can be named."""
 
 import os
+from pathlib import Path
 
 import pytest
 
 from app import recordings_folder
 from app.recordings_folder import RecordingsFolder
+from app.sources import Sources
+from app.uploads import Uploads
 from geotlm_lm import GeoTLMError
 
 
@@ -73,6 +76,32 @@ def test_what_is_not_listed_is_refused_in_one_sentence(root, name):
     assert str(caught.value) == (
         f"There is no recording {name!r}; the tool recordings lists the names there are."
     )
+
+
+def test_a_folder_that_may_not_be_read_and_a_name_that_is_no_text_are_left_out(root, monkeypatch):
+    before, listdir = names(root), os.listdir
+    (root / "closed").mkdir()
+    (root / os.fsdecode(b"caf\xe9.npz")).write_bytes(b"12345")
+
+    def guarded(place):
+        if Path(place).name == "closed":
+            raise PermissionError(place)
+        return listdir(place)
+
+    monkeypatch.setattr(os, "listdir", guarded)
+    assert names(root) == before
+    for name in ("closed", "closed/a.npz", os.fsdecode(b"caf\xe9.npz")):
+        with pytest.raises(GeoTLMError, match="^There is no recording "):
+            RecordingsFolder(root).path_of(name)
+
+
+def test_an_upload_that_is_gone_is_told(tmp_path):
+    uploads = Uploads(tmp_path)
+    with (
+        pytest.raises(GeoTLMError, match="^The upload is not on the server any more; send "),
+        Sources(uploads).opened(str(tmp_path / "gone.npz")),
+    ):
+        pass
 
 
 def test_more_than_can_be_listed_is_said_to_be_there(root, monkeypatch):

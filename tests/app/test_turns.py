@@ -1,5 +1,6 @@
 """The model is handed on in the order it is asked for, and long work lets others in: no clock."""
 
+import threading
 import time
 from threading import Thread
 
@@ -113,6 +114,55 @@ def test_who_waits_is_told_the_place_in_the_line(monkeypatch):
             time.sleep(0.001)
     thread.join()
     assert told[0] == ("waiting for the model, 1 before you", 0, 1)
+
+
+def failing(what, done, total):
+    """Fail as a page that was closed while it waited."""
+    if what.startswith("waiting") and threading.current_thread().name != "patient":
+        raise ConnectionError(what)
+
+
+def test_who_cannot_be_told_the_place_leaves_the_line(monkeypatch):
+    monkeypatch.setattr("app.turns.TOLD_EVERY_S", 0.001)
+    turns, failed = Turns(failing), []
+
+    def work():
+        with pytest.raises(ConnectionError), turns.turn():
+            pass
+        failed.append(turns.waiting)
+
+    with turns.turn():
+        started(work, turns, 0).join(60)
+    assert failed == [0]
+    with turns.turn():
+        pass
+
+
+def test_long_work_that_fails_in_line_gives_nobody_elses_turn_away(monkeypatch):
+    monkeypatch.setattr("app.turns.TOLD_EVERY_S", 0.001)
+    turns, has_failed, order = Turns(failing, slice_s=0.0), threading.Event(), []
+
+    def work(name):
+        threading.current_thread().name = "patient"
+        with turns.turn():
+            if name == "question":
+                has_failed.wait(60)
+            order.append(name)
+
+    def track(threads):
+        with turns.turn() as turn:
+            threads.append(started(lambda: work("question"), turns, 1))
+            turn.progress("tracking", 1, 2)
+
+    threads = []
+    with pytest.raises(ConnectionError):
+        track(threads)
+    threads.append(started(lambda: work("next"), turns, 0))
+    threads[1].join(0.1)
+    has_failed.set()
+    for thread in threads:
+        thread.join()
+    assert order == ["question", "next"]
 
 
 def test_a_question_is_answered_between_two_frames_of_somebody_elses_recording():

@@ -89,6 +89,23 @@ def test_a_claim_and_its_denial_are_never_both_so(proposition, belief, edit):
     assert proposition.deny().deny().literals == proposition.literals
 
 
+bounds = st.tuples(
+    st.sampled_from(("more", "less", "about", "between")), st.floats(-30, 30), st.floats(-30, 30)
+)
+
+
+@given(st.sampled_from(sorted(t.WAY_ATOMS)), bounds, beliefs(), edits)
+@settings(max_examples=40, deadline=None)
+def test_a_way_and_an_amount_are_no_likelier_than_the_way(atom, bound, belief, edit):
+    relation, low, high = bound
+    ends = t.Quantity(low), t.Quantity(high) if relation == "between" else None
+    plain, bounded = (
+        decide(t.Part(t.Ask("how-sure", t.Proposition((said,))), edit), Evidence(belief), FRAME)
+        for said in (t.Literal(atom), t.Literal(atom, t.Bound(relation, *ends)))
+    )
+    assert bounded.chances[0] <= plain.chances[0] + 1e-9
+
+
 @given(beliefs(), edits)
 @settings(max_examples=40, deadline=None)
 def test_claim_choice_and_open_question_agree(belief, edit):
@@ -137,6 +154,8 @@ def test_every_query_is_decided_and_told(query, belief, track, has_second):
         ("between 10 and 20 degrees?", "claim turn in-range #1 #2", True),
         ("about 13 degrees?", "claim turn ~ #1", True),
         ("clockwise and more than 10 degrees?", "claim cw and turn > #1", True),
+        ("clockwise by less than 20 degrees?", "claim cw < #1", True),
+        ("counterclockwise by less than 20 degrees?", "claim ccw < #1", False),
         ("faster than 10 degrees per second?", "claim turn > #1", True),
         ("faster than 5 rpm?", "claim turn > #1", False),
         ("more than 10?", "claim turn > #1", True),

@@ -3,7 +3,7 @@
 import pytest
 from hypothesis import given, settings
 
-from geotlm_lm.query.quantities import quantities
+from geotlm_lm.query.quantities import LARGEST, quantities
 from geotlm_lm.query.text import next_words, read, write
 from geotlm_lm.query.types import Quantity, filled
 from geotlm_lm.query.words import Malformed
@@ -71,6 +71,24 @@ def test_a_quantity_is_found_with_its_unit(text, value, unit):
 @pytest.mark.parametrize("text", ["Which one?", "the 1st clip", "a quarter", "bolt B2", "a few mm"])
 def test_what_is_no_quantity_is_left(text):
     assert quantities(text) == ()
+
+
+NINES = "9" * 5000
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        (f"{NINES} degrees", LARGEST),
+        (f"-{NINES} degrees", -LARGEST),
+        (f"{NINES}/{NINES} degrees", 1),
+        (f"1 {NINES}/4 degrees", 1 + LARGEST / 4),
+        (f"1 1/{NINES} degrees", 1),
+        ("a thousand " + "thousand " * 200 + "degrees", LARGEST),
+    ],
+)
+def test_a_number_of_any_length_is_one_quantity(text, value):
+    assert quantities(text) == (Quantity(pytest.approx(value), "deg"),)
 
 
 def test_two_ends_of_a_range_are_two_quantities():

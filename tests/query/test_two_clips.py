@@ -7,9 +7,12 @@ import pytest
 from geotlm_lm.core.labels import DIRECTED, Motion, mirror, reverse
 from geotlm_lm.query.decision import Evidence
 from geotlm_lm.query.execute import decide
+from geotlm_lm.query.forms import as_json, decided, in_form
+from geotlm_lm.query.tell import tell
 from geotlm_lm.query.text import read
+from geotlm_lm.query.types import FORMS
 from tests.answering.scripted import believed
-from tests.query.test_execute import FRAME, RECORDING
+from tests.query.test_execute import FRAME, RECORDING, certain, whole
 
 WAYS = (*DIRECTED, Motion.PRESS, Motion.RELEASE)
 OTHER_SIZE = replace(RECORDING, columns=640, rows=480)
@@ -78,3 +81,51 @@ def test_which_goes_further_is_as_sure_as_their_spreads_are_apart():
         sure.append(found.probability)
     assert sure == sorted(sure, reverse=True)
     assert sure[0] > 0.9 > 0.7 > sure[-1]
+
+
+def of_two_recordings(text):
+    """The first turns, slides and is let go; of the second, at 50 Hz, only the touch is kept."""
+    track = whole()
+    held = replace(track, events=track.events[:2])
+    faster = replace(RECORDING, rate_hz=50.0, frames=51)
+    second = Evidence(certain(), recording=faster, track=held)
+    evidence = Evidence(certain(turn=20, right=-30), second, RECORDING, track)
+    return decide(read(text).parts[0], evidence, FRAME)
+
+
+@pytest.mark.parametrize(
+    ("text", "first", "second"),
+    [
+        ("of-each > how-often turn", "1 turn: it turns", "no turns"),
+        ("of-both > how-often reverses", "no turns back", "no turns back"),
+        ("of-each > how-long turn", "for 1.0 s: it turns", "it does not turn"),
+        ("of-both > when turn begin", "at 1.0 s: it turns", "it does not turn"),
+        ("of-each > when touch begin", "it touches from 0.0 s", "it touches from 0.0 s"),
+        ("of-both > order", "it touches at 0.0 s", "it touches at 0.0 s"),
+        ("of-each > recording frames", "100 frames", "51 frames"),
+        ("of-each > recording rate", "25 frames per second", "50 frames per second"),
+        ("of-both > how-sure", "about", "about"),
+    ],
+)
+def test_times_and_files_of_two_are_told_of_each_by_itself(text, first, second):
+    found = of_two_recordings(text)
+    told = tell(found, RECORDING)
+    assert told.startswith(f"The first: {first}")
+    assert f"; the second: {second}" in told
+    assert all(in_form([found], form, RECORDING) for form in FORMS)
+
+
+def test_counts_of_two_are_given_to_programs_one_by_one():
+    found = of_two_recordings("of-each > how-often turn")
+    assert decided(found, RECORDING) == "1; 0"
+    assert [one["count"] for one in as_json([found], RECORDING, 1.0)["each"]] == [1, 0]
+
+
+def test_a_recording_that_is_named_is_the_one_told_of():
+    assert tell(of_two_recordings("of-second > recording frames"), RECORDING) == "51 frames."
+
+
+@pytest.mark.parametrize("ask", ["help", "not-understood", "talk thanks", "setup frame"])
+def test_what_no_clip_answers_is_the_same_of_both(ask):
+    found = compared(f"of-both > {ask}", "left", "left")
+    assert tell(found) == tell(compared(ask, "left", "left"))
