@@ -21,7 +21,7 @@ from geotlm_lm.core.labels import DIRECTED, Motion, reverse
 from geotlm_lm.core.twist import WAYS
 from geotlm_lm.query import types as t
 from geotlm_lm.query.decision import Decision, Evidence
-from geotlm_lm.query.execute import decide
+from geotlm_lm.query.execute import execute
 from geotlm_lm.query.facts import with_facts
 from geotlm_lm.query.forms import decided, in_form
 from geotlm_lm.query.replies import replies
@@ -108,11 +108,6 @@ class _Decided:
 
 
 def _decided(query: t.Query, frame: FrameSpec, clips: tuple[Encoded, ...]) -> tuple[_Decided, ...]:
-    try:
-        now = with_facts(frame, query.facts, clips[-1].clip.frames.shape[2])
-    except UsageError:  # no camera has such pixels
-        lacks = (Decision(part, frame, missing="pixel") for part in query.parts)
-        return tuple(_Decided(one, clips[-1:]) for one in lacks)
     found = []
     for part in query.parts:
         about = clips
@@ -120,7 +115,8 @@ def _decided(query: t.Query, frame: FrameSpec, clips: tuple[Encoded, ...]) -> tu
             is_first = part.subject.clip in ("first", "previous")
             about = clips[:1] if is_first else clips[-1:]
             part = replace(part, subject=replace(part.subject, clip=None))
-        found.append(_Decided(decide(part, evidence_of(*about), now), about))
+        alone = replace(query, parts=(part,))
+        found.append(_Decided(*execute(alone, evidence_of(*about), frame), about))
     return tuple(found)
 
 

@@ -17,9 +17,6 @@ from geotlm_lm.query.types import PER, UNITS, WAY_ATOMS
 SPAN_DEVIATIONS = 1.645
 """Deviations either side that hold nine tenths of a bell."""
 
-LENGTHS = ("turn", "x", "y", "inward", "slide")
-"""What is measured: four signed components of the twist and the length of the slide."""
-
 OF_ATOM: dict[str, tuple[str, int]] = {
     "cw": ("turn", 1),
     "ccw": ("turn", -1),
@@ -170,7 +167,7 @@ def _two_digits_up(value: float) -> float:
 
 
 def bell(belief: Belief, name: str) -> tuple[float, float]:
-    """Return the mean and deviation of one of `LENGTHS`, px of the 224-pixel image."""
+    """Return mean and deviation of what `OF_ATOM` names; lengths in px of the 224-pixel image."""
     mean = belief.mean
     if name == "slide":
         from_x, from_y = mean.right_px, mean.down_px

@@ -7,15 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import pairwise, product
 from statistics import NormalDist
 
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE, TOLERANCES
 from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, WAYS
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.query.amounts import BASES, OF_ATOM, Missing, atom_of, bell
-from geotlm_lm.query.quantities import Quantity, sharing_units
+from geotlm_lm.query.amounts import OF_ATOM, Missing, bell
+from geotlm_lm.query.bounds import measured, meets
+from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.types import COMPONENT_ATOMS, EVENT_ATOMS, WAY_ATOMS, Literal, Proposition
 
 _COMPONENT = {"turn": "turn", "inward": "press"}
@@ -81,7 +82,7 @@ class Judge:
     def chances(self, propositions: list[Proposition]) -> list[float]:
         """Return how probable each is, and as a last one that none of them is."""
         bounded = {
-            self._measured(one)
+            measured(one)
             for proposition in propositions
             for one in proposition.literals
             if one.bound is not None
@@ -130,38 +131,18 @@ class Judge:
             raise Missing("track")
         return not state.touches
 
-    def _measured(self, literal: Literal) -> str:
-        atom = literal.atom
-        if atom == "move":
-            ends = [one for one in (literal.bound.low, literal.bound.high) if one is not None]
-            atom = atom_of(sharing_units(ends)[-1].unit)
-        if atom not in OF_ATOM:
-            raise Missing("unit")
-        return OF_ATOM[atom][0]
-
     def _within(self, literal: Literal, state: State) -> bool:
-        name, bound = self._measured(literal), literal.bound
-        way, sign = WAY_ATOMS.get(literal.atom), OF_ATOM.get(literal.atom, ("", 0))[1]
-        amount = state.amounts[name] * sign if sign else abs(state.amounts[name])
-        ends = sharing_units([one for one in (bound.low, bound.high) if one is not None])
-        low, high = self.limit(name, ends[0]), self.limit(name, ends[-1])
-        low, high = (min(low, high), max(low, high))
-        # "-20 degrees" goes against the way that is positive: what it denies is the sign.
-        if low < 0 and not sign:
-            amount = state.amounts[name]
+        name, way = measured(literal), WAY_ATOMS.get(literal.atom)
+        amount = state.amounts[name]
         # What goes the other way goes this way by no amount, not even by less than another.
-        if way is not None and (way not in state.ways or amount < 0):
+        if way is not None and (way not in state.ways or amount * OF_ATOM[literal.atom][1] < 0):
             return False
-        if bound.relation == "less":
-            return amount < high
+        component = _COMPONENT.get(name, "slide")
+        counts = any(COMPONENT_OF[one].value == component for one in state.ways)
         # What does not count goes no half degree either, however small that is.
-        if not any(COMPONENT_OF[way].value == _COMPONENT.get(name, "slide") for way in state.ways):
+        if not counts and literal.bound.relation != "less":
             return False
-        if bound.relation == "more":
-            return amount > low
-        far = max(TOLERANCES[BASES[name]], RELATIVE_TOLERANCE * abs(low))
-        far = far if bound.relation == "about" else 0.0
-        return low - far <= amount <= high + far
+        return meets(literal, amount, partial(self.limit, name))
 
     def _events(self, atoms: list[str]) -> Iterator[tuple[dict[str, bool], float]]:
         """Yield which of some things happen, and how probable that is.

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from geotlm_lm.core.labels import Motion, reverse
-from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE, TOLERANCES
 from geotlm_lm.core.twist import COMPONENT_OF, COUNTING_PX, Twist
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import BASES, OF_ATOM, Measure, Missing, atom_of
+from geotlm_lm.query.amounts import Measure, Missing
+from geotlm_lm.query.bounds import measured, meets
 from geotlm_lm.query.edit import Edit
-from geotlm_lm.query.quantities import Quantity, sharing_units
+from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.track.events import Event, EventKind
 from geotlm_lm.track.track import Track
 from geotlm_lm.track.whole import path_of_event
@@ -139,38 +139,13 @@ def as_contact(proposition: t.Proposition) -> t.Proposition:
     return t.Proposition((t.Literal(_CONTRARY[first.atom], first.bound),))
 
 
-def measured(said: t.Literal) -> str:
-    """Return what a literal with a bound is measured by: a name of `OF_ATOM`.
-
-    Raises:
-        Missing: If it has no amount.
-    """
-    atom = said.atom
-    if atom == "move":
-        ends = [one for one in (said.bound.low, said.bound.high) if one is not None]
-        atom = atom_of(sharing_units(ends)[-1].unit)
-    if atom not in OF_ATOM:
-        raise Missing("unit")
-    return OF_ATOM[atom][0]
-
-
 def _goes(one: Happening, said: t.Literal, limit: Limit) -> bool:
     """Tell whether an event goes as far, or as fast, as a literal says."""
-    name, bound = measured(said), said.bound
-    ends = sharing_units([end for end in (bound.low, bound.high) if end is not None])
+    name, twist = measured(said), one.twist
     lasts_s = max(one.end_s - one.begin_s, 1e-9)
-    low, high = sorted((limit(name, ends[0], lasts_s), limit(name, ends[-1], lasts_s)))
-    sign = OF_ATOM.get(said.atom, ("", 0))[1]
-    twist = one.twist
     amount = {"turn": twist.turn_deg, "x": twist.right_px, "y": twist.down_px,
               "slide": twist.slide_px, "inward": twist.inward_mm}[name]  # fmt: skip
-    # "-20 degrees" goes against the way that is positive.
-    amount = amount * sign if sign else amount if low < 0 else abs(amount)
-    if bound.relation in ("less", "more"):
-        return amount < high if bound.relation == "less" else amount > low
-    far = max(TOLERANCES[BASES[name]], RELATIVE_TOLERANCE * abs(low))
-    far = far if bound.relation == "about" else 0.0
-    return low - far <= amount <= high + far
+    return meets(said, amount, lambda end: limit(name, end, lasts_s))
 
 
 def by_begin(one: Happening) -> tuple[float, bool, bool]:

@@ -166,12 +166,6 @@ class Track:
         is_free = touched[late + 1] == touched[early]
         return way / seconds, np.where(is_free[:, None], 0.0, np.sqrt(doubt + off) / seconds)
 
-    def fastest(self, component: Component) -> tuple[float, float]:
-        """Return when it was fastest (seconds), and how fast: a second, signed but for a slide."""
-        speed = self.speed(component)
-        place = int(np.argmax(np.abs(speed)))
-        return float(self.times_s[place]), float(speed[place])
-
     def contacts(self) -> tuple[tuple[float, float], ...]:
         """Return from when to when something touched, seconds, one pair for each touch."""
         edges = np.flatnonzero(np.diff(np.concatenate([[0], self.is_touched, [0]])))
