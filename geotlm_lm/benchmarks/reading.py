@@ -22,7 +22,7 @@ Each question is read into a query by the language model. *Exact* is every word 
 numbers included, but for the order of facts; *kind* is what sort of thing is asked. Families of
 phrasing, and their clauses, were kept from training; the *blind* questions were written by people
 who had seen neither a template nor a rule, and nothing was chosen by them; the *tune* questions,
-written so too, are what readers were chosen by."""
+written so too, are what readers were chosen and calibrated by."""
 
 EXACT, KIND = "exact query", "kind of ask"
 SURE = 0.8
