@@ -30,6 +30,7 @@ from geotlm_lm.query.clauses import (
     topic_of,
 )
 from geotlm_lm.query.noise import roughened
+from geotlm_lm.query.own_wordings import own_clauses, own_families, own_words
 from geotlm_lm.query.quantities import find
 from geotlm_lm.query.text import read, write
 from geotlm_lm.query.types import ASKS
@@ -94,8 +95,12 @@ class Grammar:
             self.words |= plain.pop("words", {})
             self.words |= plain
             self.words |= {part["name"]: part for part in one.get("quantity", ())}
+        own = own_words(folder.parent)
+        self.words |= own
         self.families = [_family(one) for file in told for one in file.get("family", ())]
+        self.families += own_families(folder.parent)
         self.clauses = [_clause(one) for file in told for one in file.get("clause", ())]
+        self.clauses += own_clauses(own)
         self._check()
 
     def _check(self) -> None:

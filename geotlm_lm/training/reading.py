@@ -204,7 +204,7 @@ def _step(
     count = sum(len(ids) - start for ids, start in rows)
     optimiser.zero_grad(set_to_none=True)
     total = 0.0
-    parts = 2
+    parts = 8
     for place in range(parts):
         part = rows[place * len(rows) // parts : (place + 1) * len(rows) // parts]
         if part:

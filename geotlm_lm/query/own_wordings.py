@@ -1,0 +1,128 @@
+"""The wordings of the product's own question types as families of the grammar of questions.
+
+What each means stands in data_templates/query/own.toml. Wordings that are held out of training
+there are of the "test" split here.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from geotlm_lm.query.clauses import Clause, Family
+from geotlm_lm.query.types import ASKS
+
+ATOM_OF = {"clockwise": "cw", "counterclockwise": "ccw", "press": "in", "release": "out"}
+"""Words of a query for motions that it calls otherwise."""
+
+FORMS = ("doing", "naming", "short")
+OPTION_STYLES = ("{}) {}", "({}) {}", "{}. {}", "{}: {}")
+SEPARATORS = (", ", " ", "; ")
+_SLOT = re.compile(r"\{(\w+)\}")
+_CHOICE = re.compile(r"\[([^\[\]]*\|[^\[\]]*)\]")
+_MARKS = ".?! "
+
+
+def own_words(folder: Path) -> dict[str, Any]:
+    """Return the word lists that own wordings are filled from, named "own-...".
+
+    Args:
+        folder: Where the question types and slots.toml lie.
+    """
+    told = tomllib.loads((folder / "slots.toml").read_text(encoding="utf-8"))
+    found: dict[str, Any] = {
+        f"own-{name}": [_renamed(word) for word in entry["words"]]
+        for name, entry in told["slots"].items()
+    }
+    for form in FORMS:
+        found[f"own-{form}"] = {
+            ATOM_OF.get(motion, motion): [_renamed(text) for text in forms[form]]
+            for motion, forms in told["motions"].items()
+        }
+    rest = ("still", "none")
+    found["own-directed"] = {key: x for key, x in found["own-doing"].items() if key not in rest}
+    return found
+
+
+def own_clauses(words: dict[str, Any]) -> list[Clause]:
+    """Return what the product's own questions have before and behind them."""
+    behind = [word.strip() for word in words["own-closer"]]
+    said = {
+        "before": tuple(word.strip() for word in words["own-opener"]),
+        "after": tuple(word for word in behind if not word.endswith(".")),
+        "alone_after": tuple(word[:-1] for word in behind if word.endswith(".")),
+    }
+    return [Clause("noise/own-openers-and-closers", "noise", "", said)]
+
+
+def own_families(folder: Path) -> list[Family]:
+    """Return a family of every wording, and of every form that it offers a motion in.
+
+    Args:
+        folder: As `own_words` has it.
+    """
+    meant = tomllib.loads((folder / "query" / "own.toml").read_text(encoding="utf-8"))
+    found = []
+    for path in sorted(folder.glob("t[0-9]*.toml")):
+        told = tomllib.loads(path.read_text(encoding="utf-8"))
+        meanings = meant.get(told["id"], {})
+        for wording in told["wordings"]:
+            query = meanings.get("of", {}).get(wording["id"], meanings.get("query", ""))
+            if query:
+                found += _families(told["id"], wording, query)
+    for one in meant["also"]:
+        texts = tuple(one["texts"].strip().splitlines())
+        found.append(Family(f"{one['id']}.train", one["query"], texts))
+    return found
+
+
+def _families(type_id: str, wording: dict[str, Any], query: str) -> Iterator[Family]:
+    split = "blind" if wording.get("held_out") else "train"
+    kind = next(word for word in query.split() if word in ASKS)
+    name = f"{kind}/own-{type_id}-{wording['id']}"
+    text = wording["text"].rstrip(_MARKS)
+    end = wording["text"][len(text) :].strip() or ""
+    if "{options}" in query:
+        for count in (2, 3, 4):
+            texts, options = _with_options(text, count)
+            offered = query.replace("{options}", options)
+            yield Family(f"{name}-{count}.{split}", offered, texts, end)
+    elif "{motion}" in query:
+        for form in FORMS:
+            texts = tuple(_renamed(one) for one in _of_form(text, form))
+            said = query.replace("{motion}", f"{{own-{form}}}")
+            if texts:
+                yield Family(f"{name}-{form}.{split}", said, texts, end)
+    else:
+        yield Family(f"{name}.{split}", query, (_renamed(text),), end)
+
+
+def _with_options(text: str, count: int) -> tuple[tuple[str, ...], str]:
+    """Return a wording with so many lettered options written in every style, and their query."""
+    phrases = [f"{{own-short{place or ''}}}" for place in (0, *range(2, count + 1))]
+    labelled = list(zip("ABCD", phrases, strict=False))
+    lists = [
+        separator.join(style.format(letter, phrase) for letter, phrase in labelled)
+        for style, separator in product(OPTION_STYLES, SEPARATORS)
+    ]
+    texts = tuple(_renamed(text.replace("{options}", "\0")).replace("\0", one) for one in lists)
+    return texts, " , ".join(f"{letter} {phrase}" for letter, phrase in labelled)
+
+
+def _of_form(text: str, form: str) -> list[str]:
+    """Return a wording's variants that have a motion in one form, its other choices left open."""
+    others = [f"{{{one}}}" for one in FORMS if one != form]
+    for match in _CHOICE.finditer(text):
+        if any(f"{{{one}}}" in match[1] for one in FORMS):
+            before, after = text[: match.start()], text[match.end() :]
+            chosen = [f"{before}{part}{after}" for part in match[1].split("|")]
+            return [one for part in chosen for one in _of_form(part, form)]
+    return [text] if f"{{{form}}}" in text and not any(one in text for one in others) else []
+
+
+def _renamed(text: str) -> str:
+    return _SLOT.sub(r"{own-\1}", text)
