@@ -87,8 +87,8 @@ def says(query: t.Query, frame: FrameSpec, *clips: Encoded) -> tuple[str, FrameS
     """
     found = _decided(query, frame, clips)
     now = frame_after(query, frame, clips[-1].clip.frames.shape[2])
-    about = found[0].clips[-1] if found else clips[-1]
-    return in_form([one.decision for one in found], query.form, recording_of(about)), now
+    recording = recording_of(found[0].clips[-1] if found else clips[-1]).at_rate(now.rate_hz)
+    return in_form([one.decision for one in found], query.form, recording), now
 
 
 @dataclass(frozen=True)
@@ -148,7 +148,7 @@ def _compared(
 ) -> tuple[str, float, str | None]:
     """Return the words of a comparison, how sure they are, and the deciding one."""
     form, decisions = understood.query.form, [one.decision for one in found]
-    recording = recording_of(found[0].clips[0])
+    recording = recording_of(found[0].clips[0]).at_rate(decisions[0].frame.rate_hz)
     withheld = next((why for one in found if (why := one.withheld(bundle)) is not None), None)
     if withheld is not None:
         return _withheld(withheld, form), 0.0, None
@@ -184,7 +184,8 @@ def _told(
 ) -> Answer:
     """Word the decisions on every part of a query."""
     query, found, encoded = understood.query, [one.decision for one in told], told[0].clips[-1]
-    first, evidence = found[0], evidence_of(encoded)
+    first = found[0]
+    evidence = evidence_of(encoded).at_rate(first.frame.rate_hz)
     sure = understood.probability * min(one.probability for one in found)
     withheld = next((why for one in told if (why := one.withheld(bundle)) is not None), None)
     told_by, text = "rule", None

@@ -78,8 +78,6 @@ def understand(
         found = replace(found, probability=_agreed(reader, readings, list(map(says, queries))))
     facts = found.query.facts
     unclear = [one.value for one in facts if one.name == "unclear"]
-    if facts and not found.query.parts and all(one.name == "rate" for one in facts):
-        unclear = ["rate"]  # the recording's own holds: nothing is to be noted
     if found.probability < (NEEDLESS if _is_needless(found.query) else UNDERSTOOD):
         likely = zip(queries, readings, strict=True)
         ask_back = _asked_back([one for one, read in likely if read.probability > UNLIKELY], says)

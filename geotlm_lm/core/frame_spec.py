@@ -26,6 +26,9 @@ _CHOICES: dict[str, tuple[Any, ...]] = {
 }
 """What each field may be."""
 
+RATES_HZ = (0.1, 10_000.0)
+"""Least and most frames per second that can be stated."""
+
 MM_PER_PX = (0.001, 2.0)
 """Least and most a pixel can measure: cameras see a few mm to a few dm of gel."""
 
@@ -50,10 +53,11 @@ class FrameSpec:
         image_quarter_turn: The recorded image is turned by 90 degrees that way against an upright
             one, and directions are told for the image turned back. A camera that is itself turned
             clockwise, as seen from behind it, records an image turned counterclockwise.
+        rate_hz: Frames per second of a clip that does not tell its own; None when unknown.
 
     Raises:
         UsageError: If a field is none of what it may be, if an image is both upside down and turned
-            by a quarter, or if no camera has pixels of that size.
+            by a quarter, or if no camera has pixels of that size or that rate.
     """
 
     image_mirrored: bool = False
@@ -64,11 +68,18 @@ class FrameSpec:
     image_upside_down: bool = False
     mm_per_px: float | None = None
     image_quarter_turn: QuarterTurn | None = None
+    rate_hz: float | None = None
 
     def __post_init__(self) -> None:
         for name, choices in _CHOICES.items():
             _require_one_of(choices, name, getattr(self, name))
         _require_size(self.mm_per_px)
+        low, high = RATES_HZ
+        if self.rate_hz is not None and not low <= self.rate_hz <= high:
+            raise UsageError(
+                f"A rate of {self.rate_hz:g} frames per second was given, expected {low:g} to "
+                f"{high:g}; give the rate at which the camera took them."
+            )
         if self.image_upside_down and self.image_quarter_turn is not None:
             other = next(turn for turn in get_args(QuarterTurn) if turn != self.image_quarter_turn)
             raise UsageError(
@@ -120,6 +131,8 @@ class FrameSpec:
             facts.append(f"touched at its {self.contact_side}")
         if self.mm_per_px is not None:
             facts.append(f"{self.mm_per_px:g} mm per pixel")
+        if self.rate_hz is not None:
+            facts.append(f"{self.rate_hz:g} frames per second where the clip tells none")
         return ", ".join(facts)
 
     def missing_for_thread(self) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import NormalDist
 
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -71,6 +71,11 @@ class Recording:
     moving_s: float | None = None
     step_s: float | None = None
     duration_s: float | None = None
+
+    def at_rate(self, rate_hz: float | None) -> Recording:
+        """Return this with a stated rate, if it has none and no track was timed without it."""
+        is_timed = self.rate_hz is not None or self.step_s is not None
+        return self if is_timed else replace(self, rate_hz=rate_hz)
 
     @property
     def steps(self) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
@@ -49,6 +49,11 @@ class Evidence:
     track: Track | None = None
     area: ContactArea | None = None
     reasons: tuple[str, ...] = ()
+
+    def at_rate(self, rate_hz: float | None) -> Evidence:
+        """Return this with a stated frame rate, where the recordings tell none."""
+        second = None if self.second is None else self.second.at_rate(rate_hz)
+        return replace(self, second=second, recording=self.recording.at_rate(rate_hz))
 
 
 @dataclass(frozen=True)

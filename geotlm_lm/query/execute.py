@@ -38,6 +38,7 @@ def execute(query: t.Query, evidence: Evidence, frame: FrameSpec) -> tuple[Decis
         frame = with_facts(frame, query.facts, evidence.recording.columns)
     except UsageError:  # no camera has such pixels
         return tuple(Decision(part, frame, missing="pixel") for part in query.parts)
+    evidence = evidence.at_rate(frame.rate_hz)
     return tuple(decide(part, evidence, frame) for part in query.parts)
 
 

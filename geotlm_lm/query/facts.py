@@ -24,8 +24,8 @@ FACTS: dict[str, tuple[tuple[str, ...], int]] = {
 """Name of a fact -> its settings and how many quantities it has.
 
 "turned" is how the recorded image is; "scale" mm per pixel or pixels per mm, "view" the width that
-the frames show, "rate" frames per second, of which the recording's own hold; "unclear" is one that
-was not understood."""
+the frames show, "rate" frames per second of a clip that tells none; "unclear" is one that was not
+understood."""
 
 _FIELD = {"seen": "viewpoint", "moves": "actor", "thread": "thread", "side": "contact_side"}
 _PLAIN = FrameSpec()
@@ -40,7 +40,7 @@ def with_facts(frame: FrameSpec, facts: tuple[Any, ...], columns: int) -> FrameS
         columns: Width of the recording's frames, by which "view" tells the size of a pixel.
 
     Raises:
-        UsageError: If a pixel would be of a size that no camera has.
+        UsageError: If a pixel would be of a size, or frames of a rate, that no camera has.
     """
     for fact in facts:
         frame = replace(frame, **_fields(frame, fact, columns))
@@ -61,7 +61,16 @@ def _fields(frame: FrameSpec, fact: Any, columns: int) -> dict[str, Any]:
     if fact.name in ("scale", "view"):
         across = columns if fact.name == "view" else 1
         return {"mm_per_px": None if fact.denied else mm_per_px(fact.numbers[0], across)}
+    if fact.name == "rate":
+        return {"rate_hz": None if fact.denied else _rate_hz(fact.numbers[0])}
     return {}
+
+
+def _rate_hz(said: Quantity) -> float | None:
+    """Return frames per second; None where the quantity is no rate of frames."""
+    unit, _, per = said.unit.partition("/")
+    second = FACTORS["time"].get(per)
+    return said.value / second if unit == "frame" and second else None
 
 
 def mm_per_px(size: Quantity, pixels: int = 1) -> float | None:

@@ -74,3 +74,20 @@ def test_no_seconds_are_made_up_without_a_rate():
     story = in_form([decided("order", recording=unknown)], "json", unknown)
     assert '"begin_frame": 25' in story
     assert '_s"' not in story
+
+
+def test_a_stated_rate_times_a_clip_that_tells_none():
+    untimed = replace(RECORDING, rate_hz=None)
+
+    def turning(text, recording):
+        query = t.filled(read(text), quantities("at 50 fps"))
+        evidence = Evidence(certain(turn=20, right=-30), recording=recording)
+        return execute(query, evidence, FRAME)[0]
+
+    stated = "fact rate #1 ; amount turn per-s"
+    found = turning(stated, untimed)
+    assert found.frame.rate_hz == 50
+    timed = turning("amount turn per-s", replace(RECORDING, rate_hz=50.0))
+    assert found.amounts[0].mean == timed.amounts[0].mean
+    own = turning("amount turn per-s", RECORDING)
+    assert turning(stated, RECORDING).amounts[0].mean == own.amounts[0].mean
