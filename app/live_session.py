@@ -109,8 +109,8 @@ def stop(live: LiveSession, *_: Any) -> Iterator[Filled]:
     yield NOTHING
 
 
-def follow_camera(answerer: Answerer, frame: Image | None, live: LiveSession) -> Iterator[Filled]:
-    """Take in one camera frame and yield what the parts show then.
+def follow_camera(answerer: Answerer, frame: Image | None, live: LiveSession) -> Filled:
+    """Take in one camera frame and return what the parts show then, of those that change.
 
     Frames of another size are another camera: it is followed from its own beginning, as is one
     after everything was emptied. While a recording is watched only a camera that was just started
@@ -122,7 +122,7 @@ def follow_camera(answerer: Answerer, frame: Image | None, live: LiveSession) ->
         live: Of the visitor.
     """
     if frame is None:
-        return
+        return {}
     now_s, before_s = time.monotonic(), live.camera_s
     live.camera_s = now_s
     stream, told = live.stream, {}
@@ -130,15 +130,15 @@ def follow_camera(answerer: Answerer, frame: Image | None, live: LiveSession) ->
     if stream is not None and not stream.is_camera:
         is_new = now_s - before_s > STARTED_S
         if not is_new:
-            return
+            return {}
     if is_new:
         stream = LiveStream(answerer, "camera", frame.shape, is_camera=True)
         live.began_s = now_s
         told = UNASKED | live.begin(stream)
     stream.feed(frame, now_s - live.began_s)
     if live.stream is not stream:  # emptied meanwhile
-        return
-    yield told | {"stage": stream.stage(frame, live.mm_per_px)}
+        return {}
+    return told | {"stage": stream.stage(frame, live.mm_per_px)}
 
 
 @dataclass

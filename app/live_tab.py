@@ -10,7 +10,7 @@ from geotlm_lm import CLIP_SUFFIXES
 
 from . import conversation, stage
 from .conversation import PRIVATE
-from .error_display import CAMERA, gradio
+from .error_display import CAMERA, gradio, with_errors_shown
 from .filling import COMPLAINT, filling
 from .live_session import LiveSession, LiveTalk, follow_camera, stop, watch_recording
 from .session_files import remove_seen
@@ -93,12 +93,14 @@ def _connect_sources(parts: dict[str, Any], answerer: Answerer) -> None:
     parts["path"].change(filling(parts, stop), *_ends(parts, ("live", "path"), EMPTIED), **emptied)
     parts["clear"].click(filling(parts, stop), *_ends(parts, ("live",), EMPTIED), **emptied)
 
-    def follow(*given: Any) -> Iterator[Any]:
+    # No generator: the toolkit would ask it for more instead of giving it the next frame.
+    def follow(*given: Any) -> dict[Any, Any]:
         remove_seen(parts["camera"])
-        yield from follow_camera(answerer, *given)
+        told = {COMPLAINT: ""} | follow_camera(answerer, *given)
+        return {parts[name]: value for name, value in told.items()}
 
     parts["camera"].stream(
-        filling(parts, follow),
+        with_errors_shown(follow),
         *_ends(parts, ("camera", "live"), EMPTIED),
         stream_every=0.1,
         **_hidden(CAMERA),
