@@ -75,6 +75,7 @@ class Session:
         self.clips = [answerer.believing(encoded)]
         self.frame = frame
         self.history: list[Turn] = []
+        self._shorter: list[Encoded] = []
         self._before = Query()
 
     @property
@@ -99,7 +100,20 @@ class Session:
         require_encoded(encoded)
         if encoded.clip.frames.shape[1:3] != self.encoded.clip.frames.shape[1:3]:
             self.frame = replace(self.frame, mm_per_px=None)
+        self._shorter.clear()
         self.clips.append(self.answerer.believing(encoded))
+
+    def grow(self, encoded: Encoded) -> None:
+        """Take a clip for the last one with more frames, as of a camera that goes on.
+
+        What refers to the last answer ("are you sure?") is about what was seen by then.
+
+        Raises:
+            TypeError: If it is not encoded.
+        """
+        require_encoded(encoded)
+        self._shorter.append(self.encoded)
+        self.clips[-1] = self.answerer.believing(encoded)
 
     def ask(self, question: str) -> Reply:
         """Answer the next question.
@@ -135,7 +149,7 @@ class Session:
         """Return what is said of the last answer about this clip: how sure, how near, and why."""
         turns = (turn for turn in reversed(self.history) if _is_about_clip(turn.answer))
         turn = next(turns, None)
-        if turn is None or turn.encoded is not self.encoded:
+        if turn is None or turn.encoded not in (self.encoded, *self._shorter):
             return None
         last, parts = turn.answer, found.query.parts
         if not isinstance(last, Answer) or len(parts) != 1 or found.ask_back is not None:
@@ -144,7 +158,7 @@ class Session:
         if ask.kind not in ("why", "how-sure") or ask.proposition is not None:
             return None
         if ask.kind == "why":
-            text = " ".join(self.answerer.why(self.encoded, last).steps)
+            text = " ".join(self.answerer.why(turn.encoded, last).steps)
         elif ask.of_amount and last.amount is not None:
             low, high = last.amount.span
             text = f"Nine times in ten it is {low:g} to {high:g} {last.amount.unit}."
