@@ -184,7 +184,7 @@ def test_all_usable_cores_simulate_unless_told_otherwise(tmp_path, monkeypatch):
     asked = []
 
     def write_dataset(out, count, *, workers, **_):
-        asked.append(workers)
+        asked.append(workers.count)
 
     monkeypatch.setattr(dataset, "write_dataset", write_dataset)
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 2, 5}, raising=False)
