@@ -34,7 +34,7 @@ class Workers:
     def __post_init__(self) -> None:
         if self.cluster is not None and find_spec("ray") is None:
             raise MissingDependency(
-                "--cluster needs Ray, which is not installed; pip install 'geotlm-lm[ray]'."
+                "--cluster needs Ray, which is not installed; run `pip install 'geotlm-lm[ray]'`."
             )
 
     def each_done(self, work: Callable[[Part], Done], parts: Sequence[Part]) -> Iterator[Done]:
