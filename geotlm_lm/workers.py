@@ -9,7 +9,6 @@ from typing import TypeVar
 
 from geotlm_lm.core.errors import MissingDependency
 from geotlm_lm.core.threads import usable_cores
-from geotlm_lm.local_pool import each_done
 
 Part, Done = TypeVar("Part"), TypeVar("Done")
 
@@ -49,7 +48,10 @@ class Workers:
         Raises:
             GeoTLMError: If a worker was killed, or the cluster cannot be used.
         """
+        # Imported only now: every command line knows of workers, few need any.
         if self.cluster is None:
+            from geotlm_lm.local_pool import each_done
+
             return each_done(work, parts, self.count or usable_cores())
         from geotlm_lm.cluster import each_done_on
 

@@ -2,6 +2,7 @@
 
 import pytest
 
+from geotlm_lm import local_pool
 from geotlm_lm import workers as workers_module
 from geotlm_lm.core.errors import MissingDependency
 from geotlm_lm.workers import ALONE, Workers
@@ -13,7 +14,7 @@ def test_parts_are_done_in_this_process_by_one_worker():
 
 def test_all_usable_cores_work_unless_told_otherwise(monkeypatch):
     asked = []
-    monkeypatch.setattr(workers_module, "each_done", lambda work, parts, count: asked.append(count))
+    monkeypatch.setattr(local_pool, "each_done", lambda work, parts, count: asked.append(count))
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 2, 5}, raising=False)
     Workers().each_done(abs, [1])
     Workers(2).each_done(abs, [1])
