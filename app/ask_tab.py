@@ -22,7 +22,7 @@ CONTEXT = ("shown", "source", "frame", "mm_per_px")
 OPENED = (
     *NOTHING_SAID,
     *("shown", "source", "stage", "clip_notes", "told", "mm_per_px", "chips", "saving"),
-    *("first", "last_frame", "files", COMPLAINT),
+    *("first", "last_frame", "topic", "files", COMPLAINT),
 )
 """What is filled when a recording is opened or closed."""
 
@@ -96,7 +96,10 @@ def _below(gr: Any) -> dict[str, Any]:
             # Text: of a number field left empty the page makes 0, which is a frame.
             parts["first"] = gr.Textbox(label="First frame (empty: all)", max_length=9)
             parts["last_frame"] = gr.Textbox(label="Last frame", max_length=9)
-        parts["read"] = gr.Button("Read again with this span")
+            parts["topic"] = gr.Textbox(
+                label="Topic of a bag (empty: its only one)", max_length=200
+            )
+        parts["read"] = gr.Button("Read again with these")
         parts["clip_notes"] = gr.Markdown()
     with gr.Accordion("Copy this as code", open=False):
         gr.Markdown("The last question, for the shell, for Python and over REST.")
@@ -129,7 +132,7 @@ def _connect_opening(
 
     clicked = filling(parts, open_example, gr.EventData)
     parts["examples"].click(clicked, before, outputs, **at_stage)
-    spanned = [parts[name] for name in ("source", "first", "last_frame")]
+    spanned = [parts[name] for name in ("source", "first", "last_frame", "topic")]
     again = filling(parts, opening.read_again)
     parts["read"].click(again, [*spanned, *before], outputs, **at_stage)
 

@@ -116,9 +116,8 @@ def _beside(reply: Any, shown: LoadedClip, source: Source, address: str) -> Fill
     path = source.path if isinstance(source.path, str) else source.path[0]
     # The folder it was uploaded to means nothing to anybody.
     path = f"{'' if source.example is None else 'app/examples/'}{Path(path).name}"
-    calls = calls_of(
-        path, [turn.question for turn in shown.session.history], frame, source.span, address
-    )
+    asked = [turn.question for turn in shown.session.history]
+    calls = calls_of(path, asked, frame, source.span, address, source.topic)
     return {
         "notes": literal(reply.notes),
         "probabilities": reply.probabilities,
