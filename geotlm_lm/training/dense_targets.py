@@ -23,7 +23,7 @@ from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.twist import Component
 from geotlm_lm.training.component_truth import ClipTruth, component_truth
-from geotlm_lm.training.examples import Examples
+from geotlm_lm.training.examples import Examples, Rows
 from geotlm_lm.training.motion_loss import counts_motion, motion_loss
 from geotlm_lm.training.ranks import ALONE, Ranks
 
@@ -150,7 +150,7 @@ def _summary(truth: DenseTruth) -> Tensor:
 def dense_batch(examples: Examples, rows: np.ndarray, device: str) -> tuple[Tensor, DenseTruth]:
     """Return inputs and truth of the examples `rows` on a device, in float32."""
 
-    def moved(values: np.ndarray) -> Tensor:
+    def moved(values: Rows) -> Tensor:
         return torch.from_numpy(values[rows]).to(device).float()
 
     labels = [examples.labels[row] for row in rows]
