@@ -49,19 +49,23 @@ def together(tmp_path_factory):
     return folder, told
 
 
-def test_two_ranks_have_the_loss_curves_of_one_and_go_on_on_one(alone, together):
-    (_, straight), (folder, (first, second)) = alone, together
+@pytest.fixture(scope="module")
+def resumed(together):
+    return curves(together[0], ALONE)
+
+
+def test_two_ranks_have_the_loss_curves_of_one_and_go_on_on_one(alone, together, resumed):
+    (_, straight), (_, (first, second)) = alone, together
     assert first == second  # each knows the loss of the whole batch
     assert {len(losses) for losses in first.values()} == {STOPPED_AT}
-    resumed = curves(folder, ALONE)
     assert straight.keys() == resumed.keys()
     for name, losses in straight.items():
         assert len(losses) == STEPS
         assert first[name] + resumed[name] == pytest.approx(losses, rel=1e-3), name
 
 
+@pytest.mark.usefixtures("resumed")
 def test_two_ranks_and_then_one_end_at_the_weights_of_one(alone, together):
-    curves(together[0], ALONE)
     for name in ("backbone.pt", "language_checkpoint.pt", "reading_checkpoint.pt"):
         wanted, found = (load_checkpoint(folder / name) for folder in (alone[0], together[0]))
         assert found["step"] == wanted["step"]
