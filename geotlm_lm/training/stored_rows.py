@@ -44,6 +44,8 @@ class StoredPart:
         """
         with zipfile.ZipFile(path) as archive:
             member = archive.getinfo(f"{name}.npy")
+        if member.compress_type != zipfile.ZIP_STORED:
+            raise ValueError(f"{path}: {name} is compressed, so that no row has a place")
         with path.open("rb") as stream:
             stream.seek(member.header_offset + _NAME_LENGTHS_AT)
             lengths = struct.unpack("<HH", stream.read(4))
@@ -51,8 +53,8 @@ class StoredPart:
             is_first = npy.read_magic(stream) == (1, 0)
             read = npy.read_array_header_1_0 if is_first else npy.read_array_header_2_0
             shape, by_columns, dtype = read(stream)
-            if by_columns or member.compress_type != zipfile.ZIP_STORED:
-                raise ValueError(f"{path}: the rows of {name} lie apart")
+            if by_columns:
+                raise ValueError(f"{path}: {name} is laid out column by column")
             return cls(path, stream.tell(), (min(shape[0], most), *shape[1:]), dtype)
 
     def read(self, rows: NDArray[np.integer]) -> NDArray:

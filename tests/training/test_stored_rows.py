@@ -34,7 +34,10 @@ def test_a_row_that_does_not_count_is_not_there(stored):
         stored[0][np.array([7])]
 
 
-def test_rows_that_lie_apart_are_refused(tmp_path):
+def test_rows_without_a_place_of_their_own_are_refused(tmp_path):
     np.savez_compressed(tmp_path / "a.npz", rows=np.zeros((4, 2)))
-    with pytest.raises(ValueError, match="the rows of rows lie apart"):
+    with pytest.raises(ValueError, match="rows is compressed"):
         StoredPart.of(tmp_path / "a.npz", "rows", 4)
+    np.savez(tmp_path / "b.npz", rows=np.zeros((4, 2)).T)
+    with pytest.raises(ValueError, match="rows is laid out column by column"):
+        StoredPart.of(tmp_path / "b.npz", "rows", 4)
