@@ -160,14 +160,15 @@ def test_a_speed_takes_a_frame_rate(bundle):
     assert "--fps 25" in answerer.ask(untimed, "amount turn per-s").text
 
 
-@pytest.mark.parametrize("text", ["fact rate #1", "fact rate #1 ; amount turn per-s"])
-def test_a_frame_rate_that_is_only_said_is_refused_not_noted(bundle, text):
+def test_a_frame_rate_that_is_said_holds_for_the_rest_of_a_conversation(bundle):
     answerer = feeling(bundle, "clockwise")
-    reader = answerer.bundle.reader
-    reader.lines["recorded at 25 fps"] = text
-    answer = answerer.ask(answerer.encode(recording()), "recorded at 25 fps")
-    assert answer.abstained
-    assert "--fps 25" in answer.text
+    answerer.bundle.reader.lines["recorded at 50 fps"] = "fact rate #1"
+    talk = answerer.session(answerer.encode(recording()))
+    assert talk.ask("recorded at 50 fps").text.endswith(
+        "50 frames per second where the clip tells none."
+    )
+    timed = answerer.ask(answerer.encode(recording(fps=50.0)), "amount turn per-s")
+    assert talk.ask("amount turn per-s").amount == timed.amount
 
 
 def test_talk_claims_nothing_and_is_no_failure(bundle):
