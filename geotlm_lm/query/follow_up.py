@@ -10,19 +10,22 @@ from geotlm_lm.query.types import UNITS, Ask, Part, Query, Subject
 _OPEN = Query((Part(Ask("way")),))
 """What is taken to have been asked where nothing was."""
 
+_AGAIN = Part(Ask("again"))
+"""Which asks for no change."""
+
 
 def resumed(query: Query, before: Query) -> Query:
     """Return a query whose "again" parts are spelled out.
 
     A change is added to those that were asked for before, so that the same again takes it back; of
     which clip, half or span it is is replaced. Without anything before the motion is asked for;
-    beside a fact nothing is.
+    beside a fact alone nothing is.
 
     Args:
         query: What is asked now.
         before: What was asked last, itself resumed.
     """
-    if not before.parts and not query.facts:
+    if not before.parts and not (query.facts and all(one == _AGAIN for one in query.parts)):
         before = _OPEN
     parts: list[Part] = []
     for part in query.parts:
