@@ -10,9 +10,6 @@ from geotlm_lm.query.types import UNITS, Ask, Part, Query, Subject
 _OPEN = Query((Part(Ask("way")),))
 """What is taken to have been asked where nothing was."""
 
-_AGAIN = Part(Ask("again"))
-"""Which asks for no change."""
-
 
 def resumed(query: Query, before: Query) -> Query:
     """Return a query whose "again" parts are spelled out.
@@ -25,7 +22,7 @@ def resumed(query: Query, before: Query) -> Query:
         query: What is asked now.
         before: What was asked last, itself resumed.
     """
-    if not before.parts and not (query.facts and all(one == _AGAIN for one in query.parts)):
+    if not before.parts and not (query.facts and all(map(_is_bare, query.parts))):
         before = _OPEN
     parts: list[Part] = []
     for part in query.parts:
@@ -33,6 +30,12 @@ def resumed(query: Query, before: Query) -> Query:
         parts += [_changed(one, part) for one in before.parts] if is_again else [part]
     form = before.form if query.form == "sentence" and parts != list(query.parts) else query.form
     return replace(query, parts=tuple(parts), form=form)
+
+
+def _is_bare(part: Part) -> bool:
+    """Tell whether a part asks for what was asked before, and for no change of it."""
+    plain = Part(Ask("again"), Edit(), Subject())
+    return part in (plain, replace(plain, ask=Ask("again", is_plain=True)))
 
 
 def _changed(before: Part, now: Part) -> Part:
