@@ -157,7 +157,7 @@ def _connected(address: str, workers: int | None) -> Iterator[None]:
         try:
             with _own_end_kept():
                 ray.init(logging_level=logging.ERROR, log_to_driver=False, **options)
-        except (ConnectionError, RuntimeError, ValueError) as error:
+        except (OSError, RuntimeError, ValueError, ray.exceptions.RayError) as error:
             raise UsageError(
                 f"--cluster {address}: cannot be used ({first_line(error)}), expected local, auto, "
                 f"or the address of a Ray cluster's head; give one."
