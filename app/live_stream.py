@@ -159,7 +159,7 @@ class LiveStream:
 
     def _window(self) -> tuple[float, float]:
         if self.is_over:
-            return 0.0, self._now_s
+            return 0.0, self._now_s or FIRST_WINDOW_S  # of a single frame
         return max(self._now_s - WINDOW_S, 0.0), max(self._now_s, FIRST_WINDOW_S)
 
     def _about(self, idle: Image | None) -> str:
