@@ -16,7 +16,7 @@ from geotlm_lm import FrameSpec, GeoTLMError, open_source
 
 from .clip_loading import Image, with_clip_name
 from .facts import frame_preview
-from .filling import Filled
+from .filling import COMPLAINT, Filled
 from .live_stream import WATCH_FIRST, LiveStream
 from .opening import Source
 from .suggestions import OF_A_RECORDING
@@ -31,7 +31,7 @@ SHOWN_EVERY_S = 0.25
 STARTED_S = 2.0
 """Time without a frame of the camera after which the next one means that it was just started."""
 
-UNASKED: Filled = {"chat": [], "last": None, "told": ""}
+UNASKED: Filled = {"chat": [], "last": None, "told": "", COMPLAINT: ""}
 
 NOTHING: Filled = UNASKED | {"stage": {}, "chips": []}
 """What is shown before anything was watched."""
@@ -94,6 +94,8 @@ def _told(
     while frame is not None and live.stream is stream:
         events = stream.feed(frame.image, frame.time_s, frame.number)
         last, frame = frame, next(source, None)
+        if live.stream is not stream:  # another is watched since
+            break
         if frame is None:
             stream.finish()
         if events or frame is None or last.time_s - shown_s > SHOWN_EVERY_S:
@@ -160,10 +162,12 @@ class LiveTalk:
         mm_per_px: float | None,
         address: str,
     ) -> Iterator[Filled]:
-        """As `Talking.ask`."""
-        about = self._about(live)
-        told = self._talking(live).ask(question, chat, *about, facts, mm_per_px, address)
-        yield from map(_parts_of, told)
+        """As `Talking.ask`, until something else is watched."""
+        stream = _watched(live)
+        told = self._talking(live, stream).ask(
+            question, chat, *_about(stream), facts, mm_per_px, address
+        )
+        yield from _while_watched(live, stream, told)
 
     def again(
         self,
@@ -173,12 +177,12 @@ class LiveTalk:
         mm_per_px: float | None,
         address: str,
     ) -> Iterator[Filled]:
-        """As `Talking.again`."""
+        """As `Talking.again`, until something else is watched."""
         if not chat:
             return
-        about = self._about(live)
-        told = self._talking(live).again(chat, *about, facts, mm_per_px, address)
-        yield from map(_parts_of, told)
+        stream = _watched(live)
+        told = self._talking(live, stream).again(chat, *_about(stream), facts, mm_per_px, address)
+        yield from _while_watched(live, stream, told)
 
     def forget(self, live: LiveSession, facts: list[str], *_: Any) -> Iterator[Filled]:
         """Begin the conversation anew; the frame that the page shows still holds."""
@@ -200,25 +204,35 @@ class LiveTalk:
         if live.stream is not None:
             yield {"stage": live.stream.stage(mm_per_px=size)}
 
-    def _talking(self, live: LiveSession) -> Talking:
+    def _talking(self, live: LiveSession, stream: LiveStream) -> Talking:
         def redraw(shown: Any, _: Source) -> dict[str, Any]:
             live.mm_per_px = shown.session.frame.mm_per_px
-            return live.stream.stage(mm_per_px=live.mm_per_px)
+            return stream.stage(mm_per_px=live.mm_per_px)
 
         return Talking(self.answerer, redraw)
 
-    def _about(self, live: LiveSession) -> tuple[Any, Source]:
-        stream = live.stream
-        if stream is None:
-            raise GeoTLMError(WATCH_FIRST)
-        return stream.shown(), Source(stream.name, stream.name)
+
+def _watched(live: LiveSession) -> LiveStream:
+    if live.stream is None:
+        raise GeoTLMError(WATCH_FIRST)
+    return live.stream
+
+
+def _about(stream: LiveStream) -> tuple[Any, Source]:
+    return stream.shown(), Source(stream.name, stream.name)
 
 
 _PARTS = frozenset(
     ("chat", "question", "chips", "stage", "last", "frame", "viewpoint", "told", "mm_per_px")
 )
+"""Those that there are: the Ask tab has more."""
 
 
-def _parts_of(told: Filled) -> Filled:
-    """Return what is told of the parts that there are: the Ask tab has more."""
-    return {name: value for name, value in told.items() if name in _PARTS}
+def _while_watched(
+    live: LiveSession, stream: LiveStream, told: Iterator[Filled]
+) -> Iterator[Filled]:
+    """Yield what the parts show of answers, but nothing of a stream that is watched no more."""
+    for filled in told:
+        if live.stream is not stream:
+            return
+        yield {name: value for name, value in filled.items() if name in _PARTS}

@@ -39,6 +39,9 @@ KEPT_BYTES = 32 * 2**20
 LEAST_FRAMES = 5
 """Fewer are no recording: they would be taken for the four frames of a clip."""
 
+LEAST_KEPT = 3 * LEAST_FRAMES
+"""Frames that are kept however large they are: of half of them enough are settled."""
+
 WATCH_FIRST = "Nothing was watched yet; start the camera or a recording first."
 
 
@@ -61,7 +64,7 @@ class LiveStream:
         self._kept: list[tuple[int, Image]] = []
         self._apart = 1
         self._now_s = self._idle_sent_s = -np.inf
-        self._shown: tuple[int, LoadedClip] | None = None
+        self._shown: tuple[tuple[int, bool], LoadedClip] | None = None
         self._talk: LoadedClip | None = None
 
     def feed(self, frame: Image, time_s: float, number: int | None = None) -> list[Any]:
@@ -70,7 +73,7 @@ class LiveStream:
         events = self._tracker.feed(frame, time_s, number)
         if self.count % self._apart == 0:
             self._kept.append((number, frame))
-            if len(self._kept) > LEAST_FRAMES and len(self._kept) * frame.nbytes > KEPT_BYTES:
+            if len(self._kept) > LEAST_KEPT and len(self._kept) * frame.nbytes > KEPT_BYTES:
                 self._kept, self._apart = self._kept[::2], 2 * self._apart
         self.count += 1
         self._now_s = time_s
@@ -127,22 +130,27 @@ class LiveStream:
             GeoTLMError: If nothing was seen yet.
         """
         track = self._tracker.so_far
-        if len(track) < LEAST_FRAMES or len(self._kept) < LEAST_FRAMES:
+        kept = [one for one in self._kept if len(track) and one[0] <= track.numbers[-1]]
+        if len(kept) < LEAST_FRAMES:
             raise GeoTLMError(WATCH_FIRST)
-        if self._shown is not None and self._shown[0] == len(track):
-            return self._shown[1]
-        talk, kept = self._talk, [one for one in self._kept if one[0] <= track.numbers[-1]]
+        seen = len(track), self.is_over  # its end cuts off the last events
+        before, talk = self._shown, self._talk
+        if before is not None and before[0] == seen:
+            return before[1]
         numbers, frames = zip(*kept, strict=True)
         span_s = float(track.times_s[-1] - track.times_s[0])
         rate = (int(track.numbers[-1]) - int(track.numbers[0])) / span_s
         clip = Clip(np.stack(frames), rate, self._tracker.idle, self.name, numbers)
         grown = perceive(self._answerer, clip, track=track)
         # Each question looks at other frames: of all of them the conversation keeps four.
-        grown = replace(grown, encoded=replace(grown.encoded, recording=None))
-        if talk is not None:
-            talk.session.grow(grown.encoded)
-            grown = replace(grown, session=talk.session)
-        self._shown, self._talk = (len(track), grown), grown
+        encoded = replace(grown.encoded, recording=None)
+        if talk is None:
+            session = self._answerer.session(encoded)
+        else:
+            session = talk.session
+            session.grow(encoded)
+        grown = replace(grown, encoded=encoded, session=session)
+        self._shown, self._talk = (seen, grown), grown
         return grown
 
     def forget_talk(self) -> None:
@@ -151,7 +159,7 @@ class LiveStream:
 
     def _window(self) -> tuple[float, float]:
         if self.is_over:
-            return 0.0, self._now_s
+            return 0.0, self._now_s or FIRST_WINDOW_S  # of a single frame
         return max(self._now_s - WINDOW_S, 0.0), max(self._now_s, FIRST_WINDOW_S)
 
     def _about(self, idle: Image | None) -> str:

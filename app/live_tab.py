@@ -96,7 +96,8 @@ def _connect_sources(parts: dict[str, Any], answerer: Answerer) -> None:
     # No generator: the toolkit would ask it for more instead of giving it the next frame.
     def follow(*given: Any) -> dict[Any, Any]:
         remove_seen(parts["camera"])
-        told = {COMPLAINT: ""} | follow_camera(answerer, *given)
+        # It takes no empty dictionary either.
+        told = follow_camera(answerer, *given) or {"stage": gradio().skip()}
         return {parts[name]: value for name, value in told.items()}
 
     parts["camera"].stream(

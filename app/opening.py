@@ -121,11 +121,12 @@ class Opening:
         yield self.frames(example) | {"source": _source(example), "question": question}
 
     def read_again(
-        self, source: Source | None, first: str, last: str, topic: str, *before: Any
+        self, source: Source | None, first: str, last: str, topic: str | None, *before: Any
     ) -> Iterator[Filled]:
         """Read what is open anew, a span of it, or another topic."""
         if source is not None:
-            source = replace(source, topic=topic.strip() or None)
+            # The toolkit's field that was never filled holds None.
+            source = replace(source, topic=(topic or "").strip() or None)
             yield from self._open(source, Before(*before), first, last)
 
     def _open(

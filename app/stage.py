@@ -52,8 +52,8 @@ def build(value: dict[str, Any] | None = None, invites: str = OPEN_ONE) -> Any:
     """Return the component.
 
     Args:
-        value: What it shows first, as `stage_of`, `opening` or `live_stage` returns it; None for
-            nothing.
+        value: What it shows first, as `stage_of`, `opening` or `LiveStream.stage` returns it; None
+            for nothing.
         invites: What stands where the picture will be.
     """
     # The template is static: what stands in it would be run as a program.

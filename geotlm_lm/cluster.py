@@ -11,6 +11,8 @@ from __future__ import annotations
 import logging
 import os
 import pickle
+import signal
+import threading
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -153,8 +155,9 @@ def _connected(address: str, workers: int | None) -> Iterator[None]:
             options |= {"num_cpus": max(usable_cores(), workers or 1), "include_dashboard": False}
             options |= {"object_store_memory": LOCAL_STORE_BYTES}
         try:
-            ray.init(logging_level=logging.ERROR, log_to_driver=False, **options)
-        except (ConnectionError, RuntimeError, ValueError) as error:
+            with _own_end_kept():
+                ray.init(logging_level=logging.ERROR, log_to_driver=False, **options)
+        except (OSError, RuntimeError, ValueError, ray.exceptions.RayError) as error:
             raise UsageError(
                 f"--cluster {address}: cannot be used ({first_line(error)}), expected local, auto, "
                 f"or the address of a Ray cluster's head; give one."
@@ -170,6 +173,17 @@ def _connected(address: str, workers: int | None) -> Iterator[None]:
     finally:
         if is_own:
             ray.shutdown()
+
+
+@contextmanager
+def _own_end_kept() -> Iterator[None]:
+    """Keep what a request to end (SIGTERM) does here: Ray would have the process exit at once."""
+    before = signal.getsignal(signal.SIGTERM)
+    try:
+        yield
+    finally:
+        if threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGTERM, before or signal.SIG_DFL)  # None: set outside Python
 
 
 def _keep_quiet() -> None:

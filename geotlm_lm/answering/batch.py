@@ -102,7 +102,8 @@ def answer_all(
         there = _resumable(part, settings)
         if not there:
             part.write_text(f"{json.dumps(settings)}\n", encoding="utf-8")
-        work = partial(_numbered_rows, load, questions, reading, frame)
+        # A dictionary: the mapping may be a view, which no process can be sent.
+        work = partial(_numbered_rows, load, questions, dict(reading), frame)
         missing = [(number, clip) for number, clip in enumerate(clips) if number not in there]
         with part.open("a", encoding="utf-8") as stream:
             for done, told in enumerate(workers.each_done(work, missing), len(there) + 1):

@@ -1,6 +1,7 @@
 """Rows for every clip and question, whatever happens on the way."""
 
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -33,6 +34,20 @@ def answer_by(answerer, *args, **options):
     return answer_all(lambda: answerer, *args, **options)
 
 
+SENT_ANSWERER = []
+
+
+def sent_answerer():
+    return SENT_ANSWERER[0]
+
+
+class Sending:
+    """Works here with what other processes would be sent."""
+
+    def each_done(self, work, parts):
+        return map(pickle.loads(pickle.dumps(work)), pickle.loads(pickle.dumps(parts)))
+
+
 def rows_in(path):
     return [json.loads(line) for line in path.read_text().splitlines()]
 
@@ -50,6 +65,13 @@ def test_every_clip_and_question_gets_a_row_in_order(bundle, clips, tmp_path):
     assert [row["answer"] for row in bad] == [None, None]
     assert bad[0]["error"] == bad[1]["error"]
     assert bad[0]["error"].startswith(str(clips / "b.npy"))
+
+
+def test_other_processes_can_be_sent_the_work(bundle, clips, tmp_path, monkeypatch):
+    monkeypatch.setitem(globals(), "SENT_ANSWERER", [feeling(bundle, "left")])
+    out = tmp_path / "answers.jsonl"
+    result = answer_all(sent_answerer, clips_in(clips), QUESTIONS, out, workers=Sending())
+    assert (result.rows, result.errors) == (6, 2)
 
 
 def test_a_question_that_cannot_be_asked_spoils_its_own_row_only(bundle, clips, tmp_path):

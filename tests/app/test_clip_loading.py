@@ -97,6 +97,7 @@ def test_of_a_bag_with_two_cameras_one_is_opened_by_its_topic(tmp_path):
     messages = [bags.raw(*one, "rgb8") for one in zip(frames, times, strict=True)]
     folder = bags.write_bag(tmp_path / "run", {"/left": messages, "/right": messages[:3]})
     path = str(next(folder.glob("*.mcap")))
-    with pytest.raises(GeoTLMError, match="on 2 topics.*give it under Frames and notes[.]$"):
+    advice = "give it under Frames and notes of the Ask tab"
+    with pytest.raises(GeoTLMError, match=f"on 2 topics.*{advice}[.]$"):
         load_clip(FakeAnswerer(), path)
     assert load_clip(FakeAnswerer(), path, topic="/left").encoded.clip.recorded_frames == 6

@@ -162,11 +162,11 @@ def test_a_question_is_about_what_was_seen_by_then_and_the_conversation_goes_on(
     followed(frames[:30], live)
     assert answers(live, "Which way does it go?")[-1]["chat"][-1]["role"] == "assistant"
     session = live.stream.shown().session
+    assert session.encoded.recording is None
     followed(frames[30:], live)
     told = answers(live, "Are you sure?")[-1]
     assert live.stream.shown().session is session
     assert len(session.history) == 2
-    assert session.encoded.recording is None
     assert "stage" not in told
     list(LiveTalk(FakeAnswerer()).forget(live, []))
     assert live.stream.shown().session is not session
@@ -185,9 +185,28 @@ def test_a_pixels_size_is_told_of_all_that_is_watched(frames, clock):
 
 
 def test_frames_that_are_kept_for_questions_are_bounded(frames, monkeypatch, clock):
-    monkeypatch.setattr(live_stream, "KEPT_BYTES", 10 * frames[0].nbytes)
+    monkeypatch.setattr(live_stream, "KEPT_BYTES", 20 * frames[0].nbytes)
     live = LiveSession()
     followed(frames, live)
     numbers = live.stream.shown().encoded.clip.frame_numbers
     assert max(numbers) < 40
-    assert len(live.stream._kept) <= 10
+    assert len(live.stream._kept) <= 20
+
+
+def test_of_frames_however_large_enough_are_kept_for_a_question(frames, monkeypatch, clock):
+    monkeypatch.setattr(live_stream, "KEPT_BYTES", 0)
+    live = LiveSession()
+    for count in range(25, 41):
+        followed(frames[live.stream.count if live.stream else 0 : count], live)
+        assert live.stream.shown().encoded.track is not None
+    assert len(live.stream._kept) <= live_stream.LEAST_KEPT
+
+
+def test_an_answer_about_what_is_watched_no_more_is_not_shown(frames, clock, monkeypatch):
+    monkeypatch.setitem(READ, "Which way does it go?", "way")
+    live = LiveSession()
+    followed(frames, live)
+    told = LiveTalk(FakeAnswerer()).ask("Which way does it go?", [], live, [], 0, ADDRESS)
+    assert next(told)["chat"]
+    list(stop(live))
+    assert list(told) == []
