@@ -1,6 +1,7 @@
 """Measure how long questions take at a served page that others use: `python .ci/load.py`.
 
-First three recordings of 250 frames are tracked over and over while one visitor asks; then twenty
+First a recording of five seconds is opened on the stage and asked about, with nobody beside. Then
+three recordings of 250 frames are tracked over and over while one visitor asks; then twenty
 visitors ask at once, each about its own example. An answer that differs from the one given to the
 same question alone is a mixed one. Every request goes through the page's own queue.
 """
@@ -17,6 +18,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Event
 
+import cv2
 import httpx
 import numpy as np
 
@@ -24,11 +26,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from app import ui
 from app.cache_folder import own_cache_folder
+from app.opening import Opening
 from app.sources import EXAMPLES
-from geotlm_lm import Answerer, Touch, simulate_touch
+from app.talking import Talking
+from geotlm_lm import Answerer, Touch, read_clip, simulate_touch
 
 QUESTIONS = ("Which way is it turning?", "Is it sliding to the left?", "How far did it go?")
 FRAMES, RECORDINGS, VISITORS, ROUNDS = 250, 3, 20, 3
+OPENED_S, REPEATS = 5, 10
 
 CLIENT = httpx.Client(timeout=600, limits=httpx.Limits(max_connections=None))
 
@@ -59,6 +64,32 @@ def write_recordings(folder: Path) -> list[str]:
         names.append(f"long{seed}.npz")
         np.savez(folder / names[-1], frames=frames, fps=25.0)
     return names
+
+
+def opened(answerer: Answerer, folder: Path) -> None:
+    """Print how long a recording of five seconds takes to its timeline, and a question of it."""
+    clip = read_clip(folder / write_recordings(folder)[0])
+    path = folder / "dropped.mov"
+    size = clip.frames.shape[2], clip.frames.shape[1]
+    film = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"mp4v"), 25.0, size)
+    for frame in clip.frames[: OPENED_S * 25]:
+        film.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
+    film.release()
+    shown, told = [], []
+    for _ in range(REPEATS):
+        opening, started = Opening(answerer), time.perf_counter()
+        *_, filled = opening.upload([str(path)], [], None, None)
+        shown.append(time.perf_counter() - started)
+        if not filled["stage"]["timeline"]:
+            raise RuntimeError("no timeline was shown")
+        talking, started = Talking(answerer), time.perf_counter()
+        context = (filled["shown"], filled["source"], [], 0)
+        words = talking.ask("How far in total?", [], *context, "http://127.0.0.1")
+        while not next(words)["chat"][-1]["content"]:
+            pass
+        told.append(time.perf_counter() - started)
+    tell(f"a .mov of {OPENED_S} s from its upload to its timeline", shown)
+    tell("from a question of it to the first word", told)
 
 
 def under_tracking(address: str, folder: Path, names: list[str], seconds: float) -> None:
@@ -126,8 +157,10 @@ def main() -> None:
     seconds = options.parse_args().seconds
     with own_cache_folder(), tempfile.TemporaryDirectory() as home:
         folder = Path(home)
+        answerer = Answerer.load()
+        opened(answerer, folder)
         names = write_recordings(folder)
-        page = ui.build(Answerer.load(), folder)
+        page = ui.build(answerer, folder)
         address = ui.launch(page)
         try:
             under_tracking(address, folder, names, seconds)

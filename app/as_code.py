@@ -28,6 +28,7 @@ def calls_of(
     frame: FrameSpec,
     span: tuple[int, int] | None = None,
     address: str = "http://127.0.0.1:7860",
+    topic: str | None = None,
 ) -> Calls:
     """Return the calls that ask the last of these questions.
 
@@ -37,6 +38,7 @@ def calls_of(
         frame: That was checked in the page.
         span: First and last frame, where only a part is asked about.
         address: Of the page.
+        topic: Of a bag's images, where it was named.
     """
     stated = sentences_of(frame)
     question = " ".join([*stated, questions[-1]])
@@ -45,21 +47,26 @@ def calls_of(
         command += ["--mm-per-px", f"{frame.mm_per_px:g}"]
     if span is not None:
         command += ["--frames", f"{span[0]}:{span[1]}"]
+    if topic is not None:
+        command += ["--topic", topic]
     in_mm = [] if frame.mm_per_px is None else [f"{frame.mm_per_px:g} mm per pixel."]
     return Calls(
         shlex.join(command),
-        _python(path, questions, stated + in_mm, span),
+        _python(path, questions, stated + in_mm, span, topic),
         _rest(path, " ".join([*in_mm, question]), address),
     )
 
 
-def _python(path: str, questions: list[str], stated: list[str], span: tuple | None) -> str:
+def _python(
+    path: str, questions: list[str], stated: list[str], span: tuple | None, topic: str | None
+) -> str:
     of_span = "" if span is None else f", span=({span[0]}, {span[1]})"
+    of_topic = "" if topic is None else f", topic={topic!r}"
     lines = [
         "from geotlm_lm import Answerer, read_clip",
         "",
         "answerer = Answerer.load()",
-        f"seen = answerer.encode(read_clip({path!r}){of_span})",
+        f"seen = answerer.encode(read_clip({path!r}{of_topic}){of_span})",
     ]
     if len(questions) == 1:
         return "\n".join(

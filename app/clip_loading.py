@@ -35,6 +35,7 @@ ADVICE = {
     "or, with --layout THW, (T,H,W)": "or, on the command line with --layout THW, (T,H,W)",
     "pass --layout": "use the command line with --layout",
     "pass --square-pixels": "use the command line with --square-pixels",
+    "by --topic": "under Frames and notes of the Ask tab",
 }
 """What is said to a person at the command line, and to one who has none."""
 
@@ -59,6 +60,7 @@ def load_clip(
     path: str | list[str] | None,
     first: float | str | None = None,
     last: float | str | None = None,
+    topic: str | None = None,
 ) -> LoadedClip:
     """Read the recording at `path`, and perceive or track it once.
 
@@ -67,13 +69,14 @@ def load_clip(
         path: Of the recording, or of several images of it; None when nothing was given yet.
         first: First frame to use; None or no text to use all.
         last: Last frame to use.
+        topic: Of a bag's images; None where it has images on one topic only.
 
     Raises:
         GeoTLMError: If there is no recording, or it cannot be used, in one sentence.
     """
     if not path:
         raise GeoTLMError("No recording was given; upload a clip first.")
-    return perceive(answerer, read_named(path), span=span_of(first, last))
+    return perceive(answerer, read_named(path, topic), span=span_of(first, last))
 
 
 def latest_upload(paths: list[str] | None) -> list[str]:
@@ -165,11 +168,12 @@ def span_of(first: float | str | None, last: float | str | None) -> tuple[int, i
     return int(ends[0]), int(ends[1])
 
 
-def read_named(path: str | list[str]) -> Any:
+def read_named(path: str | list[str], topic: str | None = None) -> Any:
     """Return the recording in one file, or in several images, named as whoever gave it knows it.
 
     Args:
         path: Of the file, or of a folder of images, or of each image.
+        topic: As `load_clip` has it.
 
     Raises:
         GeoTLMError: If it cannot be read.
@@ -177,7 +181,7 @@ def read_named(path: str | list[str]) -> Any:
     paths = [path] if isinstance(path, str) else list(path)
     if len(paths) == 1:
         with with_clip_name(Path(paths[0]).parent):
-            return _named(read_clip(paths[0]), Path(paths[0]).name)
+            return _named(read_clip(paths[0], topic=topic), Path(paths[0]).name)
     if not all(_is_image(one) for one in paths):
         raise GeoTLMError("Several recordings were given; give one, or the images of one.")
     with tempfile.TemporaryDirectory() as folder, with_clip_name(folder):

@@ -89,7 +89,7 @@ MODEL = {"concurrency_limit": AT_ONCE, "concurrency_id": MODEL_LINE}
 for each other (`session_order`)."""
 
 CAMERA = {"concurrency_limit": AT_ONCE, "concurrency_id": "camera"}
-"""A camera goes on for as long as it likes: it must not hold up its visitor's questions."""
+"""What is watched goes on for as long as it likes: it must not hold up its visitor's questions."""
 
 
 def tell_progress(what: str, done: int, total: int) -> None:

@@ -42,9 +42,12 @@ def filling(
 
     def fill(*given: Any) -> Iterator[dict[Any, Any]]:
         told: Filled | None = None
+        # Emptied once: what runs on for long must not take away what another mistake has told.
+        emptied: Filled = {COMPLAINT: ""}
         try:
             for told in function(*given):
-                yield {parts[name]: value for name, value in ({COMPLAINT: ""} | told).items()}
+                yield {parts[name]: value for name, value in (emptied | told).items()}
+                emptied = {}
         except GeoTLMError as error:
             # A recording's name is part of the sentence, and anybody may have chosen it.
             yield {parts[COMPLAINT]: escape(str(error), quote=False)}

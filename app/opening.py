@@ -37,6 +37,10 @@ NOTHING_SAID: Filled = {
 """The conversation and all that stands beside it, before anything was asked."""
 
 
+EMPTY_FIELDS: Filled = {"first": "", "last_frame": "", "topic": ""}
+"""What is asked for of a recording that was just opened."""
+
+
 @dataclass(frozen=True)
 class Source:
     """Where what is open comes from.
@@ -46,12 +50,14 @@ class Source:
         name: As the page calls it.
         example: Its key, where it is an example.
         span: First and last frame, where only a part was read.
+        topic: Of a bag's images, where it was named.
     """
 
     path: Any
     name: str
     example: str | None = None
     span: tuple[int, int] | None = None
+    topic: str | None = None
 
 
 @dataclass
@@ -84,7 +90,7 @@ class Opening:
     def upload(self, paths: list[str] | None, *before: Any) -> Iterator[Filled]:
         """Open what was given last; close everything where all was taken away."""
         given = latest_upload(paths)
-        fields = {"first": "", "last_frame": ""} | ({} if given == paths else {"files": given})
+        fields = EMPTY_FIELDS | ({} if given == paths else {"files": given})
         if not given:
             yield _closed(Before(*before)) | fields | {"files": None}
             return
@@ -100,7 +106,7 @@ class Opening:
         example = examples().get(key)
         if example is None:
             return
-        fields = {"first": "", "last_frame": "", "files": None}
+        fields = EMPTY_FIELDS | {"files": None}
         yield _closed(Before(*before)) | fields | self.frames(example)
         yield from self._open(_source(example), Before(*before))
 
@@ -115,10 +121,12 @@ class Opening:
         yield self.frames(example) | {"source": _source(example), "question": question}
 
     def read_again(
-        self, source: Source | None, first: str, last: str, *before: Any
+        self, source: Source | None, first: str, last: str, topic: str | None, *before: Any
     ) -> Iterator[Filled]:
-        """Read what is open anew, or a span of it."""
+        """Read what is open anew, a span of it, or another topic."""
         if source is not None:
+            # The toolkit's field that was never filled holds None.
+            source = replace(source, topic=(topic or "").strip() or None)
             yield from self._open(source, Before(*before), first, last)
 
     def _open(
@@ -130,7 +138,7 @@ class Opening:
             if source.example and span is None:
                 shown = perceived(self.answerer, examples()[source.example], self.known)
             else:
-                shown = load_clip(self.answerer, source.path, first, last)
+                shown = load_clip(self.answerer, source.path, first, last, source.topic)
             yield _opened(shown, replace(source, span=span), before)
         except Exception:
             yield _closed(before) | {"source": source}

@@ -8,44 +8,52 @@ const layers = { arrows: true, contact: false, difference: false, depth: false, 
 const LAYER_NAMES = {
   arrows: "Arrows", truth: "True motion", contact: "Contact", difference: "Difference", depth: "Depth",
 };
-let data = null, images = [], idle = null, mask = null, depths = [];
-let frame = 0, isPlaying = false, began = 0, beganAt = 0;
+let data = null, images = [], idle = null, masks = [], depths = [];
+let frame = 0, isPlaying = false, isFollowing = false, began = 0, beganAt = 0;
+let wanted = null, stale = null;
+const received = new Received();
 
 async function show(value) {
-  const isSame = data && value && data.frames && value.frames && data.frames.length === value.frames.length
+  const isOpen = Boolean(value && (value.frames || value.stream));
+  wanted = isOpen ? value.stream || value.key : null;
+  if (!isOpen) showNothing();
+  else if (value.stream) await showStream(value);
+  else await showRecording(value);
+}
+
+function showNothing() {
+  data = null;
+  images = [];
+  received.begin(null);
+  pause();
+  title();
+  picture.setAttribute("aria-label", "No recording is open");
+  part("layers").replaceChildren();
+  part("clock").textContent = "";
+  timeline.place = undefined;
+  timeline.show(null);
+  draw();
+}
+
+async function showRecording(value) {
+  const isSame = data && data.frames && data.frames.length === value.frames.length
     && data.frames[0] === value.frames[0] && data.name === value.name;
-  data = value && value.frames ? value : null;
-  element.querySelector(".stage").dataset.shown = data ? "" : "nothing";
-  part("empty").hidden = Boolean(data);
-  part("name").textContent = data ? data.name : "";
-  part("about").textContent = data ? data.about : "";
-  playButton.disabled = scrub.disabled = !data;
-  if (!data) {
-    pause();
-    images = [];
-    picture.setAttribute("aria-label", "No recording is open");
-    part("layers").replaceChildren();
-    part("clock").textContent = "";
-    timeline.place = undefined;
-    timeline.show(null);
-    draw();
-    return;
-  }
+  data = value;
+  received.begin(null);
   if (!isSame) images = [];
-  scrub.max = data.frames.length - 1;
-  picture.setAttribute("aria-label", `${data.name}, playing: its frames with what the model reads`);
-  part("time").setAttribute("aria-label", timelineLabel());
+  title();
+  scrub.min = 0;
   timeline.show(data);
-  const key = data.key, overlays = data.overlays || {};
+  const overlays = data.overlays || {};
   const load = async (list) => Promise.all((list || []).map(loadImage));
   const loaded = isSame ? images : await load(data.frames);
   const idleImage = data.idle ? await loadImage(data.idle) : null;
   const depthImages = await load(overlays.depth);
-  if (!data || data.key !== key) return; // another one was opened meanwhile
+  if (wanted !== value.key) return; // another one was opened meanwhile
   images = loaded;
   depths = depthImages;
   idle = idleImage ? pixelsOf(idleImage) : null;
-  mask = overlays.contact ? maskCanvas(overlays.contact.mask) : null;
+  masks = overlays.contact ? [maskCanvas(overlays.contact.mask)] : [];
   showLayers();
   if (!isSame) {
     go(0);
@@ -53,6 +61,55 @@ async function show(value) {
   }
   draw();
   element.querySelector(".stage").dataset.shown = data.pending ? "frames" : "all";
+}
+
+// While it is live the newest picture is shown, unless another one was looked for.
+async function showStream(value) {
+  const isNew = !data || data.stream !== value.stream, place = isNew ? 0 : data.x[frame];
+  const told = await received.with(value);
+  if (!told || wanted !== value.stream) return;
+  data = told;
+  ({ images, idle } = received);
+  masks = received.touched;
+  depths = [];
+  if (isNew) {
+    isPlaying = false;
+    isFollowing = true;
+    timeline.rows = 2;
+  }
+  title();
+  const oldest = data.x.findIndex((one) => one >= data.window[0]);
+  scrub.min = Math.max(oldest, 0);
+  timeline.show(data);
+  showLayers();
+  go(isFollowing ? images.length - 1 : nearest(data.x, place));
+  shownAsPlaying();
+  element.querySelector(".stage").dataset.shown = "all";
+  clearTimeout(stale);
+  if (data.live) stale = setTimeout(() => endLive(value.stream), STALE_MS);
+  else isFollowing = false;
+}
+
+function endLive(stream) {
+  if (!data || data.stream !== stream) return;
+  data = { ...data, live: false };
+  title();
+  shownAsPlaying();
+}
+
+function title() {
+  element.querySelector(".stage").dataset.shown = data ? "" : "nothing";
+  part("empty").hidden = Boolean(data);
+  part("name").textContent = data ? data.name : "";
+  part("about").textContent = data ? data.about : "";
+  part("live").hidden = !(data && data.live);
+  part("notes").textContent = ((data && data.notes) || []).join(" ");
+  playButton.disabled = scrub.disabled = !data;
+  if (!data) return;
+  scrub.max = data.frames.length - 1;
+  const how = data.stream ? "watched" : "playing";
+  picture.setAttribute("aria-label", `${data.name}, ${how}: its frames with what the model reads`);
+  part("time").setAttribute("aria-label", timelineLabel());
 }
 
 function timelineLabel() {
@@ -66,10 +123,13 @@ function timelineLabel() {
 
 function showLayers() {
   const has = {
-    arrows: data.overlays, contact: data.overlays, difference: data.idle,
+    arrows: data.overlays, contact: data.overlays, difference: idle,
     depth: depths.length, truth: data.overlays && data.overlays.fields.some((one) => one.key === "truth"),
   };
-  const buttons = Object.keys(LAYER_NAMES).filter((name) => has[name]).map((name) => {
+  const names = Object.keys(LAYER_NAMES).filter((name) => has[name]);
+  const shown = [...part("layers").children].map((one) => one.dataset.layer);
+  if (shown.join() === names.join()) return; // a button that is being used stays
+  const buttons = names.map((name) => {
     const button = document.createElement("button");
     button.type = "button";
     button.textContent = LAYER_NAMES[name];
@@ -108,12 +168,11 @@ function drawLayers(context, size) {
   const overlays = data.overlays, lines = [];
   if (!overlays) return;
   const k = data.timeline ? nearest(data.timeline.x, data.x[frame]) : 0;
+  const mask = data.stream ? masks[frame] : masks[0];
   if (layers.contact && mask) {
-    const touch = data.timeline ? data.timeline.panels[2].curves[0].mean[k] : 1;
+    const touch = data.timeline && !data.stream ? data.timeline.panels[2].curves[0].mean[k] : 1;
     if (touch >= 0.5) drawContact(context, size, overlays.contact, mask, touch);
-    const numbers = overlays.looked_at;
-    const when = data.timeline ? ` in frames ${numbers[0]} to ${numbers[numbers.length - 1]}` : "";
-    lines.push({ text: `red: where it touches${when}` });
+    lines.push({ text: overlays.contact.told });
   }
   if (layers.depth && depths[frame]) lines.push({ text: `bright: ${overlays.deepest_mm} mm deep` });
   if (layers.difference && idle) lines.push({ text: "change against the idle gel, four times" });
@@ -136,8 +195,8 @@ function drawLayers(context, size) {
 }
 
 function go(place) {
-  if (!data) return;
-  frame = Math.min(Math.max(Math.round(place), 0), data.frames.length - 1);
+  if (!data || !data.frames.length) return;
+  frame = Math.min(Math.max(Math.round(place), Number(scrub.min)), data.frames.length - 1);
   scrub.value = frame;
   const when = data.x[frame], number = data.numbers[frame];
   part("clock").textContent = data.unit === "s" ? `${when.toFixed(2)} s` : `frame ${number}`;
@@ -148,7 +207,13 @@ function go(place) {
 
 function play() {
   if (!data || isPlaying) return;
-  if (frame >= data.frames.length - 1) go(0);
+  if (data.live) {
+    isFollowing = true;
+    go(images.length - 1);
+    shownAsPlaying();
+    return;
+  }
+  if (frame >= data.frames.length - 1) go(Number(scrub.min));
   isPlaying = true;
   began = performance.now();
   beganAt = frame;
@@ -157,13 +222,15 @@ function play() {
 }
 
 function pause() {
-  isPlaying = false;
+  isPlaying = isFollowing = false;
   shownAsPlaying();
 }
 
+const runs = () => isPlaying || Boolean(data && data.live && isFollowing);
+
 function shownAsPlaying() {
-  playButton.textContent = isPlaying ? "❚❚" : "▶";
-  playButton.setAttribute("aria-label", isPlaying ? "Pause" : "Play");
+  playButton.textContent = runs() ? "❚❚" : "▶";
+  playButton.setAttribute("aria-label", runs() ? "Pause" : data && data.live ? "Show the newest" : "Play");
 }
 
 function advance(now) {
@@ -194,51 +261,3 @@ function seek(place) {
   pause();
   go(place);
 }
-
-playButton.onclick = () => (isPlaying ? pause() : play());
-scrub.oninput = () => seek(Number(scrub.value));
-picture.onclick = () => (isPlaying ? pause() : play());
-element.addEventListener("keydown", (event) => {
-  const steps = { ArrowLeft: frame - 1, ArrowRight: frame + 1, Home: 0, End: 1e9 };
-  if (event.key === " " && event.target.tagName !== "BUTTON") playButton.click();
-  else if (event.key in steps) seek(steps[event.key]);
-  else return;
-  event.preventDefault();
-});
-
-const tip = part("tip");
-let isDragging = false;
-const toPlace = (event) => {
-  const box = part("time").getBoundingClientRect();
-  return timeline.valueAt(event.clientX - box.left);
-};
-part("time").addEventListener("pointerdown", (event) => {
-  if (!data) return;
-  isDragging = true;
-  part("time").setPointerCapture(event.pointerId);
-  seek(nearest(data.x, toPlace(event)));
-});
-part("time").addEventListener("pointermove", (event) => {
-  if (!data) return;
-  const value = toPlace(event);
-  if (isDragging) seek(nearest(data.x, value));
-  if (!data.timeline) return;
-  tip.textContent = timeline.toldAt(value);
-  tip.hidden = false;
-  const box = element.getBoundingClientRect();
-  const left = Math.min(event.clientX - box.left + 14, box.width - tip.offsetWidth - 4);
-  tip.style.left = `${left}px`;
-  tip.style.top = `${part("time").getBoundingClientRect().top - box.top - tip.offsetHeight - 4}px`;
-});
-for (const ending of ["pointerup", "pointercancel", "pointerleave"]) {
-  part("time").addEventListener(ending, () => {
-    isDragging = false;
-    if (ending !== "pointerup") tip.hidden = true;
-  });
-}
-new ResizeObserver(() => {
-  timeline.draw();
-  draw();
-}).observe(element);
-watch("value", () => show(props.value));
-show(props.value);

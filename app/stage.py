@@ -42,19 +42,24 @@ SHORT_HZ, ASSUMED_HZ = 10.0, 25.0
 """Rate that a clip of four frames is played at, and a recording that does not tell its own."""
 
 _HERE = Path(__file__).parent
-_SCRIPTS = ("stage_draw.js", "stage_timeline.js", "stage.js")
+_SCRIPTS = ("stage_draw.js", "stage_timeline.js", "stage_live.js", "stage.js", "stage_input.js")
 
 
-def build(value: dict[str, Any] | None = None) -> Any:
+OPEN_ONE = "Open an example below, or drop a recording there: it plays here."
+
+
+def build(value: dict[str, Any] | None = None, invites: str = OPEN_ONE) -> Any:
     """Return the component.
 
     Args:
-        value: What it shows first, as `stage_of` or `opening` returns it; None for nothing.
+        value: What it shows first, as `stage_of`, `opening` or `LiveStream.stage` returns it; None
+            for nothing.
+        invites: What stands where the picture will be.
     """
     # The template is static: what stands in it would be run as a program.
     return gradio().HTML(
         value or {},
-        html_template=(_HERE / "stage.html").read_text("utf-8"),
+        html_template=(_HERE / "stage.html").read_text("utf-8").replace("INVITES", invites),
         css_template="",
         js_on_load="\n".join((_HERE / name).read_text("utf-8") for name in _SCRIPTS),
         apply_default_css=False,
@@ -86,7 +91,9 @@ def stage_of(
         told["step"] = step_of(shown, units)
     else:
         told["timeline"] = timeline_of(encoded.track, units, axis)
-    told["overlays"] = _overlays(shown.seen, encoded.clip.frame_numbers)
+    looked_at = encoded.clip.frame_numbers
+    when = "" if encoded.track is None else f" in frames {looked_at[0]} to {looked_at[-1]}"
+    told["overlays"] = _overlays(shown.seen, when)
     told["overlays"]["fields"] += fields
     return told
 
@@ -163,7 +170,7 @@ def _encoded(images: list[NDArray[np.uint8]]) -> tuple[list[str], int]:
         size = sum(len(_jpeg(one, side, quality)) for one in sample) / len(sample)
         if size * len(images) <= BUDGET_BYTES:
             break
-    return [_address(_jpeg(one, side, quality), "jpeg") for one in images], side
+    return [jpeg_address(one, side, quality) for one in images], side
 
 
 def _jpeg(image: NDArray[np.uint8], side: int, quality: int) -> bytes:
@@ -175,16 +182,24 @@ def _jpeg(image: NDArray[np.uint8], side: int, quality: int) -> bytes:
     return cv2.imencode(".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR), options)[1].tobytes()
 
 
+def jpeg_address(image: NDArray[np.uint8], side: int, quality: int) -> str:
+    """Return a picture as a data address, made smaller where its longer side is beyond `side`."""
+    return _address(_jpeg(image, side, quality), "jpeg")
+
+
 def _address(content: bytes, kind: str) -> str:
     return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
 
 
-def _overlays(seen: Seen, numbers: Sequence[int]) -> dict[str, Any]:
+def _overlays(seen: Seen, when: str) -> dict[str, Any]:
     corners = seen.view.in_picture(np.array([[0.0, 0.0], [1.0, 1.0]]))
     overlays: dict[str, Any] = {
-        "contact": {"mask": _rounded(seen.mask, 2), "corners": _rounded(corners)},
+        "contact": {
+            "mask": _rounded(seen.mask, 2),
+            "corners": _rounded(corners),
+            "told": f"red: where it touches{when}",
+        },
         "fields": [field_of(seen, "belief", "what the model reads", "#ffdc00")],
-        "looked_at": list(numbers),
     }
     if seen.depth_mm is not None:
         deepest = float(seen.depth_mm.max())

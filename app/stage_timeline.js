@@ -33,6 +33,7 @@ class Timeline {
   constructor(box) {
     this.box = box;
     this.data = null;
+    this.rows = 1;
   }
 
   show(data) {
@@ -41,6 +42,7 @@ class Timeline {
   }
 
   get span() {
+    if (this.data.window) return this.data.window;
     const x = this.data.x;
     return [x[0], x[x.length - 1] > x[0] ? x[x.length - 1] : x[0] + 1];
   }
@@ -74,11 +76,12 @@ class Timeline {
 
   drawTrack() {
     const events = packed(this.data.timeline.events);
-    const rows = Math.max(1, ...events.map((one) => one.row + 1));
+    // What is below must not jump while events come and go.
+    this.rows = Math.max(this.data.stream ? this.rows : 1, ...events.map((one) => one.row + 1));
     for (const event of events) this.drawEvent(event);
-    if (!events.length) this.text(LEFT + 4, 11, "nothing touches or moves", "quiet");
+    if (!events.length) this.text(LEFT + 4, 11, this.data.live ? "nothing yet" : "nothing touches or moves", "quiet");
     this.text(2, 11, "events", "name");
-    let top = rows * (BAND + 1) + GAP;
+    let top = this.rows * (BAND + 1) + GAP;
     for (const panel of this.data.timeline.panels) {
       this.drawPanel(panel, top, PANEL[panel.name]);
       top += PANEL[panel.name] + GAP;
@@ -87,7 +90,7 @@ class Timeline {
   }
 
   drawEvent(event) {
-    const from = this.placeOf(event.begin), to = this.placeOf(event.end);
+    const from = Math.max(this.placeOf(event.begin), LEFT), to = this.placeOf(event.end);
     const y = event.row * (BAND + 1), width = Math.max(to - from, 3);
     const group = svg("g", { class: `event ${event.kind}` });
     group.append(svg("rect", { x: from, y, width, height: BAND, rx: 3 }));
@@ -177,6 +180,7 @@ class Timeline {
     this.place = value;
     if (!this.cursor) return;
     const x = this.placeOf(value);
+    this.cursor.setAttribute("visibility", x < LEFT - 1 || x > this.width ? "hidden" : "visible");
     this.cursor.setAttribute("x1", x);
     this.cursor.setAttribute("x2", x);
   }

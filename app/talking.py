@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from html import escape, unescape
 from pathlib import Path
@@ -23,15 +23,21 @@ if TYPE_CHECKING:
 Messages = list[dict[str, Any]]
 
 
+def _whole(shown: LoadedClip, source: Source) -> dict[str, Any]:
+    return stage.stage_of(shown, source.name, shown.session.frame)
+
+
 @dataclass
 class Talking:
     """Answers the questions of the page.
 
     Args:
         answerer: The model.
+        redraw: Returns what the stage shows once the size of a pixel is another.
     """
 
     answerer: Answerer
+    redraw: Callable[[LoadedClip, Source], dict[str, Any]] = _whole
 
     def ask(
         self,
@@ -58,7 +64,7 @@ class Talking:
         size = shown.session.frame.mm_per_px
         redrawn = {}
         if size != size_before:
-            redrawn["stage"] = stage.stage_of(shown, source.name, shown.session.frame)
+            redrawn["stage"] = self.redraw(shown, source)
         chat = [*before, _message("assistant", reply.sentence)]
         yield field | {"chat": chat} | _beside(reply, shown, source, address) | redrawn
 
@@ -73,8 +79,22 @@ class Talking:
         for told in self.ask(question, chat[: asked[-1]], shown, *others):
             yield {name: value for name, value in told.items() if name != "question"}
 
+    def resize(
+        self, shown: LoadedClip | None, source: Source | None, mm_per_px: float | None
+    ) -> Iterator[Filled]:
+        """Tell lengths by another size of a pixel, in the picture as well; 0 and None: in pixels.
+
+        Raises:
+            GeoTLMError: If no camera has pixels of that size.
+        """
+        size = mm_per_px or None
+        if shown is None or size == shown.session.frame.mm_per_px:
+            return
+        shown.session.frame = replace(shown.session.frame, mm_per_px=size)
+        yield {"stage": self.redraw(shown, source), "chips": suggested(shown)}
+
     def forget(
-        self, shown: LoadedClip | None, source: Source | None, facts: list[str]
+        self, shown: LoadedClip | None, source: Source | None, facts: list[str], *_: Any
     ) -> Iterator[Filled]:
         """Begin the conversation about the clip anew; the frame that the page shows still holds."""
         anew = None
@@ -96,9 +116,8 @@ def _beside(reply: Any, shown: LoadedClip, source: Source, address: str) -> Fill
     path = source.path if isinstance(source.path, str) else source.path[0]
     # The folder it was uploaded to means nothing to anybody.
     path = f"{'' if source.example is None else 'app/examples/'}{Path(path).name}"
-    calls = calls_of(
-        path, [turn.question for turn in shown.session.history], frame, source.span, address
-    )
+    asked = [turn.question for turn in shown.session.history]
+    calls = calls_of(path, asked, frame, source.span, address, source.topic)
     return {
         "notes": literal(reply.notes),
         "probabilities": reply.probabilities,

@@ -39,17 +39,19 @@ class Axis:
         return seconds if self.is_in_seconds else numbers
 
 
-def timeline_of(track: Any, units: Units, axis: Axis) -> dict[str, Any]:
+def timeline_of(track: Any, units: Units, axis: Axis, since_s: float = -np.inf) -> dict[str, Any]:
     """Return the curves of a track with the spans that hold nine tenths, and its events.
 
     Args:
         track: What was tracked, a `Track`.
         units: Of its recording.
         axis: Seconds, or frames where nothing tells them.
+        since_s: From when on; the way is that since the track's own begin all the same.
     """
-    places = np.arange(len(track))
-    if len(track) > MOST_POINTS:
-        places = np.linspace(0, len(track) - 1, MOST_POINTS).round().astype(int)
+    places = np.flatnonzero(track.times_s >= since_s)
+    if len(places) > MOST_POINTS:
+        few = np.linspace(0, len(places) - 1, MOST_POINTS).round().astype(int)
+        places = places[few]
     path, spread = track.path_from_start[places], track.path_deviations[places] * SPAN_DEVIATIONS
     right, down = units.travelled(path[:, 1], path[:, 2])
     right_spread, down_spread = units.travelled(spread[:, 1], spread[:, 2])
@@ -68,10 +70,30 @@ def timeline_of(track: Any, units: Units, axis: Axis) -> dict[str, Any]:
             },
             {"name": "contact", "unit": "", "range": [0, 1], "curves": [touch], "told": "contact"},
         ],
-        "events": [_event(one, units, axis) for one in track.events],
+        "events": [_event(one, units, axis) for one in track.events if one.end_s >= since_s],
         # The way in shares of the picture, drawn as long as it is.
         "way": _rounded(path[:, 1:3] / _filled(units)),
     }
+
+
+def now_at(timeline: dict[str, Any], now_s: float, way: NDArray, units: Units) -> None:
+    """Lead the curves of a track that goes on up to the way as it stands now, as doubtful as last.
+
+    Args:
+        timeline: As `timeline_of` returns it, in seconds; changed in place.
+        now_s: When the last frame was taken.
+        way: Turn, right, down and inward since the first frame, (4,).
+        units: Of the frames.
+    """
+    turn, travel, contact = (panel["curves"] for panel in timeline["panels"])
+    right, down = units.travelled(way[1], way[2])
+    for curve, value in zip((*turn, *travel), (way[0], right, down), strict=True):
+        curve["mean"].append(round(float(value), 3))
+        curve["spread"].append(curve["spread"][-1] if curve["spread"] else 0.0)
+    touch = contact[0]["mean"]
+    touch.append(touch[-1] if touch else 0.0)
+    timeline["x"].append(round(now_s, 3))
+    timeline["way"].append(_rounded(way[1:3] / _filled(units)))
 
 
 def step_of(shown: LoadedClip, units: Units) -> dict[str, Any]:

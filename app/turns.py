@@ -231,5 +231,11 @@ class TrackerInTurns:
         with self._turns.turn():
             return self._tracker.finish()
 
+    @property
+    def so_far(self) -> Any:
+        """The track as far as it is settled; as `Tracker.so_far`, and not amid a frame."""
+        with self._turns.turn():
+            return self._tracker.so_far
+
     def __getattr__(self, name: str) -> Any:
         return getattr(self._tracker, name)

@@ -31,8 +31,8 @@ _HOME_OF = {
     "answer_schema": "geotlm_lm.answering.schema",
     "arrow_ends": "geotlm_lm.views.pictures",
     "camera_size": "geotlm_lm.core.geometry",
+    "change_map": "geotlm_lm.recordings.touch",
     "draw_depth": "geotlm_lm.views.pictures",
-    "draw_motion": "geotlm_lm.track.film",
     "draw_viewpoint": "geotlm_lm.views.viewpoint",
     "open_source": "geotlm_lm.recordings.streams",
     "picture": "geotlm_lm.views.pictures",
@@ -42,7 +42,6 @@ _HOME_OF = {
     "second_opinions": "geotlm_lm.reference_readings",
     "simulate_touch": "geotlm_lm.simulation.touch",
     "views_of": "geotlm_lm.views.pictures",
-    "way_in_words": "geotlm_lm.track.film",
     "write_plot": "geotlm_lm.track.plot",
 }
 

@@ -1,16 +1,17 @@
 """Answer many questions about many clips into JSON lines; interrupted runs are resumed.
 
-Rows are kept in `NAME.part` while the run lasts and take the place of NAME when it is complete, so
-that a reader of NAME never sees half a table.
+What each clip's questions gave is kept in `NAME.part` while the run lasts, a line a clip in the
+order in which they are done; in the order of the clips it takes the place of NAME when it is
+complete, so that a reader of NAME never sees half a table.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -21,6 +22,7 @@ from geotlm_lm.core.atomic import only_writer, replacing
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.workers import ALONE, Workers
 
 if TYPE_CHECKING:
     from geotlm_lm.answering.answerer import Answerer
@@ -30,6 +32,9 @@ CAMERA = FrameSpec()
 Reading = Mapping[str, Any]
 NOTHING_SAID: Reading = MappingProxyType({})
 """How recordings are read where nobody says so: as each file says, the rest guessed."""
+
+PART_VERSION = 2
+"""Of what a stopped run leaves: another version's is not continued."""
 
 Progress = Callable[[int, int], None]
 """Called with the number of clips done, and of all."""
@@ -51,67 +56,92 @@ class BatchResult:
 
 
 def answer_all(
-    answerer: Answerer,
+    load: Callable[[], Answerer],
     clips: Sequence[Path],
     questions: Sequence[str],
     out: Path,
     *,
     reading: Reading = NOTHING_SAID,
     frame: FrameSpec = CAMERA,
+    workers: Workers = ALONE,
     progress: Progress = lambda done, total: None,
 ) -> BatchResult:
     """Write one row per clip and question to `out`, as JSON lines.
 
     A row holds clip, question, answer (as in the published schema) and error; of the last two one
     is null. A clip that cannot be read, or a question that cannot be asked, gives rows with the
-    error's one sentence. A run that was stopped continues behind the last whole clip.
+    error's one sentence. A run that was stopped continues with the clips that it had not done.
 
     Args:
-        answerer: The model.
+        load: Returns the model, the same object every time; each process asks its own.
         clips: Recordings.
         questions: What to ask about each.
         out: The file to write.
         reading: How the recordings are read, as options of `read_clip` but the background.
         frame: What is known of how all of them were taken.
+        workers: Who answers; but for the times in them, rows do not depend on it.
         progress: Told how many clips are done.
 
     Raises:
         UsageError: If an unfinished run of other clips, questions, frame or rate, or of another
             model or version, lies beside `out`, or a file that is none, or if another process is
             at it.
+        GeoTLMError: If a worker was killed.
         ValueError: If there is no question.
     """
     if not questions:
         raise ValueError("a run takes 1 question or more, found none")
     part = out.with_name(f"{out.name}.part")
-    settings = _settings(answerer, clips, questions, reading, frame)
+    settings = _settings(load(), clips, questions, reading, frame)
     with only_writer(part) as is_alone:
         if not is_alone:
             raise UsageError(
                 f"{part}: another run is writing it, expected one at a time; wait for it, or give "
                 f"another --out."
             )
-        kept, errors = _resumable_rows(part, settings, len(questions))
-        if not kept:
+        there = _resumable(part, settings)
+        if not there:
             part.write_text(f"{json.dumps(settings)}\n", encoding="utf-8")
+        # A dictionary: the mapping may be a view, which no process can be sent.
+        work = partial(_numbered_rows, load, questions, dict(reading), frame)
+        missing = [(number, clip) for number, clip in enumerate(clips) if number not in there]
         with part.open("a", encoding="utf-8") as stream:
-            for number, clip in enumerate(clips):
-                if number >= kept // len(questions):
-                    rows = list(rows_of(answerer, clip, questions, reading, frame))
-                    stream.write("".join(f"{json.dumps(row)}\n" for row in rows))
-                    stream.flush()
-                    errors += sum(row["error"] is not None for row in rows)
-                progress(number + 1, len(clips))
-        _replace_output(part, out)
-    return BatchResult(len(clips) * len(questions), errors, kept)
+            for done, told in enumerate(workers.each_done(work, missing), len(there) + 1):
+                stream.write(f"{json.dumps(told)}\n")
+                stream.flush()
+                progress(done, len(clips))
+        errors = _replace_output(part, out)
+    return BatchResult(len(clips) * len(questions), errors, len(there) * len(questions))
 
 
-def _replace_output(part: Path, out: Path) -> None:
-    """Let the rows of a complete run take the place of `out`."""
+def _numbered_rows(
+    load: Callable[[], Answerer],
+    questions: Sequence[str],
+    reading: Reading,
+    frame: FrameSpec,
+    numbered: tuple[int, Path],
+) -> dict[str, Any]:
+    """Return what a run keeps of one clip."""
+    number, clip = numbered
+    return {"clip": number, "rows": list(rows_of(load(), clip, questions, reading, frame))}
+
+
+def _replace_output(part: Path, out: Path) -> int:
+    """Let the rows of a complete run take the place of `out`; return how many hold an error."""
+    places, errors = {}, 0
     with part.open("rb") as written, replacing(out) as stream:
-        next(written)  # what the run was of
-        shutil.copyfileobj(written, stream)
+        written.readline()  # what the run was of
+        place = written.tell()
+        for line in iter(written.readline, b""):
+            places[json.loads(line)["clip"]] = place
+            place = written.tell()
+        for _, place in sorted(places.items()):
+            written.seek(place)
+            for row in json.loads(written.readline())["rows"]:
+                stream.write(f"{json.dumps(row)}\n".encode())
+                errors += row["error"] is not None
     part.unlink()
+    return errors
 
 
 def rows_of(
@@ -154,7 +184,7 @@ def _settings(
     asked = [list(questions), dict(reading), frame.to_dict()]
     told = json.dumps([[_stamp(clip) for clip in clips], asked, answer_schema()])
     digest = hashlib.sha256(told.encode()).hexdigest()[:16]
-    return {"model": answerer.bundle.digest(), "asked": digest}
+    return {"format": PART_VERSION, "model": answerer.bundle.digest(), "asked": digest}
 
 
 def _stamp(clip: Path) -> list[Any]:
@@ -166,14 +196,11 @@ def _stamp(clip: Path) -> list[Any]:
     return [clip.name, about.st_size, about.st_mtime_ns]
 
 
-def _resumable_rows(part: Path, settings: dict[str, Any], per_clip: int) -> tuple[int, int]:
-    """Return how many rows of whole clips a stopped run left, and how many of them hold errors.
-
-    What is behind them, half a clip or half a row, is cut off.
-    """
+def _resumable(part: Path, settings: dict[str, Any]) -> set[int]:
+    """Return the numbers of the clips that a stopped run had done; half a line is cut off."""
+    done: set[int] = set()
     if not part.exists() or part.stat().st_size == 0:
-        return 0, 0
-    kept = errors = pending = 0
+        return done
     with part.open("r+b") as stream:
         first = stream.readline()
         if not first.endswith(b"\n") or _parsed(first) != settings:
@@ -185,17 +212,16 @@ def _resumable_rows(part: Path, settings: dict[str, Any], per_clip: int) -> tupl
         for number, line in enumerate(iter(stream.readline, b""), start=1):
             if not line.endswith(b"\n"):
                 break
-            row = _parsed(line)
-            if not isinstance(row, dict) or "error" not in row:
+            told = _parsed(line)
+            if not isinstance(told, dict) or set(told) != {"clip", "rows"}:
                 raise UsageError(
-                    f"{part}: its row {number} is damaged, expected one JSON object a line; delete "
-                    f"the file to begin anew, or give another --out."
+                    f"{part}: its line {number} is damaged, expected one JSON object a line; "
+                    f"delete the file to begin anew, or give another --out."
                 )
-            pending += row["error"] is not None
-            if number % per_clip == 0:
-                kept, errors, end = number, pending, stream.tell()
+            done.add(told["clip"])
+            end = stream.tell()
         stream.truncate(end)
-    return kept, errors
+    return done
 
 
 def _parsed(line: bytes) -> Any:

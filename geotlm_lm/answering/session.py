@@ -33,15 +33,18 @@ class Turn:
         question: As it was asked.
         answer: What was said to it.
         frame: The frame of reference before it.
-        encoded: The clip that questions were about.
+        encoded: The clip that questions were about; None where it has grown and others were asked
+            since, of which each would keep its own frames.
         before: What was asked before it.
+        place: Of the clip in the conversation, from 0.
     """
 
     question: str
     answer: Reply
     frame: FrameSpec
-    encoded: Encoded
+    encoded: Encoded | None
     before: Query
+    place: int
 
 
 class Explaining(Protocol):
@@ -85,8 +88,12 @@ class Session:
     @property
     def last(self) -> Reply | None:
         """The last answer about a clip: neither talk nor a fact."""
-        replies = (turn.answer for turn in reversed(self.history))
-        return next(filter(_is_about_clip, replies), None)
+        turn = self._last_turn
+        return None if turn is None else turn.answer
+
+    @property
+    def _last_turn(self) -> Turn | None:
+        return next((one for one in reversed(self.history) if _is_about_clip(one.answer)), None)
 
     def add_clip(self, encoded: Encoded) -> None:
         """Make another clip the one that questions are about; comparisons look back at the last.
@@ -100,6 +107,21 @@ class Session:
         if encoded.clip.frames.shape[1:3] != self.encoded.clip.frames.shape[1:3]:
             self.frame = replace(self.frame, mm_per_px=None)
         self.clips.append(self.answerer.believing(encoded))
+
+    def grow(self, encoded: Encoded) -> None:
+        """Take a clip for the last one with more frames, as of a camera that goes on.
+
+        What refers to the last answer ("are you sure?") is about what was seen by then.
+
+        Raises:
+            TypeError: If it is not encoded.
+        """
+        require_encoded(encoded)
+        self.clips[-1] = self.answerer.believing(encoded)
+        last = self._last_turn
+        self.history = [
+            turn if turn is last else replace(turn, encoded=None) for turn in self.history
+        ]
 
     def ask(self, question: str) -> Reply:
         """Answer the next question.
@@ -123,7 +145,8 @@ class Session:
         else:
             other = clips[0] if len(clips) == 2 else None
             reply = answer(bundle, self.encoded, found, self.frame, other)
-        self.history.append(Turn(typed, reply, self.frame, self.encoded, self._before))
+        place = len(self.clips) - 1
+        self.history.append(Turn(typed, reply, self.frame, self.encoded, self._before, place))
         if found.ask_back is None:
             columns = self.encoded.clip.frames.shape[2]
             self.frame = frame_after(found.query, self.frame, columns)
@@ -133,9 +156,8 @@ class Session:
 
     def _about_last(self, found: Understood) -> Answer | None:
         """Return what is said of the last answer about this clip: how sure, how near, and why."""
-        turns = (turn for turn in reversed(self.history) if _is_about_clip(turn.answer))
-        turn = next(turns, None)
-        if turn is None or turn.encoded is not self.encoded:
+        turn = self._last_turn
+        if turn is None or turn.place != len(self.clips) - 1:
             return None
         last, parts = turn.answer, found.query.parts
         if not isinstance(last, Answer) or len(parts) != 1 or found.ask_back is not None:
@@ -144,7 +166,7 @@ class Session:
         if ask.kind not in ("why", "how-sure") or ask.proposition is not None:
             return None
         if ask.kind == "why":
-            text = " ".join(self.answerer.why(self.encoded, last).steps)
+            text = " ".join(self.answerer.why(turn.encoded or self.encoded, last).steps)
         elif ask.of_amount and last.amount is not None:
             low, high = last.amount.span
             text = f"Nine times in ten it is {low:g} to {high:g} {last.amount.unit}."

@@ -30,6 +30,9 @@ _NEEDLESS = ("talk", "help", "unanswerable", "not-understood")
 UNLIKELY = 0.1
 """Probability of a reading up to which it is not offered."""
 
+_OPEN = t.Query((t.Part(t.Ask("way")),))
+"""What is told beside a question of which no reading is likely."""
+
 Says = Callable[[t.Query], tuple[str, object]]
 """What is answered to a query, and the frame that holds from then on."""
 
@@ -106,6 +109,7 @@ def _asked_back(queries: Sequence[t.Query], says: Says | None) -> str:
             told.setdefault(say_back(query), said)
     likely = list(told.items())[:2]
     if not likely:
-        return replies()["asked_back"]
+        rest = replies()["help"] if says is None else f"{replies()['felt']} {says(_OPEN)[0]}"
+        return f"{replies()['asked_back']} {rest}"
     asked = [f"{'or ' * place}{query}? {said}" for place, (query, said) in enumerate(likely)]
     return f"{replies()['unsure']} {' '.join(f'{one[:1].upper()}{one[1:]}' for one in asked)}"

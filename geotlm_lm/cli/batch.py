@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import json
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
+import typer
+
 from geotlm_lm.cli.options import (
     BundleFolder,
+    ClusterAddress,
     FramesPerSecond,
     LayoutName,
     MmPerPixel,
@@ -20,6 +24,7 @@ from geotlm_lm.cli.options import (
 )
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.workers import Workers
 
 NAMES_TOLD = 5
 """Skipped files that are named; of more than these, how many."""
@@ -39,6 +44,11 @@ def batch(
         Path, path_option(help="Text file, one question a line; # begins a comment.")
     ],
     out: Annotated[Path, path_option(help="Where the rows go, one JSON object a line.")],
+    workers: Annotated[
+        int | None,
+        typer.Option(min=1, help="Processes that answer. [default: one per usable core]"),
+    ] = None,
+    cluster: ClusterAddress = None,
     layout: LayoutName = None,
     fps: FramesPerSecond = None,
     square_pixels: SquarePixels = None,
@@ -58,6 +68,7 @@ def batch(
     from geotlm_lm.recordings.pixels import check_layout
     from geotlm_lm.recordings.read import require_rate
 
+    by = Workers(workers, cluster)
     require_rate(fps)
     reading = {
         "layout": check_layout(layout),
@@ -72,18 +83,19 @@ def batch(
     _tell_skipped(clips, own=[questions, out, out.with_name(f"{out.name}.part")])
 
     # Imported only now: a wrong path must not wait for the model's libraries.
-    from geotlm_lm.answering import Answerer
     from geotlm_lm.answering.batch import answer_all
+    from geotlm_lm.answering.loaded import loaded
     from geotlm_lm.cli.progress import progress_on_stderr
 
     report = progress_on_stderr()
     result = answer_all(
-        Answerer.load(model, precision=precision),
+        partial(loaded, model, precision),
         found,
         asked,
         out,
         reading=reading,
         frame=frame,
+        workers=by,
         progress=lambda done, total: report("answered", done, total),
     )
     if result.continued:

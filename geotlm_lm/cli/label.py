@@ -10,6 +10,7 @@ import typer
 
 from geotlm_lm.cli.options import (
     BundleFolder,
+    ClusterAddress,
     MmPerPixel,
     Precision,
     SquarePixels,
@@ -18,7 +19,7 @@ from geotlm_lm.cli.options import (
     require_writable,
 )
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.threads import usable_cores
+from geotlm_lm.workers import Workers
 
 REFUSED_TOLD = 5
 """Episodes that could not be tracked which are told; of more than these, how many."""
@@ -41,6 +42,7 @@ def label(
         int | None,
         typer.Option(min=1, help="Processes that track. [default: one per usable core]"),
     ] = None,
+    cluster: ClusterAddress = None,
     square_pixels: SquarePixels = None,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
@@ -54,6 +56,7 @@ def label(
 
     Example: geotlm-lm label robot --camera observation.images.tactile --out robot_labelled
     """
+    by = Workers(workers, cluster)
     scale = FrameSpec(mm_per_px=mm_per_px).mm_per_px
     from geotlm_lm.data_sets.lerobot import read_data_set
 
@@ -69,7 +72,7 @@ def label(
     result = label_data_set(
         labelling,
         out,
-        workers=workers or usable_cores(),
+        workers=by,
         progress=progress_on_stderr("episodes"),
     )
     if result.continued:

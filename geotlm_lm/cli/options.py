@@ -105,6 +105,15 @@ Precision = Annotated[
         "processor has instructions for them.",
     ),
 ]
+ClusterAddress = Annotated[
+    str | None,
+    typer.Option(
+        "--cluster",
+        metavar="ADDRESS",
+        help="Work on a Ray cluster: the address of its head, auto inside `ray job submit`, or "
+        "local to start one here. [default: processes of this machine]",
+    ),
+]
 EncoderName = Annotated[
     str | None,
     typer.Option(

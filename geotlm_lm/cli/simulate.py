@@ -7,7 +7,14 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from geotlm_lm.cli.options import Force, Seed, path_option, require_new_file, require_writable
+from geotlm_lm.cli.options import (
+    ClusterAddress,
+    Force,
+    Seed,
+    path_option,
+    require_new_file,
+    require_writable,
+)
 from geotlm_lm.cli.simulate_clip import (
     move_of,
     own_body,
@@ -18,7 +25,7 @@ from geotlm_lm.cli.simulate_clip import (
 )
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.threads import usable_cores
+from geotlm_lm.workers import Workers
 
 MotionName = Literal[tuple(motion.value for motion in Motion)]
 
@@ -33,7 +40,7 @@ Objects = Annotated[
         "[default: training]"
     ),
 ]
-Workers = Annotated[
+Processes = Annotated[
     int | None,
     typer.Option(min=1, help="Processes that simulate. [default: one per usable core]"),
 ]
@@ -118,7 +125,8 @@ def simulate(
     count: Count = None,
     objects: Objects = None,
     mixed: Mixed = None,
-    workers: Workers = None,
+    workers: Processes = None,
+    cluster: ClusterAddress = None,
     preset: Preset = "fast",
     drift: Drift = False,
     markers: Markers = False,
@@ -153,6 +161,7 @@ def simulate(
     own = {"--height-map": height_map, "--mm-per-px": mm_per_px, "--relief-mm": relief_mm}
     if clip is not None:
         others = {"--count": count, "--objects": objects, "--mixed": mixed, "--workers": workers}
+        others |= {"--cluster": cluster}
         _refuse("--clip", others | {"--labels-only": labels_only or None, "--form": form})
         if motion is not None:
             _refuse("--motion", moves)
@@ -163,7 +172,8 @@ def simulate(
         _refuse("--out", named | moves | own)
         scenes |= {"marker_share": float(markers), "mixed_share": mixed or 0.0}
         scenes |= {"form": form or "npz"}
-        _write_data_set(out, count or 100, objects or "training", workers, labels_only, scenes)
+        by = Workers(workers, cluster)
+        _write_data_set(out, count or 100, objects or "training", by, labels_only, scenes)
         print(out)
 
 
@@ -198,7 +208,7 @@ def _write_data_set(
     out: Path,
     count: int,
     objects: str,
-    workers: int | None,
+    workers: Workers,
     labels_only: bool,
     scenes: dict[str, Any],
 ) -> None:
@@ -210,7 +220,7 @@ def _write_data_set(
         out,
         count,
         objects=_bodies(objects),
-        workers=workers or usable_cores(),
+        workers=workers,
         with_frames=not labels_only,
         progress=progress_on_stderr(),
         **scenes,

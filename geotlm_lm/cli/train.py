@@ -20,16 +20,27 @@ def train(
     ] = "default",
     seed: Seed = 0,
     workers: Annotated[int, typer.Option(min=1, help="Processes that simulate.")] = 2,
+    device: Annotated[
+        str | None, typer.Option(help="cpu or cuda; cuda where there is one if not given.")
+    ] = None,
 ) -> None:
     """Train a model bundle; its folder is printed at the end, progress goes to stderr.
 
+    Several processes share every step when torchrun starts them; the first one tells how far it is.
+
     Example: geotlm-lm train --preset smoke --out runs/smoke
+
+    Example: torchrun --nproc-per-node 2 -m geotlm_lm train --out runs/default
     """
     from geotlm_lm.training.config import preset_named
 
     settings = preset_named(preset)
     require_writable(out, "--out")
+    from geotlm_lm.training.ranks import is_first_of_launch
     from geotlm_lm.training.train import train as train_bundle
 
-    print(f"training preset {settings.name} into {out}", file=sys.stderr)
-    print(train_bundle(settings.name, out, seed, workers, progress_on_stderr("")))
+    if is_first_of_launch():
+        print(f"training preset {settings.name} into {out}", file=sys.stderr)
+    folder = train_bundle(settings.name, out, seed, workers, progress_on_stderr(""), device)
+    if is_first_of_launch():
+        print(folder)

@@ -12,13 +12,14 @@ import os
 import shutil
 import zipfile
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from geotlm_lm import __version__
+from geotlm_lm.answering.loaded import loaded
 from geotlm_lm.core.atomic import only_writer, replacing, write_text_atomically
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.interrupts import uninterrupted_step
@@ -33,13 +34,10 @@ from geotlm_lm.data_sets.motion_columns import (
     motion_values,
     unknown_values,
 )
-from geotlm_lm.local_pool import each_done
 from geotlm_lm.recordings.legible import require_any_legible
 from geotlm_lm.recordings.pixel_shape import with_square_pixels
 from geotlm_lm.track.export import Exported
-
-if TYPE_CHECKING:
-    from geotlm_lm.answering.answerer import Answerer
+from geotlm_lm.workers import ALONE, Workers
 
 LABELS_VERSION = 1
 """Of what is written of an episode: another version's are not continued."""
@@ -91,14 +89,14 @@ class LabelResult:
 
 
 def label_data_set(
-    labelling: Labelling, out: Path, *, workers: int = 1, progress: Progress = silent
+    labelling: Labelling, out: Path, *, workers: Workers = ALONE, progress: Progress = silent
 ) -> LabelResult:
     """Write a LeRobot data set with the motion seen by a camera beside the original.
 
     Args:
         labelling: What is labelled, and how.
         out: Folder of the new data set.
-        workers: Processes, one thread each; the result does not depend on it.
+        workers: Who tracks; the result does not depend on it.
         progress: Told how many episodes are done.
 
     Raises:
@@ -121,12 +119,14 @@ def label_data_set(
         _begin(part, settings)
         files = [part / f"episode-{one.index:06d}.npz" for one in data_set.episodes]
         missing = [
-            _Part(labelling, replace(data_set, episodes=()), one, file)
+            _Part(one, file)
             for one, file in zip(data_set.episodes, files, strict=True)
             if _kept(file, one) is None
         ]
         continued = done = len(files) - len(missing)
-        for _ in each_done(_label_episode, missing, workers):
+        # Without its episodes: each part has its own alone.
+        work = partial(_label_episode, labelling, replace(data_set, episodes=()))
+        for _ in workers.each_done(work, missing):
             done += 1
             progress("labelled", done, len(files))
         result = _assemble(data_set, labelling, files, settings, part / "data_set")
@@ -138,8 +138,6 @@ def label_data_set(
 
 @dataclass(frozen=True)
 class _Part:
-    labelling: Labelling
-    data_set: LeRobotDataSet  # without its episodes: a process is given its own alone
     episode: Episode
     file: Path
 
@@ -170,7 +168,7 @@ def _settings(data_set: LeRobotDataSet, labelling: Labelling) -> dict[str, Any]:
     return {
         "labels": LABELS_VERSION,
         "made_by": f"geotlm-lm {__version__}",
-        "model": _answerer(labelling.model, labelling.precision).bundle.digest(),
+        "model": loaded(labelling.model, labelling.precision).bundle.digest(),
         "precision": labelling.precision,
         "camera": labelling.camera,
         "square_pixels": labelling.square_pixels,
@@ -196,18 +194,14 @@ def _begin(part: Path, settings: dict[str, Any]) -> None:
     shutil.rmtree(part / "data_set", ignore_errors=True)
 
 
-@lru_cache(maxsize=1)
-def _answerer(model: Path | None, precision: str) -> Answerer:
-    from geotlm_lm.answering import Answerer
-
-    return Answerer.load(model, precision=precision)
-
-
-def _label_episode(part: _Part) -> int:
+def _label_episode(labelling: Labelling, data_set: LeRobotDataSet, part: _Part) -> int:
+    """Track an episode and keep what is told of it, if that is not there."""
     episode = part.episode
+    if _kept(part.file, episode) is not None:
+        return episode.index
     told: dict[str, Any] = {"events": [], "notes": [], "refused": None}
     try:
-        exported = _tracked(part.data_set, episode, part.labelling)
+        exported = _tracked(data_set, episode, labelling)
         values = motion_values(exported, episode.length)
         told |= {name: exported.to_dict()[name] for name in ("events", "notes")}
     except UnreadableClip as error:
@@ -222,7 +216,7 @@ def _tracked(data_set: LeRobotDataSet, episode: Episode, labelling: Labelling) -
     is_square = labelling.square_pixels
     clip = episode_clip(data_set, episode, labelling.camera, square_pixels=is_square)
     require_any_legible(clip)
-    tracker = _answerer(labelling.model, labelling.precision).tracker(clip)
+    tracker = loaded(labelling.model, labelling.precision).tracker(clip)
     frames = clip.frames
     if len(clip) < episode.length:
         frames = episode_frames(data_set, episode, labelling.camera)

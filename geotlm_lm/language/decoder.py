@@ -208,8 +208,8 @@ class TactileDecoder(nn.Module):
             prompt: Ids of k placeholders and of the slots, in the order of `words`.
             words: Slot -> ids of its words.
         """
-        ids = torch.tensor(prompt).expand(len(prefix), -1)
-        positions = torch.arange(len(prompt)).expand(len(prefix), -1)
+        ids = torch.tensor(prompt, device=prefix.device).expand(len(prefix), -1)
+        positions = torch.arange(len(prompt), device=prefix.device).expand(len(prefix), -1)
         hidden, _ = self.decoder(self.embed(ids, prefix), positions)
         logits = self.logits(hidden[:, -len(words) :])
         return {

@@ -55,6 +55,10 @@ class Measured:
         """Return what is measured of some of the clips."""
         return Measured(self.paths[rows], self.radius_px[rows], self.hints[rows])
 
+    def to(self, device: str) -> Measured:
+        """Return it on a device."""
+        return Measured(self.paths.to(device), self.radius_px.to(device), self.hints.to(device))
+
     @classmethod
     def joined(cls, parts: Sequence[Measured]) -> Measured:
         """Return what is measured of several batches, one behind the other."""

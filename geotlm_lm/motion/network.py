@@ -91,7 +91,7 @@ class Beliefs:
         across = (across + (self.deviation[:, 2] * right / length).square()).sqrt()
         spread = torch.atan2(across, length).clamp(min=0.02)
         angle = torch.atan2(down, right)
-        middles = torch.arange(4) * (math.pi / 2)
+        middles = torch.arange(4, device=angle.device) * (math.pi / 2)
         off = torch.remainder(angle[:, None] - middles + math.pi, 2 * math.pi) - math.pi
         edge = math.pi / 4
         mass = _normal(edge - off, spread) - _normal(-edge - off, spread)

@@ -16,13 +16,13 @@ def resumed(query: Query, before: Query) -> Query:
 
     A change is added to those that were asked for before, so that the same again takes it back; of
     which clip, half or span it is is replaced. Without anything before the motion is asked for;
-    beside a fact nothing is.
+    beside a fact alone nothing is.
 
     Args:
         query: What is asked now.
         before: What was asked last, itself resumed.
     """
-    if not before.parts and not query.facts:
+    if not before.parts and not (query.facts and all(map(_is_bare, query.parts))):
         before = _OPEN
     parts: list[Part] = []
     for part in query.parts:
@@ -30,6 +30,12 @@ def resumed(query: Query, before: Query) -> Query:
         parts += [_changed(one, part) for one in before.parts] if is_again else [part]
     form = before.form if query.form == "sentence" and parts != list(query.parts) else query.form
     return replace(query, parts=tuple(parts), form=form)
+
+
+def _is_bare(part: Part) -> bool:
+    """Tell whether a part asks for what was asked before, and for no change of it."""
+    plain = Part(Ask("again"), Edit(), Subject())
+    return part in (plain, replace(plain, ask=Ask("again", is_plain=True)))
 
 
 def _changed(before: Part, now: Part) -> Part:

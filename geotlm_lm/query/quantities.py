@@ -10,6 +10,7 @@ import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.query.types import Quantity
@@ -44,8 +45,13 @@ class Found:
 
 
 @lru_cache(maxsize=1)
+def _told() -> dict[str, Any]:
+    return tomllib.loads((resource_dir("data_templates") / "query/quantities.toml").read_text())
+
+
+@lru_cache(maxsize=1)
 def _lexicon() -> tuple[dict[str, str], dict[str, float], dict[str, float]]:
-    told = tomllib.loads((resource_dir("data_templates") / "query/quantities.toml").read_text())
+    told = _told()
     units = {word: unit for unit, words in told["units"].items() for word in words}
     return units, told["numbers"], told["fractions"]
 
@@ -59,18 +65,39 @@ def find(text: str) -> list[Found]:
     """Return the quantities of a text with their places.
 
     A figure counts whatever follows it, but for ordinals and names such as "B2"; a number in words
-    only before a unit, or before another that has one ("five to ten degrees").
+    only before a unit, or before another that has one ("five to ten degrees"). Pixels that are said
+    to equal a length are one quantity, a scale ("20 px equal one millimetre").
     """
-    found, at = [], 0
+    found: list[Found] = []
+    at = 0
     while at < len(text):
         one = _figure_at(text, at) or _words_at(text, at)
         if one is None:
             step = _WORD.match(text, at) if text[at].isalpha() else None
             at = step.end() if step else at + 1
             continue
-        found.append(one)
+        scale = _scale(found[-1], one, text) if found else None
+        found[-1 if scale else len(found) :] = [scale or one]
         at = one.end
     return found
+
+
+def _scale(one: Found, other: Found, text: str) -> Found | None:
+    """Return the scale that two quantities are; None where they are no pixels that equal a length.
+
+    Of "one pixel is 0.06 mm" the length alone says it: it stays a quantity of its own.
+    """
+    if text[one.end : other.start].strip().lower() not in _told()["equals"]["words"]:
+        return None
+    pixels, length = one.quantity, other.quantity
+    if pixels == Quantity(1.0, "px"):
+        return None
+    if pixels.unit != "px":
+        pixels, length = length, pixels
+    if pixels.unit != "px" or length.unit not in FACTORS["length"] or not length.value:
+        return None
+    value = _bounded(pixels.value / length.value)
+    return Found(Quantity(value, f"px/{length.unit}"), one.start, other.end)
 
 
 def _figure_at(text: str, at: int) -> Found | None:

@@ -28,8 +28,8 @@ from geotlm_lm.query.text import next_words, read
 from geotlm_lm.query.types import Query, filled
 from geotlm_lm.query.words import END
 
-SIZE = LanguageSize(width=192, layers=4, heads=6, mlp=512, tactile_tokens=0, max_tokens=704)
-"""2.2 million weights; a question of 2,000 characters and a query of 64 words fit."""
+SIZE = LanguageSize(width=192, layers=6, heads=6, mlp=512, tactile_tokens=0, max_tokens=704)
+"""3.1 million weights; a question of 2,000 characters and a query of 64 words fit."""
 
 MOST_WORDS = 64
 DOUBTFUL = 0.02

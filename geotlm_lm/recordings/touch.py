@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.rank_quantile import quantile_by_rank
 
 Floats = NDArray[np.float32]
@@ -45,6 +45,12 @@ CHANGED_GREY = 1.2
 BEYOND_NOISE = 40.0
 """Change in units of the noise from which on it is no noise. Simulated untouched clips reach 12,
 real recordings without a visible contact 26."""
+
+CLEAR_GREY = 4.2
+"""Change of the faintest turn among real recordings."""
+
+MAP_SIZE = (24, 32)
+"""Rows and columns of a map of the change: what is drawn over a picture need not be finer."""
 
 BORDER_SHARE = 0.05
 """Width of the image's border relative to its width."""
@@ -121,6 +127,21 @@ def change_from_idle(clip: Clip) -> Change:
     idle = _small(clip.background)
     frames = tuple(map(_small, clip.frames))
     return Change(frames, tuple(_smooth(frame - idle) for frame in frames))
+
+
+def change_map(frame: Frames, idle: Frames) -> Floats:
+    """Return where a frame is imprinted: from 0, as an idle gel may be, to 1, clearly touched.
+
+    Args:
+        frame: uint8 RGB.
+        idle: The idle gel, of the same size.
+
+    Returns:
+        Of the whole picture, `MAP_SIZE` rows and columns.
+    """
+    change = np.abs(_smooth(_small(frame) - _small(idle)))
+    few = cv2.resize(change, MAP_SIZE[::-1], interpolation=cv2.INTER_AREA)
+    return np.clip((few - UNTOUCHED_GREY) / (CLEAR_GREY - UNTOUCHED_GREY), 0, 1)
 
 
 def is_static(clip: Clip) -> bool:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,13 +23,13 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.interrupts import uninterrupted_step
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.local_pool import each_done
 from geotlm_lm.simulation.card import card_of
 from geotlm_lm.simulation.presets import PresetName, preset_named
 from geotlm_lm.simulation.randomise import MARKER_SHARE, MIXED_SHARE
 from geotlm_lm.simulation.series import SERIES_VERSION, simulate_series
 from geotlm_lm.simulation.shard_forms import FORMS, FormName, require_packages, told_by
 from geotlm_lm.simulation.simulate import SimulatedClip
+from geotlm_lm.workers import ALONE, Workers
 
 SHARD_CLIPS = 64
 """Clips per shard: about 50 MB of frames, a few seconds of work to lose in a kill."""
@@ -44,7 +45,6 @@ class _Shard:
     first_index: int
     count: int
     form: FormName
-    options: dict[str, Any]  # of `simulate_series`, the same for all
 
 
 def write_dataset(
@@ -53,7 +53,7 @@ def write_dataset(
     *,
     seed: int,
     objects: Sequence[str],
-    workers: int = 1,
+    workers: Workers = ALONE,
     preset: PresetName = "fast",
     with_drift: bool = False,
     marker_share: float = MARKER_SHARE,
@@ -70,7 +70,7 @@ def write_dataset(
         seed: Root seed; clip i is the same in every data set of this seed, these objects
             and these settings.
         objects: Names from `indenters.INDENTERS`.
-        workers: Processes, one thread each; the result does not depend on it.
+        workers: Who simulates; the result does not depend on it.
         preset: How finely and tightly the contact is solved.
         with_drift: Whether the gel's tangential displacement is part of the truth.
         marker_share: Share of clips on a gel with markers.
@@ -102,10 +102,10 @@ def write_dataset(
     _check(out, count, wanted)
     out.mkdir(parents=True, exist_ok=True)
     write_text_atomically(out / "dataset.json", json.dumps(wanted | {"count": count}) + "\n")
-    shards = _shards(out, count, options, form)
+    shards = _shards(out, count, form)
     missing = [shard for shard in shards if not _is_whole(shard)]
     done = count - sum(shard.count for shard in missing)
-    for written in each_done(_write_shard, missing, workers):
+    for written in workers.each_done(partial(_write_shard, options), missing):
         done += written
         progress("simulated", done, count)
     write_text_atomically(out / CARD_FILE, card_of(out, count, wanted))
@@ -151,7 +151,7 @@ def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
         )
 
 
-def _shards(out: Path, count: int, options: dict[str, Any], form: FormName) -> list[_Shard]:
+def _shards(out: Path, count: int, form: FormName) -> list[_Shard]:
     suffix = FORMS[form].suffix
     return [
         _Shard(
@@ -159,7 +159,6 @@ def _shards(out: Path, count: int, options: dict[str, Any], form: FormName) -> l
             first_index=start,
             count=min(SHARD_CLIPS, count - start),
             form=form,
-            options=options,
         )
         for number, start in enumerate(range(0, count, SHARD_CLIPS))
     ]
@@ -170,10 +169,13 @@ def _is_whole(shard: _Shard) -> bool:
     return told is not None and len(told.labels) == shard.count
 
 
-def _write_shard(shard: _Shard) -> int:
+def _write_shard(options: dict[str, Any], shard: _Shard) -> int:
+    """Write a shard, if it is not there; `options` are those of `simulate_series`."""
+    if _is_whole(shard):
+        return shard.count
     made: dict[str, NDArray[Any]] = {}
     labels, names = [], []
-    series = simulate_series(count=shard.count, first_index=shard.first_index, **shard.options)
+    series = simulate_series(count=shard.count, first_index=shard.first_index, **options)
     for number, clip in enumerate(series):
         # Copied to where the shard is kept: the next clip takes the memory of this one.
         for name, value in _stored(clip).items():

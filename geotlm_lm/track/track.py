@@ -68,7 +68,7 @@ class Track:
     @property
     def path_deviations(self) -> Floats:
         """Deviations of the same, (n, 4)."""
-        own = np.diagonal(np.cumsum(self.covariances, axis=0), axis1=1, axis2=2)
+        own = np.cumsum(np.diagonal(self.covariances, axis1=1, axis2=2), axis=0)
         return np.sqrt(own + np.square(_SYSTEMATIC_OF * self.path_from_start))
 
     @property

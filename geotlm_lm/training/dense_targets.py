@@ -23,8 +23,9 @@ from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.twist import Component
 from geotlm_lm.training.component_truth import ClipTruth, component_truth
-from geotlm_lm.training.examples import Examples
+from geotlm_lm.training.examples import Examples, Rows
 from geotlm_lm.training.motion_loss import counts_motion, motion_loss
+from geotlm_lm.training.ranks import ALONE, Ranks
 
 GLOBAL_TARGET_COUNT = 6
 DEPTH_SCALE_MM = 0.3
@@ -91,45 +92,49 @@ class DenseTruth:
     magnification: Tensor
 
 
-def dense_loss(tokens: Tokens, heads: DenseHeads, truth: DenseTruth) -> Tensor:
-    """Return the pretraining loss of one batch."""
+def dense_loss(
+    tokens: Tokens, heads: DenseHeads, truth: DenseTruth, ranks: Ranks = ALONE
+) -> Tensor:
+    """Return the pretraining loss of one batch, or of one rank's share of it."""
     shift, contact_logit, depth = heads.patch(tokens.patches).split([2, 1, 1], dim=-1)
     contact_logit, depth = contact_logit.squeeze(-1), depth.squeeze(-1)
     weight = truth.contact * truth.counts_motion[:, None, None, None]
-    moved = motion_loss(shift * FLOW_SCALE_PX, truth.displacement, weight)
+    moved = motion_loss(shift * FLOW_SCALE_PX, truth.displacement, weight, ranks)
     contact = F.binary_cross_entropy_with_logits(contact_logit, truth.contact)
     deep = F.smooth_l1_loss(depth, truth.depth / DEPTH_SCALE_MM)
     summary = F.smooth_l1_loss(heads.summary(tokens.global_token), _summary(truth))
-    counted = component_loss(heads.components(tokens.global_token), truth.components)
-    amount = amount_loss(heads.amount(tokens.global_token), truth.amount)
+    counted = component_loss(heads.components(tokens.global_token), truth.components, ranks)
+    amount = amount_loss(heads.amount(tokens.global_token), truth.amount, ranks)
     return (
         moved + contact + 0.3 * deep + summary + COMPONENT_SHARE * counted + AMOUNT_SHARE * amount
     )
 
 
-def component_loss(told: Tensor, wanted: Tensor) -> Tensor:
+def component_loss(told: Tensor, wanted: Tensor, ranks: Ranks = ALONE) -> Tensor:
     """Return the mean cross entropy of the answers that are asked for.
 
     Args:
         told: Logits, (b, COMPONENT_LOGITS).
         wanted: 1, 0, or NaN where nothing is asked, likewise.
+        ranks: Among which the batch is shared.
     """
     is_asked = ~wanted.isnan()
     losses = F.binary_cross_entropy_with_logits(told, wanted.nan_to_num(), reduction="none")
-    return (losses * is_asked).sum() / is_asked.sum().clamp(min=1) * COMPONENT_LOGITS
+    return (losses * is_asked).sum() / ranks.asked_per_rank(is_asked) * COMPONENT_LOGITS
 
 
-def amount_loss(told: Tensor, true: Tensor) -> Tensor:
+def amount_loss(told: Tensor, true: Tensor, ranks: Ranks = ALONE) -> Tensor:
     """Return the mean error of the amounts there are, each on a scale that bends to a logarithm.
 
     Args:
         told: Read from the global tokens, (b, 2).
         true: Degrees turned and pixels slid, (b, 2), NaN where there is none.
+        ranks: Among which the batch is shared.
     """
     is_asked = ~true.isnan()
     scaled = torch.log1p(true.nan_to_num() / true.new_tensor(AMOUNT_SCALES))
     errors = F.smooth_l1_loss(told, scaled, reduction="none", beta=0.1)
-    return (errors * is_asked).sum() / is_asked.sum().clamp(min=1)
+    return (errors * is_asked).sum() / ranks.asked_per_rank(is_asked)
 
 
 def _summary(truth: DenseTruth) -> Tensor:
@@ -145,7 +150,7 @@ def _summary(truth: DenseTruth) -> Tensor:
 def dense_batch(examples: Examples, rows: np.ndarray, device: str) -> tuple[Tensor, DenseTruth]:
     """Return inputs and truth of the examples `rows` on a device, in float32."""
 
-    def moved(values: np.ndarray) -> Tensor:
+    def moved(values: Rows) -> Tensor:
         return torch.from_numpy(values[rows]).to(device).float()
 
     labels = [examples.labels[row] for row in rows]
@@ -165,16 +170,17 @@ def dense_batch(examples: Examples, rows: np.ndarray, device: str) -> tuple[Tens
 
 
 def mirrored_at_random(
-    inputs: Tensor, truth: DenseTruth, rng: np.random.Generator
+    inputs: Tensor, truth: DenseTruth, rng: np.random.Generator, ranks: Ranks = ALONE
 ) -> tuple[Tensor, DenseTruth]:
-    """Return a batch of which each mirror, drawn on its own, shows half: a clip has four looks.
+    """Return a rank's share of which each mirror, drawn on its own, shows half: four looks a clip.
 
     Of clips it had been pretrained on a backbone without this told the kind of motion at 0.973, of
     others of the same objects at 0.948.
     """
     displacement, contact, depth = truth.displacement, truth.contact, truth.depth
     for mirror in Mirror:
-        chosen = torch.from_numpy(rng.random(len(inputs)) < 0.5).to(inputs.device)
+        drawn = ranks.share(rng.random(ranks.count * len(inputs)) < 0.5)
+        chosen = torch.from_numpy(drawn).to(inputs.device)
         grid, whole = chosen[:, None, None, None], chosen[:, None, None, None, None]
         inputs = torch.where(whole, mirrored_inputs(inputs, mirror), inputs)
         displacement = torch.where(whole, mirrored_field(displacement, mirror), displacement)

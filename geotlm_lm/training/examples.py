@@ -30,6 +30,7 @@ from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.core.threads import one_thread_in_children
 from geotlm_lm.training.recording_forms import RecordedForm, as_recorded, bin_means, truth_in_view
+from geotlm_lm.training.stored_rows import StoredPart, StoredRows
 
 if TYPE_CHECKING:
     from geotlm_lm.simulation.simulate import SimulatedClip
@@ -57,9 +58,12 @@ truth or the labels."""
 _ARRAYS = ("inputs", "motions", "displacement_px", "contact", "depth_mm")
 
 
+Rows = NDArray[np.float16] | StoredRows
+
+
 @dataclass(frozen=True, eq=False)
 class Examples:
-    """A set of examples; arrays share their first axis.
+    """A set of examples; arrays, or rows that are read when they are asked for, side by side.
 
     Args:
         inputs: Patch inputs, float16, shape (n, 2, 14, 14, dim).
@@ -73,11 +77,11 @@ class Examples:
         objects: Name of the touched object of each clip.
     """
 
-    inputs: NDArray[np.float16]
-    motions: NDArray[np.float16]
-    displacement_px: NDArray[np.float16]
-    contact: NDArray[np.float16]
-    depth_mm: NDArray[np.float16]
+    inputs: Rows
+    motions: Rows
+    displacement_px: Rows
+    contact: Rows
+    depth_mm: Rows
     labels: tuple[MotionLabel, ...]
     objects: tuple[str, ...]
 
@@ -171,24 +175,20 @@ def read_examples(folder: Path, *wanted: ExampleSet) -> Examples:
     Raises:
         UsageError: If the clips touch other objects than wanted, so that two sets might share one.
     """
-    # Filled in place: sets are gigabytes, and joining copies would hold them twice.
-    arrays: dict[str, NDArray[np.float16]] = {}
+    # Only labels are read now: sets are gigabytes, and several processes may train on them.
+    parts: dict[str, list[StoredPart]] = {name: [] for name in _ARRAYS}
     labels: list[MotionLabel] = []
     objects: list[str] = []
-    total = sum(one.count for one in wanted)
     for one in wanted:
         for index, path in enumerate(one.chunk_paths(folder)):
-            chunk = _read_chunk(path)
-            taken = min(len(chunk), one.count - index * CHUNK_CLIPS)
-            rows = slice(len(labels), len(labels) + taken)
+            about = _about(path)
+            taken = min(len(about), one.count - index * CHUNK_CLIPS)
             for name in _ARRAYS:
-                values = getattr(chunk, name)
-                if name not in arrays:
-                    arrays[name] = np.empty((total, *values.shape[1:]), values.dtype)
-                arrays[name][rows] = values[:taken]
-            labels += chunk.labels[:taken]
-            objects += chunk.objects[:taken]
-            _refuse_strangers(folder, one, chunk.objects)
+                parts[name].append(StoredPart.of(path, name, taken))
+            labels += [MotionLabel.from_dict(label) for _, label in about[:taken]]
+            objects += [name for name, _ in about[:taken]]
+            _refuse_strangers(folder, one, [name for name, _ in about])
+    arrays = {name: StoredRows(found) for name, found in parts.items()}
     return Examples(**arrays, labels=tuple(labels), objects=tuple(objects))
 
 
@@ -237,11 +237,7 @@ def _example(recorded: RecordedForm) -> tuple[NDArray, ...]:
     return inputs, motions.numbers(), *(bin_means(values[recorded.order]) for values in truth)
 
 
-def _read_chunk(path: Path) -> Examples:
+def _about(path: Path) -> list:
+    """Return the object and the label of each clip of a chunk."""
     with np.load(path, allow_pickle=False) as stored:
-        about = json.loads(str(stored["about"]))
-        return Examples(
-            **{name: stored[name] for name in _ARRAYS},
-            labels=tuple(MotionLabel.from_dict(label) for _, label in about),
-            objects=tuple(name for name, _ in about),
-        )
+        return json.loads(str(stored["about"]))

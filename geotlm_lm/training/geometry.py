@@ -90,6 +90,7 @@ def train_geometry(
     epochs: int,
     seed: int,
     path: Path,
+    device: str = "cpu",
     progress: Progress = silent,
 ) -> GeometryModel:
     """Train DGR and the probe on `train`; keep the epoch that is best on `validation`.
@@ -104,6 +105,7 @@ def train_geometry(
         epochs: Epochs over the training split.
         seed: Root seed.
         path: Checkpoint, written after every epoch.
+        device: Where to train.
         progress: Told how far it is.
 
     Raises:
@@ -112,7 +114,7 @@ def train_geometry(
     model = _fresh_model(train.tokens, seed)
     if mode == "grounded":
         _start_from(read_outs, model)
-    dgr, probe = model.dgr, model.probe
+    dgr, probe = model.dgr.to(device), model.probe.to(device)
     optimiser = torch.optim.AdamW(
         [
             {"params": list(dgr.parameters()), "lr": DGR_RATE},
@@ -131,8 +133,8 @@ def train_geometry(
         state |= weights | {"epoch": epoch + 1, "optimiser": optimiser.state_dict()}
         save_checkpoint(path, state)
         progress(f"train DGR ({mode}), validation {accuracy:.3f}", epoch + 1, epochs)
-    dgr.load_state_dict(state["best"]["dgr"])
-    probe.load_state_dict(state["best"]["probe"])
+    dgr.cpu().load_state_dict(state["best"]["dgr"])
+    probe.cpu().load_state_dict(state["best"]["probe"])
     model.validation_accuracy = state["best_accuracy"]
     return model
 
@@ -223,7 +225,7 @@ def readable_accuracy(model: GeometryModel, data: TokenSet) -> float:
     """Return the probe's accuracy on readable turns and slides; see `_task_accuracy`."""
     logits = []
     for start in range(0, len(data.tokens), 256):
-        logits.append(_forward(model, data, slice(start, start + 256))[0])
+        logits.append(_forward(model, data, slice(start, start + 256))[0].cpu())
     return _task_accuracy(torch.cat(logits), data)
 
 
@@ -252,24 +254,28 @@ def _one_epoch(model, train: TokenSet, optimiser, mode: DGRMode, rng) -> None:
 
 def _readable_loss(logits: Tensor, data: TokenSet, rows: Tensor) -> Tensor:
     """Return the mean cross entropy of readable clips; 0, not NaN, for a batch without any."""
-    readable = data.is_readable[rows]
-    losses = F.cross_entropy(logits, data.motions[rows], reduction="none")
+    readable = data.is_readable[rows].to(logits.device)
+    losses = F.cross_entropy(logits, data.motions[rows].to(logits.device), reduction="none")
     return losses[readable].sum() / readable.sum().clamp(min=1)
 
 
 def _forward(model: GeometryModel, data: TokenSet, rows) -> tuple[Tensor, Geometry]:
     patches = model.patch_standardiser.apply(data.tokens.patches[rows].float())
     global_token = model.global_standardiser.apply(data.tokens.global_token[rows].float())
-    geometry = model.dgr(patches)
-    return model.probe(global_token + geometry.feature), geometry
+    device = model.probe.head.weight.device
+    geometry = model.dgr(patches.to(device))
+    return model.probe(global_token.to(device) + geometry.feature), geometry
 
 
 def grounding_loss(geometry: Geometry, data: TokenSet, rows) -> Tensor:
     """Hold shear change to the true displacement change, and the mask to the true contact."""
-    contact = data.contact[rows].float()
-    weight = contact * data.counts_motion[rows].float()[:, None, None]
     told_px = geometry.shear_change * FLOW_SCALE_PX
-    shear_loss = motion_loss(told_px, data.shear_change[rows].float(), weight)
+    contact, change, counts_motion = (
+        values[rows].to(told_px.device).float()
+        for values in (data.contact, data.shear_change, data.counts_motion)
+    )
+    weight = contact * counts_motion[:, None, None]
+    shear_loss = motion_loss(told_px, change, weight)
     mask = geometry.mask.clamp(1e-6, 1 - 1e-6)
     return shear_loss + F.binary_cross_entropy(mask, contact)
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import torch
 
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.checkpoint import Bundle, Calibration, embedded_reader
+from geotlm_lm.checkpoint import Bundle, Calibration, embedded_reader, reading_of
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.progress import Progress, silent
@@ -33,8 +33,9 @@ from geotlm_lm.training.geometry import (
 )
 from geotlm_lm.training.motion import train_motion, widen_spans
 from geotlm_lm.training.motion_loss import counts_motion
+from geotlm_lm.training.run_folder import RUN_FILE, VALIDATION_EVERY
 from geotlm_lm.training.scoring import ClipSet
-from geotlm_lm.training.train import RUN_FILE, VALIDATION_EVERY, calibrated, train_speaker
+from geotlm_lm.training.train import calibrated, train_speaker
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.released import ReleasedEncoder
@@ -68,7 +69,8 @@ def train_heads(
     perceived = _perceived(model, validation)
     motion = train_motion(spoken_of.measured, spoken_of.labels, seed=seed, progress=progress)
     widen_spans(motion, perceived.measured, perceived.labels)
-    speaker = train_speaker(spoken_of, motion, settings, seed, out, progress)
+    readings = reading_of(spoken_of.fused_tokens, motion(spoken_of.measured))
+    speaker = train_speaker(readings, spoken_of.labels, settings, seed, out, progress)
     grammar = load_templates().grammar()
     bundle = Bundle(model, motion, speaker, grammar, Calibration(), about, embedded_reader())
     bundle.calibration = calibrated(bundle, perceived, seed)

@@ -31,6 +31,7 @@ from geotlm_lm.language.tokenizer import VOCABULARY_SIZE, clean_question, train_
 from geotlm_lm.training.drawing import draw_clips, draw_type, drawing_shares
 from geotlm_lm.training.felt import felt_loss, felt_words
 from geotlm_lm.training.language_checkpoint import restore_language, store_language
+from geotlm_lm.training.ranks import ALONE, Ranks
 
 WEIGHT_DECAY = 0.1
 """Of the matrices; gains, biases and embeddings are left alone."""
@@ -93,6 +94,7 @@ def train_language(
     *,
     config: LanguageTraining,
     folder: Path,
+    ranks: Ranks = ALONE,
     progress: Progress = silent,
 ) -> Speaker:
     """Return a speaker trained to answer questions about `fused_tokens`.
@@ -104,19 +106,22 @@ def train_language(
         fused_tokens: Readings of n clips, (n, fused width), unitless.
         labels: n labels; questions are asked of the readable ones.
         config: How to train.
-        folder: Where the checkpoint lies.
+        folder: Where the checkpoint lies; the first rank writes it.
+        ranks: Which process this is, and where it trains.
         progress: Told after each step.
 
     Raises:
         ValueError: If tokens and labels differ in number, or a token is not finite.
-        UsageError: If the checkpoint belongs to another configuration.
+        UsageError: If the checkpoint belongs to another configuration, or the batch does not divide
+            among the ranks.
     """
+    ranks.refuse_uneven(config.batch, FELT_BATCH)
     if fused_tokens.ndim != 2 or len(fused_tokens) != len(labels) or not len(labels):
         raise ValueError(f"{tuple(fused_tokens.shape)} fused tokens for {len(labels)} labels")
     if not bool(torch.isfinite(fused_tokens).all()):
         raise ValueError("a fused token holds values that are not finite")
     speaker = new_speaker(fused_tokens, config)
-    model = speaker.model.train()
+    model = speaker.model.to(ranks.device).train()
     optimiser = torch.optim.AdamW(parameter_groups(model), betas=(0.9, 0.98))
     step = restore_language(folder, config, model, optimiser)
     asked = [row for row, label in enumerate(labels) if label.is_readable]
@@ -137,15 +142,17 @@ def train_language(
                     (fused_tokens[others], felt[others]),
                     config,
                     step,
+                    ranks,
                 )
                 step += 1
             progress(f"train language, loss {loss:.3f}", step, config.all_steps)
-            if time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
+            if ranks.is_first and time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
                 store_language(folder, config, model, optimiser, step)
                 saved_at = time.monotonic()
     finally:
-        store_language(folder, config, model, optimiser, step)
-    return Speaker(model, speaker.prompts)
+        if ranks.is_first:
+            store_language(folder, config, model, optimiser, step)
+    return Speaker(model.cpu(), speaker.prompts)
 
 
 def new_speaker(fused_tokens: Tensor, config: LanguageTraining) -> Speaker:
@@ -178,8 +185,12 @@ def _step(
     others: tuple[Tensor, Tensor],
     config: LanguageTraining,
     step: int,
+    ranks: Ranks,
 ) -> float:
-    """Ask one question about each clip, what is felt of others, and learn from the answers."""
+    """Ask one question about each clip, what is felt of others, and learn from the answers.
+
+    Each rank learns from its share of them; the loss of all is returned.
+    """
     fused_tokens, labels = asked
     rng = generator_for(config.seed, "language", "batch", step)
     prompts, answers = [], []
@@ -190,23 +201,29 @@ def _step(
         prompts.append(speaker.prompts.prompt(question))
         answers.append(speaker.prompts.answer(asked.answer))
     model = speaker.model
-    token = _disturbed(model, fused_tokens, config, step, "noise")
-    felt = felt_loss(speaker, _disturbed(model, others[0], config, step, "felt noise"), others[1])
-    count = sum(map(len, answers))
+    device = ranks.device
+    token = _disturbed(model, fused_tokens.to(device), config, step, "noise")
+    felt_of = _disturbed(model, others[0].to(device), config, step, "felt noise")
+    per_rank = sum(map(len, answers)) / ranks.count
     optimiser.zero_grad(set_to_none=True)
     total = 0.0
-    for part in _by_length(prompts, answers):
-        loss = answer_loss(
-            model, token[part], [prompts[i] for i in part], [answers[i] for i in part]
-        )
-        (loss / count).backward()
-        total += loss.item()
+    for part in map(ranks.share, _by_length(prompts, answers)):
+        if part:
+            with ranks.bfloat16_products(on_cpu=False):
+                loss = answer_loss(
+                    model, token[part], [prompts[i] for i in part], [answers[i] for i in part]
+                )
+            (loss / per_rank).backward()
+            total += loss.item()
+    with ranks.bfloat16_products(on_cpu=False):
+        felt = felt_loss(speaker, ranks.share(felt_of), ranks.share(others[1]).to(device))
     felt.backward()
+    told = ranks.average(model.parameters(), total / per_rank)
     torch.nn.utils.clip_grad_norm_(model.parameters(), 1.0)
     for group in optimiser.param_groups:
         group["lr"] = learning_rate_at(step, config)
     optimiser.step()
-    return total / count
+    return told
 
 
 def _disturbed(
@@ -215,13 +232,15 @@ def _disturbed(
     """Return standardised readings with noise, some of them without what tells of the motion."""
     token = model.projector.standardise(readings)
     noise = torch.randn(token.shape, generator=_torch_generator(config.seed, name, step))
+    noise = noise.to(token.device)
     if not config.motion_width:
         return token + config.noise * noise
     # The motion is a measurement with its own spread: noise would only blur it.
     noise[:, -config.motion_width :] = 0
     token = token + config.noise * noise
     is_silent = generator_for(config.seed, "language", name, "silent", step).random(len(token))
-    token[torch.from_numpy(is_silent < SILENT_SHARE), -config.motion_width :] = 0
+    is_silent = torch.from_numpy(is_silent < SILENT_SHARE).to(token.device)
+    token[is_silent, -config.motion_width :] = 0
     return token
 
 
@@ -233,11 +252,11 @@ def answer_loss(
     Rows are padded on the right: under causal order no text position sees a padding one.
     """
     rows = [prompt + answer for prompt, answer in zip(prompts, answers, strict=True)]
-    length = max(map(len, rows))
-    ids = torch.tensor([row + [0] * (length - len(row)) for row in rows])
-    starts = torch.tensor([len(prompt) for prompt in prompts])[:, None]
-    ends = torch.tensor([len(row) for row in rows])[:, None]
-    place = torch.arange(length)
+    length, device = max(map(len, rows)), token.device
+    ids = torch.tensor([row + [0] * (length - len(row)) for row in rows], device=device)
+    starts = torch.tensor([len(prompt) for prompt in prompts], device=device)[:, None]
+    ends = torch.tensor([len(row) for row in rows], device=device)[:, None]
+    place = torch.arange(length, device=device)
     is_answer = (place >= starts) & (place < ends)
     prefix = model.projector.from_standardised(token)
     hidden, _ = model.decoder(model.embed(ids, prefix), place.expand(len(rows), -1))

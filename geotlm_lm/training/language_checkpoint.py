@@ -50,7 +50,7 @@ def restore_language(
     asked = asdict(config) | DRAWS
     differing = sorted(name for name, value in asked.items() if found.get(name) != value)
     if not differing and not torch.equal(
-        state["model"]["model.projector.mean"], model.projector.mean
+        state["model"]["model.projector.mean"], model.projector.mean.cpu()
     ):
         differing = ["fused_tokens"]
     if differing:

@@ -68,6 +68,10 @@ class Truths:
         """Return those of some clips."""
         return Truths(*(value[rows] for value in vars(self).values()))
 
+    def to(self, device: str) -> Truths:
+        """Return them on a device."""
+        return Truths(*(value.to(device) for value in vars(self).values()))
+
 
 def _asked(truth: ClipTruth) -> list[float]:
     """Return 1 where an amount is asked for, NaN elsewhere."""
@@ -94,6 +98,7 @@ def train_motion(
     labels: Sequence[MotionLabel],
     *,
     seed: int,
+    device: str = "cpu",
     progress: Progress = silent,
 ) -> MotionNetwork:
     """Return a network trained on what is measured of labelled clips.
@@ -104,12 +109,13 @@ def train_motion(
         measured: Of n clips.
         labels: The truth of each.
         seed: Of weights and order.
+        device: Where to train.
         progress: Told how far it is.
     """
-    truths = Truths.of(labels)
+    truths, measured = Truths.of(labels).to(device), measured.to(device)
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
-        network = MotionNetwork(measured.hints.shape[1]).train()
+        network = MotionNetwork(measured.hints.shape[1]).to(device).train()
         network.start_at_measured()
         network.mean.copy_(measured.hints.mean(dim=0))
         network.scale.copy_(measured.hints.std(dim=0, correction=0).clamp(min=1e-3))
@@ -125,7 +131,7 @@ def train_motion(
                 optimiser.step()
                 schedule.step()
             progress("train motion", epoch + 1, EPOCHS)
-    return network.eval().requires_grad_(False)
+    return network.cpu().eval().requires_grad_(False)
 
 
 def motion_network_loss(told: Beliefs, true: Truths) -> Tensor:

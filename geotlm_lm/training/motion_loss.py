@@ -12,6 +12,7 @@ from torch import Tensor
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.twist import Component
 from geotlm_lm.training.component_truth import component_truth
+from geotlm_lm.training.ranks import ALONE, Ranks
 
 MOTION_FLOOR_PX = 1.0
 """Displacement below which errors stop counting relative to it: the flow's own noise."""
@@ -41,7 +42,7 @@ def counts_motion(label: MotionLabel) -> bool:
     return is_seen and (moves or not is_pressed)
 
 
-def motion_loss(told_px: Tensor, true_px: Tensor, weight: Tensor) -> Tensor:
+def motion_loss(told_px: Tensor, true_px: Tensor, weight: Tensor, ranks: Ranks = ALONE) -> Tensor:
     """Return the mean loss of the clips that have something to learn.
 
     Errors count relative to the clip's RMS displacement, told plus true, so that a still clip whose
@@ -51,6 +52,7 @@ def motion_loss(told_px: Tensor, true_px: Tensor, weight: Tensor) -> Tensor:
         told_px: Displacement told, shape (b, ..., 2), px.
         true_px: True displacement, same shape.
         weight: Contact of each patch, shape (b, ...); 0 throughout for a clip that does not count.
+        ranks: Among which the batch is shared.
     """
     places = tuple(range(1, weight.ndim))
     mass = weight.sum(dim=places)
@@ -60,7 +62,7 @@ def motion_loss(told_px: Tensor, true_px: Tensor, weight: Tensor) -> Tensor:
     losses = F.smooth_l1_loss(error, torch.zeros_like(error), reduction="none", beta=0.5)
     per_clip = (losses.sum(dim=-1) * weight).sum(dim=places) / safe_mass
     is_touched = mass > LEAST_MASS
-    return (per_clip * is_touched).sum() / is_touched.sum().clamp(min=1)
+    return (per_clip * is_touched).sum() / ranks.asked_per_rank(is_touched)
 
 
 def _rms(field_px: Tensor, weight: Tensor) -> Tensor:

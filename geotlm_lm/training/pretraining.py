@@ -27,6 +27,7 @@ from geotlm_lm.training.dense_targets import (
     mirrored_at_random,
 )
 from geotlm_lm.training.examples import Examples
+from geotlm_lm.training.ranks import ALONE, Ranks
 
 PRETRAINING_VERSION = 5
 """Raised when the backbone is shown or asked other things: no older run is continued."""
@@ -41,9 +42,9 @@ def pretrain(
     *,
     preset: TrainingPreset,
     seed: int,
-    device: str,
     folder: Path,
     first: int = 0,
+    ranks: Ranks = ALONE,
     progress: Progress = silent,
 ) -> tuple[FrozenBackbone, DenseHeads]:
     """Train the backbone from random weights; resumes from `folder` where a run was interrupted.
@@ -52,16 +53,17 @@ def pretrain(
         examples: Simulated training examples.
         preset: Sizes and lengths.
         seed: Root seed.
-        device: Torch device.
         folder: Where the checkpoint lies.
         first: The examples before this one are left for others to learn from.
+        ranks: Which process this is, and where it trains.
         progress: Told how far it is.
 
     Returns:
         The backbone, and the linear read-outs it was trained through.
     """
+    ranks.refuse_uneven(preset.pretraining_batch)
     steps = max(preset.pretraining_draws // preset.pretraining_batch, 1)
-    learner = _Learner(preset, steps, seed, device)
+    learner = _Learner(preset, steps, seed, ranks)
     path = folder / "backbone.pt"
     done = learner.restore(path)
     saved_at = time.monotonic()
@@ -69,7 +71,8 @@ def pretrain(
         while done < steps:
             rng = generator_for(seed, "pretraining", done)
             rows = np.sort(rng.integers(first, len(examples), size=preset.pretraining_batch))
-            batch = mirrored_at_random(*dense_batch(examples, rows, device), rng)
+            mine = dense_batch(examples, ranks.share(rows), ranks.device)
+            batch = mirrored_at_random(*mine, rng, ranks)
             with uninterrupted_step():
                 loss = learner.step(*batch)
                 done += 1
@@ -85,7 +88,7 @@ def pretrain(
 class _Learner:
     """Weights, optimiser and schedule of one pretraining run."""
 
-    def __init__(self, preset: TrainingPreset, steps: int, seed: int, device: str) -> None:
+    def __init__(self, preset: TrainingPreset, steps: int, seed: int, ranks: Ranks) -> None:
         config = ViTConfig(
             PATCH_INPUT_DIM, preset.backbone_width, preset.backbone_depth, preset.backbone_heads
         )
@@ -96,31 +99,33 @@ class _Learner:
             nn.init.normal_(head.weight, 0, config.width**-0.5, generator=generator)
             nn.init.zeros_(head.bias)
         self.heads.start_from_alignment(self.vit.embed_one_bin())
-        self.vit.to(device)
-        self.heads.to(device)
+        self.vit.to(ranks.device)
+        self.heads.to(ranks.device)
         self._parameters = [*self.vit.parameters(), *self.heads.parameters()]
         self._optimiser = torch.optim.AdamW(self._parameters, PEAK_RATE, weight_decay=WEIGHT_DECAY)
         self._schedule = torch.optim.lr_scheduler.LambdaLR(
             self._optimiser, lambda step: _rate(step, steps)
         )
-        self._device = device.split(":")[0]
+        self._ranks = ranks
 
     def step(self, inputs: Tensor, truth: DenseTruth) -> float:
-        """Take one step and return its loss."""
-        with torch.autocast(self._device, torch.bfloat16, enabled=has_bfloat16(self._device)):
+        """Take one step with this rank's share of a batch and return the whole batch's loss."""
+        with self._ranks.bfloat16_products():
             tokens = self.vit(inputs)
-        loss = dense_loss(
-            Tokens(tokens.global_token.float(), tokens.patches.float()), self.heads, truth
-        )
+        tokens = Tokens(tokens.global_token.float(), tokens.patches.float())
+        loss = dense_loss(tokens, self.heads, truth, self._ranks)
         self._optimiser.zero_grad(set_to_none=True)
         loss.backward()
+        told = self._ranks.average(self._parameters, loss.item())
         nn.utils.clip_grad_norm_(self._parameters, 1.0)
         self._optimiser.step()
         self._schedule.step()
-        return loss.item()
+        return told
 
     def store(self, path: Path, done: int) -> None:
-        """Write everything the next step depends on."""
+        """Write everything the next step depends on; the first rank does."""
+        if not self._ranks.is_first:
+            return
         state = {name: part.state_dict() for name, part in self._parts().items()}
         save_checkpoint(path, state | {"step": done})
 
@@ -140,11 +145,6 @@ class _Learner:
             "optimiser": self._optimiser,
             "schedule": self._schedule,
         }
-
-
-def has_bfloat16(device: str) -> bool:
-    """Tell whether bfloat16 products are fast: 2.7 times float32 on a processor that has them."""
-    return device == "cuda" or torch.ops.mkldnn._is_mkldnn_bf16_supported()
 
 
 def _rate(step: int, steps: int) -> float:

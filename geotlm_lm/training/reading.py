@@ -22,6 +22,7 @@ from torch import Tensor
 from torch.nn.functional import binary_cross_entropy_with_logits, cross_entropy, pad
 
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.interrupts import uninterrupted_step
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.seeding import seed_for
 from geotlm_lm.language.decoder import LanguageSize, initialise
@@ -32,7 +33,7 @@ from geotlm_lm.query.reader import MOST_WORDS, SIZE, QuestionDecoder, Reader
 from geotlm_lm.query.spelling import Spelling, plain_parts
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.language import parameter_groups
-from geotlm_lm.training.pretraining import has_bfloat16
+from geotlm_lm.training.ranks import ALONE, Ranks
 
 NAME = "reading_checkpoint.pt"
 CHECKPOINT_EVERY_S = 60.0
@@ -75,23 +76,31 @@ def train_reader(
     folder: Path,
     corpus: Sequence[Pair] = (),
     progress: Progress = silent,
+    ranks: Ranks = ALONE,
 ) -> Reader:
     """Return a reader, not yet calibrated; goes on from the checkpoint in `folder`.
 
+    The first rank draws and spells each step's questions, whose byte pairs no seed governs, and all
+    learn from their share.
+
     Args:
         config: How to train.
-        folder: Where the checkpoint lies.
+        folder: Where the checkpoint lies; the first rank writes it.
         corpus: Questions labelled one by one, of the training split.
         progress: Told after each step.
+        ranks: Which process this is, and where it trains.
 
     Raises:
-        UsageError: If the checkpoint belongs to another configuration.
+        UsageError: If the checkpoint belongs to another configuration, or the batch does not divide
+            among the ranks.
     """
-    tokenizer = train_vocabulary(config, corpus)
+    ranks.refuse_uneven(config.batch)
+    tokenizer = ranks.from_first(lambda: train_vocabulary(config, corpus))
     spelling = Spelling(tokenizer)
     with torch.random.fork_rng(devices=[]):  # torch draws what is drawn again below
         model = QuestionDecoder(config.size, spelling.size).train()
     initialise(model, config.size.layers, _generator(config.seed, "weights"))
+    model.to(ranks.device)
     optimiser = torch.optim.AdamW(parameter_groups(model), betas=(0.9, 0.98))
     step = _restored(folder / NAME, config, model, optimiser)
     draws = _draws(config, corpus, step)
@@ -101,16 +110,19 @@ def train_reader(
             for group in optimiser.param_groups:
                 group["lr"] = rate_at(step, config)
             hides = _generator(config.seed, "hidden", step)
-            loss = _step(model, spelling, optimiser, next(draws), config, hides)
-            step += 1
+            rows = ranks.from_first(lambda: _spelled(next(draws), spelling, config))
+            with uninterrupted_step():
+                loss = _step(model, rows, optimiser, config, hides, ranks)
+                step += 1
             progress(f"train reader, loss {loss:.3f}", step, config.steps)
-            if time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
+            if ranks.is_first and time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
                 _store(folder / NAME, config, model, optimiser, step)
                 saved_at = time.monotonic()
     finally:
-        _store(folder / NAME, config, model, optimiser, step)
+        if ranks.is_first:
+            _store(folder / NAME, config, model, optimiser, step)
     tokenizer.model.dropout = None
-    return Reader(model, spelling, (1.0, 0.0))
+    return Reader(model.cpu(), spelling, (1.0, 0.0))
 
 
 def calibrated_reader(reader: Reader, questions: Sequence[Labelled]) -> Reader:
@@ -192,42 +204,58 @@ def batch_of(rows: Sequence[tuple[list[int], int]]) -> tuple[Tensor, Tensor, Ten
     return ids, mask[:, None], (place >= starts) & (place < ends)
 
 
+def _spelled(
+    pairs: Sequence[Pair], spelling: Spelling, config: ReadingTraining
+) -> list[tuple[list[int], int]]:
+    """Return the rows of a step, the short ones first."""
+    return sorted(rows_of(spelling, pairs, config.size.max_tokens), key=lambda row: len(row[0]))
+
+
 def _step(
     model: QuestionDecoder,
-    spelling: Spelling,
+    rows: Sequence[tuple[list[int], int]],
     optimiser: torch.optim.Optimizer,
-    pairs: Sequence[Pair],
     config: ReadingTraining,
     hides: torch.Generator,
+    ranks: Ranks,
 ) -> float:
-    rows = sorted(rows_of(spelling, pairs, config.size.max_tokens), key=lambda row: len(row[0]))
-    count = sum(len(ids) - start for ids, start in rows)
+    """Learn from this rank's share of the rows; return the loss of all."""
+    per_rank = sum(len(ids) - start for ids, start in rows) / ranks.count
     optimiser.zero_grad(set_to_none=True)
     total = 0.0
     parts = 8
     for place in range(parts):
         part = rows[place * len(rows) // parts : (place + 1) * len(rows) // parts]
         if part:
-            with torch.autocast("cpu", torch.bfloat16, enabled=has_bfloat16("cpu")):
-                loss = _loss(model, part, config.hidden, hides)
-            (loss / count).backward()
-            total += loss.item()
+            batch = batch_of(part)
+            is_seen = torch.rand(batch[0].shape, generator=hides) >= config.hidden
+            mine = [ranks.share(one).to(ranks.device) for one in (*batch, is_seen)]
+            if len(mine[0]):
+                with ranks.bfloat16_products():
+                    loss = _loss(model, *mine)
+                (loss / per_rank).backward()
+                total += loss.item()
+    told = ranks.average(model.parameters(), total / per_rank)
     torch.nn.utils.clip_grad_norm_(model.parameters(), 1.0)
     optimiser.step()
-    return total / count
+    return told
 
 
 def _loss(
-    model: QuestionDecoder,
-    rows: Sequence[tuple[list[int], int]],
-    hidden: float,
-    hides: torch.Generator,
+    model: QuestionDecoder, ids: Tensor, mask: Tensor, is_query: Tensor, is_seen: Tensor
 ) -> Tensor:
-    """Return the summed cross entropy of the query's tokens, in nats."""
-    ids, mask, is_query = batch_of(rows)
+    """Return the summed cross entropy of the query's tokens, in nats.
+
+    Args:
+        model: The weights.
+        ids: Questions and queries, (b, s).
+        mask: What each may see, (b, 1, s, s).
+        is_query: Where a query's token is, (b, s).
+        is_seen: Whether a question's token is not hidden, likewise.
+    """
     embedded = model.decoder.embed_tokens(ids)
-    kept = (torch.rand(ids.shape, generator=hides) >= hidden) | is_query
-    positions = torch.arange(ids.shape[1]).expand(len(ids), -1)
+    kept = is_seen | is_query
+    positions = torch.arange(ids.shape[1], device=ids.device).expand(len(ids), -1)
     states, _ = model.decoder(embedded * kept[..., None], positions, mask)
     before, wanted = states[:, :-1][is_query[:, 1:]], ids[is_query]
     spare = _rounded(len(wanted), 64) - len(wanted)

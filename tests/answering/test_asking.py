@@ -60,6 +60,12 @@ def test_what_is_hardly_understood_is_asked_back(bundle):
     assert (answer.direction, answer.decided, answer.confidence) == (None, None, 0)
 
 
+def test_beside_what_is_not_understood_at_all_it_is_told_what_is_felt(bundle):
+    answer = ask(feeling(bundle, "left", understood=0.05), "mirror > way slide")
+    assert answer.abstained
+    assert re.search(r"say it in other words\. What I feel: .*left", answer.text)
+
+
 def test_what_is_more_likely_wrong_is_a_guess(bundle):
     answer = ask(feeling(bundle, "left", belief=believed("left", share=0.55, contact=1.0)), "way")
     unsure = ask(feeling(bundle, "left", belief=believed("left", share=0.5)), "choice left , right")

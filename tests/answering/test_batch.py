@@ -1,6 +1,7 @@
 """Rows for every clip and question, whatever happens on the way."""
 
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -29,13 +30,31 @@ def clips(tmp_path):
     return folder
 
 
+def answer_by(answerer, *args, **options):
+    return answer_all(lambda: answerer, *args, **options)
+
+
+SENT_ANSWERER = []
+
+
+def sent_answerer():
+    return SENT_ANSWERER[0]
+
+
+class Sending:
+    """Works here with what other processes would be sent."""
+
+    def each_done(self, work, parts):
+        return map(pickle.loads(pickle.dumps(work)), pickle.loads(pickle.dumps(parts)))
+
+
 def rows_in(path):
     return [json.loads(line) for line in path.read_text().splitlines()]
 
 
 def test_every_clip_and_question_gets_a_row_in_order(bundle, clips, tmp_path):
     out = tmp_path / "a folder to be made" / "answers.jsonl"
-    result = answer_all(feeling(bundle, "left"), clips_in(clips), QUESTIONS, out)
+    result = answer_by(feeling(bundle, "left"), clips_in(clips), QUESTIONS, out)
     rows = rows_in(out)
     assert [(row["clip"], row["question"]) for row in rows] == [
         (clip, question) for clip in ("a.npy", "b.npy", "c.npy") for question in QUESTIONS
@@ -48,9 +67,16 @@ def test_every_clip_and_question_gets_a_row_in_order(bundle, clips, tmp_path):
     assert bad[0]["error"].startswith(str(clips / "b.npy"))
 
 
+def test_other_processes_can_be_sent_the_work(bundle, clips, tmp_path, monkeypatch):
+    monkeypatch.setitem(globals(), "SENT_ANSWERER", [feeling(bundle, "left")])
+    out = tmp_path / "answers.jsonl"
+    result = answer_all(sent_answerer, clips_in(clips), QUESTIONS, out, workers=Sending())
+    assert (result.rows, result.errors) == (6, 2)
+
+
 def test_a_question_that_cannot_be_asked_spoils_its_own_row_only(bundle, clips, tmp_path):
     out = tmp_path / "answers.jsonl"
-    answer_all(feeling(bundle, "left"), [clips / "a.npy"], ["  ", "Which way?"], out)
+    answer_by(feeling(bundle, "left"), [clips / "a.npy"], ["  ", "Which way?"], out)
     refused, answered = rows_in(out)
     assert refused["error"].startswith("The question is empty")
     assert answered["error"] is None
@@ -59,7 +85,7 @@ def test_a_question_that_cannot_be_asked_spoils_its_own_row_only(bundle, clips, 
 
 def test_rows_follow_the_published_schema(bundle, clips, tmp_path):
     schema, out = answer_schema(), tmp_path / "answers.jsonl"
-    answer_all(feeling(bundle, "left"), clips_in(clips), QUESTIONS, out)
+    answer_by(feeling(bundle, "left"), clips_in(clips), QUESTIONS, out)
     validator = Draft202012Validator(schema)
     for row in rows_in(out):
         assert list(validator.descend(row, schema["$defs"]["batch_row"])) == []
@@ -70,7 +96,7 @@ def test_a_clip_is_encoded_once(bundle, clips, tmp_path, monkeypatch):
     monkeypatch.setattr(
         Answerer, "encode", lambda self, clip, span: seen.append(clip.name) or encode(self, clip)
     )
-    answer_all(feeling(bundle, "left"), [clips / "a.npy"], QUESTIONS, tmp_path / "x.jsonl")
+    answer_by(feeling(bundle, "left"), [clips / "a.npy"], QUESTIONS, tmp_path / "x.jsonl")
     assert len(seen) == 1
 
 
@@ -89,12 +115,12 @@ def stop_after(count):
 def test_a_stopped_run_leaves_no_file_and_continues_with_the_same_rows(bundle, clips, tmp_path):
     whole, out = tmp_path / "whole.jsonl", tmp_path / "answers.jsonl"
     found, answerer = clips_in(clips), feeling(bundle, "left")
-    answer_all(answerer, found, QUESTIONS, whole)
+    answer_by(answerer, found, QUESTIONS, whole)
     with pytest.raises(Stopped):
-        answer_all(answerer, found, QUESTIONS, out, progress=stop_after(2))
+        answer_by(answerer, found, QUESTIONS, out, progress=stop_after(2))
     assert not out.exists()
     answerer.bundle.reader.heard.clear()
-    result = answer_all(answerer, found, QUESTIONS, out)
+    result = answer_by(answerer, found, QUESTIONS, out)
     assert (result.continued, result.errors) == (4, 2)
     assert len(answerer.bundle.reader.heard) == 2  # only the third clip was asked about
     assert without_times(out) == without_times(whole)
@@ -107,16 +133,16 @@ def test_two_runs_do_not_write_the_same_rows_file(bundle, clips, tmp_path):
 
     def meanwhile(done, total):
         with pytest.raises(UsageError) as error:
-            answer_all(answerer, found, QUESTIONS, out)
+            answer_by(answerer, found, QUESTIONS, out)
         refused.append(str(error.value))
 
-    answer_all(answerer, found, QUESTIONS, out, progress=meanwhile)
+    answer_by(answerer, found, QUESTIONS, out, progress=meanwhile)
     assert set(refused) == {
         f"{out}.part: another run is writing it, expected one at a time; wait for it, or give "
         f"another --out."
     }
     assert len(rows_in(out)) == 6
-    assert answer_all(answerer, found, QUESTIONS, out).continued == 0  # the claim is gone
+    assert answer_by(answerer, found, QUESTIONS, out).continued == 0  # the claim is gone
 
 
 def without_times(path):
@@ -131,10 +157,10 @@ def test_half_a_row_that_a_kill_left_is_written_again(bundle, clips, tmp_path):
     out, part = tmp_path / "answers.jsonl", tmp_path / "answers.jsonl.part"
     found, answerer = clips_in(clips), feeling(bundle, "left")
     with pytest.raises(Stopped):
-        answer_all(answerer, found, QUESTIONS, out, progress=stop_after(2))
+        answer_by(answerer, found, QUESTIONS, out, progress=stop_after(2))
     text = part.read_bytes()
     part.write_bytes(text[: len(text) - 40])
-    assert answer_all(answerer, found, QUESTIONS, out).continued == 2
+    assert answer_by(answerer, found, QUESTIONS, out).continued == 2
     assert len(rows_in(out)) == 6
 
 
@@ -145,7 +171,7 @@ def test_an_unfinished_run_of_something_else_is_not_continued(
     out, answerer, questions = tmp_path / "x.jsonl", feeling(bundle, "left"), list(QUESTIONS)
     found, frame = clips_in(clips), FrameSpec()
     with pytest.raises(Stopped):
-        answer_all(answerer, found, questions, out, progress=stop_after(1))
+        answer_by(answerer, found, questions, out, progress=stop_after(1))
     if change == "questions":
         questions.append("Is it still?")
     elif change == "clip":
@@ -157,7 +183,7 @@ def test_an_unfinished_run_of_something_else_is_not_continued(
     else:  # an older version, whose answers had other fields
         monkeypatch.setattr(batch, "answer_schema", dict)
     with pytest.raises(UsageError) as error:
-        answer_all(answerer, found, questions, out, frame=frame)
+        answer_by(answerer, found, questions, out, frame=frame)
     assert str(error.value) == (
         f"{out}.part: belongs to a run of other clips, questions or facts, or of another model or "
         f"version, expected this one's; delete it to begin anew, or give another --out."
@@ -169,7 +195,7 @@ OTHERS = (
     "expected this one's; delete it to begin anew, or give another --out."
 )
 DAMAGED = (
-    "{}: its row 2 is damaged, expected one JSON object a line; delete the file to begin anew, or "
+    "{}: its line 2 is damaged, expected one JSON object a line; delete the file to begin anew, or "
     "give another --out."
 )
 
@@ -191,15 +217,15 @@ def test_a_file_that_is_no_unfinished_run_is_refused_and_left(
     out, part = tmp_path / "x.jsonl", tmp_path / "x.jsonl.part"
     answerer = feeling(bundle, "left")
     with pytest.raises(Stopped):
-        answer_all(answerer, clips_in(clips), QUESTIONS, out, progress=stop_after(1))
+        answer_by(answerer, clips_in(clips), QUESTIONS, out, progress=stop_after(1))
     part.write_bytes(b"".join(damage(part.read_bytes().splitlines(keepends=True))))
     before = part.read_bytes()
     with pytest.raises(UsageError) as error:
-        answer_all(answerer, clips_in(clips), QUESTIONS, out)
+        answer_by(answerer, clips_in(clips), QUESTIONS, out)
     assert str(error.value) == sentence.format(part)
     assert part.read_bytes() == before
 
 
 def test_a_run_without_questions_is_refused(bundle, clips, tmp_path):
     with pytest.raises(ValueError, match="^a run takes 1 question or more, found none$"):
-        answer_all(feeling(bundle, "left"), clips_in(clips), [], tmp_path / "x.jsonl")
+        answer_by(feeling(bundle, "left"), clips_in(clips), [], tmp_path / "x.jsonl")

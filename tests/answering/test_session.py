@@ -61,6 +61,17 @@ def test_doubt_repeats_the_answer_with_its_probability(session):
     assert session.last.text == told.text
 
 
+def test_a_clip_that_grows_leaves_the_last_answer_to_be_referred_to(session):
+    first = session.ask("way turn")
+    session.grow(session.answerer.encode(recording()))
+    assert len(session.clips) == 1
+    assert session.ask("Are you sure?").text.endswith(first.text)
+    assert session.ask("mirror > again").direction is Motion.COUNTERCLOCKWISE
+    session.grow(session.answerer.encode(recording()))
+    kept = [turn.encoded is not None for turn in session.history]
+    assert kept == [False, False, True]  # each would keep its own frames
+
+
 def test_a_turn_is_taken_back_with_what_it_stated(session):
     session.ask("Which way?")
     session.ask("fact mirrored ; way")

@@ -66,6 +66,8 @@ class Browser:
         page = next(one["targetId"] for one in targets if one["type"] == "page")
         attached = self.call("Target.attachToTarget", targetId=page, flatten=True)
         self._session = attached["sessionId"]
+        # A window that nobody looks at has no focus, and its fields would never be left.
+        self.call("Emulation.setFocusEmulationEnabled", enabled=True)
 
     def call(self, method: str, **parameters: Any) -> dict[str, Any]:
         """Send one command of the debugging protocol and return its result."""

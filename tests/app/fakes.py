@@ -22,6 +22,7 @@ from tests.answering.scripted import Scripted, ScriptedReader, believed
 READ = {
     "Which way is the object turning?": "way turn",
     "Which way does it go?": "way",
+    "When did it stop?": "when stops begin",
     "How far did it go?": "amount",
     "I look from the object's side.": "fact seen object",
     "0.05 mm per pixel. Which way?": "fact scale #1 ; way",

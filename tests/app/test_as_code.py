@@ -38,7 +38,10 @@ def asked_by(program):
     )
     lines = program.splitlines()
     assert lines[0] == "from geotlm_lm import Answerer, read_clip"
-    names = {"Answerer": SimpleNamespace(load=lambda: answerer), "read_clip": lambda path: path}
+    names = {
+        "Answerer": SimpleNamespace(load=lambda: answerer),
+        "read_clip": lambda path, topic=None: path if topic is None else (path, topic),
+    }
     exec("\n".join(lines[1:]), names)
     return did
 
@@ -50,6 +53,12 @@ def test_the_program_asks_one_question_or_the_whole_conversation():
     assert asked_by(talk.python) == [
         *(("a.npz", None), "0.1 mm per pixel. Which way?", "And 'mirrored'?", "Why?"),
     ]
+
+
+def test_the_topic_of_a_bag_is_in_the_command_and_the_program():
+    calls = calls_of("run.mcap", ["Which way?"], CAMERA, topic="/gel/image")
+    assert shlex.split(calls.command)[-2:] == ["--topic", "/gel/image"]
+    assert asked_by(calls.python) == [(("run.mcap", "/gel/image"), None), "Which way?"]
 
 
 def test_the_call_sends_the_question_as_it_is():

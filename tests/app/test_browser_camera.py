@@ -6,6 +6,7 @@ import pytest
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
 from app import live_tab, ui  # noqa: E402
+from tests.app.browser import STAGE  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 
 
@@ -18,18 +19,21 @@ def test_the_camera_is_not_mirrored():
 
 def test_what_is_left_in_the_camera_is_left_for_the_model(camera_browser, monkeypatch):
     browser = camera_browser
-    received, follow = [], live_tab.process_frame
+    received, follow = [], live_tab.follow_camera
 
     def followed(answerer, frame, *kept):
         received.extend([] if frame is None else [frame])
         return follow(answerer, frame, *kept)
 
-    monkeypatch.setattr(live_tab, "process_frame", followed)
+    monkeypatch.setattr(live_tab, "follow_camera", followed)
     page = ui.build(FakeAnswerer())
     try:
         browser.open(ui.launch(page))
         start_camera(browser)
         browser.wait_for(f"/· [1-9][0-9] frames/.test({TEXT})", seconds=60)
+        shown = browser.run(COLUMNS)
+        assert shown[0] > 200 > 50 > shown[1]
+        assert not browser.run(f"{STAGE}.querySelector('[data-part=live]').hidden")
     finally:
         page.close()
     assert len(received) >= 10
@@ -39,6 +43,11 @@ def test_what_is_left_in_the_camera_is_left_for_the_model(camera_browser, monkey
 
 
 TEXT = "document.body.innerText"
+COLUMNS = (
+    f"(() => {{ const seen = {STAGE}.querySelector('canvas'), at = (x) => seen.getContext('2d')"
+    ".getImageData(x * seen.width, seen.height / 2, 1, 1).data[0]; return [at(0.25), at(0.9)]; })()"
+)
+"""Grey levels on the left and on the right of the stage."""
 
 
 def start_camera(browser):

@@ -5,6 +5,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from geotlm_lm.answering.loaded import loaded
 from geotlm_lm.cli.batch import batch, read_questions
 from geotlm_lm.core.errors import UsageError
 from tests.answering.scripted import feeling, recording
@@ -27,6 +28,7 @@ def invoke(tmp_path, monkeypatch):
 
     load = classmethod(load)
     monkeypatch.setattr(answering.Answerer, "load", load)
+    loaded.cache_clear()
     app = typer.Typer()
     app.command()(batch)
     named = {"--clips": "clips", "--questions": "questions.txt", "--out": "deep/answers.jsonl"}
@@ -36,7 +38,8 @@ def invoke(tmp_path, monkeypatch):
         return CliRunner().invoke(app, [*places, *arguments])
 
     call.formats = formats
-    return call
+    yield call
+    loaded.cache_clear()
 
 
 def test_rows_are_written_and_counted(invoke, tmp_path):

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from geotlm_lm.answering.loaded import loaded
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.data_sets import labelling
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
 from tests.data_sets.lerobot_files import CAMERA, FPS, OTHER, turned, write_data_set
@@ -30,9 +30,9 @@ class Measuring:
 @pytest.fixture(autouse=True)
 def without_model(monkeypatch):
     monkeypatch.setattr("geotlm_lm.answering.Answerer.load", lambda *_, **__: Measuring())
-    labelling._answerer.cache_clear()
+    loaded.cache_clear()
     yield
-    labelling._answerer.cache_clear()
+    loaded.cache_clear()
 
 
 def run(capsys, *arguments):

@@ -8,6 +8,7 @@ import pytest
 from geotlm_lm.cli.main import main
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.simulation import dataset
+from geotlm_lm.workers import Workers
 
 
 def run(*arguments):
@@ -180,17 +181,13 @@ def test_labels_only_writes_no_pictures_and_goes_with_a_data_set_only(tmp_path, 
     assert "--labels-only cannot go with --clip" in capsys.readouterr().err
 
 
-def test_all_usable_cores_simulate_unless_told_otherwise(tmp_path, monkeypatch):
+def test_who_simulates_is_handed_on(tmp_path, monkeypatch):
     asked = []
 
     def write_dataset(out, count, *, workers, **_):
         asked.append(workers)
 
     monkeypatch.setattr(dataset, "write_dataset", write_dataset)
-    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 2, 5}, raising=False)
     run("simulate", "--out", tmp_path)
     run("simulate", "--out", tmp_path, "--workers", 2)
-    monkeypatch.delattr("os.sched_getaffinity")
-    monkeypatch.setattr("os.cpu_count", lambda: 7)
-    run("simulate", "--out", tmp_path)
-    assert asked == [3, 2, 7]
+    assert asked == [Workers(None), Workers(2)]

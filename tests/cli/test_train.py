@@ -13,8 +13,8 @@ from geotlm_lm.cli.main import main
 def calls(monkeypatch):
     made = []
 
-    def train(preset, out, seed, workers, progress):
-        made.append((preset, out, seed, workers))
+    def train(preset, out, seed, workers, progress, device):
+        made.append((preset, out, seed, workers, device))
         return out / "bundle"
 
     module = ModuleType("geotlm_lm.training.train")
@@ -27,7 +27,7 @@ def test_options_reach_the_seam_and_the_bundle_is_named(calls, capsys):
     with pytest.raises(SystemExit) as exit_info:
         main(["train", "--preset", "smoke", "--out", "runs/a", "--seed", "3", "--workers", "1"])
     assert exit_info.value.code == 0
-    assert calls == [("smoke", Path("runs/a"), 3, 1)]
+    assert calls == [("smoke", Path("runs/a"), 3, 1, None)]
     assert capsys.readouterr().out == "runs/a/bundle\n"
 
 

@@ -46,6 +46,7 @@ ONLY_CHECKED = {
 NOT_OURS = {
     "python3 -m venv": "installs; .ci/run and tests/contracts/test_wheel.py do",
     "pip install": "installs",
+    "torchrun": "starts several processes of a training, which tests/training/test_ranks.py does",
     ".venv/bin/pip install": "installs",
     ".venv/bin/pytest": "is the run that this test is part of",
     "rerun": "opens a viewer",

@@ -15,7 +15,8 @@ PACKAGE = Path(geotlm_lm.__file__).parent
 
 LEVELS = (
     {"core"},
-    {"alignment", "local_pool"},
+    {"alignment", "local_pool", "cluster"},
+    {"workers"},
     {"simulation", "recordings", "backbone", "dgr", "probe", "language"},
     {"model", "data", "views", "motion"},
     {"track"},
@@ -42,6 +43,7 @@ FORBIDDEN = {
 """Outside packages a room must do without, anywhere in it."""
 
 HEAVY = {"torch", "transformers", "tokenizers", "cv2", "scipy", "sklearn", "gradio", "matplotlib"}
+HEAVY |= {"ray"}
 
 FILES = sorted(
     path

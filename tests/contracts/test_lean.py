@@ -125,7 +125,7 @@ def test_no_gradient_is_kept_on_the_way_to_an_answer(bundle, monkeypatch):
 
 
 HEAVY = {"torch", "transformers", "tokenizers", "cv2", "scipy", "sklearn", "matplotlib", "gradio"}
-HEAVY |= {"rich", "PIL", "filelock"}
+HEAVY |= {"rich", "PIL", "filelock", "ray"}
 ANSWERING = {"torch", "tokenizers", "cv2"}
 READING = {"cv2"}
 SIMULATING = {"torch", "cv2"}

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
+from geotlm_lm.answering.loaded import loaded
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.data_sets import labelling as labelling_module
@@ -17,6 +18,7 @@ from geotlm_lm.data_sets.labelling import Labelling, label_data_set
 from geotlm_lm.data_sets.lerobot import read_data_set
 from geotlm_lm.recordings import limits
 from geotlm_lm.track.tracker import Tracker, track_of
+from geotlm_lm.workers import Workers
 from tests.data_sets.lerobot_files import CAMERA, FPS, KINDS, turned, write_data_set
 from tests.track import stream as simulated
 
@@ -44,9 +46,9 @@ class Measuring:
 @pytest.fixture
 def without_model(monkeypatch):
     monkeypatch.setattr("geotlm_lm.answering.Answerer.load", lambda *_, **__: Measuring())
-    labelling_module._answerer.cache_clear()
+    loaded.cache_clear()
     yield
-    labelling_module._answerer.cache_clear()
+    loaded.cache_clear()
 
 
 @pytest.fixture(scope="module")
@@ -257,9 +259,9 @@ def test_an_episode_that_does_not_fit_into_memory_is_tracked_frame_by_frame(
 
 
 def test_as_many_processes_as_there_are_write_the_same_bytes(root, tmp_path, answerer):
-    labelling_module._answerer.cache_clear()
+    loaded.cache_clear()
     for workers in (1, 2):
-        label_data_set(Labelling(root, CAMERA), tmp_path / f"by{workers}", workers=workers)
+        label_data_set(Labelling(root, CAMERA), tmp_path / f"by{workers}", workers=Workers(workers))
     assert files_of(tmp_path / "by1") == files_of(tmp_path / "by2")
 
 

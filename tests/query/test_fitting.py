@@ -4,6 +4,7 @@ from itertools import islice
 
 import pytest
 
+from geotlm_lm.query.facts import mm_per_px
 from geotlm_lm.query.fitting import fitting
 from geotlm_lm.query.grammar import corpus, grammar
 from geotlm_lm.query.quantities import quantities
@@ -40,3 +41,21 @@ def test_what_is_meant_is_never_left_out():
         for place, word in enumerate(words):
             allowed = slots if word in slots else {word}
             assert word in fitting(words[:place], allowed, numbers), pair
+
+
+@pytest.mark.parametrize(
+    ("text", "mm_each"),
+    [
+        ("20 px equal one millimetre", 0.05),
+        ("1 mm = 16 px", 0.0625),
+        ("320 pixels span 16 mm", 0.05),
+        ("0.06 mm per pixel", 0.06),
+    ],
+)
+def test_pixels_that_equal_a_length_are_one_scale(text, mm_each):
+    (found,) = quantities(f"My calibration says {text}.")
+    assert mm_per_px(found) == pytest.approx(mm_each)
+
+
+def test_the_size_of_one_pixel_is_a_length():
+    assert [one.unit for one in quantities("one pixel is 0.06 mm")] == ["px", "mm"]

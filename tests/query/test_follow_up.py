@@ -4,6 +4,7 @@ import pytest
 
 from geotlm_lm.query.follow_up import resumed
 from geotlm_lm.query.text import read, write
+from geotlm_lm.query.types import Query
 
 
 @pytest.mark.parametrize(
@@ -23,7 +24,9 @@ from geotlm_lm.query.text import read, write
         ("fact mirrored", "again", "way"),
         ("fact mirrored", "mirror > again", "mirror > way"),
         ("fact mirrored", "fact turned half ; again plain", "fact turned half"),
+        ("", "fact scale #1 ; again mm", "fact scale #1 ; amount slide mm"),
     ],
 )
 def test_it_is_resumed(before, now, meant):
-    assert write(resumed(read(now), read(before))) == meant
+    asked = read(before) if before else Query()
+    assert write(resumed(read(now, 1), asked)) == meant

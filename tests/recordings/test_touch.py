@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.recordings.touch import FAINT_GREY, UNTOUCHED_GREY, change_from_idle
+from geotlm_lm.recordings.touch import FAINT_GREY, UNTOUCHED_GREY, change_from_idle, change_map
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.series import simulate_series
 
@@ -35,6 +35,16 @@ def test_camera_noise_and_a_change_of_exposure_are_no_touch():
 @pytest.mark.parametrize("grey", [4.0, -4.0])
 def test_a_small_faint_imprint_is_a_touch_wherever_it_lies(grey):
     assert grey_of(recorded(imprint(grey))) >= UNTOUCHED_GREY
+
+
+def test_the_map_of_the_change_shows_where_it_is_and_nothing_of_the_light():
+    idle = np.full((96, 128, 3), 100, np.uint8)
+    frame = idle + np.uint8(20)  # another exposure
+    frame[24:48, 64:96] += 60
+    seen = change_map(frame, idle)
+    assert seen.shape == (24, 32)
+    assert seen[7:11, 17:23].min() == 1
+    assert seen[:, :14].max() == seen[14:].max() == 0
 
 
 def test_one_touched_frame_is_enough():

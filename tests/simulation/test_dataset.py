@@ -13,6 +13,7 @@ import pytest
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.simulation import dataset
 from geotlm_lm.simulation.dataset import read_shard, write_dataset
+from geotlm_lm.workers import Workers
 
 OBJECTS = ("block", "cloth_coarse")
 
@@ -112,11 +113,11 @@ def test_a_folder_that_does_not_say_what_it_holds_is_refused(tmp_path, content):
 def test_the_number_of_workers_does_not_change_a_byte(tmp_path):
     one, two = tmp_path / "one", tmp_path / "two"
     for folder, workers in ((one, 1), (two, 2)):
-        write_dataset(folder, 6, seed=1, objects=OBJECTS, preset="draft", workers=workers)
+        write_dataset(folder, 6, seed=1, objects=OBJECTS, preset="draft", workers=Workers(workers))
     assert contents(one) == contents(two)
 
 
-def _die(shard):
+def _die(options, shard):
     os._exit(9)
 
 
@@ -124,7 +125,7 @@ def _die(shard):
 def test_a_killed_worker_is_told_instead_of_waited_for(tmp_path, monkeypatch):
     monkeypatch.setattr(dataset, "_write_shard", _die)
     with pytest.raises(GeoTLMError, match="^A worker was ended from outside"):
-        write_dataset(tmp_path, 6, seed=1, objects=OBJECTS, workers=2)
+        write_dataset(tmp_path, 6, seed=1, objects=OBJECTS, workers=Workers(2))
 
 
 def test_a_run_that_is_broken_off_ends_its_workers_and_not_its_callers_processes(tmp_path):
@@ -134,7 +135,7 @@ def test_a_run_that_is_broken_off_ends_its_workers_and_not_its_callers_processes
         mine.start()
         raise ZeroDivisionError
 
-    options = {"preset": "draft", "workers": 2, "progress": start_and_fail}
+    options = {"preset": "draft", "workers": Workers(2), "progress": start_and_fail}
     with pytest.raises(ZeroDivisionError):
         write_dataset(tmp_path, 60, seed=1, objects=OBJECTS, **options)
     try:
@@ -171,10 +172,11 @@ WRITER = """
 import sys
 from pathlib import Path
 from geotlm_lm.simulation import dataset
+from geotlm_lm.workers import Workers
 
 if __name__ == "__main__":
     dataset.SHARD_CLIPS = 3
-    out, workers = Path(sys.argv[1]), int(sys.argv[2])
+    out, workers = Path(sys.argv[1]), Workers(int(sys.argv[2]))
     objects = ("block", "cloth_coarse")
     dataset.write_dataset(out, 18, seed=1, objects=objects, workers=workers, preset="draft")
 """

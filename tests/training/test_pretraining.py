@@ -9,6 +9,7 @@ from geotlm_lm.backbone.stem import ALIGNED_AT, PATCH_INPUT_DIM
 from geotlm_lm.training import pretraining
 from geotlm_lm.training.config import SMOKE
 from geotlm_lm.training.pretraining import pretrain
+from geotlm_lm.training.ranks import ALONE
 
 TINY = replace(SMOKE, backbone_width=8, backbone_depth=1, pretraining_batch=4, pretraining_draws=24)
 
@@ -22,7 +23,7 @@ def _one_thread():
 
 
 def weights_after(examples, folder, seed=0):
-    backbone, _ = pretrain(examples, preset=TINY, seed=seed, device="cpu", folder=folder)
+    backbone, _ = pretrain(examples, preset=TINY, seed=seed, folder=folder)
     return {name: value.clone() for name, value in backbone.vit.state_dict().items()}
 
 
@@ -51,7 +52,7 @@ def test_another_seed_gives_other_weights(tiny_examples, tmp_path):
 
 
 def test_displacement_begins_as_the_alignment_of_its_own_time_bin():
-    learner = pretraining._Learner(replace(TINY, backbone_width=160), 1, 0, "cpu")
+    learner = pretraining._Learner(replace(TINY, backbone_width=160), 1, 0, ALONE)
     torch.nn.init.zeros_(learner.vit.positions)
     inputs = torch.randn(2, 2, 14, 14, PATCH_INPUT_DIM)
     with torch.no_grad():

@@ -25,6 +25,7 @@ from geotlm_lm.training import config, examples, language, reading, train
 from geotlm_lm.training.examples import read_examples
 from geotlm_lm.training.language import LanguageTraining
 from geotlm_lm.training.reading import ReadingTraining
+from geotlm_lm.training.run_folder import example_sets
 from tests.training.in_process import InProcess
 
 TINY = replace(
@@ -98,7 +99,7 @@ def test_the_card_tells_the_scores_and_the_command_that_made_them(finished):
     about = json.loads((finished / "bundle" / "scores.json").read_text())
     scores = about["numbers"]
     assert scores["clips"] == 20
-    seen = read_examples(finished / "examples", train.example_sets(TINY)["test"]).labels
+    seen = read_examples(finished / "examples", example_sets(TINY)["test"]).labels
     motions = [label.motion for label in seen if label.is_readable]
     assert scores["rotation"]["clips"] == sum(motion in ROTATIONS for motion in motions)
     assert scores["sliding"]["clips"] == sum(motion in SLIDES for motion in motions)
@@ -158,7 +159,7 @@ def test_another_seed_in_the_same_folder_is_refused(finished):
 
 
 def test_no_object_is_in_two_of_training_validation_and_test():
-    sets = train.example_sets(TINY)
+    sets = example_sets(TINY)
     trained, kept, unseen = (set(sets[s].objects) for s in ("heads", "validation", "test"))
     assert sets["pretraining"].objects == sets["heads"].objects
     assert trained | kept == set(TRAINING_OBJECTS)

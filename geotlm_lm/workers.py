@@ -1,0 +1,62 @@
+"""Who does the parts of a long run: processes of this machine, or a Ray cluster's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import TypeVar
+
+from geotlm_lm.core.errors import MissingDependency
+from geotlm_lm.core.threads import usable_cores
+
+Part, Done = TypeVar("Part"), TypeVar("Done")
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Processes of one thread each; what they do does not depend on which or how many they are.
+
+    Args:
+        count: How many, at most; None takes one for each core that this process, or the cluster,
+            may use.
+        cluster: Address of a Ray cluster, as `ray.init` takes it; "local" starts one on this
+            machine. None works with processes of this machine, without Ray.
+
+    Raises:
+        MissingDependency: If a cluster is given and Ray is not installed.
+    """
+
+    count: int | None = None
+    cluster: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.cluster is not None and find_spec("ray") is None:
+            raise MissingDependency(
+                "--cluster needs Ray, which is not installed; run `pip install 'geotlm-lm[ray]'`."
+            )
+
+    def each_done(self, work: Callable[[Part], Done], parts: Sequence[Part]) -> Iterator[Done]:
+        """Yield what `work` returns of every part, in the order in which they are done.
+
+        Args:
+            work: A function of a module, or a `partial` of one: processes import it. Where a part
+                of it was done already it does nothing: a cluster that loses a machine gives what
+                this had to another one.
+            parts: What is to be done, each independent of the others, and small: paths, not data.
+
+        Raises:
+            GeoTLMError: If a worker was killed, or the cluster cannot be used.
+        """
+        # Imported only now: every command line knows of workers, few need any.
+        if self.cluster is None:
+            from geotlm_lm.local_pool import each_done
+
+            return each_done(work, parts, self.count or usable_cores())
+        from geotlm_lm.cluster import each_done_on
+
+        return each_done_on(self.cluster, work, parts, self.count)
+
+
+ALONE = Workers(1)
+"""This process does all of it."""

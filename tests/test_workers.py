@@ -1,0 +1,33 @@
+"""Who does the parts of a run: as many processes as asked for, else one per core."""
+
+import pytest
+
+from geotlm_lm import local_pool
+from geotlm_lm import workers as workers_module
+from geotlm_lm.core.errors import MissingDependency
+from geotlm_lm.workers import ALONE, Workers
+
+
+def test_parts_are_done_in_this_process_by_one_worker():
+    assert list(ALONE.each_done(abs, [-1, 2, -3])) == [1, 2, 3]
+
+
+def test_all_usable_cores_work_unless_told_otherwise(monkeypatch):
+    asked = []
+    monkeypatch.setattr(local_pool, "each_done", lambda work, parts, count: asked.append(count))
+    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 2, 5}, raising=False)
+    Workers().each_done(abs, [1])
+    Workers(2).each_done(abs, [1])
+    monkeypatch.delattr("os.sched_getaffinity")
+    monkeypatch.setattr("os.cpu_count", lambda: 7)
+    Workers().each_done(abs, [1])
+    assert asked == [3, 2, 7]
+
+
+def test_a_cluster_without_ray_is_told_before_any_work(monkeypatch):
+    monkeypatch.setattr(workers_module, "find_spec", lambda _: None)
+    with pytest.raises(MissingDependency) as error:
+        Workers(cluster="local")
+    assert str(error.value) == (
+        "--cluster needs Ray, which is not installed; run `pip install 'geotlm-lm[ray]'`."
+    )
