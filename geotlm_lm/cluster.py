@@ -160,7 +160,8 @@ def _connected(address: str, workers: int | None) -> Iterator[None]:
         except (OSError, RuntimeError, ValueError, ray.exceptions.RayError) as error:
             raise UsageError(
                 f"--cluster {address}: cannot be used ({first_line(error)}), expected local, auto, "
-                f"or the address of a Ray cluster's head; give one."
+                f"or the address of a Ray cluster's head; give one, and set RAY_AUTH_MODE=token "
+                f"where `ray start` began it."
             ) from error
     try:
         _keep_quiet()
