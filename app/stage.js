@@ -188,8 +188,10 @@ function drawLayers(context, size) {
     const middle = [0, 1].map((axis) => (corners[0][axis] + corners[1][axis]) / 2);
     const turn = panels[0].curves[0].mean[k];
     drawWay(context, size, { middle, travel: data.timeline.way[k], turn });
-    const far = panels[1].curves.map((one) => one.mean[k].toFixed(1));
-    lines.push({ text: `since the start: ${turn.toFixed(0)}°, ${far[0]} ${panels[1].unit} right, ${far[1]} down` });
+    // No "-0.0" of what rounds to nothing.
+    const rounded = (value, digits) => (Number(value.toFixed(digits)) + 0).toFixed(digits);
+    const far = panels[1].curves.map((one) => rounded(one.mean[k], 1));
+    lines.push({ text: `since the start: ${rounded(turn, 0)}°, ${far[0]} ${panels[1].unit} right, ${far[1]} down` });
   }
   drawLegend(context, size, lines);
 }
