@@ -95,10 +95,10 @@ class Grammar:
             self.words |= plain.pop("words", {})
             self.words |= plain
             self.words |= {part["name"]: part for part in one.get("quantity", ())}
-        own = own_words(folder.parent)
+        own = own_words()
         self.words |= own
         self.families = [_family(one) for file in told for one in file.get("family", ())]
-        self.families += own_families(folder.parent)
+        self.families += own_families()
         self.clauses = [_clause(one) for file in told for one in file.get("clause", ())]
         self.clauses += own_clauses(own)
         self._check()

@@ -10,38 +10,33 @@ import re
 import tomllib
 from collections.abc import Iterator
 from itertools import product
-from pathlib import Path
 from typing import Any
 
+from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.data.question_contents import OPTION_STYLES
+from geotlm_lm.data.templates import FORMS, Wording, load_templates
 from geotlm_lm.query.clauses import Clause, Family
 from geotlm_lm.query.types import ASKS
 
 ATOM_OF = {"clockwise": "cw", "counterclockwise": "ccw", "press": "in", "release": "out"}
 """Words of a query for motions that it calls otherwise."""
 
-FORMS = ("doing", "naming", "short")
-OPTION_STYLES = ("{}) {}", "({}) {}", "{}. {}", "{}: {}")
 SEPARATORS = (", ", " ", "; ")
 _SLOT = re.compile(r"\{(\w+)\}")
 _CHOICE = re.compile(r"\[([^\[\]]*\|[^\[\]]*)\]")
 _MARKS = ".?! "
 
 
-def own_words(folder: Path) -> dict[str, Any]:
-    """Return the word lists that own wordings are filled from, named "own-...".
-
-    Args:
-        folder: Where the question types and slots.toml lie.
-    """
-    told = tomllib.loads((folder / "slots.toml").read_text(encoding="utf-8"))
+def own_words() -> dict[str, Any]:
+    """Return the word lists that own wordings are filled from, named "own-..."."""
+    templates = load_templates()
     found: dict[str, Any] = {
-        f"own-{name}": [_renamed(word) for word in entry["words"]]
-        for name, entry in told["slots"].items()
+        f"own-{name}": [_renamed(word) for word in words] for name, words in templates.words.items()
     }
     for form in FORMS:
         found[f"own-{form}"] = {
-            ATOM_OF.get(motion, motion): [_renamed(text) for text in forms[form]]
-            for motion, forms in told["motions"].items()
+            ATOM_OF.get(motion.value, motion.value): [_renamed(text) for text in forms[form]]
+            for motion, forms in templates.phrases.items()
         }
     rest = ("still", "none")
     found["own-directed"] = {key: x for key, x in found["own-doing"].items() if key not in rest}
@@ -59,33 +54,29 @@ def own_clauses(words: dict[str, Any]) -> list[Clause]:
     return [Clause("noise/own-openers-and-closers", "noise", "", said)]
 
 
-def own_families(folder: Path) -> list[Family]:
-    """Return a family of every wording, and of every form that it offers a motion in.
-
-    Args:
-        folder: As `own_words` has it.
-    """
-    meant = tomllib.loads((folder / "query" / "own.toml").read_text(encoding="utf-8"))
+def own_families() -> list[Family]:
+    """Return a family of every wording, and of every form that it offers a motion in."""
+    path = resource_dir("data_templates") / "query" / "own.toml"
+    meant = tomllib.loads(path.read_text(encoding="utf-8"))
     found = []
-    for path in sorted(folder.glob("t[0-9]*.toml")):
-        told = tomllib.loads(path.read_text(encoding="utf-8"))
-        meanings = meant.get(told["id"], {})
-        for wording in told["wordings"]:
-            query = meanings.get("of", {}).get(wording["id"], meanings.get("query", ""))
+    for kind in load_templates().types.values():
+        meanings = meant.get(kind.id, {})
+        for wording in kind.wordings:
+            query = meanings.get("of", {}).get(wording.id, meanings.get("query", ""))
             if query:
-                found += _families(told["id"], wording, query)
+                found += _families(kind.id, wording, query)
     for one in meant["also"]:
         texts = tuple(one["texts"].strip().splitlines())
         found.append(Family(f"{one['id']}.train", one["query"], texts))
     return found
 
 
-def _families(type_id: str, wording: dict[str, Any], query: str) -> Iterator[Family]:
-    split = "blind" if wording.get("held_out") else "train"
+def _families(type_id: str, wording: Wording, query: str) -> Iterator[Family]:
+    split = "blind" if wording.is_held_out else "train"
     kind = next(word for word in query.split() if word in ASKS)
-    name = f"{kind}/own-{type_id}-{wording['id']}"
-    text = wording["text"].rstrip(_MARKS)
-    end = wording["text"][len(text) :].strip() or ""
+    name = f"{kind}/own-{type_id}-{wording.id}"
+    text = wording.text.rstrip(_MARKS)
+    end = wording.text[len(text) :].strip()
     if "{options}" in query:
         for count in (2, 3, 4):
             texts, options = _with_options(text, count)
@@ -106,7 +97,10 @@ def _with_options(text: str, count: int) -> tuple[tuple[str, ...], str]:
     phrases = [f"{{own-short{place or ''}}}" for place in (0, *range(2, count + 1))]
     labelled = list(zip("ABCD", phrases, strict=False))
     lists = [
-        separator.join(style.format(letter, phrase) for letter, phrase in labelled)
+        separator.join(
+            style.replace("{letter}", letter).replace("{text}", phrase)
+            for letter, phrase in labelled
+        )
         for style, separator in product(OPTION_STYLES, SEPARATORS)
     ]
     texts = tuple(_renamed(text.replace("{options}", "\0")).replace("\0", one) for one in lists)

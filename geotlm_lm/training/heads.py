@@ -6,7 +6,6 @@ pretrained towards a displacement that its shear could start from.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,8 +13,6 @@ import torch
 
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.checkpoint import Bundle, Calibration, embedded_reader, reading_of
-from geotlm_lm.core.atomic import write_text_atomically
-from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.model import GeoTLM
@@ -33,7 +30,7 @@ from geotlm_lm.training.geometry import (
 )
 from geotlm_lm.training.motion import train_motion, widen_spans
 from geotlm_lm.training.motion_loss import counts_motion
-from geotlm_lm.training.run_folder import RUN_FILE, VALIDATION_EVERY
+from geotlm_lm.training.run_folder import VALIDATION_EVERY, claim_folder
 from geotlm_lm.training.scoring import ClipSet
 from geotlm_lm.training.train import calibrated, train_speaker
 
@@ -92,13 +89,12 @@ def _claim(out: Path, encoder: ReleasedEncoder, settings: HeadsPreset, seed: int
     about = encoder.describe() | {"preset": settings.to_dict(), "seed": seed}
     about |= {"series": SERIES_VERSION, "varied": VARIED, "worn": DAMAGED_SHARE}
     about |= {"examples": EXAMPLES_VERSION}
-    path = out / RUN_FILE
-    if path.exists() and json.loads(path.read_text()) != about:
-        raise UsageError(
-            f"{out} holds a run of another encoder, preset, seed or version of this program; give "
-            f"an empty folder by --run-folder, or continue the run as it began."
-        )
-    write_text_atomically(path, json.dumps(about, indent=1) + "\n")
+    claim_folder(
+        out,
+        about,
+        run="another encoder, preset, seed or version of this program",
+        advice="give an empty folder by --run-folder",
+    )
     return about
 
 

@@ -46,16 +46,25 @@ def about_examples(settings: TrainingPreset, seed: int) -> dict[str, Any]:
     return about | {"varied": VARIED, "pretraining": PRETRAINING_VERSION}
 
 
-def claim_folder(out: Path, about: dict[str, Any]) -> None:
+def claim_folder(
+    out: Path,
+    about: dict[str, Any],
+    *,
+    run: str = "another preset, seed or version of this program",
+    advice: str = "give an empty folder",
+) -> None:
     """Mark `out` as the folder of the run that `about` describes.
+
+    Args:
+        out: The folder.
+        about: What decides the run.
+        run: What another one is of.
+        advice: What is said to do then, beside going on as it began.
 
     Raises:
         UsageError: If it holds another run.
     """
     path = out / RUN_FILE
     if path.exists() and json.loads(path.read_text()) != about:
-        raise UsageError(
-            f"{out} holds a run of another preset, seed or version of this program; give an empty "
-            f"folder, or continue the run as it began."
-        )
+        raise UsageError(f"{out} holds a run of {run}; {advice}, or continue the run as it began.")
     write_text_atomically(path, json.dumps(about, indent=1) + "\n")
