@@ -45,6 +45,8 @@ class Answer:
         query: How the question was understood, in the words of `query.text`.
         understood: Probability that it was, in [0, 1].
         resumed: The query itself, for what is asked next.
+        point_of_view: In words, as the sentence or one before it named it; None where it names no
+            way.
     """
 
     text: str
@@ -65,6 +67,7 @@ class Answer:
     query: str = ""
     understood: float = 1.0
     resumed: Query = field(default_factory=Query)
+    point_of_view: str | None = None
 
     @property
     def edit(self) -> Edit:

@@ -24,6 +24,7 @@ from geotlm_lm.query.decision import Decision, Evidence
 from geotlm_lm.query.execute import execute
 from geotlm_lm.query.facts import with_facts
 from geotlm_lm.query.forms import decided, in_form
+from geotlm_lm.query.phrases import last_named, naming_once
 from geotlm_lm.query.replies import replies
 
 _OF_FILE = ("setup", "recording", "help", "talk")
@@ -56,6 +57,7 @@ def answer(
     understood: Understood,
     frame: FrameSpec,
     other: Encoded | None = None,
+    named: str | None = None,
 ) -> Answer:
     """Answer a question about a clip.
 
@@ -65,6 +67,7 @@ def answer(
         understood: What is asked.
         frame: What held before.
         other: The clip before it, for parts that ask of that one.
+        named: The point of view that was named last, in words.
     """
     started = time.perf_counter()
     query = understood.query
@@ -74,7 +77,7 @@ def answer(
     if not query.parts:
         return _noted(encoded, understood, frame, started)
     clips = (encoded,) if other is None else (other, encoded)
-    return _told(bundle, understood, _decided(query, frame, clips), started)
+    return _told(bundle, understood, _decided(query, frame, clips, named), started)
 
 
 def says(query: t.Query, frame: FrameSpec, *clips: Encoded) -> tuple[str, FrameSpec]:
@@ -107,8 +110,10 @@ class _Decided:
         return next((one for one in reasons if one is not None), None)
 
 
-def _decided(query: t.Query, frame: FrameSpec, clips: tuple[Encoded, ...]) -> tuple[_Decided, ...]:
-    found = []
+def _decided(
+    query: t.Query, frame: FrameSpec, clips: tuple[Encoded, ...], named: str | None = None
+) -> tuple[_Decided, ...]:
+    decisions, told_of = [], []
     for part in query.parts:
         about = clips
         if not _is_of_two(part):
@@ -116,8 +121,9 @@ def _decided(query: t.Query, frame: FrameSpec, clips: tuple[Encoded, ...]) -> tu
             about = clips[:1] if is_first else clips[-1:]
             part = replace(part, subject=replace(part.subject, clip=None))
         alone = replace(query, parts=(part,))
-        found.append(_Decided(*execute(alone, evidence_of(*about), frame), about))
-    return tuple(found)
+        decisions += execute(alone, evidence_of(*about), frame)
+        told_of.append(about)
+    return tuple(map(_Decided, naming_once(decisions, named), told_of))
 
 
 def compare(
@@ -189,7 +195,8 @@ def _told(
     sure = understood.probability * min(one.probability for one in found)
     withheld = next((why for one in told if (why := one.withheld(bundle)) is not None), None)
     told_by, text = "rule", None
-    if len(found) == 1 and query.form == "sentence" and withheld is None:
+    is_plain = query.form == "sentence" and not first.is_frame_known
+    if len(found) == 1 and is_plain and withheld is None:
         text = own_words(bundle, encoded, first)
         told_by = "rule" if text is None else "model"
     text = text or in_form(found, query.form, evidence.recording, sure=sure)
@@ -215,6 +222,7 @@ def _told(
         amount=first.amounts[0] if first.amounts else moves[0].amount if moves else None,
         motion=MeasuredMotion.of(encoded.belief, evidence.recording, first.frame),
         told_by=told_by,
+        point_of_view=None if withheld is not None else last_named(found),
     )
 
 

@@ -36,6 +36,7 @@ class Turn:
         encoded: The clip that questions were about; None where it has grown and others were asked
             since, of which each would keep its own frames.
         before: What was asked before it.
+        named: The point of view that had been named by then.
         place: Of the clip in the conversation, from 0.
     """
 
@@ -44,6 +45,7 @@ class Turn:
     frame: FrameSpec
     encoded: Encoded | None
     before: Query
+    named: str | None
     place: int
 
 
@@ -79,6 +81,7 @@ class Session:
         self.frame = frame
         self.history: list[Turn] = []
         self._before = Query()
+        self._named: str | None = None
 
     @property
     def encoded(self) -> Encoded:
@@ -107,6 +110,7 @@ class Session:
         if encoded.clip.frames.shape[1:3] != self.encoded.clip.frames.shape[1:3]:
             self.frame = replace(self.frame, mm_per_px=None)
         self.clips.append(self.answerer.believing(encoded))
+        self._named = None
 
     def grow(self, encoded: Encoded) -> None:
         """Take a clip for the last one with more frames, as of a camera that goes on.
@@ -144,9 +148,12 @@ class Session:
             reply = compare(bundle, (clips[0], clips[1]), found, self.frame)
         else:
             other = clips[0] if len(clips) == 2 else None
-            reply = answer(bundle, self.encoded, found, self.frame, other)
+            reply = answer(bundle, self.encoded, found, self.frame, other, self._named)
         place = len(self.clips) - 1
-        self.history.append(Turn(typed, reply, self.frame, self.encoded, self._before, place))
+        turn = Turn(typed, reply, self.frame, self.encoded, self._before, self._named, place)
+        self.history.append(turn)
+        if isinstance(reply, Answer):
+            self._named = reply.point_of_view or self._named
         if found.ask_back is None:
             columns = self.encoded.clip.frames.shape[2]
             self.frame = frame_after(found.query, self.frame, columns)
@@ -180,7 +187,7 @@ class Session:
         """Forget the last turn, if this was its question, and what it said about the frame."""
         if self.history and self.history[-1].question == check_question(question):
             turn = self.history.pop()
-            self.frame, self._before = turn.frame, turn.before
+            self.frame, self._before, self._named = turn.frame, turn.before, turn.named
 
     def stream(self, question: str) -> Iterator[str | Reply]:
         """Yield the reply's text word by word, and last the reply.

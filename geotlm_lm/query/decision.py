@@ -104,6 +104,7 @@ class Decision:
         reasons: What the answer rests on, a sentence each.
         probability: That it is right, of the least sure thing it says.
         missing: Why it cannot be told; None where it is.
+        is_frame_known: The point of view was named in the sentences before.
         each: Of two clips what answers the same of either.
         recording: The file that it is told of; None where it is the one at hand.
     """
@@ -123,6 +124,7 @@ class Decision:
     reasons: tuple[str, ...] = ()
     probability: float = 1.0
     missing: str | None = None
+    is_frame_known: bool = False
     each: tuple[Decision, ...] = ()
     recording: Recording | None = None
 

@@ -13,6 +13,7 @@ from geotlm_lm.query.decision import ContactArea, Decision
 from geotlm_lm.query.phrases import (
     WORDS,
     amount_phrase,
+    in_frame,
     joined,
     movement_phrase,
     undoing_phrase,
@@ -88,11 +89,11 @@ def _clause(decision: Decision, recording: Recording) -> str:
     if decision.rest is not None:
         rest = _REST[decision.rest]
         return f"{who} does not {denied}: {rest}" if denied else rest
-    where = ""
-    if any(one.way in DIRECTED for one in decision.movements):
-        where = f", {where_phrase(decision)}"
-    if edit.undo:
-        return undoing_phrase(decision.movements, edit) + where
+    is_directed = any(one.way in DIRECTED for one in decision.movements)
+    if edit.undo:  # a command is acted on, and says its frame each time
+        said = undoing_phrase(decision.movements, edit)
+        return said + f", {where_phrase(decision)}" * is_directed
+    where = in_frame(decision) * is_directed
     told = f"{who} {_all_of([_movement(one, recording) for one in decision.movements])}{where}"
     if decision.part.ask.of == "thread" and decision.options:
         told = f"it {t.THREAD_ATOMS[decision.options[0]]}s: {told}"
@@ -184,7 +185,7 @@ def _amount(decision: Decision, recording: Recording) -> str:
     names = joined([one.way.value for one in moves])
     times = [one.times for one in moves if one.times is not None]
     when = f", {times_phrase(*times[0], recording)}" if len(times) == 1 else ""
-    return f"{told}: {names} {where_phrase(decision)}{when}"
+    return f"{told}: {names}{in_frame(decision).removeprefix(',')}{when}"
 
 
 def _spanned(amount: Measure, decision: Decision) -> str:
@@ -248,7 +249,7 @@ def _compare(decision: Decision, recording: Recording) -> str:
     told = "; ".join(f"{who} {one}" for who, one in zip(SECOND_CLIP, parts, strict=True))
     ways = [move.way for one in decision.each for move in one.movements]
     is_directed = not decision.amounts and any(way in DIRECTED for way in ways)
-    return f"{word}{told}" + f", {where_phrase(decision)}" * is_directed
+    return f"{word}{told}" + in_frame(decision) * is_directed
 
 
 def _of_one(decision: Decision) -> str:
@@ -263,7 +264,7 @@ def _of_one(decision: Decision) -> str:
 def _which(decision: Decision, _: Recording) -> str:
     chosen = " and ".join(SECOND_CLIP[at] for at in decision.options) or "neither"
     parts = [f"{who} {_of_one(one)}" for who, one in zip(SECOND_CLIP, decision.each, strict=True)]
-    return f"{chosen}: {'; '.join(parts)}, {where_phrase(decision)}"
+    return f"{chosen}: {'; '.join(parts)}{in_frame(decision)}"
 
 
 def _recording(decision: Decision, recording: Recording) -> str:

@@ -9,7 +9,7 @@ from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import Decision
 from geotlm_lm.query.happenings import Happening, as_contact
-from geotlm_lm.query.phrases import amount_phrase, where_phrase
+from geotlm_lm.query.phrases import amount_phrase, in_frame
 from geotlm_lm.track.events import TOGETHER_S, EventKind
 
 MOST_TOLD = 6
@@ -115,7 +115,7 @@ def story(decision: Decision, found: Sequence[Happening], recording: Recording) 
             is_meanwhile = one.begin_s < before.end_s - TOGETHER_S
             text += f"{'; meanwhile' if is_meanwhile else ', then'} {clause}"
     is_directed = any(one.way in DIRECTED and one.kind is not EventKind.TOUCH for one in told)
-    return f"{text}, {where_phrase(decision)}" if is_directed else text
+    return text + in_frame(decision) * is_directed
 
 
 def _together(before: Happening, one: Happening) -> bool:

@@ -37,6 +37,24 @@ def test_talk_and_reasons_between_do_not_make_it_forget(session):
     assert session.ask("again rad").amount.unit == "rad"
 
 
+def test_a_point_of_view_is_named_when_it_is_new(session):
+    def named(text):
+        return " image" in session.ask(text).text
+
+    assert named("Which way is it turning?")
+    assert not named("way turn")
+    assert not named("claim cw")
+    assert named("mirror > way turn")
+    assert not named("mirror > amount turn")
+    session.take_back("mirror > amount turn")
+    session.take_back("mirror > way turn")
+    assert not named("way turn")
+    assert session.ask("way turn ; amount turn").text.count(" image") == 0
+    session.add_clip(session.encoded)
+    assert session.ask("way turn ; amount turn").text.count(" image") == 1
+    assert named("undo > way turn")
+
+
 def test_what_was_stated_holds_until_it_is_taken_back(session):
     session.ask("The image is mirrored.")
     assert session.ask("way turn").direction is Motion.COUNTERCLOCKWISE
