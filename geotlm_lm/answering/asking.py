@@ -157,23 +157,28 @@ def _compared(
     recording = recording_of(found[0].clips[0]).at_rate(decisions[0].frame.rate_hz)
     withheld = next((why for one in found if (why := one.withheld(bundle)) is not None), None)
     if withheld is not None:
-        return _withheld(withheld, form), 0.0, None
+        return _withheld(withheld, understood), 0.0, None
     sure = understood.probability * min(one.probability for one in decisions)
-    text = in_form(decisions, form, recording, sure=sure)
+    text = in_form(decisions, form, recording, sure=sure, keys=understood.keys)
     if any(one.missing is not None for one in decisions):
         return text, 0.0, None
     if sure < LEAST_SURE:
-        return _guess(text, form, sure), 0.0, None
+        return _guess(text, understood, sure), 0.0, None
     return text, sure, decided(decisions[0], recording)
 
 
-def _withheld(why: str, form: str) -> str:
-    return json.dumps({"missing": why, "probability": 0.0}) if form == "json" else why
+def _withheld(why: str, understood: Understood) -> str:
+    if understood.keys:
+        return json.dumps(dict.fromkeys(understood.keys))
+    is_json = understood.query.form == "json"
+    return json.dumps({"missing": why, "probability": 0.0}) if is_json else why
 
 
-def _guess(text: str, form: str, sure: float) -> str:
-    """Return words as a guess; JSON holds its own probability."""
-    return text if form == "json" else tentative(text, sure)
+def _guess(text: str, understood: Understood, sure: float) -> str:
+    """Return words as a guess; JSON holds its own probability, or no values under given keys."""
+    if understood.keys:
+        return json.dumps(dict.fromkeys(understood.keys))
+    return text if understood.query.form == "json" else tentative(text, sure)
 
 
 def _relation(each: Sequence[Answer]) -> str:
@@ -199,14 +204,16 @@ def _told(
     if len(found) == 1 and is_plain and withheld is None:
         text = own_words(bundle, encoded, first)
         told_by = "rule" if text is None else "model"
-    text = text or in_form(found, query.form, evidence.recording, sure=sure)
+    if text is None:
+        keys = understood.keys
+        text = in_form(found, query.form, evidence.recording, sure=sure, keys=keys)
     is_silent = all(one.missing is not None or one.part.ask.kind in _UNSURE for one in found)
     kind = first.part.ask.kind
     is_guess = not is_silent and _is_guess(found)
     if withheld is not None:
-        text, told_by = _withheld(withheld, query.form), "rule"
+        text, told_by = _withheld(withheld, understood), "rule"
     elif is_guess:
-        text, told_by = _guess(text, query.form, min(map(_motion_chance, found))), "rule"
+        text, told_by = _guess(text, understood, min(map(_motion_chance, found))), "rule"
     is_abstained = withheld is not None or is_silent or is_guess
     plain = _plain(encoded, understood, first.frame, text, started)
     moves = first.movements

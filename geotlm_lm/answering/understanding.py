@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from geotlm_lm.query import types as t
 from geotlm_lm.query.follow_up import resumed
+from geotlm_lm.query.key_names import key_names
 from geotlm_lm.query.reader import Reader, Reading
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.say_back import say_back
@@ -45,6 +46,7 @@ class Understood:
         query: With its numbers, and with what "again" stands for.
         line: Its words.
         probability: That this is what was meant.
+        keys: Names that the question gives to the values of its answer.
         ask_back: What is said where that is too unsure, or a fact was not understood.
         milliseconds: That reading took.
     """
@@ -52,6 +54,7 @@ class Understood:
     query: t.Query
     line: str
     probability: float
+    keys: tuple[str, ...] = ()
     ask_back: str | None = None
     milliseconds: float = 0.0
 
@@ -87,6 +90,8 @@ def understand(
         found = replace(found, ask_back=ask_back)
     elif unclear:
         found = replace(found, ask_back=replies()["unclear"][unclear[0]])
+    if found.query.form == "json":
+        found = replace(found, keys=key_names(question, len(found.query.parts)))
     return replace(found, milliseconds=1e3 * (time.perf_counter() - started))
 
 

@@ -12,7 +12,7 @@ from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import Decision
 from geotlm_lm.query.happenings import Happening
-from geotlm_lm.query.phrases import frame_phrase
+from geotlm_lm.query.phrases import frame_phrase, joined
 from geotlm_lm.query.tell import SEPARATE, option_words, tell
 from geotlm_lm.query.tell_track import frames, moment
 
@@ -57,7 +57,12 @@ def _motion(decision: Decision) -> str | None:
 
 
 def in_form(
-    decisions: Sequence[Decision], form: str, recording: Recording, *, sure: float = 1.0
+    decisions: Sequence[Decision],
+    form: str,
+    recording: Recording,
+    *,
+    sure: float = 1.0,
+    keys: Sequence[str] = (),
 ) -> str:
     """Return decisions in a form of `types.FORMS`; what has no such form is told in full.
 
@@ -66,7 +71,11 @@ def in_form(
         form: Wanted.
         recording: The file.
         sure: Probability of the whole answer, for JSON.
+        keys: Of JSON that holds just these, a decision each.
     """
+    if form == "json" and keys:
+        values = (_value(one, recording) for one in decisions)
+        return json.dumps(dict(zip(keys, values, strict=True)))
     if form == "json":
         return json.dumps(as_json(decisions, recording, sure))
     told = [_short(one, form, recording) or tell(one, recording) for one in decisions]
@@ -95,6 +104,21 @@ def _count(decision: Decision, recording: Recording) -> str | None:
         return None
     is_time = recording.rate_hz is None and decision.part.ask.kind != "how-often"
     return f"{frames(decision.times[0], recording) if is_time else decision.times[0]:g}"
+
+
+def _value(decision: Decision, recording: Recording) -> bool | float | str | None:
+    """Return what a decision comes to; an amount whose unit nobody named holds it."""
+    ask = decision.part.ask
+    if decision.verdict is not None:
+        return decision.verdict
+    if ask.kind == "how-sure":
+        return round(decision.probability, 3)
+    is_number = ask.kind == "how-often" or (ask.kind == "amount" and ask.unit is not None)
+    if is_number and (number := _short(decision, "number", recording)) is not None:
+        return float(number)
+    if ask.kind in ("way", "kind") and ask.of != "thread" and len(decision.movements) > 1:
+        return joined([one.way.value for one in decision.movements])
+    return decided(decision, recording)
 
 
 def as_json(decisions: Sequence[Decision], recording: Recording, sure: float) -> dict[str, Any]:

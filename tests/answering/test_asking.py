@@ -109,6 +109,25 @@ def test_json_holds_what_was_asked_and_how_sure_it_is(bundle):
     assert told["probability"] == pytest.approx(answer.confidence, abs=0.001)
 
 
+@pytest.mark.parametrize(
+    ("given", "names"),
+    [
+        ('{"turning": ?, "turn_deg": ?, "sliding": ?}', ["turning", "turn_deg", "sliding"]),
+        ("with keys a, b and c", ["a", "b", "c"]),
+        ("(a: str, b: float, c: bool), valid JSON only", ["a", "b", "c"]),
+        ('with "a", "b" and "c" please', ["a", "b", "c"]),
+    ],
+)
+def test_json_has_the_keys_that_were_given(bundle, monkeypatch, given, names):
+    answerer = feeling(bundle, "clockwise", belief=MIXED)
+    line = "way turn ; amount turn deg ; claim slide ; as json"
+    read = answerer.bundle.reader.readings
+    monkeypatch.setattr(answerer.bundle.reader, "read", lambda text: read(line)[0])
+    told = json.loads(ask(answerer, given).text)
+    assert list(told) == names
+    assert list(told.values()) == ["clockwise", 20.0, True]
+
+
 def test_undoing_names_both_movers(bundle):
     answer = ask(feeling(bundle, "clockwise"), "undo > way turn")
     assert answer.text == (
