@@ -71,7 +71,7 @@ def test_an_unknown_fact_is_refused_with_examples(talk):
 def test_json_holds_the_whole_answer_until_it_is_switched_off(talk):
     out, _ = talk("/json", "Which way?", "/json", "Which way?")
     assert json.loads(out[0])["direction"] == "clockwise"
-    assert out[1:] == [DIRECTION]
+    assert out[1:] == ["It turns clockwise, about 12 degrees."]
 
 
 def test_evidence_is_one_json_object(talk):
@@ -142,7 +142,7 @@ def test_reasons_after_another_clip_are_of_the_clip_before_and_say_so(talk, clip
     doubt, again, *after = out[3 + len(before) :]
     assert doubt.startswith("About ")  # of the clip that is open
     assert "clip before" not in doubt
-    assert again == DIRECTION
+    assert again == "It turns clockwise, about 12 degrees."
     assert "Of the clip before:" not in after
 
 
