@@ -31,6 +31,7 @@ from geotlm_lm.query.grammar import Pair, grammar
 from geotlm_lm.query.labelled import Labelled
 from geotlm_lm.query.reader import MOST_WORDS, SIZE, QuestionDecoder, Reader
 from geotlm_lm.query.spelling import Spelling, plain_parts
+from geotlm_lm.query.thesaurus import thesaurus
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.language import parameter_groups
 from geotlm_lm.training.ranks import ALONE, Ranks
@@ -178,7 +179,9 @@ def _draws(config: ReadingTraining, corpus: Sequence[Pair], step: int) -> Iterat
         drawn = list(islice(grammar().pairs(seed, "train"), config.batch - shown))
         labelled = rng.choices(list(corpus), k=shown) if shown else []
         labelled[::2] = [grammar().surrounded(rng, pair) for pair in labelled[::2]]
-        yield drawn + labelled
+        pairs = drawn + labelled
+        pairs[::2] = [thesaurus().varied(rng, pair) for pair in pairs[::2]]
+        yield pairs
         step += 1
 
 
