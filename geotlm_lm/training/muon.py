@@ -29,6 +29,12 @@ def orthogonal(matrix: Tensor) -> Tensor:
     return x.T if is_tall else x
 
 
+def orthogonal_groups(groups: list[dict]) -> list[dict]:
+    """Return `language.parameter_groups`, the matrices marked for Muon's steps."""
+    matrices, others = groups
+    return [{**matrices, "is_orthogonal": True}, others]
+
+
 class Muon(torch.optim.AdamW):
     """AdamW but for the groups marked `is_orthogonal`, whose matrices take Muon's steps.
 
@@ -56,6 +62,7 @@ class Muon(torch.optim.AdamW):
 
     def _turn(self, weight: Tensor, group: dict) -> None:
         state = self.state[weight]
+        state.setdefault("step", torch.tensor(0.0))  # AdamW looks for it when a state is loaded
         momentum = state.setdefault("momentum", torch.zeros_like(weight))
         momentum.lerp_(weight.grad, 1 - MOMENTUM)
         step = orthogonal(weight.grad.lerp(momentum, MOMENTUM))

@@ -34,6 +34,7 @@ from geotlm_lm.query.spelling import Spelling, plain_parts
 from geotlm_lm.query.thesaurus import thesaurus
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.language import parameter_groups
+from geotlm_lm.training.muon import Muon, orthogonal_groups
 from geotlm_lm.training.ranks import ALONE, Ranks
 
 NAME = "reading_checkpoint.pt"
@@ -102,7 +103,7 @@ def train_reader(
         model = QuestionDecoder(config.size, spelling.size).train()
     initialise(model, config.size.layers, _generator(config.seed, "weights"))
     model.to(ranks.device)
-    optimiser = torch.optim.AdamW(parameter_groups(model), betas=(0.9, 0.98))
+    optimiser = Muon(orthogonal_groups(parameter_groups(model)), betas=(0.9, 0.98))
     step = _restored(folder / NAME, config, model, optimiser)
     draws = _draws(config, corpus, step)
     saved_at = time.monotonic()
