@@ -40,6 +40,10 @@ class Thesaurus:
                     others += [one for one in forms if one != form and one not in others]
         self._longest = max(map(len, self._others), default=0)
 
+    def others(self, phrase: str) -> list[str]:
+        """Return what may stand for a word or a phrase."""
+        return self._others.get(tuple(phrase.lower().split(" ")), [])
+
     def varied(self, rng: random.Random, pair: Pair, share: float = SHARE) -> Pair:
         """Return a pair with some of its words exchanged, its numbers what they were."""
         text, at = "", 0
@@ -68,8 +72,7 @@ class Thesaurus:
         while place < len(words):
             for count in range(min(self._longest, len(words) - place), 0, -1):
                 start, end = words[place].start(), words[place + count - 1].end()
-                others = self._others.get(tuple(text[start:end].lower().split(" ")))
-                if others:
+                if others := self.others(text[start:end]):
                     yield start, end, others
                     place += count - 1
                     break
