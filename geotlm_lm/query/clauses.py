@@ -8,11 +8,18 @@ from dataclasses import dataclass, field
 
 from geotlm_lm.query.edit import EDIT_WORDS
 
-SHARES = {"edit": 0.3, "fact": 0.16, "subject": 0.08, "form": 0.07, "manner": 0.18, "noise": 0.1}
+SHARES = {"edit": 0.3, "fact": 0.2, "subject": 0.08, "form": 0.07, "manner": 0.18, "noise": 0.1}
 """How often a clause of a kind stands around a question that takes it."""
 
-TWICE = 0.2
-"""How often a second edit or fact follows the first, and a second question a bare one."""
+TWICE = 0.25
+"""How often a second edit or fact follows the first, and a second question the first, and a third
+the second."""
+
+_BETWEEN = (
+    *(("", "", ""), ("", "And ", "And "), ("", "Also, ", "Finally, "), ("", "Then ", "Then ")),
+    *(("1) ", "2) ", "3) "), ("1. ", "2. ", "3. "), ("(a) ", "(b) ", "(c) "), ("- ", "- ", "- ")),
+)
+"""What stands before each of several questions; from the fifth on of those with nothing around."""
 
 
 @dataclass(frozen=True)
@@ -154,6 +161,13 @@ def may_join(family: Family, other: Family) -> bool:
         and family.query != other.query
         and not any(query.startswith(apart) for query in queries)
     )
+
+
+def listed(rng: random.Random, questions: list[str], *, is_bare: bool) -> str:
+    """Return questions one after another, as a list only if nothing stands around them."""
+    marks = rng.choice(_BETWEEN if is_bare else _BETWEEN[:4])
+    step = rng.choice((" ", " ", "\n"))
+    return step.join(f"{mark}{said}" for mark, said in zip(marks, questions, strict=False))
 
 
 _UNSEEN = ("why", "how-sure", "how-sure of-amount", "alternatives", "place", "amount touch percent")

@@ -67,8 +67,10 @@ def _fields(frame: FrameSpec, fact: Any, columns: int) -> dict[str, Any]:
 
 
 def _rate_hz(said: Quantity) -> float | None:
-    """Return frames per second; None where the quantity is no rate of frames."""
+    """Return frames per second, of a bare number too; None where the quantity is no rate."""
     unit, _, per = said.unit.partition("/")
+    if not said.unit:
+        return said.value
     second = FACTORS["time"].get(per)
     return said.value / second if unit == "frame" and second else None
 
@@ -76,9 +78,10 @@ def _rate_hz(said: Quantity) -> float | None:
 def mm_per_px(size: Quantity, pixels: int = 1) -> float | None:
     """Return the size of a pixel, mm, where so many measure "60 um", or of "20 px/mm".
 
-    None where the quantity is no length.
+    A bare number is in mm; None where the quantity is no length.
     """
     unit, _, per = size.unit.partition("/")
+    unit = unit or "mm"
     if unit == "px" and per in FACTORS["length"]:
         return FACTORS["length"][per] / size.value if size.value else None
     factor = FACTORS["length"].get(unit)

@@ -26,6 +26,7 @@ from geotlm_lm.query.clauses import (
     Clause,
     Family,
     chosen_clauses,
+    listed,
     may_join,
     topic_of,
 )
@@ -45,6 +46,8 @@ SPLITS = ("train", "validation", "test")
 
 _SEEN = ("way", "claim", "choice", "amount", "kind")
 """Asks that a point of view may be put around."""
+_OF_ALL = ("fact", "manner", "noise")
+"""Kinds of clauses that hold for whatever questions follow."""
 _COMPLETE = ("fact", "talk", "help", "again", "not-understood", "compare", "which-clip")
 """Asks that nothing is put around."""
 LEAST_FAMILIES = 25
@@ -127,10 +130,10 @@ class Grammar:
         names = sorted(kinds)
         shares = [math.sqrt(max(len(kinds[kind]), LEAST_FAMILIES)) for kind in names]
         while True:
-            kind, second = rng.choices(names, shares, k=2)
-            family = rng.choice(kinds[kind]) if kinds[kind] else None
-            other = rng.choice(kinds[second] or [None])
-            pair = self._pair(rng, family, other, clauses)
+            family, *others = (
+                rng.choice(kinds[kind] or [None]) for kind in rng.choices(names, shares, k=3)
+            )
+            pair = self._pair(rng, family, others, clauses)
             if pair is not None:
                 yield pair
 
@@ -148,10 +151,14 @@ class Grammar:
             pair.families[0], pair.query, (plain,), end, kind in _SEEN, kind in _COMPLETE
         )
         clauses = [one for one in self.clauses if split_of(one.id) == "train"]
-        return self._pair(rng, family, None, clauses) or pair
+        return self._pair(rng, family, [], clauses) or pair
 
     def _pair(
-        self, rng: random.Random, family: Family | None, other: Family | None, clauses: list[Clause]
+        self,
+        rng: random.Random,
+        family: Family | None,
+        others: list[Family | None],
+        clauses: list[Clause],
     ) -> Pair | None:
         around = Around()
         draft, used = _Draft(), []
@@ -172,11 +179,17 @@ class Grammar:
             around.add(rng, clause.kind, place, said, self._meant(clause.query, draft))
             used.append(clause.id)
         text, query = around.joined(rng)
-        if family and other and not chosen and rng.random() < TWICE and may_join(family, other):
-            second = _Draft(numbers=draft.numbers)
-            said = self._filled(rng, rng.choice(other.texts), second)
-            text = f"{text} {rng.choice(('', '', 'And ', 'Also, '))}{said}{other.end}"
-            query, used = f"{query} ; {self._meant(other.query, second)}", [*used, other.id]
+        if family and all(one.kind in _OF_ALL for one in chosen):
+            questions, numbers = [text], draft.numbers
+            for other in others:
+                if other is None or not may_join(family, other) or rng.random() >= TWICE:
+                    break
+                next_ = _Draft(numbers=numbers)
+                said = self._filled(rng, rng.choice(other.texts), next_)
+                questions, numbers = [*questions, f"{said}{other.end}"], next_.numbers
+                query, used = f"{query} ; {self._meant(other.query, next_)}", [*used, other.id]
+            if len(questions) > 1:
+                text = listed(rng, questions, is_bare=not chosen)
         return _numbered(roughened(rng, text), query, tuple(used))
 
     def _filled(self, rng: random.Random, text: str, draft: _Draft) -> str:

@@ -31,8 +31,10 @@ from geotlm_lm.query.grammar import Pair, grammar
 from geotlm_lm.query.labelled import Labelled
 from geotlm_lm.query.reader import MOST_WORDS, SIZE, QuestionDecoder, Reader
 from geotlm_lm.query.spelling import Spelling, plain_parts
+from geotlm_lm.query.thesaurus import thesaurus
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.language import parameter_groups
+from geotlm_lm.training.muon import Muon, orthogonal_groups
 from geotlm_lm.training.ranks import ALONE, Ranks
 
 NAME = "reading_checkpoint.pt"
@@ -101,7 +103,7 @@ def train_reader(
         model = QuestionDecoder(config.size, spelling.size).train()
     initialise(model, config.size.layers, _generator(config.seed, "weights"))
     model.to(ranks.device)
-    optimiser = torch.optim.AdamW(parameter_groups(model), betas=(0.9, 0.98))
+    optimiser = Muon(orthogonal_groups(parameter_groups(model)), betas=(0.9, 0.98))
     step = _restored(folder / NAME, config, model, optimiser)
     draws = _draws(config, corpus, step)
     saved_at = time.monotonic()
@@ -178,7 +180,9 @@ def _draws(config: ReadingTraining, corpus: Sequence[Pair], step: int) -> Iterat
         drawn = list(islice(grammar().pairs(seed, "train"), config.batch - shown))
         labelled = rng.choices(list(corpus), k=shown) if shown else []
         labelled[::2] = [grammar().surrounded(rng, pair) for pair in labelled[::2]]
-        yield drawn + labelled
+        pairs = drawn + labelled
+        pairs[::2] = [thesaurus().varied(rng, pair) for pair in pairs[::2]]
+        yield pairs
         step += 1
 
 

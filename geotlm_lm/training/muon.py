@@ -1,0 +1,70 @@
+"""Muon: momentum whose matrices are made orthogonal before each step (Jordan et al. 2024).
+
+torch's own rounds to bfloat16, which processors without it emulate many times slower; this one
+keeps single precision. Vectors and embeddings take AdamW's steps, in the same `step()`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import torch
+from torch import Tensor
+
+COEFFICIENTS = (3.4445, -4.7750, 2.0315)
+"""Of the quintic whose five turns bring every singular value near 1 (Jordan et al. 2024)."""
+TURNS = 5
+MOMENTUM = 0.95
+
+
+def orthogonal(matrix: Tensor) -> Tensor:
+    """Return the nearest matrix (m, n) whose singular values are all about 1 (0.7 to 1.2)."""
+    a, b, c = COEFFICIENTS
+    is_tall = matrix.shape[0] > matrix.shape[1]
+    x = matrix.T if is_tall else matrix
+    x = x / x.norm().clamp(min=1e-7)
+    for _ in range(TURNS):
+        gram = x @ x.T
+        x = torch.addmm(x, torch.addmm(gram, gram, gram, beta=b, alpha=c), x, beta=a)
+    return x.T if is_tall else x
+
+
+def orthogonal_groups(groups: list[dict]) -> list[dict]:
+    """Return `language.parameter_groups`, the matrices marked for Muon's steps."""
+    matrices, others = groups
+    return [{**matrices, "is_orthogonal": True}, others]
+
+
+class Muon(torch.optim.AdamW):
+    """AdamW but for the groups marked `is_orthogonal`, whose matrices take Muon's steps.
+
+    Muon's steps are scaled to the size of AdamW's (Liu et al. 2025, 2.2), so that both go by one
+    learning rate.
+
+    Args:
+        groups: As torch's optimisers have them.
+        betas: Of AdamW.
+    """
+
+    def __init__(self, groups: Iterable[dict], betas: tuple[float, float]) -> None:
+        super().__init__(groups, betas=betas)
+
+    @torch.no_grad()
+    def step(self, closure: None = None) -> None:
+        """Take one step."""
+        orthogonals = [one for one in self.param_groups if one.get("is_orthogonal")]
+        for group in orthogonals:
+            for weight in group["params"]:
+                if weight.grad is not None:
+                    self._turn(weight, group)
+                    weight.grad = None
+        super().step(closure)
+
+    def _turn(self, weight: Tensor, group: dict) -> None:
+        state = self.state[weight]
+        state.setdefault("step", torch.tensor(0.0))  # AdamW looks for it when a state is loaded
+        momentum = state.setdefault("momentum", torch.zeros_like(weight))
+        momentum.lerp_(weight.grad, 1 - MOMENTUM)
+        step = orthogonal(weight.grad.lerp(momentum, MOMENTUM))
+        weight.mul_(1 - group["lr"] * group["weight_decay"])
+        weight.add_(step, alpha=-0.2 * max(weight.shape) ** 0.5 * group["lr"])
