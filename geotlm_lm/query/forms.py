@@ -14,7 +14,8 @@ from geotlm_lm.query.bounds import timings
 from geotlm_lm.query.decision import Decision
 from geotlm_lm.query.happenings import Happening
 from geotlm_lm.query.phrases import frame_phrase, joined
-from geotlm_lm.query.tell import SEPARATE, option_words, tell
+from geotlm_lm.query.say_back import proposition_words
+from geotlm_lm.query.tell import SEPARATE, tell
 from geotlm_lm.query.tell_track import frames, moment
 
 
@@ -34,7 +35,10 @@ def decided(decision: Decision, recording: Recording) -> str | None:
         return f"{t.THREAD_ATOMS[decision.options[0]]}s" if decision.options else _motion(decision)
     if ask.kind == "choice":
         chosen = [ask.options[at] for at in decision.options]
-        return " and ".join(one.label or option_words(one) for one in chosen) or "none"
+        return (
+            " and ".join(one.label or proposition_words(one.proposition) for one in chosen)
+            or "none"
+        )
     if ask.kind in ("when", "how-long") and decision.times:
         return moment(decision.times[0], recording)
     if ask.kind == "how-often":

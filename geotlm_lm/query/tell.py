@@ -168,7 +168,11 @@ def _choice(decision: Decision, recording: Recording) -> str:
     labels = [one.label for one in chosen if one.label]
     told = _judged(decision, recording)
     if decision.part.ask.denied:
-        names = joined([option_words(one) for one in chosen]) if chosen else "none of them"
+        names = (
+            joined([proposition_words(one.proposition) for one in chosen])
+            if chosen
+            else "none of them"
+        )
         return f"not {names}: {told}"
     if not chosen:
         return f"none of these: {told}"
@@ -179,11 +183,6 @@ def _choice(decision: Decision, recording: Recording) -> str:
     if any(one.proposition.literals[0].atom in t.THREAD_ATOMS for one in chosen):
         told = f"it {chosen[0].proposition.literals[0].atom}s: {told}"
     return f"{joined(labels)}: {told}" if labels else told
-
-
-def option_words(option: t.Option) -> str:
-    """Return an option as words: "left and not turning"."""
-    return proposition_words(option.proposition)
 
 
 def _amount(decision: Decision, recording: Recording) -> str:

@@ -38,7 +38,6 @@ _NEVER = {
     "reverses": "it never turns back",
 }
 
-
 _COUNTED = {
     **dict.fromkeys(("touch", "made"), "it is touched"),
     **dict.fromkeys(("none", "lost"), "it is let go"),
