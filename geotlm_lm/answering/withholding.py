@@ -62,7 +62,8 @@ def _lacks_reference(encoded: Encoded, decision: Decision) -> bool:
 
 
 def _denies_contact(decision: Decision) -> bool:
-    is_denied = _atoms(decision) == {"touch"} and decision.verdict is False
+    is_plain = not decision.times  # a touch too short, or too seldom, is seen
+    is_denied = is_plain and _atoms(decision) == {"touch"} and decision.verdict is False
     return decision.rest is Motion.NONE or is_denied
 
 

@@ -15,9 +15,9 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, WAYS
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.amounts import OF_ATOM, Missing, bell
-from geotlm_lm.query.bounds import measured, meets
+from geotlm_lm.query.bounds import is_of_recording, measured, meets
 from geotlm_lm.query.quantities import Quantity
-from geotlm_lm.query.types import COMPONENT_ATOMS, EVENT_ATOMS, WAY_ATOMS, Literal, Proposition
+from geotlm_lm.query.types import COMPONENT_ATOMS, WAY_ATOMS, Literal, Proposition
 
 _COMPONENT = {"turn": "turn", "inward": "press"}
 """Component of what is measured; of all else the slide."""
@@ -32,8 +32,8 @@ Limit = Callable[[str, Quantity], float]
 Thread = Callable[[Motion], bool]
 """Whether a way of turning, as it is told, tightens."""
 
-Happens = Callable[[str], float]
-"""How probable it is that something that only a recording shows happens in it."""
+Happens = Callable[[Literal], tuple[float, bool, bool]]
+"""Of what only a recording shows: a probability, whether it is so that probably, and otherwise."""
 
 
 @dataclass(frozen=True)
@@ -44,13 +44,13 @@ class State:
         ways: Of the components that count.
         touches: Whether something does.
         amounts: Signed amounts that a proposition bounds, by name, in their base unit.
-        events: Whether things that only a recording shows happen.
+        events: Whether what only a recording shows is so, denied or not.
     """
 
     ways: frozenset[Motion]
     touches: bool
     amounts: Mapping[str, float] = field(default_factory=dict)
-    events: Mapping[str, bool] = field(default_factory=dict)
+    events: Mapping[Literal, bool] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -81,14 +81,12 @@ class Judge:
 
     def chances(self, propositions: list[Proposition]) -> list[float]:
         """Return how probable each is, and as a last one that none of them is."""
+        said = [each for one in propositions for each in one.literals]
+        shown = {replace(one, denied=False) for one in said if is_of_recording(one)}
         bounded = {
-            measured(one)
-            for proposition in propositions
-            for one in proposition.literals
-            if one.bound is not None
+            measured(one) for one in said if one.bound is not None and not is_of_recording(one)
         }
-        atoms = {each.atom for one in propositions for each in one.literals}
-        branches = list(self._events(sorted(atoms & set(EVENT_ATOMS))))
+        branches = list(self._events(shown))
         sums = [0.0] * (len(propositions) + 1)
         for (state, share), (events, odds) in product(self._states(sorted(bounded)), branches):
             found = [self._holds(one, replace(state, events=events)) for one in propositions]
@@ -102,6 +100,11 @@ class Judge:
 
     def _is(self, literal: Literal, state: State) -> bool:
         atom, ways = literal.atom, state.ways
+        if is_of_recording(literal):
+            key = replace(literal, denied=False)
+            if key not in state.events and atom == "lost":
+                return self._is_lost(state)
+            return state.events.get(key, state.touches)
         if literal.bound is not None:
             return self._within(literal, state)
         if atom in WAY_ATOMS:
@@ -113,10 +116,6 @@ class Judge:
             tightens = [self.tightens(way) for way in WAYS[COMPONENT_ATOMS["turn"]]]
             wanted = dict(zip(WAYS[COMPONENT_ATOMS["turn"]], tightens, strict=True))
             return any(wanted[way] == (atom == "tighten") for way in turns)
-        if atom in EVENT_ATOMS:
-            if atom not in state.events and atom == "lost":
-                return self._is_lost(state)
-            return state.events.get(atom, state.touches)
         return {
             "move": bool(ways),
             "still": state.touches and not ways,
@@ -144,20 +143,26 @@ class Judge:
             return False
         return meets(literal, amount, partial(self.limit, name))
 
-    def _events(self, atoms: list[str]) -> Iterator[tuple[dict[str, bool], float]]:
-        """Yield which of some things happen, and how probable that is.
+    def _events(self, shown: set[Literal]) -> Iterator[tuple[dict[Literal, bool], float]]:
+        """Yield which of some things are so, and how probable that is.
 
         What is less probable happens only with what is more so: the same events show both.
         """
-        chances = {}
-        for atom in atoms:
+        found = {}
+        for one in shown:
             try:
-                chances[atom] = self.happens(atom)
+                found[one] = self.happens(one)
             except Missing:  # one clip shows as much of contact
-                if atom not in ("made", "lost"):
+                if one.bound is not None or one.atom not in ("made", "lost"):
                     raise
-        for low, high in pairwise(sorted({0.0, 1.0, *chances.values()})):
-            yield {atom: chance > low for atom, chance in chances.items()}, high - low
+        for low, high in pairwise(sorted({0.0, 1.0, *(chance for chance, _, _ in found.values())})):
+            yield (
+                {
+                    one: so if chance > low else otherwise
+                    for one, (chance, so, otherwise) in found.items()
+                },
+                high - low,
+            )
 
     def _states(self, bounded: list[str]) -> Iterator[tuple[State, float]]:
         """Yield every state and its probability; they sum to 1."""

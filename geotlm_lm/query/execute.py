@@ -16,12 +16,13 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, WAYS, Component
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import OF_ATOM, Missing, bell, component_of
+from geotlm_lm.query.bounds import timed_as
 from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Movement
 from geotlm_lm.query.facts import with_facts
 from geotlm_lm.query.happenings import Happening
 from geotlm_lm.query.paths import peak
 from geotlm_lm.query.scene import Scene
-from geotlm_lm.query.track import on_track, part_of
+from geotlm_lm.query.track import part_of
 from geotlm_lm.query.two_clips import decide_on_two
 from geotlm_lm.track.events import TOGETHER_S, EventKind
 
@@ -85,7 +86,7 @@ def _timed(scene: Scene, ask: t.Ask) -> Decision:
     if ask == t.Ask("order") and scene.track is None:  # "what happens?" of a clip
         way = t.Ask("way")
         return replace(_way(scene, way), part=replace(scene.part, ask=way))
-    found = on_track(ask, scene.edit, scene.track, scene.sized, scene.limit)
+    found = scene.timed(ask)
     return scene.decision(
         verdict=found.verdict,
         happenings=found.happenings,
@@ -113,7 +114,7 @@ def _story(scene: Scene) -> tuple[Happening, ...]:
     """Return the events of a recording with motions one after another: its sum alone hides them."""
     if scene.track is None or scene.edit.undo:
         return ()
-    found = on_track(t.Ask("order"), scene.edit, scene.track, scene.sized, scene.limit).happenings
+    found = scene.timed(t.Ask("order")).happenings
     moving = [one for one in found if one.kind in (EventKind.TURN, EventKind.SLIDE)]
     is_over = min((one.end_s for one in moving), default=0.0) - TOGETHER_S
     return found if any(one.begin_s >= is_over for one in moving) else ()
@@ -147,12 +148,12 @@ def _claim(scene: Scene, ask: t.Ask) -> Decision:
     found = scene.telling(_subjects(ask.proposition))
     amounts = []
     for literal in ask.proposition.literals:
-        if literal.bound is not None and literal.atom in t.COMPONENT_ATOMS | t.WAY_ATOMS.keys():
+        is_amount = literal.bound is not None and timed_as(literal) is None
+        if is_amount and literal.atom in t.COMPONENT_ATOMS | t.WAY_ATOMS.keys():
             amounts.append(scene.amount(literal.atom))
     probability = max(chance, 1 - chance)
-    return scene.decision(
-        **found | {"verdict": verdict, "amounts": tuple(amounts), "probability": probability}
-    )
+    found |= {"verdict": verdict, "amounts": tuple(amounts), "probability": probability}
+    return scene.decision(**scene.with_counts(found, ask))
 
 
 def _subjects(proposition: t.Proposition) -> tuple[Component, ...]:
@@ -190,9 +191,8 @@ def _choice(scene: Scene, ask: t.Ask) -> Decision:
         out = tuple(at for at in order if chances[at] >= 0.5) or tuple(order[:1])
         out = () if chances[out[0]] < 0.5 and none >= 0.5 else out
         probability = min((chances[at] for at in out), default=none)
-    return scene.decision(
-        **found | {"options": out, "chances": chances, "probability": probability}
-    )
+    found |= {"options": out, "chances": chances, "probability": probability}
+    return scene.decision(**scene.with_counts(found, ask))
 
 
 def _amount(scene: Scene, ask: t.Ask) -> Decision:

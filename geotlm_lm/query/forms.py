@@ -10,10 +10,12 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Recording
+from geotlm_lm.query.bounds import timings
 from geotlm_lm.query.decision import Decision
 from geotlm_lm.query.happenings import Happening
 from geotlm_lm.query.phrases import frame_phrase, joined
-from geotlm_lm.query.tell import SEPARATE, option_words, tell
+from geotlm_lm.query.say_back import proposition_words
+from geotlm_lm.query.tell import SEPARATE, tell
 from geotlm_lm.query.tell_track import frames, moment
 
 
@@ -33,7 +35,10 @@ def decided(decision: Decision, recording: Recording) -> str | None:
         return f"{t.THREAD_ATOMS[decision.options[0]]}s" if decision.options else _motion(decision)
     if ask.kind == "choice":
         chosen = [ask.options[at] for at in decision.options]
-        return " and ".join(one.label or option_words(one) for one in chosen) or "none"
+        return (
+            " and ".join(one.label or proposition_words(one.proposition) for one in chosen)
+            or "none"
+        )
     if ask.kind in ("when", "how-long") and decision.times:
         return moment(decision.times[0], recording)
     if ask.kind == "how-often":
@@ -102,7 +107,8 @@ def _short(decision: Decision, form: str, recording: Recording) -> str | None:
 def _count(decision: Decision, recording: Recording) -> str | None:
     if not decision.times:
         return None
-    is_time = recording.rate_hz is None and decision.part.ask.kind != "how-often"
+    kind, _ = _timed(decision)[0]
+    is_time = recording.rate_hz is None and kind != "how-often"
     return f"{frames(decision.times[0], recording) if is_time else decision.times[0]:g}"
 
 
@@ -142,13 +148,7 @@ def as_json(decisions: Sequence[Decision], recording: Recording, sure: float) ->
         for amount in one.amounts:
             unit = amount.unit.replace("/", "_per_")
             found[f"{amount.atom}_{unit}"] = amount.value
-        if one.times:
-            is_count = ask.kind == "how-often" or recording.rate_hz is not None
-            names = _TIMED if is_count else _IN_FRAMES
-            time_s = one.times[0]
-            found[names.get(ask.kind, names[""])] = (
-                round(time_s, 3) if is_count else frames(time_s, recording)
-            )
+        found |= _times(one, recording)
         if ask.kind in ("choice", "compare", "which-clip") and one.options:
             found["chosen"] = decided(one, recording)
         if ask.kind == "order":
@@ -162,6 +162,22 @@ def as_json(decisions: Sequence[Decision], recording: Recording, sure: float) ->
             found["contact_share"] = round(one.area.share, 4)
     where = next((frame_phrase(one.edit) for one in decisions if one.movements), None)
     return found | ({"frame": where} if where else {}) | {"probability": round(sure, 3)}
+
+
+def _timed(decision: Decision) -> list[tuple[str, str]]:
+    """Return the ask and the atom of each time that is told."""
+    ask = decision.part.ask
+    return timings(ask) or [(ask.kind, "")]
+
+
+def _times(decision: Decision, recording: Recording) -> dict[str, float]:
+    timed, found = _timed(decision), {}
+    for (kind, atom), time_s in zip(timed, decision.times, strict=False):
+        is_count = kind == "how-often" or recording.rate_hz is not None
+        names = _TIMED if is_count else _IN_FRAMES
+        name = f"{atom}_" * (len(timed) > 1) + names.get(kind, names[""])
+        found[name] = round(time_s, 3) if is_count else frames(time_s, recording)
+    return found
 
 
 _TIMED = {"how-often": "count", "how-long": "seconds", "": "time_s"}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from geotlm_lm.core.labels import Motion, reverse
@@ -27,6 +27,8 @@ Sized = Callable[[Event, str], Measure]
 
 Limit = Callable[[str, Quantity, float], float]
 """(what is measured, what is said, seconds that it takes) -> the same in its base unit."""
+
+_REVERSES = t.Literal("reverses")
 
 
 @dataclass(frozen=True)
@@ -83,26 +85,35 @@ def _touches(track: Track, total: float) -> list[Happening]:
     return [Happening(EventKind.TOUCH, Motion.PRESS, at, at, rest, None, 0.0, sure) for at in ends]
 
 
-def turned_back(turns: Sequence[Happening]) -> list[Happening]:
-    """Return the turns that go against the one before."""
-    return [one for before, one in pairwise(turns) if one.way is reverse(before.way)]
+def turned_back(
+    found: Sequence[Happening], said: t.Literal = _REVERSES, limit: Limit | None = None
+) -> list[tuple[Happening, Happening]]:
+    """Return the turns that go against the one before, and as far as is said, behind that one."""
+    turns = [one for one in found if one.kind is EventKind.TURN]
+    return [
+        (before, one)
+        for before, one in pairwise(turns)
+        if one.way is reverse(before.way) and (said.bound is None or _goes(one, said, limit))
+    ]
 
 
-def happens(atom: str, edit: Edit, track: Track, sized: Sized) -> float:
+def happens(said: t.Literal, edit: Edit, track: Track, sized: Sized, limit: Limit) -> float:
     """Return how probable it is that something that only a recording shows happens in it.
 
     That of the surest event that shows it; of none the doubt in what was found instead.
+
+    Raises:
+        Missing: If it is bounded and has no amount, or a track does not show it.
     """
+    if said.bound is not None:
+        measured(said)
     found = seen(track, edit, sized)
-    proposition = t.Proposition((t.Literal(atom),))
-    shown = [one.probability for one in found if is_so(one, proposition, found)]
-    if atom == "reverses":
-        turns = [one for one in found if one.kind is EventKind.TURN]
-        shown = [
-            min(before.probability, one.probability)
-            for before, one in pairwise(turns)
-            if one.way is reverse(before.way)
-        ]
+    proposition = t.Proposition((replace(said, denied=False),))
+    if said.atom == "reverses":
+        pairs = turned_back(found, said, limit)
+        shown = [min(before.probability, one.probability) for before, one in pairs]
+    else:
+        shown = [one.probability for one in found if is_so(one, proposition, found, limit)]
     if shown:
         return max(shown)
     touched = float(track.contact.max(initial=0.0))
@@ -161,9 +172,7 @@ def _has(one: Happening, atom: str, found: Sequence[Happening]) -> bool:
         component = COMPONENT_OF.get(one.way) if one.kind is not EventKind.TOUCH else None
         return component is t.COMPONENT_ATOMS[atom] and one.kind is not EventKind.RELEASE
     if atom == "reverses":
-        return one in turned_back(
-            [each for each in found if each.kind is one.kind is EventKind.TURN]
-        )
+        return any(one is back for _, back in turned_back(found))
     if atom in ("speeds", "slows", *t.THREAD_ATOMS):
         raise Missing("speeds")
     return {

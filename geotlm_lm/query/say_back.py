@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from geotlm_lm.query import types as t
+from geotlm_lm.query.bounds import timed_as
 from geotlm_lm.query.edit import Edit
 from geotlm_lm.query.phrases import WORDS
 
@@ -92,7 +93,7 @@ def _ask(ask: t.Ask) -> str:
         return (
             f"how two clips compare ({(ask.relation or 'which way each goes').replace('-', ' ')})"
         )
-    said = "it" if ask.proposition is None else _proposition(ask.proposition)
+    said = "it" if ask.proposition is None else proposition_words(ask.proposition)
     begins = {
         "claim": "whether it is",
         "when": "when it is",
@@ -104,7 +105,8 @@ def _ask(ask: t.Ask) -> str:
     return f"{begins[ask.kind]} {said}"
 
 
-def _proposition(proposition: t.Proposition) -> str:
+def proposition_words(proposition: t.Proposition) -> str:
+    """Return a proposition as words: "left and not turning", "reverses more than 4 times"."""
     return f" {proposition.joint} ".join(map(_literal, proposition.literals))
 
 
@@ -114,7 +116,11 @@ def _literal(literal: t.Literal) -> str:
         return told
     relation = {"more": "more than", "less": "less than", "about": "about", "between": "between"}
     numbers = [one for one in (literal.bound.low, literal.bound.high) if one is not None]
-    return f"{told} {relation[literal.bound.relation]} {' and '.join(map(_number, numbers))}"
+    is_count = (
+        not any(isinstance(one, t.Slot) for one in numbers) and timed_as(literal) == "how-often"
+    )
+    said = " and ".join(map(_number, numbers)) + " times" * is_count
+    return f"{told} {relation[literal.bound.relation]} {said}"
 
 
 def _number(number: t.Number) -> str:

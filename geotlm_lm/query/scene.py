@@ -21,10 +21,12 @@ from geotlm_lm.query.amounts import (
     sized,
 )
 from geotlm_lm.query.amounts import usual_unit as unit_of
+from geotlm_lm.query.bounds import judged_literals, timed_as, timings
 from geotlm_lm.query.chance import Judge
 from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Movement
 from geotlm_lm.query.happenings import happens
 from geotlm_lm.query.quantities import Quantity
+from geotlm_lm.query.track import Timed, judged, on_track
 from geotlm_lm.track.events import Event
 from geotlm_lm.track.whole import together_s
 
@@ -73,10 +75,36 @@ class Scene:
         events = [one for one in self.track.of(component_of(name)) if one.begin_s < one.end_s]
         return replace(self.recording, moving_s=together_s(events) or self.track.seconds)
 
-    def _happens(self, atom: str) -> float:
+    def timed(self, ask: t.Ask) -> Timed:
+        """Return what a recording answers to when, how long, how often or in which order.
+
+        Raises:
+            Missing: If no recording was followed, or it does not tell.
+        """
+        return on_track(ask, self.edit, self.track, self.sized, self.limit)
+
+    def _counted(self, kind: str, atom: str) -> Timed:
+        return self.timed(t.Ask(kind, t.Proposition((t.Literal(atom),))))
+
+    def _happens(self, said: t.Literal) -> tuple[float, bool, bool]:
         if self.track is None:
             raise Missing("track")
-        return happens(atom, self.edit, self.track, self.sized)
+        if (kind := timed_as(said)) is not None:
+            return judged(said, self._counted(kind, said.atom), self.track, self.recording)
+        return happens(said, self.edit, self.track, self.sized, self.limit), True, False
+
+    def with_counts(self, found: dict[str, object], ask: t.Ask) -> dict[str, object]:
+        """Return what is told with each count and duration that a claim or a choice bounds."""
+        counted = [self._counted(*one) for one in timings(ask)]
+        if not counted:
+            return found
+        sure = min(found["probability"], *(one.probability for one in counted))
+        found = found | {"times": tuple(one.times[0] for one in counted), "probability": sure}
+        if all(map(timed_as, judged_literals(ask))):
+            # Only what is counted is told then, no sum of its motions.
+            events = counted[0].happenings if len(counted) == 1 else ()
+            found |= {"movements": (), "happenings": events}
+        return found
 
     def _tightens(self, told: Motion) -> bool:
         if self.belief.counts(Component.TURN) < 0.5 and self.frame.contact_side != "side":

@@ -11,7 +11,6 @@ from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Measure, Recording
 from geotlm_lm.query.decision import ContactArea, Decision
 from geotlm_lm.query.phrases import (
-    WORDS,
     amount_phrase,
     in_frame,
     joined,
@@ -20,7 +19,15 @@ from geotlm_lm.query.phrases import (
     where_phrase,
 )
 from geotlm_lm.query.replies import replies
-from geotlm_lm.query.tell_track import largest, moment, story, tell_times, times_phrase
+from geotlm_lm.query.say_back import proposition_words
+from geotlm_lm.query.tell_track import (
+    counts_phrase,
+    largest,
+    moment,
+    story,
+    tell_times,
+    times_phrase,
+)
 
 _DENIED = {
     Component.TURN: "turn",
@@ -135,38 +142,47 @@ def _movement(move, recording: Recording) -> str:
 
 
 def _claim(decision: Decision, recording: Recording) -> str:
+    told = _judged(decision, recording)
+    if decision.verdict is None:  # it is of two clips together
+        return told
     word = "yes" if decision.verdict else "no"
     # A bare "no" to a denial could be read either way.
     if decision.part.ask.proposition.denies:
         word += ", that is so" if decision.verdict else ", that is not so"
-    return f"{word}: {_clause(decision, recording)}"
+    return f"{word}: {told}"
+
+
+def _judged(decision: Decision, recording: Recording) -> str:
+    """Return what a claim or a choice rests on: counts and durations first, where it has any."""
+    counted = counts_phrase(decision, recording)
+    if not counted:
+        return _clause(decision, recording)
+    if decision.happenings:
+        return f"{counted}; {story(decision, largest(decision.happenings), recording)}"
+    return f"{counted}; {_clause(decision, recording)}" if decision.movements else counted
 
 
 def _choice(decision: Decision, recording: Recording) -> str:
     options = decision.part.ask.options
     chosen = [options[at] for at in decision.options]
     labels = [one.label for one in chosen if one.label]
-    told = _clause(decision, recording)
+    told = _judged(decision, recording)
     if decision.part.ask.denied:
-        names = joined([option_words(one) for one in chosen]) if chosen else "none of them"
+        names = (
+            joined([proposition_words(one.proposition) for one in chosen])
+            if chosen
+            else "none of them"
+        )
         return f"not {names}: {told}"
     if not chosen:
         return f"none of these: {told}"
     if len(options) == 2 and len(chosen) == 2:
         told = f"both: {told}"
-    if any(one.proposition.literals[0].atom == "touch" for one in chosen):
+    if any(one.proposition.literals[0] == t.Literal("touch") for one in chosen):
         told = f"it touches: {told}"
     if any(one.proposition.literals[0].atom in t.THREAD_ATOMS for one in chosen):
         told = f"it {chosen[0].proposition.literals[0].atom}s: {told}"
     return f"{joined(labels)}: {told}" if labels else told
-
-
-def option_words(option: t.Option) -> str:
-    """Return an option as words: "left and not turning"."""
-    joint = f" {option.proposition.joint} "
-    return joint.join(
-        "not " * one.denied + WORDS.get(one.atom, one.atom) for one in option.proposition.literals
-    )
 
 
 def _amount(decision: Decision, recording: Recording) -> str:

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.query.amounts import Recording
+from geotlm_lm.query.bounds import timings
 from geotlm_lm.query.decision import Decision
 from geotlm_lm.query.happenings import Happening, as_contact
 from geotlm_lm.query.phrases import amount_phrase, in_frame
@@ -32,9 +33,48 @@ _NEVER = {
     "touch": "nothing touches",
     "made": "nothing touches",
     "lost": "it is not let go",
+    **dict.fromkeys(("move", "starts", "stops"), "it neither turns nor slides"),
     "still": "it is never held still",
     "reverses": "it never turns back",
 }
+
+_COUNTED = {
+    **dict.fromkeys(("touch", "made"), "it is touched"),
+    **dict.fromkeys(("none", "lost"), "it is let go"),
+    "still": "it is held still",
+    "starts": "it starts to move",
+    "stops": "it stops",
+    "reverses": "it turns back",
+}
+_LASTING = {
+    **dict.fromkeys(("touch", "made"), "it is touched"),
+    **dict.fromkeys(("none", "lost"), "nothing touches"),
+    "still": "it is held still",
+    "move": "it turns or slides",
+    "turn": "it turns",
+    "slide": "it slides",
+    "press": "it is pressed in",
+}
+
+
+def counts_phrase(decision: Decision, recording: Recording) -> str:
+    """Return what a claim or a choice bounds: "it turns back 2 times"; else nothing."""
+    parts = []
+    for (kind, atom), value in zip(timings(decision.part.ask), decision.times, strict=False):
+        if not value:
+            parts.append(_NEVER.get(atom, "that does not happen"))
+        elif kind == "how-often":
+            parts.append(f"{_COUNTED[atom]} {value:g} {'time' if value == 1 else 'times'}")
+        else:
+            parts.append(f"{_LASTING.get(atom, 'that is so')} for {_lasting(value, recording)}")
+    return " and ".join(parts)
+
+
+def _lasting(time_s: float, recording: Recording) -> str:
+    """Return a duration: "1.2 s", or frames of a recording without a rate."""
+    if recording.rate_hz is not None:
+        return moment(time_s, recording)
+    return f"{frames(time_s, recording)} frames"
 
 
 def times_phrase(begin_s: float, end_s: float, recording: Recording) -> str:
@@ -75,8 +115,7 @@ def tell_times(decision: Decision, recording: Recording) -> str:
     if not decision.times or (ask.kind == "how-long" and not decision.times[0]):
         return f"{_NEVER.get(atom, 'that does not happen')} in this recording"
     if ask.kind == "how-long":
-        long = moment(decision.times[0], recording)
-        long = long.removeprefix("frame ") + " frames" if recording.rate_hz is None else long
+        long = _lasting(decision.times[0], recording)
         return f"for {long}" + (f": {story(decision, found, recording)}" if found else "")
     at = moment(decision.times[0], recording)
     if not found and atom == "touch":

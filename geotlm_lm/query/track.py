@@ -11,6 +11,7 @@ from geotlm_lm.core.twist import COMPONENT_OF
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Missing, Recording, component_of
+from geotlm_lm.query.bounds import measured, meets_timed, timed_as
 from geotlm_lm.query.edit import Edit
 from geotlm_lm.query.happenings import (
     Happening,
@@ -19,7 +20,6 @@ from geotlm_lm.query.happenings import (
     as_contact,
     by_begin,
     is_so,
-    measured,
     seen,
     turned_back,
 )
@@ -87,6 +87,41 @@ def part_of(
     return part, belief_of_track(part, belief)
 
 
+def judged(
+    said: t.Literal, found: Timed, track: Track, recording: Recording
+) -> tuple[float, bool, bool]:
+    """Return how probable a count or a duration is, whether a bound is met by it, and otherwise.
+
+    What is told is likelier than not, and otherwise nothing of it happens; of what does not happen
+    it is all the time, or once.
+
+    Args:
+        said: The bound.
+        found: The count or duration that is told.
+        track: Of the recording.
+        recording: The file.
+
+    Returns:
+        A probability; whether the literal holds that probably, and whether it does otherwise.
+
+    Raises:
+        Missing: If it is said in seconds and no frame rate is known.
+    """
+
+    def in_base(end: t.Quantity) -> float:
+        return _length_s(end, track, recording) if end.unit else end.value
+
+    told = found.times[0]
+    most = 1.0 if timed_as(said) == "how-often" else track.seconds
+    so, otherwise = (meets_timed(said, one, in_base) for one in (told, 0.0 if told else most))
+    sure = max(found.probability, _LIKELIER)
+    return (sure, so, otherwise) if told else (1 - sure, otherwise, so)
+
+
+_LIKELIER = 0.51
+"""So that no verdict contradicts the count or duration that is told beside it."""
+
+
 def _unit_of(ends: Sequence[t.Quantity], track: Track) -> str:
     """Return the unit of times said without one: seconds, unless the recording is shorter."""
     is_whole = all(one.value == round(one.value) for one in ends)
@@ -137,12 +172,14 @@ def on_track(ask: t.Ask, edit: Edit, track: Track | None, sized: Sized, limit: L
         return _denied(ask, found, played(track, edit), limit)
     atoms = _atoms(ask.proposition)
     if ask.kind == "how-often" and atoms == ["reverses"]:
-        turns = [one for one in found if one.kind is EventKind.TURN]
-        return Timed(None, tuple(turns), (float(len(turned_back(turns))),), _sure(turns, track))
-    if atoms == ["touch"] and ask.kind in ("when", "how-often"):
-        return _contacts(ask, edit, track)
+        turns = tuple(one for one in found if one.kind is EventKind.TURN)
+        count = float(len(turned_back(found, ask.proposition.literals[0], limit)))
+        return Timed(None, turns, (count,), _sure(turns, track))
     bounded = [one for one in ask.proposition.literals if one.bound is not None]
-    if ask.kind == "when" and len(bounded) == 1 and bounded[0].bound.relation == "more":
+    if atoms == ["touch"] and not bounded and ask.kind in ("when", "how-often"):
+        return _contacts(ask, edit, track)
+    is_passed = len(bounded) == 1 and bounded[0].bound.relation == "more"
+    if ask.kind == "when" and is_passed and bounded[0].atom != "reverses":
         return _crossed(ask, bounded[0], found, played(track, edit), edit, limit)
     chosen = [one for one in found if is_so(one, ask.proposition, found, limit)]
     if ask.kind == "when" and atoms == ["none"] and not chosen:  # never touched, or never let go
