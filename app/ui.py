@@ -110,6 +110,7 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
     from starlette.middleware import Middleware
     from starlette.routing import Route
 
+    from .light_sessions import LightSessions
     from .theme import STYLES, theme
 
     names = (*OWN_NAMES, HOST)
@@ -121,7 +122,7 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         served |= {"routes": [Route(f"/{PATH}", agents)], "lifespan": agents.lifespan}
     page.queue(max_size=QUEUE)
     keep_session_order(page._queue, MODEL_LINE)
-    _, address, _ = page.launch(
+    app, address, _ = page.launch(
         server_name=HOST,
         server_port=port,
         share=False,
@@ -135,4 +136,5 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         mcp_server=False,
         app_kwargs=served,
     )
+    app.state_holder = LightSessions(page)
     return address
