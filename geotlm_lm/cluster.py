@@ -16,6 +16,7 @@ import threading
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from geotlm_lm import __version__
@@ -41,7 +42,11 @@ LOCAL_STORE_BYTES = 128 * 2**20
 
 
 def each_done_on(
-    address: str, work: Callable[[Part], Done], parts: Sequence[Part], workers: int | None
+    address: str,
+    work: Callable[[Part], Done],
+    parts: Sequence[Part],
+    workers: int | None,
+    seen: Sequence[Path] = (),
 ) -> Iterator[Done]:
     """Yield what `work` returns of every part, in the order in which they are done.
 
@@ -50,10 +55,11 @@ def each_done_on(
         work: As of `Workers.each_done`.
         parts: What is to be done; machines that do it see the same files by the same names.
         workers: Actors, at most; None takes one for each of the cluster's CPUs.
+        seen: As of `Workers.each_done`.
 
     Raises:
         UsageError: If the cluster cannot be reached, or its machines do not see this folder or
-            have another version installed.
+            what is in `seen`, or have another version installed.
     """
     if not parts:
         return
@@ -61,7 +67,7 @@ def each_done_on(
         import ray
 
         count = workers or max(1, int(ray.cluster_resources().get("CPU", 1)))
-        rows = iter(_pipeline(work, parts, min(count, len(parts))).iter_rows())
+        rows = iter(_pipeline(work, parts, min(count, len(parts)), seen).iter_rows())
         try:
             for row in rows:
                 done, error = pickle.loads(row["done"])
@@ -72,7 +78,9 @@ def each_done_on(
             rows.close()  # ends the actors at once where the caller stops
 
 
-def _pipeline(work: Callable[[Any], Any], parts: Sequence[Any], actors: int) -> Any:
+def _pipeline(
+    work: Callable[[Any], Any], parts: Sequence[Any], actors: int, seen: Sequence[Path]
+) -> Any:
     """Return the Ray data set that holds what is done of each part, once it is asked for."""
     import ray
 
@@ -80,7 +88,7 @@ def _pipeline(work: Callable[[Any], Any], parts: Sequence[Any], actors: int) -> 
     blocks = min(len(parts), MOST_BLOCKS)
     return ray.data.from_items(rows, override_num_blocks=blocks).map_batches(
         _Worker,
-        fn_constructor_args=(work, os.getcwd(), __version__),
+        fn_constructor_args=(work, os.getcwd(), __version__, seen),
         batch_size=1,
         batch_format="numpy",
         num_cpus=CPUS_PER_ACTOR,
@@ -93,11 +101,13 @@ def _pipeline(work: Callable[[Any], Any], parts: Sequence[Any], actors: int) -> 
 class _Worker:
     """An actor of the pool; errors are returned, so that they arrive as they were raised."""
 
-    def __init__(self, work: Callable[[Any], Any], folder: str, version: str) -> None:
+    def __init__(
+        self, work: Callable[[Any], Any], folder: str, version: str, seen: Sequence[Path]
+    ) -> None:
         import cv2
         import torch
 
-        self.work, self.folder, self.version = work, folder, version
+        self.work, self.folder, self.version, self.seen = work, folder, version, seen
         torch.set_num_threads(1)
         cv2.setNumThreads(1)
 
@@ -131,6 +141,13 @@ class _Worker:
                 f"{_machine()}: has no folder {self.folder}, expected what the command sees; run "
                 f"it in a folder that all machines of the cluster share."
             ) from error
+        # A machine of its own files would write where nobody looks, or miss what it is to read.
+        missing = next((path for path in self.seen if not path.exists()), None)
+        if missing is not None:
+            raise UsageError(
+                f"{_machine()}: has no {missing.absolute()}, expected what the command sees; keep "
+                f"what is read and written in a folder that all machines of the cluster share."
+            )
 
 
 def _machine() -> str:

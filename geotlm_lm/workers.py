@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
+from pathlib import Path
 from typing import TypeVar
 
 from geotlm_lm.core.errors import MissingDependency
@@ -36,7 +37,9 @@ class Workers:
                 "--cluster needs Ray, which is not installed; run `pip install 'geotlm-lm[ray]'`."
             )
 
-    def each_done(self, work: Callable[[Part], Done], parts: Sequence[Part]) -> Iterator[Done]:
+    def each_done(
+        self, work: Callable[[Part], Done], parts: Sequence[Part], *, seen: Sequence[Path] = ()
+    ) -> Iterator[Done]:
         """Yield what `work` returns of every part, in the order in which they are done.
 
         Args:
@@ -44,6 +47,8 @@ class Workers:
                 of it was done already it does nothing: a cluster that loses a machine gives what
                 this had to another one.
             parts: What is to be done, each independent of the others, and small: paths, not data.
+            seen: Files and folders that are there, read or written beside: a cluster's machine that
+                does not see one shares no folder with this one, and gets no part.
 
         Raises:
             GeoTLMError: If a worker was killed, or the cluster cannot be used.
@@ -55,7 +60,7 @@ class Workers:
             return each_done(work, parts, self.count or usable_cores())
         from geotlm_lm.cluster import each_done_on
 
-        return each_done_on(self.cluster, work, parts, self.count)
+        return each_done_on(self.cluster, work, parts, self.count, seen)
 
 
 ALONE = Workers(1)

@@ -3,6 +3,11 @@
 Ray starts in some ten seconds, so that one test takes a run through all that can happen to it.
 """
 
+import subprocess
+import sys
+import time
+from pathlib import Path
+
 import pytest
 
 from geotlm_lm.data_sets.labelling import Labelling, label_data_set
@@ -13,9 +18,10 @@ pytest.importorskip("pyarrow", reason="needs pyarrow, of the extra lerobot")
 pytest.importorskip("av", reason="needs av, of the extra lerobot")
 pytest.importorskip("ray.data", reason="needs ray, of the extra ray")
 
+ROOT = Path(__file__).resolve().parents[1]
 
-class Stopped(BaseException):
-    """A run ended from outside, as by Ctrl-C."""
+SETTLED_S = 3
+"""In which a cluster ends the actors of a command that is gone."""
 
 
 @pytest.fixture
@@ -37,33 +43,43 @@ def files_of(folder):
     return {str(path.relative_to(folder)): path.read_bytes() for path in paths}
 
 
-def test_a_stopped_run_and_a_killed_node_lose_and_repeat_nothing_and_change_no_byte(
+def kill_when(count, root, out, address):
+    """Label by the command and kill it as soon as so many episodes are done; return which are."""
+    command = [sys.executable, "-m", "geotlm_lm", "label", root, "--camera", CAMERA]
+    command += ["--out", out, "--cluster", address]
+    with subprocess.Popen(list(map(str, command)), cwd=ROOT, stderr=subprocess.DEVNULL) as running:
+        while len(written(out)) < count and running.poll() is None:
+            time.sleep(0.005)
+        running.kill()
+    time.sleep(SETTLED_S)
+    return written(out)
+
+
+def written(out):
+    paths = out.with_name(f"{out.name}.part").glob("episode-*.npz")
+    return {path.name: path.stat().st_mtime_ns for path in paths}
+
+
+def test_a_run_killed_twice_and_a_killed_node_lose_and_repeat_nothing_and_change_no_byte(
     cluster, tmp_path, answerer
 ):
-    clips = [turned(degrees) for degrees in (20, -15, 10, -20, 15, -10)]
+    clips = [turned(degrees) for degrees in (20, -15, 10, -20, 15, -10) * 4]
     root = write_data_set(tmp_path / "robot", clips)
     label_data_set(Labelling(root, CAMERA), tmp_path / "whole")
-    out, by = tmp_path / "out", Workers(cluster=cluster.address)
-
-    def written():
-        paths = (tmp_path / "out.part").glob("episode-*.npz")
-        return {path.name: path.stat().st_mtime_ns for path in paths}
-
-    def stop(what, done, total):
-        raise Stopped
-
-    with pytest.raises(Stopped):
-        label_data_set(Labelling(root, CAMERA), out, workers=by, progress=stop)
+    out, last = tmp_path / "out", {}
+    once = kill_when(len(clips) // 4, root, out, cluster.address)
+    twice = kill_when(len(once) + 4, root, out, cluster.address)
     assert not out.exists()
-    kept, last = written(), {}
-    assert 0 < len(kept) < len(clips)
+    assert once.items() <= twice.items()
+    assert 0 < len(once) < len(twice) < len(clips)
 
     def kill_a_node_at_once(what, done, total):
         if not last:
             cluster.remove_node(cluster.second, allow_graceful=False)
-        last.update(written())
+        last.update(written(out))
 
+    by = Workers(cluster=cluster.address)
     result = label_data_set(Labelling(root, CAMERA), out, workers=by, progress=kill_a_node_at_once)
-    assert result.continued == len(kept)
-    assert kept.items() <= last.items()
+    assert result.continued == len(twice)
+    assert twice.items() <= last.items()
     assert files_of(out) == files_of(tmp_path / "whole")

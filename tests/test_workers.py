@@ -1,10 +1,14 @@
 """Who does the parts of a run: as many processes as asked for, else one per core."""
 
+import pickle
+import socket
+
 import pytest
 
-from geotlm_lm import local_pool
+from geotlm_lm import __version__, local_pool
 from geotlm_lm import workers as workers_module
-from geotlm_lm.core.errors import MissingDependency
+from geotlm_lm.cluster import _Worker
+from geotlm_lm.core.errors import MissingDependency, UsageError
 from geotlm_lm.workers import ALONE, Workers
 
 
@@ -31,3 +35,33 @@ def test_a_cluster_without_ray_is_told_before_any_work(monkeypatch):
     assert str(error.value) == (
         "--cluster needs Ray, which is not installed; run `pip install 'geotlm-lm[ray]'`."
     )
+
+
+def test_a_machine_that_shares_no_folder_with_the_command_says_so_and_does_nothing(
+    tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+
+    def told(folder, seen):
+        worker = _Worker(abs, str(folder), __version__, [tmp_path / name for name in seen])
+        return pickle.loads(worker._done(pickle.dumps(-1)))
+
+    (tmp_path / "there").touch()
+    assert told(tmp_path, ["there"]) == (1, None)
+    for folder, seen, sentence in (
+        (
+            tmp_path,
+            ["there", "dataset.json"],
+            f"has no {tmp_path}/dataset.json, expected what the command sees; keep what is read "
+            f"and written in a folder that all machines of the cluster share.",
+        ),
+        (
+            tmp_path / "gone",
+            [],
+            f"has no folder {tmp_path}/gone, expected what the command sees; run it in a folder "
+            f"that all machines of the cluster share.",
+        ),
+    ):
+        done, error = told(folder, seen)
+        assert (done, type(error)) == (None, UsageError)
+        assert str(error) == f"{socket.gethostname()}: {sentence}"

@@ -1,4 +1,4 @@
-"""Answer many questions about many clips into JSON lines; interrupted runs are resumed.
+"""Answer many questions about many recordings into JSON lines; interrupted runs are resumed.
 
 What each clip's questions gave is kept in `NAME.part` while the run lasts, a line a clip in the
 order in which they are done; in the order of the clips it takes the place of NAME when it is
@@ -9,35 +9,52 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.schema import answer_schema
 from geotlm_lm.core.atomic import only_writer, replacing
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.workers import ALONE, Workers
 
 if TYPE_CHECKING:
     from geotlm_lm.answering.answerer import Answerer
+    from geotlm_lm.core.clip import Clip
 
 CAMERA = FrameSpec()
 
-Reading = Mapping[str, Any]
-NOTHING_SAID: Reading = MappingProxyType({})
-"""How recordings are read where nobody says so: as each file says, the rest guessed."""
-
-PART_VERSION = 2
+PART_VERSION = 3
 """Of what a stopped run leaves: another version's is not continued."""
 
 Progress = Callable[[int, int], None]
 """Called with the number of clips done, and of all."""
+
+
+class Source(Protocol):
+    """What is asked about: a recording, or an episode; processes are sent it, and read it there."""
+
+    @property
+    def name(self) -> str:
+        """What its rows call it."""
+
+    def read(self) -> Clip:
+        """Return its frames.
+
+        Raises:
+            GeoTLMError: If it cannot be read.
+        """
+
+    @property
+    def seen_at(self) -> Path:
+        """What a machine that reads it must have."""
+
+    def stamp(self) -> list[Any]:
+        """Return what changes when it does or is read otherwise, plain JSON values."""
 
 
 @dataclass(frozen=True)
@@ -57,11 +74,10 @@ class BatchResult:
 
 def answer_all(
     load: Callable[[], Answerer],
-    clips: Sequence[Path],
+    clips: Sequence[Source],
     questions: Sequence[str],
     out: Path,
     *,
-    reading: Reading = NOTHING_SAID,
     frame: FrameSpec = CAMERA,
     workers: Workers = ALONE,
     progress: Progress = lambda done, total: None,
@@ -74,25 +90,24 @@ def answer_all(
 
     Args:
         load: Returns the model, the same object every time; each process asks its own.
-        clips: Recordings.
+        clips: What is asked about.
         questions: What to ask about each.
         out: The file to write.
-        reading: How the recordings are read, as options of `read_clip` but the background.
         frame: What is known of how all of them were taken.
         workers: Who answers; but for the times in them, rows do not depend on it.
         progress: Told how many clips are done.
 
     Raises:
-        UsageError: If an unfinished run of other clips, questions, frame or rate, or of another
-            model or version, lies beside `out`, or a file that is none, or if another process is
-            at it.
+        UsageError: If an unfinished run of other clips, questions, frame or reading, or of
+            another model or version, lies beside `out`, or a file that is none, or if another
+            process is at it.
         GeoTLMError: If a worker was killed.
         ValueError: If there is no question.
     """
     if not questions:
         raise ValueError("a run takes 1 question or more, found none")
     part = out.with_name(f"{out.name}.part")
-    settings = _settings(load(), clips, questions, reading, frame)
+    settings = _settings(load(), clips, questions, frame)
     with only_writer(part) as is_alone:
         if not is_alone:
             raise UsageError(
@@ -102,11 +117,12 @@ def answer_all(
         there = _resumable(part, settings)
         if not there:
             part.write_text(f"{json.dumps(settings)}\n", encoding="utf-8")
-        # A dictionary: the mapping may be a view, which no process can be sent.
-        work = partial(_numbered_rows, load, questions, dict(reading), frame)
+        work = partial(_numbered_rows, load, questions, frame)
         missing = [(number, clip) for number, clip in enumerate(clips) if number not in there]
+        seen = sorted({clip.seen_at for _, clip in missing})
         with part.open("a", encoding="utf-8") as stream:
-            for done, told in enumerate(workers.each_done(work, missing), len(there) + 1):
+            each = workers.each_done(work, missing, seen=seen)
+            for done, told in enumerate(each, len(there) + 1):
                 stream.write(f"{json.dumps(told)}\n")
                 stream.flush()
                 progress(done, len(clips))
@@ -117,13 +133,12 @@ def answer_all(
 def _numbered_rows(
     load: Callable[[], Answerer],
     questions: Sequence[str],
-    reading: Reading,
     frame: FrameSpec,
-    numbered: tuple[int, Path],
+    numbered: tuple[int, Source],
 ) -> dict[str, Any]:
     """Return what a run keeps of one clip."""
     number, clip = numbered
-    return {"clip": number, "rows": list(rows_of(load(), clip, questions, reading, frame))}
+    return {"clip": number, "rows": list(rows_of(load(), clip, questions, frame))}
 
 
 def _replace_output(part: Path, out: Path) -> int:
@@ -146,13 +161,12 @@ def _replace_output(part: Path, out: Path) -> int:
 
 def rows_of(
     answerer: Answerer,
-    clip: Path,
+    clip: Source,
     questions: Sequence[str],
-    reading: Reading = NOTHING_SAID,
     frame: FrameSpec = CAMERA,
 ) -> Iterator[dict[str, Any]]:
     """Yield the rows of one clip, which is encoded once."""
-    encoded, error = _encode(answerer, clip, reading)
+    encoded, error = _encode(answerer, clip)
     for question in questions:
         answer = None
         if encoded is not None:
@@ -163,37 +177,27 @@ def rows_of(
         yield {"clip": clip.name, "question": question, "answer": answer, "error": error}
 
 
-def _encode(answerer: Answerer, clip: Path, reading: Reading) -> tuple[Encoded | None, str | None]:
+def _encode(answerer: Answerer, clip: Source) -> tuple[Encoded | None, str | None]:
     try:
-        return answerer.encode(read_clip(clip, **reading)), None
+        return answerer.encode(clip.read()), None
     except GeoTLMError as error:
         return None, str(error)
 
 
 def _settings(
     answerer: Answerer,
-    clips: Sequence[Path],
+    clips: Sequence[Source],
     questions: Sequence[str],
-    reading: Reading,
     frame: FrameSpec,
 ) -> dict[str, Any]:
     """Return what decides the rows, so that no other run's are taken for them.
 
     The schema is among it: a run that an older version began had other fields.
     """
-    asked = [list(questions), dict(reading), frame.to_dict()]
-    told = json.dumps([[_stamp(clip) for clip in clips], asked, answer_schema()])
+    asked = [list(questions), frame.to_dict()]
+    told = json.dumps([[clip.stamp() for clip in clips], asked, answer_schema()])
     digest = hashlib.sha256(told.encode()).hexdigest()[:16]
     return {"format": PART_VERSION, "model": answerer.bundle.digest(), "asked": digest}
-
-
-def _stamp(clip: Path) -> list[Any]:
-    """Return what changes when a recording does; a link to nothing has no more than its name."""
-    try:
-        about = clip.stat()
-    except OSError:
-        return [clip.name]
-    return [clip.name, about.st_size, about.st_mtime_ns]
 
 
 def _resumable(part: Path, settings: dict[str, Any]) -> set[int]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from geotlm_lm.benchmarks.amounts import AMOUNTS
-from geotlm_lm.benchmarks.clips import clip_rows, left_out
+from geotlm_lm.benchmarks.clips import clip_rows, clip_shares, left_out
 from geotlm_lm.benchmarks.halves import HALVES, TUNE_TITLE, is_reported, titled
 from geotlm_lm.benchmarks.judging import NEAR
 from geotlm_lm.benchmarks.mixtures import MIXTURES
@@ -106,6 +106,7 @@ CLIPS_SECTION = Section(
         ),
     },
     headline=clips_headline,
+    shares=lambda run: clip_shares(run, HALVES),
 )
 
 ACCURACY = Bench(
@@ -119,6 +120,6 @@ EVALUATION = Bench(
     name="evaluate",
     title="Answers against truth",
     about="The model's words beside linear probes and optical flow, on clips none has seen.",
-    sections=(replace(CLIPS_SECTION, run=lambda run: list(clip_rows(run))),),
+    sections=(replace(CLIPS_SECTION, run=lambda run: list(clip_rows(run)), shares=None),),
 )
 """The accuracy of a user's own recordings, data sets and model: nothing is split."""

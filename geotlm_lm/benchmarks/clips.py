@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from geotlm_lm.benchmarks.cases.beyond_windows import (
@@ -42,7 +43,7 @@ from geotlm_lm.benchmarks.judging import (
     claims_turned_round,
     rows_of_replies,
 )
-from geotlm_lm.benchmarks.rows import Row, Run
+from geotlm_lm.benchmarks.rows import Row, Run, Share
 from geotlm_lm.benchmarks.variants import GENERATED, RIVALS, all_variants
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import SLIDES, Motion
@@ -89,50 +90,65 @@ class Judge:
 
 
 def clip_rows(run: Run, halves: Sequence[Half | None] = (None,)) -> Iterator[Row]:
-    """Yield the rows of every set of clips.
-
-    Args:
-        halves: Of the recordings, each judged apart; None for all of them.
-        run: What is judged: `run.clips` readable simulated clips of each task (0 leaves simulation
-            out), recordings of `run.real`, data sets of `run.data`.
+    """Yield the rows of every set of clips; arguments are those of `clip_shares`.
 
     Raises:
         UnreadableClip: If recordings or a data set cannot be read, or nothing was judged.
         UsageError: If two data sets have one name.
     """
-    recordings = {} if run.real is None else real_cases(run.real)
-    data_sets = open_data_sets(run.data)
-    judge, found = Judge(run), 0
-    clips = run.size(CLIPS, 6) if run.clips is None else run.clips
-    sources = [_simulated(judge, clips)] if clips else []
-    sources += [
-        _recordings(judge, name, cases, half)
-        for name, cases in recordings.items()
-        for half in halves
-    ]
-    sources += [data_set_rows(judge, data_set) for data_set in data_sets.values()]
-    for source in sources:
-        for row in source:
+    found = 0
+    for share in clip_shares(run, halves).values():
+        for row in share():
             found += 1
             yield row
     if not found:
-        left_out = [reason for one in data_sets.values() for reason in one.left_out.values()]
+        data_sets = open_data_sets(run.data).values()
+        left_out = [reason for one in data_sets for reason in one.left_out.values()]
         raise UnreadableClip(
             f"no clip could be judged ({'; '.join(left_out[:1]) or 'none was asked for'}); give "
             f"other data."
         )
 
 
-def _simulated(judge: Judge, clips: int) -> Iterator[Row]:
-    """Yield every simulated task."""
-    for task in TASKS:
-        title, cases = f"simulated {task}", SimulatedCases(task, clips, judge.run.seed)
-        replies = judge.replies(title, cases, cases.among, clips)
-        yield from judge.rows(title, replies, {"unreadable_left_out": cases.unreadable})
+def clip_shares(run: Run, halves: Sequence[Half | None] = (None,)) -> dict[str, Share]:
+    """Return what yields the rows of each source of clips; none remembers another's questions.
+
+    Args:
+        run: What is judged: `run.clips` readable simulated clips of each task (0 leaves simulation
+            out), recordings of `run.real`, data sets of `run.data`.
+        halves: Of the recordings, each judged apart; None for all of them.
+
+    Raises:
+        UnreadableClip: If recordings or a data set cannot be read.
+        UsageError: If two data sets have one name.
+    """
+    clips = run.size(CLIPS, 6) if run.clips is None else run.clips
+    shares: dict[str, Share] = {}
+    for task in TASKS if clips else ():
+        shares[f"simulated {task}"] = partial(_simulated, run, task, clips)
+    for name, cases in ({} if run.real is None else real_cases(run.real)).items():
+        for half in halves:
+            shares[titled(f"real {name}", half)] = partial(_recordings, run, name, cases, half)
+    for name, data_set in open_data_sets(run.data).items():
+        shares[f"data {name}"] = partial(_data_set, run, data_set)
+    return shares
 
 
-def _recordings(judge: Judge, name: str, real: RealCases, half: Half | None) -> Iterator[Row]:
+def _simulated(run: Run, task: str, clips: int) -> Iterator[Row]:
+    """Yield a simulated task."""
+    judge, cases = Judge(run), SimulatedCases(task, clips, run.seed)
+    title = f"simulated {task}"
+    replies = judge.replies(title, cases, cases.among, clips)
+    yield from judge.rows(title, replies, {"unreadable_left_out": cases.unreadable})
+
+
+def _data_set(run: Run, data_set: DataSet) -> Iterator[Row]:
+    yield from data_set_rows(Judge(run), data_set)
+
+
+def _recordings(run: Run, name: str, real: RealCases, half: Half | None) -> Iterator[Row]:
     """Yield one folder's windows task by task, and what else it can be asked."""
+    judge = Judge(run)
     for part, whole in by_task(real).items():
         rows = rows_of_half(whole.recordings.rows, half)
         cases = RealCases(

@@ -12,11 +12,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.workers import ALONE, Workers
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer
 
 Size = TypeVar("Size")
+
+Share = Callable[[], Iterable["Row"]]
+"""Gives some of a section's rows."""
 
 WHOLE, QUICK = "whole", "quick"
 
@@ -100,6 +104,7 @@ class Run:
         folder: Keeps what a stopped run need not do again.
         progress: Told how far the run is.
         answerer_given: A model that is loaded already.
+        workers: Who runs sections and shares of them; numbers but times do not depend on it.
     """
 
     seed: int = 0
@@ -112,15 +117,16 @@ class Run:
     folder: Path = Path("runs/bench")
     progress: Progress = silent
     answerer_given: Answerer | None = None
+    workers: Workers = ALONE
 
     @cached_property
     def answerer(self) -> Answerer:
         """The model, loaded once and only if a section asks for it."""
         if self.answerer_given is not None:
             return self.answerer_given
-        from geotlm_lm.answering import Answerer
+        from geotlm_lm.answering.loaded import loaded
 
-        return Answerer.load(self.model)
+        return loaded(self.model, "float32")
 
     def size(self, whole: Size, quick: Size) -> Size:
         """Return how much of something is done: `whole`, or `quick` of a quick run."""
@@ -162,6 +168,8 @@ class Section:
         title: For people.
         about: What is measured and how to read it, Markdown.
         run: Gives the rows.
+        shares: Gives the same rows, in order, in shares by name that know nothing of each other:
+            workers take one each, and a stopped run keeps them. None where all is one share.
         views: How they are shown, one table each; title -> (view, which rows it shows).
         figure: Draws the rows into a file, where a picture shows more than a table.
         headline: Tells the rows in a few lines of Markdown, for the page and the README.
@@ -176,6 +184,7 @@ class Section:
     figure: Callable[[Sequence[Row], Path], None] | None = None
     headline: Callable[[Sequence[Row]], str] | None = None
     needs_real: bool = False
+    shares: Callable[[Run], Mapping[str, Share]] | None = None
 
 
 @dataclass(frozen=True)

@@ -1,18 +1,22 @@
-"""Running a bench section by section; what a stopped run had finished is not done again."""
+"""Running a bench in parts: sections, or shares of one; what a stopped run had done it keeps."""
 
 from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from geotlm_lm.benchmarks.rows import QUICK, WHOLE, Bench, Row, Run, Section
+from geotlm_lm.benchmarks.rows import QUICK, WHOLE, Bench, Row, Run, Section, Share
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.progress import silent
 from geotlm_lm.core.record import RunRecord, commit, machine
+from geotlm_lm.workers import ALONE
 
 
 def run_bench(
@@ -43,10 +47,8 @@ def run_bench(
     started = time.perf_counter()
     sections = dict(before.numbers["sections"]) if before is not None and only else {}
     with threads(1):
-        for section in bench.sections:
-            if section.name in (only or names) and (run.real or not section.needs_real):
-                done = _finished_or_run(bench, section, run)
-                sections[section.name] = done | {"command": command}
+        for name, done in _measured(bench, run, only or names).items():
+            sections[name] = done | {"command": command}
     return RunRecord(
         name=bench.name,
         command=command,
@@ -62,7 +64,8 @@ def run_bench(
             "encoder": None if run.encoder is None else run.encoder.weights.name,
             "model": "embedded" if run.model is None else run.model.name,
             "threads": 1,
-        },
+        }
+        | ({} if run.workers == ALONE else {"workers": run.workers.count}),
     )
 
 
@@ -72,34 +75,93 @@ def rows_of(record: RunRecord, section: str) -> list[Row]:
     return [Row.from_dict(row) for row in found["rows"]]
 
 
-def _finished_or_run(bench: Bench, section: Section, run: Run) -> dict[str, Any]:
-    """Return a section of this very commit that a stopped run had finished, or run it."""
-    kept = _place(bench, section, run)
-    if kept is not None and kept.exists():
-        return json.loads(kept.read_text())
+@dataclass(frozen=True)
+class _Part:
+    """What one worker runs at a time: a share of a section."""
+
+    section: str
+    share: str
+
+    @property
+    def file(self) -> str:
+        """Name of the file that keeps what it gave."""
+        return f"{self.section} {self.share}".strip().replace("/", "-") + ".json"
+
+
+def _measured(bench: Bench, run: Run, names: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Return sections by name, what this very commit's stopped run had of them and the rest."""
+    asked = [
+        one for one in bench.sections if one.name in names and (run.real or not one.needs_real)
+    ]
+    parts = [_Part(one.name, share) for one in asked for share in _shares(one, run)]
+    folder, done = _folder(bench, run), {}
+    if folder is not None:
+        files = {part: folder / part.file for part in parts}
+        done = {part: json.loads(path.read_text()) for part, path in files.items() if path.exists()}
+    missing, is_alone = [part for part in parts if part not in done], run.workers == ALONE
+    # Others are sent the name: tables hold functions that no process can be sent.
+    given = (bench, run) if is_alone else (bench.name, replace(run, progress=silent, workers=ALONE))
+    for part, told in run.workers.each_done(partial(_run_part, *given), missing, seen=_read(run)):
+        done[part] = told
+        if folder is not None:
+            files[part].parent.mkdir(parents=True, exist_ok=True)
+            write_text_atomically(files[part], json.dumps(told))
+        if not is_alone:
+            run.progress(bench.name, len(done), len(parts))
+    return {
+        one.name: _joined([done[part] for part in parts if part.section == one.name])
+        for one in asked
+    }
+
+
+def _shares(section: Section, run: Run) -> Mapping[str, Share]:
+    return {"": partial(section.run, run)} if section.shares is None else section.shares(run)
+
+
+def _run_part(bench: Bench | str, run: Run, part: _Part) -> tuple[_Part, dict[str, Any]]:
+    """Return a part and what it gave; a bench that was sent is found by its name."""
+    if isinstance(bench, str):
+        from geotlm_lm.benchmarks.benches import BENCHES
+
+        bench = BENCHES[bench]
+    section = bench.section(part.section)
     run.progress(f"{bench.name}: {section.title}", 0, 1)
     started = time.perf_counter()
-    rows = [row.to_dict() for row in section.run(run)]
-    done = {
+    rows = [row.to_dict() for row in _shares(section, run)[part.share]()]
+    return part, {
         "rows": rows,
         "seconds": round(time.perf_counter() - started, 1),
         "commit": commit(),
         "processor": machine()["processor"],
     }
-    if kept is not None:
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        write_text_atomically(kept, json.dumps(done))
-    return done
 
 
-def _place(bench: Bench, section: Section, run: Run) -> Path | None:
-    """Return where a finished section is kept; None where the code is not that of a commit."""
+def _joined(told: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return a section of its shares, in order."""
+    return told[0] | {
+        "rows": [row for one in told for row in one["rows"]],
+        "seconds": round(sum(one["seconds"] for one in told), 1),
+    }
+
+
+def _read(run: Run) -> list[Path]:
+    return [one for one in (run.real, run.model, *run.data) if one is not None]
+
+
+def _folder(bench: Bench, run: Run) -> Path | None:
+    """Return where finished parts are kept; None where the code is not that of a commit."""
     at = commit()
-    plain = Run(seed=run.seed, real=run.real, folder=run.folder, progress=run.progress)
+    plain = Run(
+        seed=run.seed,
+        real=run.real,
+        folder=run.folder,
+        progress=run.progress,
+        workers=run.workers,
+    )
     if not at or at.endswith("+") or run != plain:
         return None
     asked = f"{at}-{run.seed}-{'real' if run.real else 'simulated'}"
-    return run.folder / f"{bench.name}-{asked}" / f"{section.name}.json"
+    return run.folder / f"{bench.name}-{asked}"
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""`geotlm-lm batch`: a file of questions about a folder of clips, to JSON lines."""
+"""`geotlm-lm batch`: a file of questions about a folder of recordings, to JSON lines."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import json
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -22,9 +22,13 @@ from geotlm_lm.cli.options import (
     path_option,
     require_writable_file,
 )
+from geotlm_lm.cli.recording import CameraName, touch_camera
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.workers import Workers
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering.batch import Source
 
 NAMES_TOLD = 5
 """Skipped files that are named; of more than these, how many."""
@@ -38,7 +42,11 @@ ROW_FIELDS = {"clip", "question", "answer", "error"}
 
 def batch(
     clips: Annotated[
-        Path, path_option(help="Folder of recordings: files, or folders of images in it.")
+        Path,
+        path_option(
+            help="Folder of recordings (files, folders of images, bags), or a LeRobot data set, "
+            "each of whose episodes is one."
+        ),
     ],
     questions: Annotated[
         Path, path_option(help="Text file, one question a line; # begins a comment.")
@@ -53,6 +61,7 @@ def batch(
     fps: FramesPerSecond = None,
     square_pixels: SquarePixels = None,
     topic: TopicName = None,
+    camera: CameraName = None,
     mm_per_px: MmPerPixel = None,
     model: BundleFolder = None,
     precision: Precision = "float32",
@@ -64,23 +73,22 @@ def batch(
 
     Example: geotlm-lm batch --clips recordings --questions questions.txt --out answers.jsonl
     """
-    from geotlm_lm.recordings.listing import clips_in
+    from geotlm_lm.data_sets.lerobot import is_data_set
     from geotlm_lm.recordings.pixels import check_layout
     from geotlm_lm.recordings.read import require_rate
 
     by = Workers(workers, cluster)
     require_rate(fps)
-    reading = {
-        "layout": check_layout(layout),
-        "fps": fps,
-        "square_pixels": square_pixels,
-        "topic": topic,
-    }
+    reading = {"fps": fps, "square_pixels": square_pixels}
+    of_files = {"layout": check_layout(layout), "topic": topic}
     frame = FrameSpec(mm_per_px=mm_per_px)
-    found, asked = clips_in(clips), read_questions(questions)
-    require_writable_file(out, "--out", inputs=[questions, *found])
+    asked = read_questions(questions)
+    if is_data_set(clips):
+        found = _episodes(clips, camera, out, of_files, reading)
+    else:
+        found = _recordings(clips, camera, [questions, out], of_files | reading)
+    require_writable_file(out, "--out", inputs=[questions])
     require_replaceable(out)
-    _tell_skipped(clips, own=[questions, out, out.with_name(f"{out.name}.part")])
 
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering.batch import answer_all
@@ -93,7 +101,6 @@ def batch(
         found,
         asked,
         out,
-        reading=reading,
         frame=frame,
         workers=by,
         progress=lambda done, total: report("answered", done, total),
@@ -101,6 +108,54 @@ def batch(
     if result.continued:
         print(f"note: {result.continued} rows were there from a stopped run", file=sys.stderr)
     print(f"{out}: {result.rows} rows, {result.errors} of them errors")
+
+
+def _episodes(
+    root: Path,
+    camera: str | None,
+    out: Path,
+    of_files: dict[str, Any],
+    reading: dict[str, Any],
+) -> list[Source]:
+    """Return the episodes of a data set; refuse what is said of other recordings."""
+    from geotlm_lm.data_sets.lerobot import read_data_set
+    from geotlm_lm.data_sets.stored_episode import every_episode
+
+    for name, value in of_files.items():
+        if value is not None:
+            raise UsageError(
+                f"--{name} is of files, and {root} is a LeRobot data set, which tells its own; "
+                f"leave it out."
+            )
+    if out.resolve().is_relative_to(root.resolve()):
+        raise UsageError(
+            f"--out: {out} lies in the data set that is read, expected a file beside it; give "
+            f"another place."
+        )
+    data_set = read_data_set(root)
+    return list(every_episode(data_set, touch_camera(data_set, camera), **reading))
+
+
+def _recordings(
+    folder: Path, camera: str | None, own: list[Path], reading: dict[str, Any]
+) -> list[Source]:
+    """Return the recordings of a folder; name on stderr what else lies there.
+
+    Args:
+        folder: Where they lie.
+        camera: Of a data set: none may be named.
+        own: The files of the run itself, the one to write last.
+        reading: Options of `read_clip`.
+    """
+    from geotlm_lm.recordings.listing import clips_in
+    from geotlm_lm.recordings.stored import StoredRecording
+
+    if camera is not None:
+        raise UsageError(f"--camera is of a LeRobot data set, and {folder} is none; leave it out.")
+    found, out = clips_in(folder), own[-1]
+    require_writable_file(out, "--out", inputs=found)
+    _tell_skipped(folder, own=[*own, out.with_name(f"{out.name}.part")])
+    return [StoredRecording(path, reading) for path in found]
 
 
 def require_replaceable(out: Path) -> None:

@@ -13,6 +13,7 @@ import typer
 from geotlm_lm.cli.options import (
     AsJson,
     BundleFolder,
+    ClusterAddress,
     EncoderHeads,
     EncoderName,
     EncoderWeights,
@@ -24,6 +25,7 @@ from geotlm_lm.cli.options import (
 )
 from geotlm_lm.cli.recorded import command_line, require_record_file
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.workers import Workers
 
 if TYPE_CHECKING:
     from geotlm_lm.benchmarks.rows import Bench, Run
@@ -73,19 +75,28 @@ def accuracy(
     weights: EncoderWeights = None,
     encoder: EncoderName = None,
     heads: EncoderHeads = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="Processes that share the sections. [default: 1, or as many as a cluster's]"
+        ),
+    ] = None,
+    cluster: ClusterAddress = None,
     seed: Seed = 0,
     model: BundleFolder = None,
     as_json: AsJson = False,
 ) -> None:
     """Hold the words against linear probes and two classical rivals; run the paper's protocols.
 
-    With --weights, a released encoder takes the embedded one's place in the protocols.
+    With --weights, a released encoder takes the embedded one's place in the protocols. Workers
+    change no number but times.
     """
     require_one_model(model, weights, encoder, heads)
     from geotlm_lm.benchmarks.rows import EncoderFile
 
     given = None if weights is None else EncoderFile(weights, encoder, heads)
-    run = _run(real, quick, seed, model, data=tuple(data or ()), encoder=given)
+    by = Workers(1 if workers is None and cluster is None else workers, cluster)
+    run = _run(real, quick, seed, model, data=tuple(data or ()), encoder=given, workers=by)
     _measure("accuracy", run, only, out, as_json=as_json)
 
 

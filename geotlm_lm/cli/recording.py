@@ -1,4 +1,4 @@
-"""What `answer` and `track` read: a recording, or one episode of a LeRobot data set."""
+"""What commands read: a recording, or one episode of a LeRobot data set."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from geotlm_lm.core.errors import UsageError
 
 if TYPE_CHECKING:
     from geotlm_lm.core.clip import Clip
+    from geotlm_lm.data_sets.lerobot import LeRobotDataSet
 
 EpisodeNumber = Annotated[
     int | None,
@@ -62,27 +63,37 @@ def _episode(
     square_pixels: bool | None,
     topic: str | None,
 ) -> Clip:
-    from geotlm_lm.data_sets.episode_frames import episode_clip
     from geotlm_lm.data_sets.lerobot import read_data_set
+    from geotlm_lm.data_sets.stored_episode import StoredEpisode
     from geotlm_lm.recordings.pixels import check_layout
     from geotlm_lm.recordings.read import read_background, require_rate
-    from geotlm_lm.recordings.span import require_motion
 
     if topic is not None:
         raise UsageError(f"--topic is of a bag, and {root} is a data set; give --camera instead.")
     checked = check_layout(layout)
     require_rate(fps)
     data_set = read_data_set(root)
-    found = camera or (data_set.cameras[0] if len(data_set.cameras) == 1 else None)
-    if found is None:
-        raise UsageError(
-            f"{root}: has {len(data_set.cameras)} cameras: {', '.join(data_set.cameras)}; give the "
-            f"touch sensor's by --camera."
-        )
-    clip = episode_clip(data_set, data_set.episode(episode), found, square_pixels=square_pixels)
-    require_motion(clip)
+    seen = StoredEpisode(
+        data_set, data_set.episode(episode), touch_camera(data_set, camera), fps, square_pixels
+    )
+    clip = seen.read()
     if checked is not None:
         clip = clip.with_note(f"The layout {checked} is not used: only arrays have one to tell.")
-    if fps is not None:
-        clip = replace(clip, fps=fps)
     return clip if background is None else replace(clip, background=read_background(background))
+
+
+def touch_camera(data_set: LeRobotDataSet, camera: str | None) -> str:
+    """Return the camera that was named; the only one where none was.
+
+    Raises:
+        UsageError: If there is no such camera, or none was named of several.
+    """
+    if camera is None:
+        if len(data_set.cameras) != 1:
+            raise UsageError(
+                f"{data_set.root}: has {len(data_set.cameras)} cameras: "
+                f"{', '.join(data_set.cameras)}; give the touch sensor's by --camera."
+            )
+        camera = data_set.cameras[0]
+    data_set.require_camera(camera)
+    return camera

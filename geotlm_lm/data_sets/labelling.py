@@ -26,7 +26,7 @@ from geotlm_lm.core.interrupts import uninterrupted_step
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.data_sets.episode_frames import episode_clip, episode_frames
 from geotlm_lm.data_sets.labelled import Labels, write_labelled
-from geotlm_lm.data_sets.lerobot import Episode, LeRobotDataSet, read_data_set
+from geotlm_lm.data_sets.lerobot import INFO, Episode, LeRobotDataSet, read_data_set
 from geotlm_lm.data_sets.motion_columns import (
     CAMERA_PREFIX,
     Values,
@@ -38,6 +38,8 @@ from geotlm_lm.recordings.legible import require_any_legible
 from geotlm_lm.recordings.pixel_shape import with_square_pixels
 from geotlm_lm.track.export import Exported
 from geotlm_lm.workers import ALONE, Workers
+
+SETTINGS = "settings.json"
 
 LABELS_VERSION = 1
 """Of what is written of an episode: another version's are not continued."""
@@ -126,7 +128,8 @@ def label_data_set(
         continued = done = len(files) - len(missing)
         # Without its episodes: each part has its own alone.
         work = partial(_label_episode, labelling, replace(data_set, episodes=()))
-        for _ in workers.each_done(work, missing):
+        seen = [data_set.root / INFO, part / SETTINGS]
+        for _ in workers.each_done(work, missing, seen=seen):
             done += 1
             progress("labelled", done, len(files))
         result = _assemble(data_set, labelling, files, settings, part / "data_set")
@@ -179,7 +182,7 @@ def _settings(data_set: LeRobotDataSet, labelling: Labelling) -> dict[str, Any]:
 
 def _begin(part: Path, settings: dict[str, Any]) -> None:
     """Begin a run in a folder, or go on with the one that was stopped there."""
-    path = part / "settings.json"
+    path = part / SETTINGS
     if part.exists():
         try:
             found = json.loads(path.read_text(encoding="utf-8"))

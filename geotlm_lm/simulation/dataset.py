@@ -34,7 +34,7 @@ from geotlm_lm.workers import ALONE, Workers
 SHARD_CLIPS = 64
 """Clips per shard: about 50 MB of frames, a few seconds of work to lose in a kill."""
 
-CARD_FILE = "README.md"
+CARD_FILE, ASKED_FILE = "README.md", "dataset.json"
 
 DATASET_FORMAT = 2
 
@@ -101,11 +101,12 @@ def write_dataset(
     wanted = {"format": DATASET_FORMAT, "series": SERIES_VERSION, "form": form} | options
     _check(out, count, wanted)
     out.mkdir(parents=True, exist_ok=True)
-    write_text_atomically(out / "dataset.json", json.dumps(wanted | {"count": count}) + "\n")
+    asked = out / ASKED_FILE
+    write_text_atomically(asked, json.dumps(wanted | {"count": count}) + "\n")
     shards = _shards(out, count, form)
     missing = [shard for shard in shards if not _is_whole(shard)]
     done = count - sum(shard.count for shard in missing)
-    for written in workers.each_done(partial(_write_shard, options), missing):
+    for written in workers.each_done(partial(_write_shard, options), missing, seen=[asked]):
         done += written
         progress("simulated", done, count)
     write_text_atomically(out / CARD_FILE, card_of(out, count, wanted))
@@ -123,7 +124,7 @@ def read_shard(path: Path) -> tuple[dict[str, NDArray[Any]], list[MotionLabel]]:
 def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
     if count < 1 or not wanted["objects"]:
         raise UsageError(f"found {count} clips of {len(wanted['objects'])} objects; ask for some.")
-    if not (out / "dataset.json").exists():
+    if not (out / ASKED_FILE).exists():
         if (out / CARD_FILE).exists():
             raise UsageError(
                 f"{out} has a {CARD_FILE} of something else, which the data set's card would "
@@ -131,11 +132,11 @@ def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
             )
         return
     try:
-        found = json.loads((out / "dataset.json").read_text())
+        found = json.loads((out / ASKED_FILE).read_text())
         found_count = int(found["count"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(
-            f"{out / 'dataset.json'} does not say what the folder holds; choose an empty folder."
+            f"{out / ASKED_FILE} does not say what the folder holds; choose an empty folder."
         ) from error
     # A folder that does not say has no mixed clips, in archives.
     found = {"mixed_share": 0.0, "form": "npz"} | found

@@ -12,8 +12,12 @@ from geotlm_lm.answering import Answerer, batch
 from geotlm_lm.answering.batch import answer_all
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.recordings.listing import clips_in
+from geotlm_lm.data_sets.lerobot import read_data_set
+from geotlm_lm.data_sets.stored_episode import every_episode
+from geotlm_lm.recordings import listing
+from geotlm_lm.recordings.stored import StoredRecording
 from tests.answering.scripted import feeling, recording
+from tests.data_sets.lerobot_files import CAMERA, turned, write_data_set
 
 QUESTIONS = ["Which way?", "backwards > way"]
 
@@ -30,6 +34,10 @@ def clips(tmp_path):
     return folder
 
 
+def clips_in(folder):
+    return list(map(StoredRecording, listing.clips_in(folder)))
+
+
 def answer_by(answerer, *args, **options):
     return answer_all(lambda: answerer, *args, **options)
 
@@ -44,7 +52,7 @@ def sent_answerer():
 class Sending:
     """Works here with what other processes would be sent."""
 
-    def each_done(self, work, parts):
+    def each_done(self, work, parts, seen):
         return map(pickle.loads(pickle.dumps(work)), pickle.loads(pickle.dumps(parts)))
 
 
@@ -76,7 +84,9 @@ def test_other_processes_can_be_sent_the_work(bundle, clips, tmp_path, monkeypat
 
 def test_a_question_that_cannot_be_asked_spoils_its_own_row_only(bundle, clips, tmp_path):
     out = tmp_path / "answers.jsonl"
-    answer_by(feeling(bundle, "left"), [clips / "a.npy"], ["  ", "Which way?"], out)
+    answer_by(
+        feeling(bundle, "left"), [StoredRecording(clips / "a.npy")], ["  ", "Which way?"], out
+    )
     refused, answered = rows_in(out)
     assert refused["error"].startswith("The question is empty")
     assert answered["error"] is None
@@ -96,7 +106,9 @@ def test_a_clip_is_encoded_once(bundle, clips, tmp_path, monkeypatch):
     monkeypatch.setattr(
         Answerer, "encode", lambda self, clip, span: seen.append(clip.name) or encode(self, clip)
     )
-    answer_by(feeling(bundle, "left"), [clips / "a.npy"], QUESTIONS, tmp_path / "x.jsonl")
+    answer_by(
+        feeling(bundle, "left"), [StoredRecording(clips / "a.npy")], QUESTIONS, tmp_path / "x.jsonl"
+    )
     assert len(seen) == 1
 
 
@@ -229,3 +241,33 @@ def test_a_file_that_is_no_unfinished_run_is_refused_and_left(
 def test_a_run_without_questions_is_refused(bundle, clips, tmp_path):
     with pytest.raises(ValueError, match="^a run takes 1 question or more, found none$"):
         answer_by(feeling(bundle, "left"), clips_in(clips), [], tmp_path / "x.jsonl")
+
+
+def test_a_stopped_run_over_a_data_set_goes_on_behind_the_episodes_it_had_done(
+    bundle, tmp_path, monkeypatch
+):
+    pytest.importorskip("pyarrow", reason="needs pyarrow, of the extra lerobot")
+    pytest.importorskip("av", reason="needs av, of the extra lerobot")
+    root = write_data_set(tmp_path / "robot", [turned(degrees) for degrees in (20, -15, 10)])
+    episodes = list(every_episode(read_data_set(root), CAMERA))
+    monkeypatch.setitem(globals(), "SENT_ANSWERER", [feeling(bundle, "left")])
+    whole, out = tmp_path / "whole.jsonl", tmp_path / "answers.jsonl"
+    answer_all(sent_answerer, episodes, QUESTIONS, whole)
+    with pytest.raises(Stopped):
+        answer_all(sent_answerer, episodes, QUESTIONS, out, progress=stop_after(2))
+    result = answer_all(sent_answerer, episodes, QUESTIONS, out, workers=Sending())
+    assert (result.rows, result.continued, result.errors) == (6, 4, 0)
+    assert without_times(out) == without_times(whole)
+
+
+def test_an_episode_that_was_recorded_anew_is_another(tmp_path):
+    pytest.importorskip("pyarrow", reason="needs pyarrow, of the extra lerobot")
+    pytest.importorskip("av", reason="needs av, of the extra lerobot")
+    root = write_data_set(tmp_path / "robot", [turned(20), turned(10)])
+    episode = next(every_episode(read_data_set(root), CAMERA))
+    before = episode.stamp()
+    assert episode.stamp() == before
+    assert next(every_episode(read_data_set(root), CAMERA, fps=10.0)).stamp() != before
+    path = root / f"videos/{CAMERA}/chunk-000/file-000.mp4"
+    path.write_bytes(path.read_bytes() + b"more")
+    assert episode.stamp() != before

@@ -1,12 +1,16 @@
 """The harness: sections run once, records keep the rest, pages say what records say."""
 
 import json
+from dataclasses import replace
+from functools import partial
 
 import cv2
 import pytest
 import torch
 
 from geotlm_lm.benchmarks import running
+from geotlm_lm.benchmarks.accuracy import ACCURACY
+from geotlm_lm.benchmarks.cases.simulated import TASKS
 from geotlm_lm.benchmarks.rendering import (
     StaleResults,
     check_results,
@@ -19,6 +23,7 @@ from geotlm_lm.benchmarks.rendering import (
 from geotlm_lm.benchmarks.rows import Bench, Pivot, Row, Run, Section, every
 from geotlm_lm.benchmarks.running import rows_of, run_bench, threads
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.workers import ALONE, Workers
 
 README = "# Mine\n\n<!-- begin: toy.first -->\nold\n<!-- end: toy.first -->\n\nAfter.\n"
 
@@ -100,6 +105,40 @@ def test_a_stopped_run_goes_on_where_it_was_at_the_same_commit_only(toy, tmp_pat
         run_bench(bench, Run(folder=tmp_path))
     # Once for abc, once for def; a changed checkout is never taken for its commit.
     assert ran == ["first", "second"] * 4
+
+
+def test_a_stopped_run_keeps_the_shares_that_it_had_of_a_section(toy, tmp_path, monkeypatch):
+    bench, ran, stops = toy[0], [], [True, False]
+
+    def share(name):
+        if name == "b" and stops.pop(0):
+            raise KeyboardInterrupt
+        ran.append(name)
+        return [Row(name, "words", 1, 0.5)]
+
+    def shares(run):
+        return {name: partial(share, name) for name in "ab"}
+
+    bench = replace(bench, sections=(replace(bench.sections[0], shares=shares),))
+    monkeypatch.setattr(running, "commit", lambda: "abc")
+    with pytest.raises(KeyboardInterrupt):
+        run_bench(bench, Run(folder=tmp_path))
+    record = run_bench(bench, Run(folder=tmp_path))
+    assert ran == ["a", "b"]
+    assert [row.case for row in rows_of(record, "first")] == ["a", "b"]
+
+
+@pytest.mark.usefixtures("answerer")  # skipped without the shipped model
+def test_two_processes_measure_what_one_does():
+
+    def measured(workers):
+        run = Run(seed=3, clips=2, workers=workers)
+        record = run_bench(ACCURACY, run, only=["clips"])
+        return [replace(row, ms_p50=None, ms_p95=None) for row in rows_of(record, "clips")]
+
+    alone = measured(ALONE)
+    assert [row.case for row in alone[::7]] == [f"simulated {task}" for task in TASKS]
+    assert measured(Workers(2)) == alone
 
 
 def test_thread_counts_come_back():

@@ -9,6 +9,7 @@ from geotlm_lm.answering.loaded import loaded
 from geotlm_lm.cli.batch import batch, read_questions
 from geotlm_lm.core.errors import UsageError
 from tests.answering.scripted import feeling, recording
+from tests.data_sets.lerobot_files import CAMERA, OTHER, turned, write_data_set
 from tests.tiny_bundle import tiny_bundle
 
 
@@ -166,3 +167,52 @@ def test_square_pixels_are_told_to_the_reader_of_every_clip(invoke, tmp_path):
         notes.append(" ".join(json.loads(rows[0])["answer"]["notes"]))
     assert "squashed to a square" in notes[0]
     assert "as asked" in notes[1]
+
+
+@pytest.fixture
+def robot(tmp_path):
+    """A data set of three episodes in two files, the second file's video damaged."""
+    pytest.importorskip("pyarrow", reason="needs pyarrow, of the extra lerobot")
+    pytest.importorskip("av", reason="needs av, of the extra lerobot")
+    root = write_data_set(tmp_path / "robot", [turned(degrees) for degrees in (20, -15, 10)])
+    (root / f"videos/{CAMERA}/chunk-000/file-001.mp4").write_bytes(b"no video")
+    return root
+
+
+def test_each_episode_of_a_data_set_is_asked_about(invoke, tmp_path, robot):
+    result = invoke("--clips", str(robot), "--camera", CAMERA)
+    assert result.exit_code == 0
+    out = tmp_path / "deep" / "answers.jsonl"
+    assert result.stdout == f"{out}: 6 rows, 2 of them errors\n"
+    rows = [json.loads(line) for line in out.read_text().splitlines()]
+    assert [row["clip"] for row in rows[::2]] == [f"episode-00000{n}" for n in range(3)]
+    assert [row["answer"]["direction"] for row in rows[:4:2]] == ["up", "up"]
+    assert "cannot be decoded" in rows[4]["error"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ([], "{root}: has 2 cameras: {other}, {camera}; give the touch sensor's by --camera."),
+        (
+            ["--camera", CAMERA, "--layout", "THWC"],
+            "--layout is of files, and {root} is a LeRobot data set, which tells its own; leave "
+            "it out.",
+        ),
+        (
+            ["--camera", CAMERA, "--out", "{root}/rows.jsonl"],
+            "--out: {root}/rows.jsonl lies in the data set that is read, expected a file beside "
+            "it; give another place.",
+        ),
+        (
+            ["--clips", "{root}/..", "--camera", CAMERA],
+            "--camera is of a LeRobot data set, and {root}/.. is none; leave it out.",
+        ),
+    ],
+)
+def test_what_does_not_go_with_a_data_set_is_refused(invoke, robot, arguments, sentence):
+    given = [word.format(root=robot) for word in arguments]
+    error = invoke("--clips", str(robot), *given).exception
+    assert isinstance(error, UsageError)
+    assert str(error) == sentence.format(root=robot, camera=CAMERA, other=OTHER)
+    assert invoke.formats == []
