@@ -18,14 +18,15 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from geotlm_lm import Clip, Touch, simulate_touch
 from geotlm_lm.core.record import commit, machine
 from geotlm_lm.data_sets.labelling import Labelling, label_data_set
 from geotlm_lm.workers import Workers
 from tests.data_sets.lerobot_files import CAMERA, FPS, write_data_set
+
+ROOT = Path(__file__).resolve().parents[1]
 
 TOUCHES, IDLE, IN_A_FILE = 20, 10, 10
 KILLED_AT = (1 / 3, 2 / 3)
@@ -62,7 +63,7 @@ def main() -> None:
 
 def episodes(count: int) -> list[Clip]:
     """Return simulated touches, there and back between idle gel, each begun elsewhere."""
-    objects, touches = ("key", "coin", "ball"), []
+    objects, touches = ("key", "coin", "hex_nut"), []
     for seed in range(TOUCHES):
         turn, slide = 10.0 * (-1) ** seed, 0.1 * (seed % 6)
         touch = Touch(objects[seed % 3], twist_deg=turn, slide_x_mm=slide, seed=seed)

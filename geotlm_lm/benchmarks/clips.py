@@ -96,14 +96,13 @@ def clip_rows(run: Run, halves: Sequence[Half | None] = (None,)) -> Iterator[Row
         UnreadableClip: If recordings or a data set cannot be read, or nothing was judged.
         UsageError: If two data sets have one name.
     """
-    found = 0
-    for share in clip_shares(run, halves).values():
+    data_sets, found = open_data_sets(run.data), 0
+    for share in _shares(run, halves, data_sets).values():
         for row in share():
             found += 1
             yield row
     if not found:
-        data_sets = open_data_sets(run.data).values()
-        left_out = [reason for one in data_sets for reason in one.left_out.values()]
+        left_out = [reason for one in data_sets.values() for reason in one.left_out.values()]
         raise UnreadableClip(
             f"no clip could be judged ({'; '.join(left_out[:1]) or 'none was asked for'}); give "
             f"other data."
@@ -122,6 +121,12 @@ def clip_shares(run: Run, halves: Sequence[Half | None] = (None,)) -> dict[str, 
         UnreadableClip: If recordings or a data set cannot be read.
         UsageError: If two data sets have one name.
     """
+    return _shares(run, halves, open_data_sets(run.data))
+
+
+def _shares(
+    run: Run, halves: Sequence[Half | None], data_sets: Mapping[str, DataSet]
+) -> dict[str, Share]:
     clips = run.size(CLIPS, 6) if run.clips is None else run.clips
     shares: dict[str, Share] = {}
     for task in TASKS if clips else ():
@@ -129,7 +134,7 @@ def clip_shares(run: Run, halves: Sequence[Half | None] = (None,)) -> dict[str, 
     for name, cases in ({} if run.real is None else real_cases(run.real)).items():
         for half in halves:
             shares[titled(f"real {name}", half)] = partial(_recordings, run, name, cases, half)
-    for name, data_set in open_data_sets(run.data).items():
+    for name, data_set in data_sets.items():
         shares[f"data {name}"] = partial(_data_set, run, data_set)
     return shares
 

@@ -186,7 +186,7 @@ def test_each_episode_of_a_data_set_is_asked_about(invoke, tmp_path, robot):
     assert result.stdout == f"{out}: 6 rows, 2 of them errors\n"
     rows = [json.loads(line) for line in out.read_text().splitlines()]
     assert [row["clip"] for row in rows[::2]] == [f"episode-00000{n}" for n in range(3)]
-    assert [row["answer"]["direction"] for row in rows[:4:2]] == ["up", "up"]
+    assert [row["answer"]["direction"] for row in rows[:4:2]] == ["clockwise", "counterclockwise"]
     assert "cannot be decoded" in rows[4]["error"]
 
 
