@@ -20,10 +20,10 @@ import torch
 from numpy.typing import NDArray
 
 from geotlm_lm.benchmarks.cases import simulated
+from geotlm_lm.benchmarks.one_thread import threads
 from geotlm_lm.benchmarks.protocol_clips import TaskClips, task_clips
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.rows import Listing, Pivot, Row, Run, Section
-from geotlm_lm.benchmarks.running import threads
 from geotlm_lm.benchmarks.statistics import share_row
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.grouping import mean_by_group

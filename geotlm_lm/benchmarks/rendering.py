@@ -13,8 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from geotlm_lm.benchmarks.rows import QUICK, Bench, Listing, Pivot, Row, Section
-from geotlm_lm.benchmarks.running import rows_of
+from geotlm_lm.benchmarks.rows import QUICK, Bench, Listing, Pivot, Row, Section, rows_of
 from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.record import RunRecord

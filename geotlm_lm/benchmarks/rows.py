@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.core.record import RunRecord
 from geotlm_lm.workers import ALONE, Workers
 
 if TYPE_CHECKING:
@@ -215,3 +216,9 @@ class Bench:
 def every(row: Row) -> bool:
     """Show all rows of a section in one table."""
     return True
+
+
+def rows_of(record: RunRecord, section: str) -> list[Row]:
+    """Return the rows of a recorded section; none where it was not run."""
+    found = record.numbers["sections"].get(section, {"rows": []})
+    return [Row.from_dict(row) for row in found["rows"]]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from geotlm_lm.benchmarks.rows import QUICK, WHOLE, Bench, Row, Run, Section, Share
+from geotlm_lm.benchmarks.one_thread import threads
+from geotlm_lm.benchmarks.rows import QUICK, WHOLE, Bench, Run, Section, Share
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.progress import silent
@@ -67,12 +67,6 @@ def run_bench(
         }
         | ({} if run.workers == ALONE else {"workers": run.workers.count}),
     )
-
-
-def rows_of(record: RunRecord, section: str) -> list[Row]:
-    """Return the rows of a recorded section; none where it was not run."""
-    found = record.numbers["sections"].get(section, {"rows": []})
-    return [Row.from_dict(row) for row in found["rows"]]
 
 
 @dataclass(frozen=True)
@@ -162,19 +156,3 @@ def _folder(bench: Bench, run: Run) -> Path | None:
         return None
     asked = f"{at}-{run.seed}-{'real' if run.real else 'simulated'}"
     return run.folder / f"{bench.name}-{asked}"
-
-
-@contextmanager
-def threads(count: int) -> Iterator[None]:
-    """Let torch and OpenCV use `count` threads each while inside."""
-    import cv2
-    import torch
-
-    torch_before, cv2_before = torch.get_num_threads(), cv2.getNumThreads()
-    torch.set_num_threads(count)
-    cv2.setNumThreads(count)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(torch_before)
-        cv2.setNumThreads(cv2_before)

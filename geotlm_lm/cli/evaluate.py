@@ -94,8 +94,8 @@ def evaluate(
         answerer, name, about = _trained_on(weights, encoder, heads, chosen, folder, seed)
     from geotlm_lm.benchmarks.accuracy import EVALUATION
     from geotlm_lm.benchmarks.rendering import page
-    from geotlm_lm.benchmarks.rows import Run
-    from geotlm_lm.benchmarks.running import rows_of, run_bench
+    from geotlm_lm.benchmarks.rows import Run, rows_of
+    from geotlm_lm.benchmarks.running import run_bench
     from geotlm_lm.benchmarks.variants import GENERATED
 
     run = Run(

@@ -145,7 +145,7 @@ def test_the_size_of_a_pixel_is_given_said_and_shown(asking, recordings):
     browser = asking(FakeAnswerer())
     browser.click("Frame of reference", "button")
     browser.wait_for(f"/It slides .* px, /.test({TEXT})")
-    ask_until(browser, f"/It slides .* mm, /.test({TEXT})", "Which way?", "0.06")
+    ask_until(browser, f"/It slides .* mm[,.]/.test({TEXT})", "Which way?", "0.06")
     ask_until(browser, f"{PIXEL} == '0.05'", "0.05 mm per pixel. Which way?")
     refused = f"{TEXT}.includes('A pixel of 60 mm was given, expected')"
     ask_until(browser, refused, "Which way?", "60")

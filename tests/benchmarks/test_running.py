@@ -11,6 +11,7 @@ import torch
 from geotlm_lm.benchmarks import running
 from geotlm_lm.benchmarks.accuracy import ACCURACY
 from geotlm_lm.benchmarks.cases.simulated import TASKS
+from geotlm_lm.benchmarks.one_thread import threads
 from geotlm_lm.benchmarks.rendering import (
     StaleResults,
     check_results,
@@ -20,8 +21,8 @@ from geotlm_lm.benchmarks.rendering import (
     save_results,
     table,
 )
-from geotlm_lm.benchmarks.rows import Bench, Pivot, Row, Run, Section, every
-from geotlm_lm.benchmarks.running import rows_of, run_bench, threads
+from geotlm_lm.benchmarks.rows import Bench, Pivot, Row, Run, Section, every, rows_of
+from geotlm_lm.benchmarks.running import run_bench
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.workers import ALONE, Workers
 

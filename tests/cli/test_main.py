@@ -197,12 +197,16 @@ def test_ctrl_c_ends_with_code_130(capsys, monkeypatch):
     assert run(capsys, "info", "--clip", "clip.npy") == (130, "", "Stopped.\n")
 
 
-def test_ctrl_c_in_a_command_that_writes_files_says_what_became_of_them(capsys, monkeypatch):
+def test_ctrl_c_in_a_command_that_writes_files_says_what_became_of_them(
+    capsys, monkeypatch, tmp_path
+):
     def interrupt(folder):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("geotlm_lm.recordings.listing.clips_in", interrupt)
-    assert run(capsys, "batch", "--clips", "a", "--questions", "b", "--out", "c") == (
+    asked = tmp_path / "questions.txt"
+    asked.write_text("Which way?\n")
+    assert run(capsys, "batch", "--clips", "a", "--questions", str(asked), "--out", "c") == (
         130,
         "",
         "Stopped; files already complete are kept.\n",

@@ -37,6 +37,7 @@ ONLY_CHECKED = {
     "geotlm-lm label": "needs a robot's data set; tests/data_sets writes one and labels it",
     "geotlm-lm track robot": "likewise",
     "geotlm-lm answer --clip robot": "likewise",
+    "geotlm-lm batch --clips robot": "likewise",
     "geotlm-lm track recording.mov --rerun": "needs the extra rerun; tests/track and tests/cli do",
     "geotlm-lm answer --clip recording.mov --rerun": "needs the extra rerun; tests/cli has it",
     "geotlm-lm manifest": "needs a data set's pictures",
