@@ -194,10 +194,10 @@ def test_a_recording_is_watched(browser, tmp_path):
     browser.wait_for(f"{TEXT}.includes('idle gel learnt · 40 frames')")
     browser.wait_for(f"{TOLD}.includes('stick')")
     browser.click("When did it stop?", ".chips button")
-    browser.wait_for(f"{CHAT}.innerText.includes('does not happen')")
+    browser.wait_for(f"{CHAT}.innerText.includes('neither turns nor slides')")
     browser.click("Stop and clear")
     browser.wait_for(f"{NOTHING_SHOWN} && !{TEXT}.includes('idle gel learnt')")
-    browser.wait_for(f"!{CHAT}.innerText.includes('does not happen')")
+    browser.wait_for(f"!{CHAT}.innerText.includes('neither turns nor slides')")
 
 
 def test_a_recording_that_is_watched_no_longer_leaves_the_stage_empty(browser, tmp_path):
