@@ -28,7 +28,7 @@ from tests.data_sets.lerobot_files import CAMERA, FPS, write_data_set
 
 ROOT = Path(__file__).resolve().parents[1]
 
-TOUCHES, IDLE, IN_A_FILE = 20, 10, 10
+TOUCHES, IDLE, REPEATS, IN_A_FILE = 20, 10, 6, 10
 KILLED_AT = (1 / 3, 2 / 3)
 
 
@@ -69,7 +69,8 @@ def episodes(count: int) -> list[Clip]:
         touch = Touch(objects[seed % 3], twist_deg=turn, slide_x_mm=slide, seed=seed)
         clip = simulate_touch(touch).clip
         idle = np.repeat(clip.background[None], IDLE, axis=0)
-        touches.append(np.concatenate([idle, clip.frames, clip.frames[::-1], idle]))
+        moved = np.tile(np.concatenate([clip.frames, clip.frames[::-1]]), (REPEATS, 1, 1, 1))
+        touches.append(np.concatenate([idle, moved, idle]))
     return [Clip(touches[n % TOUCHES][n // TOUCHES % IDLE :], fps=FPS) for n in range(count)]
 
 
@@ -113,9 +114,9 @@ def killed(root: Path, out: Path, address: str, count: int) -> None:
         require(before.items() <= now.items() and len(before) < len(now) < count)
         before = now
     with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.DEVNULL) as running:
-        seen = before
+        seen = dict(before)
         while running.poll() is None:
-            seen = kept(out) or seen
+            seen |= kept(out)  # one that is written again has another time
             time.sleep(0.01)
     require(running.returncode == 0 and before.items() <= seen.items())
 
@@ -127,7 +128,7 @@ def kept(out: Path) -> dict[Path, int]:
         try:
             found[path] = path.stat().st_mtime_ns
         except FileNotFoundError:  # the run has ended and cleans up
-            return {}
+            continue
     return found
 
 
