@@ -45,8 +45,7 @@ class Answer:
         query: How the question was understood, in the words of `query.text`.
         understood: Probability that it was, in [0, 1].
         resumed: The query itself, for what is asked next.
-        point_of_view: In words, as the sentence or one before it named it; None where it names no
-            way.
+        point_of_view: That was named last, in words; None where none was.
     """
 
     text: str

@@ -9,8 +9,9 @@ from pathlib import Path
 
 from geotlm_lm.answering.answer import Answer, Comparison, Why
 from geotlm_lm.answering.argument_checks import require_answer, require_encoded, require_frame
-from geotlm_lm.answering.asking import answer, compare, says
+from geotlm_lm.answering.asking import answer, says
 from geotlm_lm.answering.belief_of_clip import belief_of
+from geotlm_lm.answering.comparing import compare
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.own_words import own_evidence
 from geotlm_lm.answering.perceiving import (

@@ -2,29 +2,37 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Literal, NamedTuple
 
-from geotlm_lm.answering.answer import Answer, Comparison
+from geotlm_lm.answering.answer import Answer
+from geotlm_lm.answering.deciding import (
+    Decided,
+    decided_parts,
+    first_withheld,
+    frame_after,
+    guess_words,
+    withheld_words,
+)
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.evidence_of import evidence_of, recording_of, regions_of
 from geotlm_lm.answering.measured_motion import MeasuredMotion
 from geotlm_lm.answering.own_words import own_words
 from geotlm_lm.answering.understanding import Understood
-from geotlm_lm.answering.withholding import LEAST_SURE, tentative, why_withheld
+from geotlm_lm.answering.withholding import LEAST_SURE
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import DIRECTED, Motion, reverse
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import WAYS
 from geotlm_lm.query import types as t
+from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import Decision, Evidence
-from geotlm_lm.query.execute import execute
 from geotlm_lm.query.facts import with_facts
-from geotlm_lm.query.forms import decided, in_form
-from geotlm_lm.query.phrases import last_named, naming_once
+from geotlm_lm.query.forms import decided, in_form, told_in_form
+from geotlm_lm.query.phrases import where_phrase
 from geotlm_lm.query.replies import replies
 
 _OF_FILE = ("setup", "recording", "help", "talk")
@@ -32,23 +40,6 @@ _OF_FILE = ("setup", "recording", "help", "talk")
 
 _UNSURE = (*_OF_FILE, "unanswerable", "not-understood", "again")
 """Asks whose answers claim nothing of a motion."""
-
-
-def of_two(query: t.Query) -> bool:
-    """Tell whether a query asks about two clips."""
-    return any(map(_is_of_two, query.parts))
-
-
-def _is_of_two(part: t.Part) -> bool:
-    return part.ask.kind in ("compare", "which-clip") or part.subject.clip in t.OF_SEVERAL
-
-
-def frame_after(query: t.Query, frame: FrameSpec, columns: int) -> FrameSpec:
-    """Return the frame in which the facts that were stated hold; the one before if they cannot."""
-    try:
-        return with_facts(frame, query.facts, columns)
-    except UsageError:  # no camera has such pixels: `_decided` says so
-        return frame
 
 
 def answer(
@@ -77,7 +68,7 @@ def answer(
     if not query.parts:
         return _noted(encoded, understood, frame, started)
     clips = (encoded,) if other is None else (other, encoded)
-    return _told(bundle, understood, _decided(query, frame, clips, named), started)
+    return _told(bundle, understood, decided_parts(query, frame, clips), started, named)
 
 
 def says(query: t.Query, frame: FrameSpec, *clips: Encoded) -> tuple[str, FrameSpec]:
@@ -88,134 +79,37 @@ def says(query: t.Query, frame: FrameSpec, *clips: Encoded) -> tuple[str, FrameS
         frame: What held before.
         *clips: One, or two that follow each other.
     """
-    found = _decided(query, frame, clips)
+    found = decided_parts(query, frame, clips)
     now = frame_after(query, frame, clips[-1].clip.frames.shape[2])
     recording = recording_of(found[0].clips[-1] if found else clips[-1]).at_rate(now.rate_hz)
     return in_form([one.decision for one in found], query.form, recording), now
 
 
-@dataclass(frozen=True)
-class _Decided:
-    """What one part is answered by, and the clips that it is about."""
-
-    decision: Decision
-    clips: tuple[Encoded, ...]
-
-    def withheld(self, bundle: Bundle) -> str | None:
-        """Return what is said in place of it; None where it is told."""
-        each = self.decision.each if len(self.clips) == 2 else (self.decision,)
-        reasons = (
-            why_withheld(bundle, clip, one) for clip, one in zip(self.clips, each, strict=False)
-        )
-        return next((one for one in reasons if one is not None), None)
-
-
-def _decided(
-    query: t.Query, frame: FrameSpec, clips: tuple[Encoded, ...], named: str | None = None
-) -> tuple[_Decided, ...]:
-    decisions, told_of = [], []
-    for part in query.parts:
-        about = clips
-        if not _is_of_two(part):
-            is_first = part.subject.clip in ("first", "previous")
-            about = clips[:1] if is_first else clips[-1:]
-            part = replace(part, subject=replace(part.subject, clip=None))
-        alone = replace(query, parts=(part,))
-        decisions += execute(alone, evidence_of(*about), frame)
-        told_of.append(about)
-    return tuple(map(_Decided, naming_once(decisions, named), told_of))
-
-
-def compare(
-    bundle: Bundle,
-    clips: tuple[Encoded, Encoded],
-    understood: Understood,
-    frame: FrameSpec,
-) -> Comparison:
-    """Answer a question about two clips."""
-    first, second = clips
-    now = frame_after(understood.query, frame, first.clip.frames.shape[2])
-    open_ = Understood(t.Query((t.Part(t.Ask("way")),)), "way", 1.0)
-    each = [answer(bundle, one, open_, now) for one in clips]
-    query = understood.query
-    if understood.ask_back is not None or not query.parts:
-        text, sure, word = answer(bundle, second, understood, frame).text, 0.0, None
-    else:
-        text, sure, word = _compared(bundle, understood, _decided(query, frame, clips))
-    relation = _relation(each)
-    kind = query.parts[0].ask.kind if query.parts else "fact"
-    if kind == "compare" and word is None and sure > 0:
-        word = relation
-    return Comparison(text, relation, sure, sure == 0.0, *each, word, kind, now, query)
-
-
-def _compared(
-    bundle: Bundle, understood: Understood, found: tuple[_Decided, ...]
-) -> tuple[str, float, str | None]:
-    """Return the words of a comparison, how sure they are, and the deciding one."""
-    form, decisions = understood.query.form, [one.decision for one in found]
-    recording = recording_of(found[0].clips[0]).at_rate(decisions[0].frame.rate_hz)
-    withheld = next((why for one in found if (why := one.withheld(bundle)) is not None), None)
-    if withheld is not None:
-        return _withheld(withheld, understood), 0.0, None
-    sure = understood.probability * min(one.probability for one in decisions)
-    text = in_form(decisions, form, recording, sure=sure, keys=understood.keys)
-    if any(one.missing is not None for one in decisions):
-        return text, 0.0, None
-    if sure < LEAST_SURE:
-        return _guess(text, understood, sure), 0.0, None
-    return text, sure, decided(decisions[0], recording)
-
-
-def _withheld(why: str, understood: Understood) -> str:
-    if understood.keys:
-        return json.dumps(dict.fromkeys(understood.keys))
-    is_json = understood.query.form == "json"
-    return json.dumps({"missing": why, "probability": 0.0}) if is_json else why
-
-
-def _guess(text: str, understood: Understood, sure: float) -> str:
-    """Return words as a guess; JSON holds its own probability, or no values under given keys."""
-    if understood.keys:
-        return json.dumps(dict.fromkeys(understood.keys))
-    return text if understood.query.form == "json" else tentative(text, sure)
-
-
-def _relation(each: Sequence[Answer]) -> str:
-    one, other = (answer.direction for answer in each)
-    if None in (one, other):
-        return "unknown"
-    if one == other:
-        return "same"
-    return "opposite" if one in DIRECTED and other == reverse(one) else "different"
-
-
 def _told(
-    bundle: Bundle, understood: Understood, told: tuple[_Decided, ...], started: float
+    bundle: Bundle,
+    understood: Understood,
+    told: tuple[Decided, ...],
+    started: float,
+    named: str | None,
 ) -> Answer:
     """Word the decisions on every part of a query."""
-    query, found, encoded = understood.query, [one.decision for one in told], told[0].clips[-1]
+    found, encoded = [one.decision for one in told], told[0].clips[-1]
     first = found[0]
     evidence = evidence_of(encoded).at_rate(first.frame.rate_hz)
     sure = understood.probability * min(one.probability for one in found)
-    withheld = next((why for one in told if (why := one.withheld(bundle)) is not None), None)
-    told_by, text = "rule", None
-    is_plain = query.form == "sentence" and not first.is_frame_known
-    if len(found) == 1 and is_plain and withheld is None:
-        text = own_words(bundle, encoded, first)
-        told_by = "rule" if text is None else "model"
-    if text is None:
-        keys = understood.keys
-        text = in_form(found, query.form, evidence.recording, sure=sure, keys=keys)
+    withheld = first_withheld(bundle, told)
     is_silent = all(one.missing is not None or one.part.ask.kind in _UNSURE for one in found)
     kind = first.part.ask.kind
     is_guess = not is_silent and _is_guess(found)
     if withheld is not None:
-        text, told_by = _withheld(withheld, understood), "rule"
-    elif is_guess:
-        text, told_by = _guess(text, understood, min(map(_motion_chance, found))), "rule"
+        words = _Words(withheld_words(withheld, understood), "rule", named)
+    else:
+        words = _words(bundle, encoded, understood, found, evidence.recording, sure, named)
+        if is_guess:
+            guess = guess_words(words.text, understood, min(map(_motion_chance, found)))
+            words = _Words(guess, "rule", words.named)
     is_abstained = withheld is not None or is_silent or is_guess
-    plain = _plain(encoded, understood, first.frame, text, started)
+    plain = _plain(encoded, understood, first.frame, words.text, started)
     moves = first.movements
     return replace(
         plain,
@@ -228,9 +122,37 @@ def _told(
         options=_options(first, evidence),
         amount=first.amounts[0] if first.amounts else moves[0].amount if moves else None,
         motion=MeasuredMotion.of(encoded.belief, evidence.recording, first.frame),
-        told_by=told_by,
-        point_of_view=None if withheld is not None else last_named(found),
+        told_by=words.told_by,
+        point_of_view=words.named,
     )
+
+
+class _Words(NamedTuple):
+    """A sentence, whose it is, and the point of view that was named last, in it or before."""
+
+    text: str
+    told_by: Literal["model", "rule"]
+    named: str | None
+
+
+def _words(
+    bundle: Bundle,
+    encoded: Encoded,
+    understood: Understood,
+    found: Sequence[Decision],
+    recording: Recording,
+    sure: float,
+    named: str | None,
+) -> _Words:
+    """Return the language model's sentence where it has one and its point of view is not known."""
+    form, where = understood.query.form, where_phrase(found[0])
+    if len(found) == 1 and form == "sentence" and where != named:
+        text = own_words(bundle, encoded, found[0])
+        if text is not None:
+            return _Words(text, "model", where if where in text else named)
+    keys = understood.keys
+    text, named = told_in_form(found, form, recording, sure=sure, keys=keys, named=named)
+    return _Words(text, "rule", named)
 
 
 def _is_guess(found: Sequence[Decision]) -> bool:

@@ -8,7 +8,9 @@ from typing import Any, Protocol
 
 from geotlm_lm.answering.answer import Answer, Comparison, Why
 from geotlm_lm.answering.argument_checks import require_encoded, require_frame
-from geotlm_lm.answering.asking import answer, compare, frame_after, of_two, says
+from geotlm_lm.answering.asking import answer, says
+from geotlm_lm.answering.comparing import compare
+from geotlm_lm.answering.deciding import frame_after, of_two
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.understanding import Understood, understand
 from geotlm_lm.checkpoint import Bundle

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from geotlm_lm.core.labels import Motion
@@ -13,7 +14,7 @@ from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.bounds import timings
 from geotlm_lm.query.decision import Decision
 from geotlm_lm.query.happenings import Happening
-from geotlm_lm.query.phrases import frame_phrase, joined
+from geotlm_lm.query.phrases import frame_phrase, joined, where_phrase
 from geotlm_lm.query.say_back import proposition_words
 from geotlm_lm.query.tell import SEPARATE, tell
 from geotlm_lm.query.tell_track import frames, moment
@@ -69,7 +70,22 @@ def in_form(
     sure: float = 1.0,
     keys: Sequence[str] = (),
 ) -> str:
-    """Return decisions in a form of `types.FORMS`; what has no such form is told in full.
+    """Return decisions in a form of `types.FORMS`; arguments are those of `told_in_form`."""
+    return told_in_form(decisions, form, recording, sure=sure, keys=keys)[0]
+
+
+def told_in_form(
+    decisions: Sequence[Decision],
+    form: str,
+    recording: Recording,
+    *,
+    sure: float = 1.0,
+    keys: Sequence[str] = (),
+    named: str | None = None,
+) -> tuple[str, str | None]:
+    """Return decisions in a form of `types.FORMS`, and the point of view that was named last.
+
+    What has no such form is told in full. A point of view is named where it is not the last named.
 
     Args:
         decisions: Of every part of a query.
@@ -77,16 +93,23 @@ def in_form(
         recording: The file.
         sure: Probability of the whole answer, for JSON.
         keys: Of JSON that holds just these, a decision each.
+        named: The point of view that was named before, in words.
     """
     if form == "json" and keys:
         values = (_value(one, recording) for one in decisions)
-        return json.dumps(dict(zip(keys, values, strict=True)))
+        return json.dumps(dict(zip(keys, values, strict=True))), named
     if form == "json":
-        return json.dumps(as_json(decisions, recording, sure))
-    told = [_short(one, form, recording) or tell(one, recording) for one in decisions]
+        return json.dumps(as_json(decisions, recording, sure)), named
+    told = []
+    for one in decisions:
+        where = where_phrase(one)
+        text = _short(one, form, recording)
+        text = text or tell(replace(one, is_frame_known=where == named), recording)
+        named = where if where in text else named
+        told.append(text)
     if form == "list" and len(told) > 1:
-        return "\n".join(f"- {one}" for one in told)
-    return " ".join(told)
+        return "\n".join(f"- {one}" for one in told), named
+    return " ".join(told), named
 
 
 def _short(decision: Decision, form: str, recording: Recording) -> str | None:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
-from geotlm_lm.core.labels import DIRECTED, Motion, reverse
+from geotlm_lm.core.labels import Motion, reverse
 from geotlm_lm.core.twist import Component
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Measure
@@ -55,30 +54,6 @@ def frame_phrase(edit: Edit) -> str:
     if image:
         place += f"{' with the image' if edit.behind else ''} {' and '.join(image)}"
     return place + ", played backwards" * edit.backwards
-
-
-def naming_once(decisions: Iterable[Decision], named: str | None) -> tuple[Decision, ...]:
-    """Return decisions that name no point of view that was named last.
-
-    Args:
-        decisions: In the order of their telling.
-        named: The phrase that was named before them.
-    """
-    found = []
-    for one in decisions:
-        found.append(replace(one, is_frame_known=where_phrase(one) == named))
-        named = last_named((one,)) or named
-    return tuple(found)
-
-
-def last_named(decisions: Sequence[Decision]) -> str | None:
-    """Return the point of view of the last decision that tells a way, which has one."""
-    named = [
-        one
-        for one in decisions
-        if any(told.way in DIRECTED for told in (*one.movements, *one.happenings))
-    ]
-    return where_phrase(named[-1]) if named else None
 
 
 def in_frame(decision: Decision) -> str:

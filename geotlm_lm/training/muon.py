@@ -1,7 +1,7 @@
 """Muon: momentum whose matrices are made orthogonal before each step (Jordan et al. 2024).
 
-torch's own rounds to bfloat16, which processors without it emulate many times slower; this one
-keeps single precision. Vectors and embeddings take AdamW's steps, in the same `step()`.
+torch's own rounds to bfloat16, which processors without it emulate slowly; this one keeps single
+precision. Vectors and embeddings take AdamW's steps, in the same `step()`.
 """
 
 from __future__ import annotations

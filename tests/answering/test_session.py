@@ -37,6 +37,15 @@ def test_talk_and_reasons_between_do_not_make_it_forget(session):
     assert session.ask("again rad").amount.unit == "rad"
 
 
+@pytest.mark.parametrize(
+    "first", ["way turn ; as word", "way turn ; as json", "claim touch ; as yes-no"]
+)
+def test_a_point_of_view_that_no_sentence_named_is_named_yet(session, first):
+    assert " image" not in session.ask(first).text.split('"frame"')[0]
+    assert session.ask("claim cw").text.endswith(", in the camera image.")
+    assert not session.ask("claim cw").text.endswith("image.")
+
+
 def test_a_point_of_view_is_named_when_it_is_new(session):
     def named(text):
         return " image" in session.ask(text).text
