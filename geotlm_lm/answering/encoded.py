@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import REGIONS
-from geotlm_lm.model import Perception
+from geotlm_lm.model import Perception, contact_centre
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.recordings.idle import estimate_background
 from geotlm_lm.track.track import Track
@@ -77,6 +78,32 @@ class Encoded:
     def doubt(self) -> float:
         """What multiplies the temperature of every probability."""
         return max(CUT_OFF_DOUBT if self.is_cut_off else 1.0, FAINT_DOUBT if self.is_faint else 1.0)
+
+    @cached_property
+    def regions(self) -> dict[str, Any]:
+        """The geometry an answer rests on, as plain values that nobody may change."""
+        geometry = self.perception.geometry
+        descriptor = geometry.descriptor[0].view(2, len(REGIONS)).tolist()
+        mass = geometry.region_mass[0].tolist()
+        regions = {
+            name: {
+                "shear_change_x": round(descriptor[0][column], 4),
+                "shear_change_y": round(descriptor[1][column], 4),
+                "contact_mass": round(mass[column], 4),
+            }
+            for column, name in enumerate(REGIONS)
+        }
+        view = self.view and {name: round(px, 1) for name, px in asdict(self.view).items()}
+        centre = None
+        if self.view and not self.is_untouched:
+            size = self.clip.frames.shape[1:3]
+            centre = [round(px, 1) for px in contact_centre(geometry, self.view, size)]
+        return {
+            "contact_share": round(self.contact_share, 4),
+            "contact_centre_px": centre,
+            "view": view,
+            "regions": regions,
+        }
 
     @property
     def contact_share(self) -> float:

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
 
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.reasons import contact_place, halves
-from geotlm_lm.core.geometry import REGIONS
-from geotlm_lm.model import contact_centre
 from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import ContactArea, Evidence
 
 
 def evidence_of(encoded: Encoded, other: Encoded | None = None) -> Evidence:
     """Return what answers about a clip, or about it and another, rest on."""
-    values = regions_of(encoded)
+    values = encoded.regions
     reasons = (
         f"{_capitalised(contact_place(values['regions'], values['contact_share']))}.",
         f"{_capitalised(halves(values['regions']))}.",
@@ -51,29 +49,8 @@ def recording_of(encoded: Encoded) -> Recording:
 
 
 def regions_of(encoded: Encoded) -> dict[str, Any]:
-    """Return the geometry an answer rests on, as plain values."""
-    geometry = encoded.perception.geometry
-    descriptor = geometry.descriptor[0].view(2, len(REGIONS)).tolist()
-    mass = geometry.region_mass[0].tolist()
-    regions = {
-        name: {
-            "shear_change_x": round(descriptor[0][column], 4),
-            "shear_change_y": round(descriptor[1][column], 4),
-            "contact_mass": round(mass[column], 4),
-        }
-        for column, name in enumerate(REGIONS)
-    }
-    view = encoded.view and {name: round(px, 1) for name, px in asdict(encoded.view).items()}
-    centre = None
-    if encoded.view and not encoded.is_untouched:
-        size = encoded.clip.frames.shape[1:3]
-        centre = [round(px, 1) for px in contact_centre(geometry, encoded.view, size)]
-    return {
-        "contact_share": round(encoded.contact_share, 4),
-        "contact_centre_px": centre,
-        "view": view,
-        "regions": regions,
-    }
+    """Return the geometry an answer rests on, as plain values that are the caller's own."""
+    return deepcopy(encoded.regions)
 
 
 def _area(encoded: Encoded, values: dict[str, Any]) -> ContactArea | None:

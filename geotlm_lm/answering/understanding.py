@@ -76,10 +76,9 @@ def understand(
         UsageError: If the question is too long.
     """
     started = time.perf_counter()
-    best, before = reader.read(question), before or t.Query()
-    readings = [best] if best.probability >= SURE else reader.readings(question, MOST_READINGS)
-    queries = [resumed(one.query, before) for one in readings]
-    found = Understood(queries[0], best.line, best.probability)
+    readings = reader.readings(question, MOST_READINGS, SURE)
+    queries = [resumed(one.query, before or t.Query()) for one in readings]
+    found = Understood(queries[0], readings[0].line, readings[0].probability)
     if says is not None and len(readings) > 1:
         found = replace(found, probability=_agreed(reader, readings, list(map(says, queries))))
     facts = found.query.facts

@@ -17,7 +17,9 @@ class GeoTLMError(Exception):
     exit_code = 1
 
     def __init__(self, message: str = "") -> None:
-        super().__init__(_shortened("".join(map(_printable, str(message)))))
+        text = str(message)
+        is_clean = text.isprintable()
+        super().__init__(_shortened(text if is_clean else "".join(map(_printable, text))))
 
 
 def _printable(character: str) -> str:

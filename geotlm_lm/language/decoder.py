@@ -1,9 +1,9 @@
 """A small Llama-style decoder in plain torch, key by key the one transformers builds.
 
 `language.model` is the same network as a transformers class and reads the same weights; this file
-exists because importing that class takes longer than a cold answer may, and because a step of a
-decoder this small costs more in dispatch than in arithmetic. A test pins that both give the same
-logits. It knows ids and embeddings, not text.
+exists because importing that class takes longer than a cold answer may. A test pins that both give
+the same logits. It is what is trained; `sequence` takes one text at a time through its weights. It
+knows ids and embeddings, not text.
 """
 
 from __future__ import annotations
@@ -23,9 +23,6 @@ RMS_EPSILON = 1e-6
 
 EMBEDDING_DEVIATION = 0.04
 """Of fresh embeddings, which serve as output weights too: wider only starts at a higher loss."""
-
-Cache = list[tuple[Tensor, Tensor]]
-"""Keys and values of each layer, (b, heads, s, head width)."""
 
 
 @dataclass(frozen=True)
@@ -70,22 +67,18 @@ class Attention(nn.Module):
         for name in ("q_proj", "k_proj", "v_proj", "o_proj"):
             self.add_module(name, nn.Linear(size.width, size.width, bias=False))
 
-    def forward(
-        self, x: Tensor, turn: tuple[Tensor, Tensor], mask: Tensor | None, past: tuple | None
-    ) -> tuple[Tensor, tuple[Tensor, Tensor]]:
-        """Return the mixed values and this layer's keys and values, the past ones included."""
+    def forward(self, x: Tensor, turn: tuple[Tensor, Tensor], mask: Tensor | None) -> Tensor:
+        """Return the mixed values."""
         shape = (*x.shape[:2], self.heads, -1)
         query, key, value = (
             project(x).view(shape).transpose(1, 2)
             for project in (self.q_proj, self.k_proj, self.v_proj)
         )
         query, key = rotate(query, *turn), rotate(key, *turn)
-        if past is not None:
-            key, value = torch.cat([past[0], key], 2), torch.cat([past[1], value], 2)
         mixed = scaled_dot_product_attention(
             query, key, value, attn_mask=mask, is_causal=mask is None
         )
-        return self.o_proj(mixed.transpose(1, 2).flatten(2)), (key, value)
+        return self.o_proj(mixed.transpose(1, 2).flatten(2))
 
 
 class FeedForward(nn.Module):
@@ -112,13 +105,10 @@ class DecoderLayer(nn.Module):
         self.input_layernorm = RMSNorm(size.width)
         self.post_attention_layernorm = RMSNorm(size.width)
 
-    def forward(
-        self, x: Tensor, turn: tuple[Tensor, Tensor], mask: Tensor | None, past: tuple | None
-    ) -> tuple[Tensor, tuple[Tensor, Tensor]]:
-        """Return the layer's output and its keys and values."""
-        mixed, present = self.self_attn(self.input_layernorm(x), turn, mask, past)
-        x = x + mixed
-        return x + self.mlp(self.post_attention_layernorm(x)), present
+    def forward(self, x: Tensor, turn: tuple[Tensor, Tensor], mask: Tensor | None) -> Tensor:
+        """Return the layer's output."""
+        x = x + self.self_attn(self.input_layernorm(x), turn, mask)
+        return x + self.mlp(self.post_attention_layernorm(x))
 
 
 class LlamaDecoder(nn.Module):
@@ -135,24 +125,17 @@ class LlamaDecoder(nn.Module):
         self.register_buffer("cos", angles.cos(), persistent=False)
         self.register_buffer("sin", angles.sin(), persistent=False)
 
-    def forward(
-        self, x: Tensor, positions: Tensor, mask: Tensor | None = None, cache: Cache | None = None
-    ) -> tuple[Tensor, Cache]:
-        """Return hidden states (b, s, width) and the cache with these positions added.
+    def forward(self, x: Tensor, mask: Tensor | None = None) -> Tensor:
+        """Return hidden states (b, s, width).
 
         Args:
-            x: Embeddings, (b, s, width).
-            positions: Place of each in its text, (b, s).
-            mask: True where a position may look, (b, 1, s, past + s); None for plain causal order,
-                which a right-padded batch needs and no cache allows.
-            cache: Keys and values of earlier positions.
+            x: Embeddings of right-padded texts, (b, s, width).
+            mask: True where a position may look, (b, 1, s, s); None for plain causal order.
         """
-        turn = self.cos[positions][:, None], self.sin[positions][:, None]
-        present: Cache = []
-        for index, layer in enumerate(self.layers):
-            x, layer_cache = layer(x, turn, mask, None if cache is None else cache[index])
-            present.append(layer_cache)
-        return self.norm(x), present
+        turn = self.cos[: x.shape[1]], self.sin[: x.shape[1]]
+        for layer in self.layers:
+            x = layer(x, turn, mask)
+        return self.norm(x)
 
 
 class TactileDecoder(nn.Module):
@@ -209,8 +192,7 @@ class TactileDecoder(nn.Module):
             words: Slot -> ids of its words.
         """
         ids = torch.tensor(prompt, device=prefix.device).expand(len(prefix), -1)
-        positions = torch.arange(len(prompt), device=prefix.device).expand(len(prefix), -1)
-        hidden, _ = self.decoder(self.embed(ids, prefix), positions)
+        hidden = self.decoder(self.embed(ids, prefix))
         logits = self.logits(hidden[:, -len(words) :])
         return {
             slot: logits[:, place, among].log_softmax(dim=-1)

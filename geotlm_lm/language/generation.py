@@ -6,6 +6,7 @@ Knows neither where the fused token comes from nor what an answer means.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -13,25 +14,17 @@ import torch
 from torch import Tensor
 
 from geotlm_lm.core.errors import IncompatibleBundle
-from geotlm_lm.language.answer_tree import AnswerTree
-from geotlm_lm.language.decoder import Cache, TactileDecoder
+from geotlm_lm.language.decoder import TactileDecoder
 from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS, PromptEncoder
+from geotlm_lm.language.sequence import Floats, SequenceDecoder, TextCache, log_softmax
 from geotlm_lm.language.weights import load_decoder, save_decoder
-
-BATCH = 64
-"""Questions generated side by side; more gains nothing on a processor."""
-
-
-MOST_TREES = 256
-"""Sets of answers whose tokens are remembered: a grammar has some twenty, and what a choice offers
-cuts smaller ones from one of them."""
 
 
 class Speaker:
     """The language model, ready to answer.
 
     Args:
-        model: The weights.
+        model: The weights; they have to stay as they are from the first question on.
         prompts: What turns questions into ids and ids into words.
 
     Raises:
@@ -46,7 +39,6 @@ class Speaker:
             )
         self.model = model.eval()
         self.prompts = prompts
-        self._trees: dict[tuple[str, ...], AnswerTree] = {}
 
     @classmethod
     def load(cls, folder: str | Path) -> Speaker:
@@ -85,12 +77,10 @@ class Speaker:
             UsageError: If a question is empty or too long.
         """
         fused_token = self._checked(fused_token, (len(questions), self.model.fused_width))
-        prompts = [self.prompts.prompt(question) for question in questions]
-        answers: list[str] = []
-        for start in range(0, len(prompts), BATCH):
-            part = slice(start, start + BATCH)
-            answers += self._generate(fused_token[part], prompts[part])
-        return answers
+        return [
+            self.prompts.decode(self._written(token, self.prompts.prompt(question)))
+            for token, question in zip(fused_token, questions, strict=True)
+        ]
 
     @torch.inference_mode()
     def feel(self, fused_token: Tensor) -> dict[str, Tensor]:
@@ -110,7 +100,6 @@ class Speaker:
             self.model.projector(fused_token), self.prompts.slot_prompt, self.prompts.slot_words
         )
 
-    @torch.inference_mode()
     def would_write(self, fused_token: Tensor, question: str, sentence: str) -> bool:
         """Tell whether `generate` answers a question by exactly this sentence, from one pass.
 
@@ -128,11 +117,10 @@ class Speaker:
         """
         fused_token = self._checked(fused_token, (self.model.fused_width,))
         prompt, answer = self.prompts.prompt(question), self.prompts.answer(sentence)
-        hidden, _ = self._read(fused_token[None], torch.tensor([[*prompt, *answer[:-1]]]))
-        likeliest = self.model.logits(hidden[0, len(prompt) - 1 :]).argmax(dim=-1)
-        return likeliest.tolist() == answer
+        hidden, _ = self._read(fused_token, [*prompt, *answer[:-1]])
+        logits = self._decoder.logits(hidden[len(prompt) - 1 :])
+        return logits.argmax(axis=-1).tolist() == answer
 
-    @torch.inference_mode()
     def score(self, fused_token: Tensor, question: str, options: Sequence[str]) -> np.ndarray:
         """Return the log-probability of each option as the whole answer, its end included.
 
@@ -150,62 +138,37 @@ class Speaker:
         if not options:
             raise ValueError("score needs at least one option")
         fused_token = self._checked(fused_token, (self.model.fused_width,))
-        prompt = torch.tensor([self.prompts.prompt(question)])
-        tree = self._tree(tuple(options))
-        hidden, cache = self._read(fused_token[None], prompt)
-        logits = self.model.logits(hidden[0, -1:])
-        if tree.ids.numel():
-            logits = torch.cat([logits, self._continue(tree, cache)])
-        return tree.log_likelihoods(logits.log_softmax(-1)).double().numpy()
+        hidden, cache = self._read(fused_token, self.prompts.prompt(question))
+        length, decoder, told = cache.length, self._decoder, []
+        for answer in map(self.prompts.answer, options):
+            cache.length = length
+            rest = decoder.read(decoder.embeddings[answer[:-1]], cache)
+            logits = decoder.logits(np.concatenate([hidden[-1:], rest]))
+            told.append(log_softmax(logits)[np.arange(len(answer)), answer].sum())
+        return np.array(told, dtype=np.float64)
 
-    def _tree(self, options: tuple[str, ...]) -> AnswerTree:
-        """Return the tree of some options; kept, as few sets are ever asked for."""
-        found = self._trees.get(options)
-        if found is None:
-            found = AnswerTree.of([self.prompts.answer(option) for option in options])
-            if len(self._trees) >= MOST_TREES:
-                self._trees.clear()
-            self._trees[options] = found
-        return found
+    @cached_property
+    def _decoder(self) -> SequenceDecoder:
+        return SequenceDecoder(self.model.decoder)
 
-    def _read(self, fused_token: Tensor, prompt: Tensor) -> tuple[Tensor, Cache]:
-        """Return hidden states and cache of one unpadded prompt."""
-        embedded = self.model.embed(prompt, self.model.projector(fused_token))
-        return self.model.decoder(embedded, torch.arange(prompt.shape[1])[None])
+    @torch.inference_mode()
+    def _read(self, fused_token: Tensor, prompt: list[int]) -> tuple[Floats, TextCache]:
+        """Return the hidden states (s, width) of a prompt, and its keys and values."""
+        prefix = self.model.projector(fused_token[None])
+        embedded = self.model.embed(torch.tensor([prompt]), prefix)[0].float().numpy()
+        cache = self._decoder.started(len(prompt) + MAX_ANSWER_TOKENS)
+        return self._decoder.read(embedded, cache), cache
 
-    def _continue(self, tree: AnswerTree, cache: Cache) -> Tensor:
-        """Return the logits after each node of a tree behind a prompt, (nodes, vocabulary)."""
-        past = cache[0][0].shape[2]
-        prompt = torch.ones(len(tree.sees), past, dtype=torch.bool)
-        visible = torch.cat([prompt, tree.sees], dim=1)[None, None]
-        embedded = self.model.embed(tree.ids, None)
-        hidden, _ = self.model.decoder(embedded, past + tree.depths, visible, cache)
-        return self.model.logits(hidden[0])
-
-    def _generate(self, fused_token: Tensor, prompts: list[list[int]]) -> list[str]:
-        ids, is_text = _left_padded(prompts, self.prompts.pad_id)
-        rows, length = ids.shape
-        visible = is_text[:, None, :] & torch.ones(length, length, dtype=torch.bool).tril()
-        # A padding position that may look nowhere would give NaN; let it see itself.
-        visible = visible | torch.eye(length, dtype=torch.bool)
-        positions = (is_text.cumsum(1) - 1).clamp(min=0)
-        embedded = self.model.embed(ids, self.model.projector(fused_token))
-        hidden, cache = self.model.decoder(embedded, positions, visible[:, None])
-        place, seen = positions[:, -1:], is_text
-        written: list[Tensor] = []
-        is_done = torch.zeros(rows, dtype=torch.bool)
+    def _written(self, fused_token: Tensor, prompt: list[int]) -> list[int]:
+        """Return the likeliest tokens behind a prompt, one by one."""
+        hidden, cache = self._read(fused_token, prompt)
+        written: list[int] = []
         for _ in range(MAX_ANSWER_TOKENS):
-            token = self.model.logits(hidden[:, -1]).argmax(-1)
-            written.append(token)
-            is_done |= token == self.prompts.eos_id
-            if bool(is_done.all()):
+            written.append(int(self._decoder.logits(hidden[-1]).argmax()))
+            if written[-1] == self.prompts.eos_id:
                 break
-            place = place + 1
-            seen = torch.cat([seen, torch.ones(rows, 1, dtype=torch.bool)], dim=1)
-            hidden, cache = self.model.decoder(
-                self.model.embed(token[:, None], None), place, seen[:, None, None], cache
-            )
-        return [self.prompts.decode(row) for row in torch.stack(written, dim=1).tolist()]
+            hidden = self._decoder.read(self._decoder.embeddings[written[-1:]], cache)
+        return written
 
     def _checked(self, fused_token: Tensor, shape: tuple[int, ...]) -> Tensor:
         fused_token = torch.as_tensor(fused_token, dtype=torch.float32)
@@ -216,11 +179,3 @@ class Speaker:
         if not bool(torch.isfinite(fused_token).all()):
             raise ValueError("a fused token holds values that are not finite")
         return fused_token
-
-
-def _left_padded(rows: list[list[int]], pad_id: int) -> tuple[Tensor, Tensor]:
-    """Return ids (b, s) and True where they are text."""
-    length = max(map(len, rows))
-    ids = torch.tensor([[pad_id] * (length - len(row)) + row for row in rows])
-    counts = torch.tensor([len(row) for row in rows])
-    return ids, torch.arange(length) >= length - counts[:, None]

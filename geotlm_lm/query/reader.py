@@ -10,9 +10,10 @@ import json
 import math
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
-import torch
 from safetensors.torch import load_file, save
 from tokenizers import Tokenizer
 from torch import Tensor, nn
@@ -20,7 +21,8 @@ from torch.nn.functional import linear
 
 from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import IncompatibleBundle, UsageError, first_line
-from geotlm_lm.language.decoder import Cache, LanguageSize, LlamaDecoder
+from geotlm_lm.language.decoder import LanguageSize, LlamaDecoder
+from geotlm_lm.language.sequence import Floats, SequenceDecoder, TextCache, log_softmax
 from geotlm_lm.query.fitting import fitting
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.spelling import Spelling
@@ -58,6 +60,14 @@ class Reading:
         return filled(read(self.line, len(self.quantities)), self.quantities)
 
 
+class _Begun(NamedTuple):
+    """A question that was seen: the last hidden state, keys and values, and their number."""
+
+    hidden: Floats
+    cache: TextCache
+    length: int
+
+
 class QuestionDecoder(nn.Module):
     """Embeddings, decoder and tied output weights over the ids of a `Spelling`."""
 
@@ -65,12 +75,6 @@ class QuestionDecoder(nn.Module):
         super().__init__()
         self.size, self.vocabulary = size, vocabulary
         self.decoder = LlamaDecoder(size, vocabulary)
-
-    def forward(
-        self, ids: Tensor, positions: Tensor, mask: Tensor | None, cache: Cache | None = None
-    ) -> tuple[Tensor, Cache]:
-        """Return hidden states (b, s, width) and the cache; `mask` as `LlamaDecoder` has it."""
-        return self.decoder(self.decoder.embed_tokens(ids), positions, mask, cache)
 
     def logits(self, hidden: Tensor) -> Tensor:
         """Return the logits over all ids."""
@@ -81,7 +85,7 @@ class Reader:
     """Reads questions.
 
     Args:
-        model: The weights.
+        model: The weights; they have to stay as they are from the first question on.
         spelling: Their ids.
         calibration: (slope, offset) of the log-odds of a reading's probability.
     """
@@ -99,9 +103,13 @@ class Reader:
         """
         return self.readings(text, most=1)[0]
 
-    @torch.inference_mode()
-    def readings(self, text: str, most: int = 2) -> list[Reading]:
+    def readings(self, text: str, most: int = 2, sure: float = 1.0) -> list[Reading]:
         """Return the most probable readings, the best first; less probable ones turn off from it.
+
+        Args:
+            text: The question.
+            most: How many at most.
+            sure: Probability of the best one from which on no other is looked at.
 
         Raises:
             UsageError: If the question is empty or too long.
@@ -119,12 +127,16 @@ class Reader:
                 f"this kind; shorten it."
             )
         numbers = tuple(one.quantity for one in spelled.found)
-        state = self._begun(spelled.ids)
-        words, chance, others = self._written(state, [], numbers)
+        cache = self._decoder.started(len(spelled.ids) + MOST_WORDS)
+        embedded = self._decoder.embeddings[spelled.ids]
+        hidden = self._decoder.read(embedded, cache, both_ways=True)[-1]
+        begun = _Begun(hidden, cache, cache.length)
+        words, chance, others = self._written(begun, [], numbers)
         found = [(words, chance)]
-        for beginning, share in sorted(others, key=lambda one: -one[1])[: most - 1]:
-            rest, other, _ = self._written(state, beginning, numbers)
-            found.append((rest, min(other, share)))
+        if self.calibrated(chance) < sure:
+            for beginning, share in sorted(others, key=lambda one: -one[1])[: most - 1]:
+                rest, other, _ = self._written(begun, beginning, numbers)
+                found.append((rest, min(other, share)))
         return [
             Reading(" ".join(words), numbers, self.calibrated(chance), chance)
             for words, chance in found
@@ -136,28 +148,31 @@ class Reader:
         chance = min(max(chance, 1e-6), 1 - 1e-6)
         return 1 / (1 + math.exp(-(slope * math.log(chance / (1 - chance)) + offset)))
 
-    def _begun(self, ids: list[int]) -> tuple[Tensor, Cache]:
-        row = torch.tensor([ids])
-        everything = torch.ones(1, 1, len(ids), len(ids), dtype=torch.bool)
-        return self.model(row, torch.arange(len(ids))[None], everything)
+    @cached_property
+    def _decoder(self) -> SequenceDecoder:
+        return SequenceDecoder(self.model.decoder)
 
     def _written(
-        self, state: tuple[Tensor, Cache], beginning: list[str], numbers: Sequence[Quantity]
+        self,
+        begun: _Begun,
+        beginning: Sequence[str],
+        numbers: Sequence[Quantity],
     ) -> tuple[list[str], float, list[tuple[list[str], float]]]:
         """Return a query's words behind a beginning, its probability, and turnings off it."""
-        (hidden, cache), words = state, []
-        place, log_chance = cache[0][0].shape[2], 0.0
+        hidden, cache, words = begun.hidden, begun.cache, []
+        cache.length = begun.length
+        log_chance = 0.0
         others: list[tuple[list[str], float]] = []
         while len(words) < MOST_WORDS:
             formed = next_words(words, len(numbers)) & self.spelling.id_of.keys()
             allowed = sorted(fitting(words, formed, numbers))
-            ids = torch.tensor([self.spelling.id_of[word] for word in allowed])
-            told = self.model.logits(hidden[0, -1]).log_softmax(-1)[ids]
-            order = told.argsort(descending=True).tolist()
-            best = order[0]
+            ids = [self.spelling.id_of[word] for word in allowed]
+            told = log_softmax(self._decoder.logits(hidden))[ids]
+            order = (-told).argsort(kind="stable")
+            best = int(order[0])
             if len(words) < len(beginning):
                 best = allowed.index(beginning[len(words)])
-            elif len(order) > 1 and float(told[order[1]] - told[best]) > math.log(DOUBTFUL):
+            elif len(order) > 1 and told[order[1]] - told[best] > math.log(DOUBTFUL):
                 other = [*words, allowed[order[1]]]
                 if other[-1] != END:
                     others.append((other, math.exp(log_chance + float(told[order[1]]))))
@@ -165,13 +180,8 @@ class Reader:
             if allowed[best] == END:
                 return words, math.exp(log_chance), others
             words.append(allowed[best])
-            hidden, cache = self._step(int(ids[best]), place, cache)
-            place += 1
+            hidden = self._decoder.read(self._decoder.embeddings[[ids[best]]], cache)[0]
         return ["not-understood"], 0.0, others
-
-    def _step(self, number: int, place: int, cache: Cache) -> tuple[Tensor, Cache]:
-        seen = torch.ones(1, 1, 1, place + 1, dtype=torch.bool)
-        return self.model(torch.tensor([[number]]), torch.tensor([[place]]), seen, cache)
 
     def save(self, folder: Path) -> None:
         """Write config.json, tokenizer.json and model.safetensors (half precision), atomically."""

@@ -259,7 +259,7 @@ def answer_loss(
     place = torch.arange(length, device=device)
     is_answer = (place >= starts) & (place < ends)
     prefix = model.projector.from_standardised(token)
-    hidden, _ = model.decoder(model.embed(ids, prefix), place.expand(len(rows), -1))
+    hidden = model.decoder(model.embed(ids, prefix))
     before = hidden[:, :-1][is_answer[:, 1:]]
     return cross_entropy(model.logits(before), ids[is_answer], reduction="sum")
 

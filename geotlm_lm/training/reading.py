@@ -259,8 +259,7 @@ def _loss(
     """
     embedded = model.decoder.embed_tokens(ids)
     kept = is_seen | is_query
-    positions = torch.arange(ids.shape[1], device=ids.device).expand(len(ids), -1)
-    states, _ = model.decoder(embedded * kept[..., None], positions, mask)
+    states = model.decoder(embedded * kept[..., None], mask)
     before, wanted = states[:, :-1][is_query[:, 1:]], ids[is_query]
     spare = _rounded(len(wanted), 64) - len(wanted)
     before, wanted = pad(before, (0, 0, 0, spare)), pad(wanted, (0, spare), value=-1)

@@ -104,7 +104,7 @@ class ScriptedReader:
     def read(self, text):
         return self.readings(text)[0]
 
-    def readings(self, text, most=2):
+    def readings(self, text, most=2, sure=1.0):
         self.heard.append(text)
         line = self.lines.get(text, text)
         return [Reading(line, quantities(text), self.probability, self.probability)]

@@ -122,7 +122,7 @@ def test_json_has_the_keys_that_were_given(bundle, monkeypatch, given, names):
     answerer = feeling(bundle, "clockwise", belief=MIXED)
     line = "way turn ; amount turn deg ; claim slide ; as json"
     read = answerer.bundle.reader.readings
-    monkeypatch.setattr(answerer.bundle.reader, "read", lambda text: read(line)[0])
+    monkeypatch.setattr(answerer.bundle.reader, "readings", lambda *_: read(line))
     told = json.loads(ask(answerer, given).text)
     assert list(told) == names
     assert list(told.values()) == ["clockwise", 20.0, True]

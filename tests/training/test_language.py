@@ -111,7 +111,7 @@ def test_the_loss_is_that_of_the_answer_tokens_alone(tokens):
     for row in range(2):
         ids = torch.tensor([prompts[row] + answers[row]])
         embedded = model.embed(ids, model.projector(tokens[row : row + 1]))
-        hidden, _ = model.decoder(embedded, torch.arange(ids.shape[1])[None])
+        hidden = model.decoder(embedded)
         logits = model.logits(hidden)[0, len(prompts[row]) - 1 : -1]
         expected += float(
             cross_entropy(logits, torch.tensor(answers[row]), reduction="sum").detach()
