@@ -24,6 +24,7 @@ from geotlm_lm.core.errors import IncompatibleBundle, UsageError, first_line
 from geotlm_lm.language.decoder import LanguageSize, LlamaDecoder
 from geotlm_lm.language.sequence import Floats, SequenceDecoder, TextCache, log_softmax
 from geotlm_lm.query.fitting import fitting
+from geotlm_lm.query.lexicon import Lexicon
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.spelling import Spelling
 from geotlm_lm.query.text import next_words, read
@@ -193,6 +194,7 @@ class Reader:
             "size": asdict(self.model.size),
             "calibration": list(self.calibration),
             "words": list(self.spelling.words),
+            "lexicon": " ".join(self.spelling.lexicon.words),
         }
         write_text_atomically(folder / "config.json", json.dumps(config, indent=2) + "\n")
 
@@ -206,7 +208,8 @@ class Reader:
         try:
             config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
             tokenizer = Tokenizer.from_file(str(folder / "tokenizer.json"))
-            spelling = Spelling(tokenizer, tuple(config["words"]))
+            lexicon = Lexicon(tuple(config["lexicon"].split()))
+            spelling = Spelling(tokenizer, tuple(config["words"]), lexicon)
             size = LanguageSize(**config["size"])
             model = QuestionDecoder(size, spelling.size)
             tensors = load_file(folder / "model.safetensors")

@@ -14,6 +14,7 @@ from functools import cached_property
 
 from tokenizers import Tokenizer
 
+from geotlm_lm.query.lexicon import Lexicon
 from geotlm_lm.query.quantities import Found, find
 from geotlm_lm.query.text import MOST_SLOTS, QUERY_WORDS
 from geotlm_lm.query.types import UNITS
@@ -40,7 +41,7 @@ class Spelled:
 
     Args:
         ids: Up to and with `READ`.
-        found: The quantities that stand as slots.
+        found: The quantities that stand as slots, placed in the mended text.
     """
 
     ids: list[int]
@@ -54,10 +55,12 @@ class Spelling:
     Args:
         tokenizer: Byte pairs of question texts.
         words: All that is not of the text, in the order of their ids.
+        lexicon: Words of texts, in whose favour slips of the fingers are mended.
     """
 
     tokenizer: Tokenizer
     words: tuple[str, ...] = WORDS
+    lexicon: Lexicon = Lexicon()
 
     @cached_property
     def id_of(self) -> dict[str, int]:
@@ -71,7 +74,8 @@ class Spelling:
         return self.tokenizer.get_vocab_size() + len(self.words)
 
     def question(self, text: str) -> Spelled:
-        """Return a question's ids: lower case, single spaces, its first numbers as slots."""
+        """Return the ids of a question: mended, lower case, its first numbers as slots."""
+        text = self.lexicon.mended(text)
         found = tuple(find(text)[:MOST_SLOTS])
         ids: list[int] = []
         at = 0

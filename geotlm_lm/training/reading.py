@@ -29,6 +29,7 @@ from geotlm_lm.language.decoder import LanguageSize, initialise
 from geotlm_lm.language.tokenizer import byte_pairs
 from geotlm_lm.query.grammar import Pair, grammar
 from geotlm_lm.query.labelled import Labelled
+from geotlm_lm.query.lexicon import Lexicon
 from geotlm_lm.query.reader import MOST_WORDS, SIZE, QuestionDecoder, Reader
 from geotlm_lm.query.spelling import Spelling, plain_parts
 from geotlm_lm.query.thesaurus import thesaurus
@@ -97,8 +98,8 @@ def train_reader(
             among the ranks.
     """
     ranks.refuse_uneven(config.batch)
-    tokenizer = ranks.from_first(lambda: train_vocabulary(config, corpus))
-    spelling = Spelling(tokenizer)
+    tokenizer, lexicon = ranks.from_first(lambda: train_vocabulary(config, corpus))
+    spelling = Spelling(tokenizer, lexicon=lexicon)
     with torch.random.fork_rng(devices=[]):  # torch draws what is drawn again below
         model = QuestionDecoder(config.size, spelling.size).train()
     initialise(model, config.size.layers, _generator(config.seed, "weights"))
@@ -154,13 +155,13 @@ def calibrated_reader(reader: Reader, questions: Sequence[Labelled]) -> Reader:
     return Reader(reader.model, reader.spelling, (slope, offset))
 
 
-def train_vocabulary(config: ReadingTraining, corpus: Sequence[Pair]) -> Tokenizer:
-    """Return byte pairs made from the texts of the training families."""
+def train_vocabulary(config: ReadingTraining, corpus: Sequence[Pair]) -> tuple[Tokenizer, Lexicon]:
+    """Return byte pairs made from the texts of the training families, and their frequent words."""
     pairs = [*islice(grammar().pairs(config.seed, "train"), VOCABULARY_PAIRS), *corpus]
-    texts = (part for pair in pairs for part in plain_parts(pair.text))
+    texts = [part for pair in pairs for part in plain_parts(pair.text)]
     tokenizer = byte_pairs(texts, config.vocabulary)
     tokenizer.model.dropout = config.dropout
-    return tokenizer
+    return tokenizer, Lexicon.of(texts)
 
 
 def rate_at(step: int, config: ReadingTraining) -> float:
