@@ -65,8 +65,9 @@ def find(text: str) -> list[Found]:
     """Return the quantities of a text with their places.
 
     A figure counts whatever follows it, but for ordinals and names such as "B2"; a number in words
-    only before a unit, or before another that has one ("five to ten degrees"). Pixels that are said
-    to equal a length are one quantity, a scale ("20 px equal one millimetre").
+    only before a unit, before another that has one ("five to ten degrees"), or where it counts
+    ("four times"). Pixels that are said to equal a length are one quantity, a scale ("20 px equal
+    one millimetre").
     """
     found: list[Found] = []
     at = 0
@@ -162,6 +163,8 @@ def _words_at(text: str, at: int) -> Found | None:
     if value < 2:
         return None
     joint, after = _next_word(text, end)
+    if joint in _told()["counted"]["words"]:
+        return Found(Quantity(value, ""), at, end)
     if joint in ("to", "and", "or"):
         figure = _figure_at(text, _SPACES.match(text, after).end())
         other, stop = _spoken(text, after)
