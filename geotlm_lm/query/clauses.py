@@ -22,6 +22,16 @@ _BETWEEN = (
 """What stands before each of several questions; from the fifth on of those with nothing around."""
 
 
+_JOINTS = (" and ", ", and ", ", also ", ", plus ", " but ", ", while ", ", ", " & ")
+_LEADS = (", so ", ": ", ", and ", ", ", " so ", "; now, ", ", then ")
+"""What joins two facts in one sentence, and facts with the question behind them."""
+JOINED = 0.4
+"""How often they are."""
+
+_NAMED_WORDS = 3
+"""Words of a question that only names what it wants; such ones stand in a row."""
+
+
 @dataclass(frozen=True)
 class Family:
     """Templates that mean one thing and are said by one kind of speaker.
@@ -104,7 +114,14 @@ class Around:
         if self.sentences and rng.random() < 0.6:
             text = text[:1].upper() + text[1:]
         edit = " ".join(one for one in [*(one for *_, one in self.sentences), *self.edits] if one)
-        said = [one for one, *_ in self.sentences] + [f"{text}{self.end}{self.late}"] * bool(text)
+        said = [one for one, *_ in self.sentences]
+        if len(said) > 1 and rng.random() < JOINED:
+            said[:2] = [f"{_bare(said[0])}{rng.choice(_JOINTS)}{_begun_small(said[1])}"]
+        if text:
+            asked = f"{text}{self.end}{self.late}"
+            if said and rng.random() < JOINED / 2:
+                asked = f"{_bare(said.pop())}{rng.choice(_LEADS)}{_begun_small(asked)}"
+            said.append(asked)
         facts = [fact for _, fact, _ in self.sentences if fact] + self.facts
         query = _seen(self.query, edit, self.subject) if self.query else ""
         return " ".join(said), " ; ".join([*facts, *[f"{query}{self.form}"] * bool(query)])
@@ -165,9 +182,22 @@ def may_join(family: Family, other: Family) -> bool:
 
 def listed(rng: random.Random, questions: list[str], *, is_bare: bool) -> str:
     """Return questions one after another, as a list only if nothing stands around them."""
+    if is_bare and all(len(one.split()) <= _NAMED_WORDS for one in questions):
+        names = [_bare(one) for one in questions]
+        if rng.random() < 2 * JOINED:
+            return f"{', '.join(names[:-1])}{rng.choice((', ', ' and ', ', and '))}{names[-1]}"
     marks = rng.choice(_BETWEEN if is_bare else _BETWEEN[:4])
     step = rng.choice((" ", " ", "\n"))
     return step.join(f"{mark}{said}" for mark, said in zip(marks, questions, strict=False))
+
+
+def _bare(sentence: str) -> str:
+    return sentence.rstrip(" .;-?")
+
+
+def _begun_small(sentence: str) -> str:
+    """Return a sentence as it goes on behind another; one that begins with "I" or "B" stays."""
+    return sentence if sentence[1:2] in ("", " ", "'", ")") else sentence[:1].lower() + sentence[1:]
 
 
 _UNSEEN = ("why", "how-sure", "how-sure of-amount", "alternatives", "place", "amount touch percent")
