@@ -36,8 +36,8 @@ Frames = Annotated[
 Topic = Annotated[
     str | None,
     Field(
-        description="Of a ROS bag: the topic of the sensor's images, such as '/gelsight/image_raw'; leave "
-        "it out where only one has images.",
+        description="Of a ROS bag: the topic of the sensor's images, such as "
+        "'/gelsight/image_raw'; leave it out where only one has images.",
         min_length=1,
         max_length=TOPIC_CHARACTERS,
     ),

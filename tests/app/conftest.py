@@ -9,6 +9,7 @@ import pytest
 from tests.app.agent_calls import clip
 from tests.app.fakes import FakeAnswerer
 from tests.track.recordings import there_and_back
+from tests.track.test_idle_tracker import gel, touched
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +72,17 @@ def recordings(tmp_path):
         frames[1:, 10:30, 10:30] += 20
         np.save(paths[name], frames)
     return paths
+
+
+@pytest.fixture
+def long_recording(tmp_path):
+    """A touch that comes and goes, watched for a good many seconds."""
+    plain = gel()
+    frames = [next(plain) for _ in range(12)]
+    for _ in range(40):
+        frames += [touched(next(plain)) for _ in range(20)] + [next(plain) for _ in range(15)]
+    np.savez(tmp_path / "long.npz", frames=np.stack(frames), fps=25.0)
+    return tmp_path / "long.npz"
 
 
 @pytest.fixture
