@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from importlib.metadata import version
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
@@ -14,9 +15,11 @@ from geotlm_lm.core.errors import MissingDependency
 
 from .limits import AT_ONCE, MESSAGE_BYTES, SENTENCE
 from .tools import Tool
+from .turns import LISTENER, Tell
 
 if TYPE_CHECKING:
     from mcp.server.lowlevel import Server
+    from mcp.shared.context import RequestContext
 
 PATH = "mcp"
 """Where the protocol is served, below the page's address."""
@@ -53,6 +56,8 @@ def require_mcp() -> None:
 class AgentServer:
     """Serves tools over streamable HTTP; every request stands by itself, so none is remembered.
 
+    Each is answered by a stream of events, not by JSON alone: it may be told of its progress.
+
     Args:
         tools: That agents may call.
     """
@@ -62,7 +67,6 @@ class AgentServer:
 
         self._manager = StreamableHTTPSessionManager(
             server_of(tools),
-            json_response=True,
             stateless=True,
             max_request_body_size=MESSAGE_BYTES,
         )
@@ -108,6 +112,7 @@ def server_of(tools: list[Tool]) -> Server:
         try:
             if name not in known:
                 raise GeoTLMError(f"There is no tool {name[:80]!r}; there are {', '.join(known)}.")
+            LISTENER.set(_listener(server.request_context))
             result = await to_thread.run_sync(known[name].call, arguments, limiter=limiter)
         except GeoTLMError as error:
             told = [types.TextContent(type="text", text=str(error))]
@@ -115,6 +120,29 @@ def server_of(tools: list[Tool]) -> Server:
         return types.CallToolResult(content=_content(result), structuredContent=result)
 
     return server
+
+
+def _listener(context: RequestContext[Any, Any]) -> Tell | None:
+    """Return what notifies a client of how far its request is; None where it did not ask."""
+    from anyio import BrokenResourceError, ClosedResourceError, from_thread
+
+    token = None if context.meta is None else context.meta.progressToken
+    if token is None:
+        return None
+    notify, request, last = context.session.send_progress_notification, str(context.request_id), -1
+
+    def tell(what: str, done: int, total: int) -> None:
+        nonlocal last
+        # By the protocol it only grows: nothing is told of a wait, or of a second recording so far.
+        if done <= last:
+            return
+        last = done
+        try:
+            from_thread.run(partial(notify, token, done, total, what, request))
+        except (BrokenResourceError, ClosedResourceError) as error:
+            raise GeoTLMError("The client that asked has left.") from error
+
+    return tell
 
 
 def _content(result: dict[str, Any]) -> list[Any]:

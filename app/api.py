@@ -76,6 +76,7 @@ class Api:
         thread: p.Thread = None,
         contact_side: p.ContactSide = None,
         mm_per_px: p.MmPerPx = None,
+        topic: p.Topic = None,
     ) -> AnswerResult:
         """Answer a question about how the touched object in a recording moves.
 
@@ -83,7 +84,7 @@ class Api:
         span, the calibrated confidence, whether the answer was withheld, and the evidence.
         """
         frame = p.frame_of(mirrored, turned, viewpoint, actor, thread, contact_side, mm_per_px)
-        shown = self._opened.open(recording, frames)
+        shown = self._opened.open(recording, frames, topic)
         return handlers.ask(self._answerer, shown, question, frame).details
 
     def track(
@@ -96,6 +97,7 @@ class Api:
         actor: p.Actor = "object",
         mm_per_px: p.MmPerPx = None,
         rows: p.Rows = 0,
+        topic: p.Topic = None,
     ) -> TrackResult:
         """Tell what happens in a recording: events with begin, end, way, amount and probability.
 
@@ -103,7 +105,7 @@ class Api:
         numbers of single frames only where `rows` asks for them.
         """
         frame = p.frame_of(mirrored, turned, viewpoint, actor, mm_per_px=mm_per_px)
-        whole, track = self._tracked(recording, frames)
+        whole, track = self._tracked(recording, frames, topic)
         return summary_of(track, whole, frame, rows)
 
     def compare(
@@ -118,13 +120,18 @@ class Api:
         viewpoint: p.Viewpoint = "sensor",
         actor: p.Actor = "object",
         mm_per_px: p.MmPerPx = None,
+        first_topic: p.Topic = None,
+        second_topic: p.Topic = None,
     ) -> ComparisonResult:
         """Tell whether the objects in two recordings move the same way, or answer about both.
 
         Returns the relation (same, opposite, different or unknown), in words too, and both answers.
         """
         frame = p.frame_of(mirrored, turned, viewpoint, actor, mm_per_px=mm_per_px)
-        shown = [self._opened.open(first, first_frames), self._opened.open(second, second_frames)]
+        shown = [
+            self._opened.open(first, first_frames, first_topic),
+            self._opened.open(second, second_frames, second_topic),
+        ]
         return handlers.compare(self._answerer, *shown, question=question, frame=frame)
 
     def simulate(
@@ -153,14 +160,16 @@ class Api:
         }
         return simulate_and_ask(self._answerer, touch_of(object_name, numbers, seed)).facts
 
-    def evidence(self, recording: p.Recording, frames: p.Frames = None) -> EvidenceFields:
+    def evidence(
+        self, recording: p.Recording, frames: p.Frames = None, topic: p.Topic = None
+    ) -> EvidenceFields:
         """Return the geometry a recording's answers rest on, without asking the language model.
 
         Returns contact, shear change of seven regions and of each patch; x right, y down, unitless.
         """
         from geotlm_lm import regions_of
 
-        shown = self._opened.open(recording, frames)
+        shown = self._opened.open(recording, frames, topic)
         return regions_of(shown.encoded) | {
             "shear_change": shown.seen.shear_change.round(4).tolist(),
             "contact_mask": shown.seen.mask.round(4).tolist(),
@@ -174,25 +183,26 @@ class Api:
         shows: p.Picture = "overlay",
         frames: p.Frames = None,
         mm_per_px: p.MmPerPx = None,
+        topic: p.Topic = None,
     ) -> PictureResult:
         """Draw a recording: four frames with what the model sees in them, or a track over time.
 
         Directions are those of the recorded image. Returns a PNG.
         """
         if shows == "timeline":
-            whole, track = self._tracked(recording, frames)
+            whole, track = self._tracked(recording, frames, topic)
             png = plot_png(Exported(track, mm_per_px), in_frames=not whole.is_timed)
             return _pictured(png, f"{whole.name}: turn, travel, contact and events over time")
-        shown = self._opened.open(recording, frames)
+        shown = self._opened.open(recording, frames, topic)
         numbers = ", ".join(str(one) for one in shown.encoded.clip.frame_numbers)
         name = "arrows" if shows == "overlay" else shows
         return _pictured(
             _sheet(shown, name), f"{shown.encoded.clip.name}: {shows}, frames {numbers}"
         )
 
-    def _tracked(self, given: str, frames: list[int] | None) -> tuple[Any, Any]:
+    def _tracked(self, given: str, frames: list[int] | None, topic: str | None) -> tuple[Any, Any]:
         """Return a recording and the track of it, or of a span."""
-        opened = self._opened.whole(given)
+        opened = self._opened.whole(given, topic)
         track = opened.shown.encoded.track
         if track is None:  # of four frames or fewer, which questions look at together
             track = self._answerer.track(opened.recording)

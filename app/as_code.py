@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .facts import sentences_of
 
@@ -45,15 +45,18 @@ def calls_of(
     command = ["geotlm-lm", "answer", "--clip", path, "--q", question]
     if frame.mm_per_px is not None:
         command += ["--mm-per-px", f"{frame.mm_per_px:g}"]
+    in_mm = [] if frame.mm_per_px is None else [f"{frame.mm_per_px:g} mm per pixel."]
+    asked: dict[str, Any] = {"question": " ".join([*in_mm, question])}
     if span is not None:
         command += ["--frames", f"{span[0]}:{span[1]}"]
+        asked["frames"] = list(span)
     if topic is not None:
         command += ["--topic", topic]
-    in_mm = [] if frame.mm_per_px is None else [f"{frame.mm_per_px:g} mm per pixel."]
+        asked["topic"] = topic
     return Calls(
         shlex.join(command),
         _python(path, questions, stated + in_mm, span, topic),
-        _rest(path, " ".join([*in_mm, question]), address),
+        _rest(path, asked, address),
     )
 
 
@@ -83,13 +86,13 @@ def _python(
     )
 
 
-def _rest(path: str, question: str, address: str) -> str:
-    quoted = json.dumps(question).replace("'", "'\\''")
+def _rest(path: str, asked: dict[str, Any], address: str) -> str:
+    quoted = json.dumps(asked)[1:].replace("'", "'\\''")
     return "\n".join(
         [
             f"url={address}/gradio_api",
             f"clip=$(curl -s -F files=@{shlex.quote(path)} $url/upload | cut -d'\"' -f2)",
-            f'asked=\'{{"recording": "\'$clip\'", "question": {quoted}}}\'',
+            f"asked='{{\"recording\": \"'$clip'\", {quoted}'",
             'call=$(curl -s $url/call/v2/ask --json "$asked")',
             "curl -s $url/call/ask/$(echo $call | cut -d'\"' -f4)",
         ]

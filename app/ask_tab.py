@@ -10,6 +10,7 @@ from .clip_loading import SUFFIXES
 from .conversation import PRIVATE
 from .error_display import MODEL, gradio
 from .filling import COMPLAINT, Filled, filling
+from .limits import TOPIC_CHARACTERS
 from .opening import NOTHING_SAID, Opening
 from .talking import Talking
 
@@ -97,7 +98,7 @@ def _below(gr: Any) -> dict[str, Any]:
             parts["first"] = gr.Textbox(label="First frame (empty: all)", max_length=9)
             parts["last_frame"] = gr.Textbox(label="Last frame", max_length=9)
             parts["topic"] = gr.Textbox(
-                label="Topic of a bag (empty: its only one)", max_length=200
+                label="Topic of a bag (empty: its only one)", max_length=TOPIC_CHARACTERS
             )
         parts["read"] = gr.Button("Read again with these")
         parts["clip_notes"] = gr.Markdown()

@@ -13,6 +13,7 @@ from geotlm_lm import GeoTLMError
 from geotlm_lm.core.errors import MissingDependency
 
 from .limits import AT_ONCE
+from .turns import LISTENER
 
 
 def gradio() -> Any:
@@ -93,8 +94,11 @@ CAMERA = {"concurrency_limit": AT_ONCE, "concurrency_id": "camera"}
 
 
 def tell_progress(what: str, done: int, total: int) -> None:
-    """Show how far a request is, where its results will stand; nothing outside of the page."""
-    gradio().Progress()((done, total), desc=what)
+    """Show how far a request is, where its results will stand; or tell whoever listens instead."""
+    if (listener := LISTENER.get()) is not None:
+        listener(what, done, total)
+    else:
+        gradio().Progress()((done, total), desc=what)
 
 
 def model_at(*parts: Any) -> dict[str, Any]:

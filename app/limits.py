@@ -19,6 +19,9 @@ QUESTION_CHARACTERS = 2000
 NAME_CHARACTERS = 400
 """Of a recording's name."""
 
+TOPIC_CHARACTERS = 200
+"""Of the name of a bag's topic."""
+
 LISTED = 1000
 """Recordings of the folder that are listed."""
 

@@ -7,7 +7,7 @@ object that both look at, and whatever finds that it is watched no more ends.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -154,35 +154,16 @@ class LiveTalk:
     answerer: Answerer
 
     def ask(
-        self,
-        question: str,
-        chat: Messages,
-        live: LiveSession,
-        facts: list[str],
-        mm_per_px: float | None,
-        address: str,
+        self, question: str, chat: Messages, live: LiveSession, *others: Any
     ) -> Iterator[Filled]:
         """As `Talking.ask`, until something else is watched."""
-        stream = _watched(live)
-        told = self._talking(live, stream).ask(
-            question, chat, *_about(stream), facts, mm_per_px, address
-        )
-        yield from _while_watched(live, stream, told)
+        return self._answers(live, lambda to, *about: to.ask(question, chat, *about, *others))
 
-    def again(
-        self,
-        chat: Messages,
-        live: LiveSession,
-        facts: list[str],
-        mm_per_px: float | None,
-        address: str,
-    ) -> Iterator[Filled]:
+    def again(self, chat: Messages, live: LiveSession, *others: Any) -> Iterator[Filled]:
         """As `Talking.again`, until something else is watched."""
         if not chat:
-            return
-        stream = _watched(live)
-        told = self._talking(live, stream).again(chat, *_about(stream), facts, mm_per_px, address)
-        yield from _while_watched(live, stream, told)
+            return iter(())
+        return self._answers(live, lambda to, *about: to.again(chat, *about, *others))
 
     def forget(self, live: LiveSession, facts: list[str], *_: Any) -> Iterator[Filled]:
         """Begin the conversation anew; the frame that the page shows still holds."""
@@ -204,35 +185,23 @@ class LiveTalk:
         if live.stream is not None:
             yield {"stage": live.stream.stage(mm_per_px=size)}
 
-    def _talking(self, live: LiveSession, stream: LiveStream) -> Talking:
+    def _answers(self, live: LiveSession, asked: Callable[..., Any]) -> Iterator[Filled]:
+        """Yield what the parts show of answers, but nothing of a stream that is watched no more."""
+        if (stream := live.stream) is None:
+            raise GeoTLMError(WATCH_FIRST)
+
         def redraw(shown: Any, _: Source) -> dict[str, Any]:
             live.mm_per_px = shown.session.frame.mm_per_px
             return stream.stage(mm_per_px=live.mm_per_px)
 
-        return Talking(self.answerer, redraw)
-
-
-def _watched(live: LiveSession) -> LiveStream:
-    if live.stream is None:
-        raise GeoTLMError(WATCH_FIRST)
-    return live.stream
-
-
-def _about(stream: LiveStream) -> tuple[Any, Source]:
-    return stream.shown(), Source(stream.name, stream.name)
+        to, source = Talking(self.answerer, redraw), Source(stream.name, stream.name)
+        for filled in asked(to, stream.shown(), source):
+            if live.stream is not stream:
+                return
+            yield {name: value for name, value in filled.items() if name in _PARTS}
 
 
 _PARTS = frozenset(
     ("chat", "question", "chips", "stage", "last", "frame", "viewpoint", "told", "mm_per_px")
 )
 """Those that there are: the Ask tab has more."""
-
-
-def _while_watched(
-    live: LiveSession, stream: LiveStream, told: Iterator[Filled]
-) -> Iterator[Filled]:
-    """Yield what the parts show of answers, but nothing of a stream that is watched no more."""
-    for filled in told:
-        if live.stream is not stream:
-            return
-        yield {name: value for name, value in filled.items() if name in _PARTS}

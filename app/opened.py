@@ -52,38 +52,41 @@ class OpenedRecordings:
         self._opening: dict[str, Lock] = {}
         self._lock = Lock()
 
-    def open(self, given: str, frames: list[int] | None = None) -> LoadedClip:
+    def open(
+        self, given: str, frames: list[int] | None = None, topic: str | None = None
+    ) -> LoadedClip:
         """Return a recording, or a span of it, ready for questions.
 
         Args:
             given: A name, a data URI or an upload.
             frames: First and last frame; None for all.
+            topic: Of a bag's images; None where it has images on one topic only.
 
         Raises:
             GeoTLMError: If there is none, or it cannot be read.
         """
-        whole = self.whole(given)
+        whole = self.whole(given, topic)
         if frames is None:
             return whole.shown
         track = whole.shown.encoded.track
         span = (frames[0], frames[1])
         return perceive(self._answerer, whole.recording, span=span, track=track)
 
-    def whole(self, given: str) -> Opened:
-        """Return all of a recording.
+    def whole(self, given: str, topic: str | None = None) -> Opened:
+        """Return all of a recording; parameters as of `open`.
 
         Raises:
             GeoTLMError: If there is none, or it cannot be read.
         """
         with self._sources.opened(given) as path:
-            key = _key(given, path)
+            key = _key(given, path, topic)
             with self._lock:
                 opening = self._opening.setdefault(key, Lock())
             try:
                 with opening:
                     found = self._found(key)
                     if found is None:
-                        found = self._read(given, path)
+                        found = self._read(given, path, topic)
                         self._keep(key, found)
                     return found
             finally:
@@ -91,8 +94,8 @@ class OpenedRecordings:
                     if not opening.locked():
                         self._opening.pop(key, None)
 
-    def _read(self, given: str, path: Path) -> Opened:
-        recording = read_named(str(path))
+    def _read(self, given: str, path: Path, topic: str | None) -> Opened:
+        recording = read_named(str(path), topic)
         if not given.startswith("data:") and path.name != given:
             recording = replace(recording, name=_shown_name(given, path))
         shown = perceive(self._answerer, recording)
@@ -121,13 +124,15 @@ class OpenedRecordings:
             del self._kept[key]
 
 
-def _key(given: str, path: Path) -> str:
+def _key(given: str, path: Path, topic: str | None) -> str:
     """Return what tells a recording from others, and from itself once it was changed."""
     if given.startswith("data:"):
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    files = sorted(path.iterdir()) if path.is_dir() else [path]
-    states = [(str(one), one.stat().st_mtime_ns, one.stat().st_size) for one in files]
-    return hashlib.sha256(repr((str(path), states)).encode()).hexdigest()
+        told: Any = path.read_bytes()
+    else:
+        files = sorted(path.iterdir()) if path.is_dir() else [path]
+        states = [(str(one), one.stat().st_mtime_ns, one.stat().st_size) for one in files]
+        told = repr((str(path), states)).encode()
+    return repr((hashlib.sha256(told).hexdigest(), topic))
 
 
 def _shown_name(given: str, path: Path) -> str:

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from geotlm_lm import FrameSpec
 
-from .limits import NAME_CHARACTERS, QUESTION_CHARACTERS, ROWS
+from .limits import NAME_CHARACTERS, QUESTION_CHARACTERS, ROWS, TOPIC_CHARACTERS
 
 RECORDING = (
     "A name that the tool `recordings` lists, such as 'example:bottle_cap_clockwise'; or a short "
@@ -31,6 +31,15 @@ Frames = Annotated[
         description="First and last frame to use, counted from 0; leave it out for all.",
         min_length=2,
         max_length=2,
+    ),
+]
+Topic = Annotated[
+    str | None,
+    Field(
+        description="Of a ROS bag: the topic of the sensor's images, such as "
+        "'/gelsight/image_raw'; leave it out where only one has images.",
+        min_length=1,
+        max_length=TOPIC_CHARACTERS,
     ),
 ]
 Mirrored = Annotated[bool, Field(description="The recorded image is flipped left to right.")]

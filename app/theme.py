@@ -40,6 +40,11 @@ def theme() -> Any:
         block_label_text_color_dark="*neutral_300",
         input_placeholder_color="*neutral_500",
         input_placeholder_color_dark="*neutral_400",
+        # The toolkit's own links are too pale on white, and followed ones in the dark as well.
+        link_text_color="*secondary_700",
+        link_text_color_active="*secondary_700",
+        link_text_color_visited="*secondary_700",
+        link_text_color_visited_dark="*secondary_500",
         # White letters on it have a contrast of 5.5.
         button_primary_background_fill="*primary_700",
         button_primary_background_fill_hover="*primary_800",

@@ -10,6 +10,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from threading import Event, Lock
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,10 @@ TOLD_EVERY_S = 0.25
 
 Tell = Callable[[str, int, int], None]
 """Called with what is done, how much of it, and of how much; it shows this to whoever waits."""
+
+
+LISTENER: ContextVar[Tell | None] = ContextVar("listener", default=None)
+"""Is told how far a request is in place of the page, where one from elsewhere wants to know."""
 
 
 def silent(what: str, done: int, total: int) -> None:

@@ -27,6 +27,8 @@ BEGINNINGS = {
     ".avi": (8, b"AVI "),
     ".mp4": (4, b"ftyp"),
     ".mkv": (0, b"\x1a\x45\xdf\xa3"),
+    ".mcap": (0, b"\x89MCAP0\r\n"),
+    ".db3": (0, b"SQLite format 3\0"),
     ".tif": (0, b"II*\0"),
     ".tiff": (0, b"MM\0*"),  # the same with its numbers the other way round
 }

@@ -1,11 +1,15 @@
 """The page served with a stand-in for the model, a browser at it, and recordings to give it."""
 
+import asyncio
 from contextlib import ExitStack
 
 import numpy as np
 import pytest
 
+from tests.app.agent_calls import clip
 from tests.app.fakes import FakeAnswerer
+from tests.track.recordings import there_and_back
+from tests.track.test_idle_tracker import gel, touched
 
 
 @pytest.fixture(scope="module")
@@ -68,3 +72,89 @@ def recordings(tmp_path):
         frames[1:, 10:30, 10:30] += 20
         np.save(paths[name], frames)
     return paths
+
+
+@pytest.fixture
+def long_recording(tmp_path):
+    """A touch that comes and goes, watched for a good many seconds."""
+    plain = gel()
+    frames = [next(plain) for _ in range(12)]
+    for _ in range(40):
+        frames += [touched(next(plain)) for _ in range(20)] + [next(plain) for _ in range(15)]
+    np.savez(tmp_path / "long.npz", frames=np.stack(frames), fps=25.0)
+    return tmp_path / "long.npz"
+
+
+@pytest.fixture
+def bag(tmp_path):
+    """A bag with two cameras: what is left of them goes right for the stand-in, the other left."""
+    bags = pytest.importorskip("tests.recordings.bag_files", reason="needs the extra ros")
+    topics = {
+        f"/{side}": [bags.raw(*one) for one in zip(clip(level), bags.even_ns(6), strict=True)]
+        for side, level in (("left", 150), ("right", 60))
+    }
+    (path,) = bags.write_bag(tmp_path / "run", topics).glob("*.mcap")
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Recordings, one of them long, and what tries to lead out of the folder."""
+    home = tmp_path_factory.mktemp("home")
+    served = home / "recordings"
+    (served / "day 1").mkdir(parents=True)
+    whole = there_and_back()
+    np.savez(served / "turn.npz", frames=whole.frames, fps=whole.fps)
+    np.save(served / "day 1" / "dark.npy", clip(60))
+    np.save(home / "private.npy", clip(150))
+    (served / "link.npy").symlink_to(home / "private.npy")
+    (served / "up").symlink_to(home)
+    return served
+
+
+@pytest.fixture(scope="module")
+def uploads(tmp_path_factory):
+    return tmp_path_factory.mktemp("uploads")
+
+
+@pytest.fixture(scope="module")
+def agents_address(folder, uploads):
+    pytest.importorskip("mcp", reason="serving agents needs mcp (extra: mcp)")
+    from app import ui
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("GRADIO_TEMP_DIR", str(uploads))
+        page = ui.build(FakeAnswerer(), folder)
+        yield ui.launch(page, mcp=True)
+        page.close()
+
+
+@pytest.fixture
+def talk(agents_address):
+    """Return a function that hands a session to a conversation and returns what comes of it."""
+    from mcp import ClientSession
+    from mcp.client.streamable_http import streamable_http_client
+
+    from app import agents
+
+    async def held(conversation):
+        async with (
+            streamable_http_client(f"{agents_address}{agents.PATH}") as (read, write, _),
+            ClientSession(read, write) as session,
+        ):
+            return await conversation(session, await session.initialize())
+
+    return lambda conversation: asyncio.run(held(conversation))
+
+
+@pytest.fixture
+def use(talk):
+    """Return a function that calls tools in one session and returns their results."""
+
+    def called(*calls):
+        async def conversation(session, _):
+            return [await session.call_tool(name, given) for name, given in calls]
+
+        return talk(conversation)
+
+    return called

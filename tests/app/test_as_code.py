@@ -55,18 +55,25 @@ def test_the_program_asks_one_question_or_the_whole_conversation():
     ]
 
 
-def test_the_topic_of_a_bag_is_in_the_command_and_the_program():
-    calls = calls_of("run.mcap", ["Which way?"], CAMERA, topic="/gel/image")
+def test_the_topic_of_a_bag_is_in_every_call():
+    calls = calls_of("run.mcap", ["Which way?"], CAMERA, (3, 9), topic="/gel/image")
     assert shlex.split(calls.command)[-2:] == ["--topic", "/gel/image"]
-    assert asked_by(calls.python) == [(("run.mcap", "/gel/image"), None), "Which way?"]
+    assert asked_by(calls.python) == [(("run.mcap", "/gel/image"), (3, 9)), "Which way?"]
+    asked = {"question": "Which way?", "frames": [3, 9], "topic": "/gel/image"}
+    assert sent_by(calls.rest) == {"recording": "/uploaded.npz"} | asked
+
+
+def sent_by(script):
+    """Return what a call over REST sends, with a stand-in for the upload."""
+    script = "\n".join(["clip=/uploaded.npz", script.splitlines()[2], 'printf %s "$asked"'])
+    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
 
 
 def test_the_call_sends_the_question_as_it_is():
     question = "Is it 'left', \"right\" or $HOME?"
     calls = calls_of("my clip.npz", [question], CAMERA, address="http://localhost:1")
-    lines = calls.rest.splitlines()
-    assert lines[0] == "url=http://localhost:1/gradio_api"
-    script = "\n".join(["clip=/uploaded.npz", lines[2], 'printf %s "$asked"'])
-    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True)
-    assert json.loads(done.stdout) == {"recording": "/uploaded.npz", "question": question}
-    assert shlex.split(lines[1][len("clip=$(") :].split(" | ")[0])[3] == "files=@my clip.npz"
+    assert sent_by(calls.rest) == {"recording": "/uploaded.npz", "question": question}
+    url, clip, *_ = calls.rest.splitlines()
+    assert url == "url=http://localhost:1/gradio_api"
+    assert shlex.split(clip[len("clip=$(") :].split(" | ")[0])[3] == "files=@my clip.npz"

@@ -200,14 +200,9 @@ def test_a_recording_is_watched(browser, tmp_path):
     browser.wait_for(f"!{CHAT}.innerText.includes('neither turns nor slides')")
 
 
-def test_a_recording_that_is_watched_no_longer_leaves_the_stage_empty(browser, tmp_path):
-    plain = gel()
-    frames = [next(plain) for _ in range(12)]
-    for _ in range(40):  # a touch that comes and goes, watched for a good many seconds
-        frames += [touched(next(plain)) for _ in range(20)] + [next(plain) for _ in range(15)]
-    np.savez(tmp_path / "long.npz", frames=np.stack(frames), fps=25.0)
+def test_a_recording_that_is_watched_no_longer_leaves_the_stage_empty(browser, long_recording):
     browser.click("Live", "button[role=tab]")
-    browser.upload("Recording", tmp_path / "long.npz")
+    browser.upload("Recording", long_recording)
     browser.wait_for(f"{TEXT}.includes('long')")
     browser.click("Watch", "button.primary")
     browser.wait_for(f"{TOLD}.includes('release')")

@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 axe_core_python = pytest.importorskip("axe_core_python", reason="axe is in the extra dev")
 
-from tests.app.browser import SHOWN  # noqa: E402
+from tests.app.browser import STAGE  # noqa: E402
 
 TABS = ("Ask", "Compare", "Live", "Simulate", "Benchmark", "API")
 RUN = """;window.found = null; axe.run(document, {resultTypes: ['violations']}).then(told => {
@@ -18,16 +18,40 @@ RUN = """;window.found = null; axe.run(document, {resultTypes: ['violations']}).
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_axe_finds_nothing_critical_or_serious(new_browser, address, theme):
-    browser = new_browser((1400, 900))
-    browser.open(f"{address}?__theme={theme}")
-    browser.wait_for(SHOWN)
-    axe = (Path(axe_core_python.__file__).parent / "axe.min.js").read_text()
+    browser = opened(new_browser, address, theme)
     for tab in TABS:
         browser.click(tab, "button[role=tab]")
         browser.wait_for(
             f"document.querySelector('button[role=tab][aria-selected=true]').innerText == {tab!r}"
         )
-        browser.run(axe + RUN)
-        browser.wait_for("window.found !== null")
-        found = json.loads(browser.run("window.found"))
-        assert [one for one in found if one[0] in ("critical", "serious")] == [], tab
+        assert found_by_axe(browser) == [], tab
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_nor_while_a_recording_is_watched_and_asked_about(
+    new_browser, address, theme, long_recording
+):
+    browser = opened(new_browser, address, theme)
+    browser.click("Live", "button[role=tab]")
+    browser.upload("Recording", long_recording)
+    browser.wait_for("document.body.innerText.includes('long')")
+    browser.click("Watch", "button.primary")
+    browser.click("When did it stop?", ".chips button")
+    browser.wait_for("document.body.innerText.includes('neither turns nor slides')")
+    assert found_by_axe(browser) == []
+    assert browser.run(f"!{STAGE}.querySelector('[data-part=live]').hidden"), "it was over"
+
+
+def opened(new_browser, address, theme):
+    browser = new_browser((1400, 900))
+    browser.open(f"{address}?__theme={theme}")
+    return browser
+
+
+def found_by_axe(browser):
+    """Return what is critical or serious of what is seen."""
+    axe = (Path(axe_core_python.__file__).parent / "axe.min.js").read_text()
+    browser.run(axe + RUN)
+    browser.wait_for("window.found !== null")
+    found = json.loads(browser.run("window.found"))
+    return [one for one in found if one[0] in ("critical", "serious")]

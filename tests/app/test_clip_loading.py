@@ -90,14 +90,8 @@ def test_grey_frames_are_told_what_can_be_done_in_the_page(tmp_path, shape, advi
     assert "pass --layout" not in str(caught.value)
 
 
-def test_of_a_bag_with_two_cameras_one_is_opened_by_its_topic(tmp_path):
-    bags = pytest.importorskip("tests.recordings.bag_files", reason="needs the extra ros")
-    frames = np.full((6, 48, 64, 3), 90, np.uint8)
-    times = bags.even_ns(6)
-    messages = [bags.raw(*one, "rgb8") for one in zip(frames, times, strict=True)]
-    folder = bags.write_bag(tmp_path / "run", {"/left": messages, "/right": messages[:3]})
-    path = str(next(folder.glob("*.mcap")))
-    advice = "give it under Frames and notes of the Ask tab"
+def test_of_a_bag_with_two_cameras_one_is_opened_by_its_topic(bag):
+    advice = "give it as `topic`, on the page under Frames and notes of the Ask tab"
     with pytest.raises(GeoTLMError, match=f"on 2 topics.*{advice}[.]$"):
-        load_clip(FakeAnswerer(), path)
-    assert load_clip(FakeAnswerer(), path, topic="/left").encoded.clip.recorded_frames == 6
+        load_clip(FakeAnswerer(), str(bag))
+    assert load_clip(FakeAnswerer(), str(bag), topic="/left").encoded.clip.recorded_frames == 6

@@ -57,6 +57,16 @@ def test_a_track_and_a_picture_come_as_plain_values(client):
     assert base64.b64decode(drawn["png_base64"]).startswith(b"\x89PNG")
 
 
+def test_a_topic_of_an_uploaded_bag_is_chosen_by_name(client, bag):
+    told = [
+        client.predict(handle_file(bag), "Which way?", topic=one, api_name="/ask")["direction"]
+        for one in ("/left", "/right")
+    ]
+    assert told == ["right", "left"]
+    with pytest.raises(AppError, match="expected one; give it as `topic`, "):
+        client.predict(handle_file(bag), api_name="/track")
+
+
 def test_two_uploads_are_compared(client, tmp_path):
     clips = [handle_file(saved(tmp_path, f"{level}.npy", level)) for level in (150, 60)]
     assert client.predict(*clips, api_name="/compare")["relation"] == "opposite"
