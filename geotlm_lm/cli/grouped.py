@@ -87,3 +87,9 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
     call.__signature__ = Signature(parameters)
     call.__annotations__ = {one.name: one.annotation for one in parameters}
     return call
+
+
+def given_of(group: Any) -> dict[str, Any]:
+    """Return which options of a group were given, by their names on the command line."""
+    given = ((name, value) for name, value in vars(group).items() if value is not None)
+    return {f"--{name.replace('_', '-')}": value for name, value in given}
