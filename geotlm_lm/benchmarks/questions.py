@@ -15,7 +15,7 @@ import numpy as np
 
 from geotlm_lm.answering import Answer, Answerer, Encoded
 from geotlm_lm.answering.evidence_of import recording_of
-from geotlm_lm.benchmarks.cases.recordings import real_cases
+from geotlm_lm.benchmarks.cases.recordings import real_recordings
 from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
 from geotlm_lm.benchmarks.halves import (
     HALVES,
@@ -76,10 +76,8 @@ def question_rows(run: Run) -> Iterator[Row]:
     """
     simulated = SimulatedCases("all", run.size(CLIPS, 3), run.seed).made()
     sets = {"simulated": ((made.clip, made.label, made.object_name) for made in simulated)}
-    found = real_cases(run.real) if run.real else {}
-    for (name, cases), half in product(found.items(), HALVES):
-        rows = rows_of_half(cases.recordings.rows, half)
-        own = replace(cases.recordings, rows=rows)
+    for (name, real), half in product(real_recordings(run.real).items(), HALVES):
+        own = replace(real, rows=rows_of_half(real.rows, half))
         sets[titled(f"real {name}", half)] = _windows(own, run.size(WINDOWS, 2))
     for title, clips in sets.items():
         run.progress(f"questions, {title}", 0, 1)
@@ -185,7 +183,7 @@ QUESTIONS = Section(
     name="questions",
     title="Every question type",
     about=ABOUT,
-    run=lambda run: list(question_rows(run)),
+    run=question_rows,
     views={
         "": (Pivot(right_with_interval, "question"), is_reported),
         TUNE_TITLE: (Pivot(right_with_interval, "question"), lambda row: not is_reported(row)),
