@@ -7,9 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from geotlm_lm.benchmarks.cases.recordings import real_recordings
 from geotlm_lm.benchmarks.cases.streams import Planned, Stream, streams
-from geotlm_lm.benchmarks.halves import HALVES, Half, rows_of_half, titled
+from geotlm_lm.benchmarks.halves import Half, recordings_by_half, rows_of_half, titled
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.rows import Pivot, Row, Run, Section, every
 from geotlm_lm.benchmarks.statistics import Tally
@@ -51,12 +50,10 @@ Graded = tuple[str, bool]
 def track_rows(run: Run) -> Iterator[Row]:
     """Yield the rows of real recordings, each half apart, and of simulated streams."""
     track = run.answerer.track
-    for name, real in real_recordings(run.real).items():
-        table = real.folder / TABLE_NAME
-        for half in HALVES:
-            rows = [row for row in rows_of_half(read_directed(table), half) if row.turn_deg]
-            rows = rows[: run.size(len(rows), 2)]
-            yield from _real(run, name, half, rows, track)
+    for name, half, real in recordings_by_half(run.real):
+        directed = rows_of_half(read_directed(real.folder / TABLE_NAME), half)
+        rows = [row for row in directed if row.turn_deg]
+        yield from _real(run, name, half, rows[: run.size(len(rows), 2)], track)
     yield from _simulated(run, run.size(STREAMS, 4), track)
 
 
