@@ -91,7 +91,7 @@ class Conversation:
             "/clip": self._clip,
             "/frame": self._frame,
             "/why": self._why,
-            "/evidence": lambda _: print(json.dumps(self._evidence())),
+            "/evidence": self._evidence,
             "/history": self._history,
             "/json": self._json,
         }
@@ -163,10 +163,10 @@ class Conversation:
         print("\n".join(reasons.steps))
         print(f"note: told {reasons.source}", file=sys.stderr)
 
-    def _evidence(self) -> dict:
+    def _evidence(self, _: str) -> None:
         from geotlm_lm.answering.evidence_of import regions_of
 
-        return regions_of(self.session.encoded)
+        print(json.dumps(regions_of(self.session.encoded)))
 
     def _history(self, _: str) -> None:
         for turn in self.session.history:

@@ -92,14 +92,8 @@ def evaluate(
     from geotlm_lm.benchmarks.running import run_bench
     from geotlm_lm.benchmarks.variants import GENERATED
 
-    run = Run(
-        seed=seed,
-        clips=clips,
-        real=real,
-        data=tuple(data or ()),
-        progress=progress_on_stderr(),
-        answerer_given=answerer,
-    )
+    what = {"seed": seed, "clips": clips, "real": real, "data": tuple(data or ())}
+    run = Run(**what, progress=progress_on_stderr(), answerer_given=answerer)
     record = run_bench(EVALUATION, run, command=command_line())
     about = {"model": name, "model_digest": answerer.bundle.digest()} | about
     record = replace(record, config=record.config | about)

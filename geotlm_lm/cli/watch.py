@@ -62,14 +62,8 @@ def watch(
     from geotlm_lm.recordings.streams import open_source
 
     scale = answering.frame.mm_per_px
-    stream = open_source(
-        source,
-        at_its_rate=at_its_rate,
-        fps=fps,
-        layout=layout,
-        square_pixels=square_pixels,
-        topic=topic,
-    )
+    reading = {"fps": fps, "layout": layout, "square_pixels": square_pixels, "topic": topic}
+    stream = open_source(source, at_its_rate=at_its_rate, **reading)
 
     # Imported only now: a camera that does not open must not wait for the model's libraries.
     from geotlm_lm.cli.watching import Watching

@@ -37,23 +37,19 @@ def test_a_recording_shorter_than_a_window_is_counted(tmp_path):
     assert windows.too_short == 1
 
 
-def test_a_press_ends_before_the_first_turn(tmp_path):
+def test_a_press_ends_before_the_first_turn_and_is_a_release_backwards(tmp_path):
     path = numbered(tmp_path, "a.npy", 40)
     rows = [
         TouchRow(path, 25.0, 20, 35, "cap", "caps", still_until=26),
         TouchRow(path, 25.0, 20, 35, "cap", "caps", still_until=21),
         TouchRow(path, 25.0, 20, 35, "cap", "caps"),
     ]
-    (case,) = pressed_in(rows)
-    assert levels(case.clip) == [17, 20, 23, 26]
-    assert (case.motion, case.family) == (Motion.PRESS, "caps")
-
-
-def test_a_press_played_backwards_is_a_release(tmp_path):
-    row = TouchRow(numbered(tmp_path, "a.npy", 40), 25.0, 20, 35, "cap", "caps", still_until=26)
-    (case,) = backwards(pressed_in([row]))
-    assert levels(case.clip) == [26, 23, 20, 17]
-    assert (case.motion, case.family) == (Motion.RELEASE, "caps")
+    (press,) = pressed_in(rows)
+    assert levels(press.clip) == [17, 20, 23, 26]
+    assert (press.motion, press.family) == (Motion.PRESS, "caps")
+    (release,) = backwards([press])
+    assert levels(release.clip) == [26, 23, 20, 17]
+    assert (release.motion, release.family) == (Motion.RELEASE, "caps")
 
 
 def test_a_whole_recording_is_read_with_all_its_frames(tmp_path):

@@ -16,29 +16,19 @@ from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
+from geotlm_lm.simulation import series
 
 
-@pytest.fixture
-def fake_simulator(monkeypatch):
-    """Every third clip is unreadable; the numbers of the simulated clips are recorded."""
-    from geotlm_lm.simulation import series
-
-    numbers = []
-
-    def simulate_series(seed, count, *, objects, motions, first_index=0):
-        for number in range(first_index, first_index + count):
-            numbers.append(number)
+def test_unreadable_clips_are_replaced_and_counted(monkeypatch):
+    def every_third_unreadable(seed, count, *, objects, motions):
+        for number in range(count):
             yield SimpleNamespace(
                 clip=Clip(np.zeros((4, 8, 8, 3), np.uint8)),
                 label=MotionLabel(motions[number % len(motions)], is_readable=number % 3 != 2),
                 object_name=f"object {number % 4}",
             )
 
-    monkeypatch.setattr(series, "simulate_series", simulate_series)
-    return numbers
-
-
-def test_unreadable_clips_are_replaced_and_counted(fake_simulator):
+    monkeypatch.setattr(series, "simulate_series", every_third_unreadable)
     cases = SimulatedCases("rotation", 20, seed=0)
     assert len(list(cases)) == 20
     # Of the numbers 0..28 every third is unreadable: 2, 5, ..., 26.
