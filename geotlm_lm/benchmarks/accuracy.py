@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from geotlm_lm.benchmarks.amounts import AMOUNTS
 from geotlm_lm.benchmarks.clips import clip_rows, clip_shares, left_out
-from geotlm_lm.benchmarks.halves import HALVES, TUNE_TITLE, is_reported, titled
+from geotlm_lm.benchmarks.halves import HALVES, by_half, is_reported, titled
 from geotlm_lm.benchmarks.judging import NEAR
 from geotlm_lm.benchmarks.mixtures import MIXTURES
 from geotlm_lm.benchmarks.optics import OPTICS
@@ -82,9 +82,8 @@ CLIPS_SECTION = Section(
     title="Which way it goes",
     about=CLIPS_ABOUT,
     run=lambda run: list(clip_rows(run, HALVES)),
-    views={
-        "": (Pivot(_right), is_reported),
-        TUNE_TITLE: (Pivot(_right), lambda row: not is_reported(row)),
+    views=by_half(Pivot(_right))
+    | {
         "Words less the better rival, clip by clip": (
             Listing(
                 {

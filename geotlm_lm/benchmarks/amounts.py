@@ -5,23 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Literal
 
 import numpy as np
 
 from geotlm_lm.answering import Answerer
 from geotlm_lm.answering.evidence_of import recording_of
-from geotlm_lm.benchmarks.cases.recordings import real_cases
 from geotlm_lm.benchmarks.cases.semi_real import SemiRealSlides
 from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
-from geotlm_lm.benchmarks.halves import (
-    HALVES,
-    TUNE_TITLE,
-    is_reported,
-    rows_of_half,
-    titled,
-)
+from geotlm_lm.benchmarks.halves import by_half, recordings_by_half, rows_of_half, titled
 from geotlm_lm.benchmarks.rendering import number, right_with_interval
 from geotlm_lm.benchmarks.rows import Listing, Row, Run, Section
 from geotlm_lm.benchmarks.statistics import share_row
@@ -98,14 +90,12 @@ def sources(run: Run) -> Iterator[tuple[str, Iterator[Moved]]]:
     for task, unit in UNITS.items():
         cases = SimulatedCases(task, run.size(CLIPS, 4), run.seed)
         yield f"simulated {task}", _simulated(cases, unit)
-    found = real_cases(run.real) if run.real else {}
-    for (name, cases), half in product(found.items(), HALVES):
-        own = rows_of_half(cases.recordings.rows, half)
+    for name, half, real in recordings_by_half(run.real):
         for task, unit in UNITS.items():
-            rows = tuple(row for row in own if known_amount(row, unit))[few]
-            windows = _windows(replace(cases.recordings, rows=rows), unit)
+            rows = tuple(row for row in real.rows if known_amount(row, unit))[few]
+            windows = _windows(replace(real, rows=rows), unit)
             yield titled(f"real {name}, {task}", half), windows
-        touched = read_touch_table(cases.recordings.folder / TABLE_NAME)
+        touched = read_touch_table(real.folder / TABLE_NAME)
         slides = SemiRealSlides(rows_of_half(touched, half)[few], run.seed).made()
         moved = (Moved(one.clip, "px", way, one.motion, one.family) for one, way in slides)
         yield titled(f"semi-real {name}, sliding", half), moved
@@ -195,9 +185,6 @@ AMOUNTS = Section(
     name="amounts",
     title="How far it goes",
     about=ABOUT,
-    run=lambda run: list(amount_rows(run)),
-    views={
-        "": (Listing(_COLUMNS), is_reported),
-        TUNE_TITLE: (Listing(_COLUMNS), lambda row: not is_reported(row)),
-    },
+    run=amount_rows,
+    views=by_half(Listing(_COLUMNS)),
 )

@@ -5,34 +5,36 @@ Every set of clips is put to all variants in turn; simulated and real clips are 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from geotlm_lm.benchmarks.cases.beyond_windows import (
     NoContactWindows,
-    PressedIn,
-    WholeRecordings,
     backwards,
+    pressed_in,
+    whole_recordings,
 )
 from geotlm_lm.benchmarks.cases.data_sets import (
     DATA_TASKS,
     DataSet,
-    ListedClips,
     data_set_name,
+    listed_cases,
     open_data_sets,
+    pair_cases,
     tracked_pairs,
 )
 from geotlm_lm.benchmarks.cases.recordings import (
-    FourFrames,
-    RealCases,
     by_task,
+    four_frames,
     held_across,
-    real_cases,
+    real_recordings,
+    task_of,
+    window_cases,
     without_idle_frame,
 )
-from geotlm_lm.benchmarks.cases.semi_real import SemiRealHeld, SemiRealSlides, UntouchedCases
+from geotlm_lm.benchmarks.cases.semi_real import SemiRealSlides, semi_real_held, untouched_cases
 from geotlm_lm.benchmarks.cases.simulated import TASKS, SimulatedCases
 from geotlm_lm.benchmarks.halves import Half, rows_of_half, titled
 from geotlm_lm.benchmarks.judging import (
@@ -47,6 +49,7 @@ from geotlm_lm.benchmarks.rows import Row, Run, Share
 from geotlm_lm.benchmarks.variants import GENERATED, RIVALS, all_variants
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import SLIDES, Motion
+from geotlm_lm.data.labelled_recordings import LabelledRecordings
 from geotlm_lm.data.manifest import Manifest
 from geotlm_lm.data.touch_table import (
     TABLE_NAME,
@@ -131,9 +134,9 @@ def _shares(
     shares: dict[str, Share] = {}
     for task in TASKS if clips else ():
         shares[f"simulated {task}"] = partial(_simulated, run, task, clips)
-    for name, cases in ({} if run.real is None else real_cases(run.real)).items():
+    for name, real in real_recordings(run.real).items():
         for half in halves:
-            shares[titled(f"real {name}", half)] = partial(_recordings, run, name, cases, half)
+            shares[titled(f"real {name}", half)] = partial(_recordings, run, name, real, half)
     for name, data_set in data_sets.items():
         shares[f"data {name}"] = partial(_data_set, run, data_set)
     return shares
@@ -151,33 +154,32 @@ def _data_set(run: Run, data_set: DataSet) -> Iterator[Row]:
     yield from data_set_rows(Judge(run), data_set)
 
 
-def _recordings(run: Run, name: str, real: RealCases, half: Half | None) -> Iterator[Row]:
+def _recordings(run: Run, name: str, real: LabelledRecordings, half: Half | None) -> Iterator[Row]:
     """Yield one folder's windows task by task, and what else it can be asked."""
     judge = Judge(run)
     for part, whole in by_task(real).items():
-        rows = rows_of_half(whole.recordings.rows, half)
-        cases = RealCases(
-            replace(whole.recordings, rows=rows[:: judge.run.size(1, len(rows) or 1)])
-        )
-        yield from _windows(judge, f"real {name}{part}", cases, half)
+        rows = rows_of_half(whole.rows, half)
+        own = replace(whole, rows=rows[:: judge.run.size(1, len(rows) or 1)])
+        yield from _windows(judge, f"real {name}{part}", own, half)
         for aside, change in (
             ("no idle frame", without_idle_frame),
             ("turned by a quarter", held_across),
         ):
             title = titled(f"real {name}{part}, {aside}", half)
-            shown = FourFrames(cases.recordings, change)
-            yield from judge.rows(title, judge.replies(title, shown, cases.among, len(shown)))
+            shown, total = four_frames(own, change), 2 * len(own.rows)
+            yield from judge.rows(title, judge.replies(title, shown, task_of(own.rows), total))
     if not judge.run.is_quick:
         yield from _beyond_windows(judge, name, real, half)
 
 
-def _windows(judge: Judge, name: str, cases: RealCases, half: Half | None) -> Iterator[Row]:
+def _windows(judge: Judge, name: str, own: LabelledRecordings, half: Half | None) -> Iterator[Row]:
     """Yield four frames and pairs, both ways; each frame rate apart.
 
     Cameras set to another rate often have another gain and zoom.
     """
-    replies = judge.replies(titled(name, half), cases, cases.among, len(cases))
-    facts = {"labels_left_out": dict(cases.recordings.skipped)}
+    among, total = task_of(own.rows), 4 * len(own.rows)
+    replies = judge.replies(titled(name, half), window_cases(own), among, total)
+    facts = {"labels_left_out": dict(own.skipped)}
     rates = sorted({case.tags["fps"] for case in replies.cases})
     for frames, title in (("four", f"{name}, four frames"), ("pair", f"{name}, pairs")):
         part = replies.where(frames=frames)
@@ -186,41 +188,46 @@ def _windows(judge: Judge, name: str, cases: RealCases, half: Half | None) -> It
             yield from judge.rows(titled(f"{title}, {rate} fps", half), part.where(fps=rate))
 
 
-def _beyond_windows(judge: Judge, name: str, real: RealCases, half: Half | None) -> Iterator[Row]:
+def _beyond_windows(
+    judge: Judge, name: str, real: LabelledRecordings, half: Half | None
+) -> Iterator[Row]:
     """Yield whole recordings, semi-real slides, and clips without a direction."""
-    table, seed = real.recordings.folder / TABLE_NAME, judge.run.seed
+    table, seed = real.folder / TABLE_NAME, judge.run.seed
     directed, touched, untouched = (
         rows_of_half(read(table), half)
         for read in (read_directed, read_touch_table, read_untouched)
     )
     if directed:
-        title, whole = titled(f"real {name}, whole recordings", half), WholeRecordings(directed)
-        yield from judge.rows(title, judge.replies(title, whole, whole.among, len(whole)))
+        title, whole = titled(f"real {name}, whole recordings", half), whole_recordings(directed)
+        replies = judge.replies(title, whole, task_of(directed), len(directed))
+        yield from judge.rows(title, replies)
     if touched:
         title, slides = titled(f"semi-real {name}, sliding", half), SemiRealSlides(touched, seed)
         replies = judge.replies(title, slides, SLIDES, len(slides))
         yield from judge.rows(title, replies, {"cut_off_left_out": slides.cut_off})
     for title, cases in (
-        (f"real {name}, untouched", UntouchedCases(touched)),
+        (f"real {name}, untouched", partial(untouched_cases, touched)),
         (f"real {name}, no visible contact", NoContactWindows(untouched)),
-        (f"real {name}, pressed in", PressedIn(touched)),
-        (f"semi-real {name}", SemiRealHeld(touched, seed)),
+        (f"real {name}, pressed in", partial(pressed_in, touched)),
+        (f"semi-real {name}", partial(semi_real_held, touched, seed)),
     ):
-        yield from _without_direction(judge, title, cases, half)
+        total = len(untouched if isinstance(cases, NoContactWindows) else touched)
+        yield from _without_direction(judge, title, cases, total, half)
 
 
 def _without_direction(
     judge: Judge,
     title: str,
-    cases: UntouchedCases | NoContactWindows | PressedIn | SemiRealHeld,
+    cases: Callable[[], Iterator[Case]],
+    total: int,
     half: Half | None,
 ) -> Iterator[Row]:
     """Yield the rows of clips without a direction, each also played backwards, by how held."""
     whole = titled(title, half)
-    said = judge.replies(whole, cases, tuple(Motion), len(cases.rows))
+    said = judge.replies(whole, cases(), tuple(Motion), total)
     facts = {"too_short_left_out": getattr(cases, "too_short", 0)}
-    again = backwards(cases)
-    turned = judge.replies(f"{whole}, backwards", again, tuple(Motion), len(cases.rows))
+    again = backwards(cases())
+    turned = judge.replies(f"{whole}, backwards", again, tuple(Motion), total)
     for held in sorted({case.tags.get("held", "") for case in said.cases}):
         tags = {"held": held} if held else {}
         claims = claims_turned_round(said.where(**tags), turned.where(**tags))
@@ -235,11 +242,13 @@ def data_set_rows(judge: Judge, data_set: DataSet) -> Iterator[Row]:
     for task, among in DATA_TASKS.items():
         title = f"{name}, {task}"
         if isinstance(data_set, Manifest):
-            cases, facts = ListedClips(data_set, among), {}
+            cases, facts = listed_cases(data_set, among), {}
+            total = sum(row.motion in among for row in data_set.rows)
         else:
-            cases, pairs = tracked_pairs(data_set, task)
-            facts = {"pairs": pairs}
-        replies = judge.replies(title, cases, among, len(cases))
+            pairs, told = tracked_pairs(data_set, task)
+            cases, facts = pair_cases(pairs), {"pairs": told}
+            total = sum(len(own) for _, own in pairs)
+        replies = judge.replies(title, cases, among, total)
         reasons = list(data_set.left_out.values())  # files are found unusable as they are read
         facts |= {"files_left_out": len(reasons), "first_left_out": reasons[:1]}
         yield from judge.rows(title, replies, facts)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import hashlib
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal
 
-from geotlm_lm.benchmarks.rows import Row
+from geotlm_lm.benchmarks.cases.recordings import real_recordings
+from geotlm_lm.benchmarks.rows import Listing, Pivot, Row
+from geotlm_lm.data.labelled_recordings import LabelledRecordings
 
 Half = Literal["tune", "report"]
 HALVES: tuple[Half, ...] = ("report", "tune")
@@ -47,6 +50,18 @@ def titled(title: str, half: Half | None) -> str:
 def is_reported(row: Row) -> bool:
     """Tell whether a row is not of the half that things are chosen by."""
     return f", {HALVES[1]}" not in row.case
+
+
+def by_half(view: Listing | Pivot) -> dict[str, tuple[Listing | Pivot, Callable[[Row], bool]]]:
+    """Return the views of a section whose halves are never shown in one table."""
+    return {"": (view, is_reported), TUNE_TITLE: (view, lambda row: not is_reported(row))}
+
+
+def recordings_by_half(folder: Path | None) -> Iterator[tuple[str, Half, LabelledRecordings]]:
+    """Yield each folder of labelled recordings by name, once for each half with its rows."""
+    for name, real in real_recordings(folder).items():
+        for half in HALVES:
+            yield name, half, replace(real, rows=rows_of_half(real.rows, half))
 
 
 @cache

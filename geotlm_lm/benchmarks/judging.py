@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -43,7 +43,7 @@ class Case:
     motion: Motion
     object_id: str
     family: str
-    tags: Mapping[str, str]
+    tags: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -93,10 +93,6 @@ class Replies:
             [self.cases[i] for i in kept],
             {name: [said[i] for i in kept] for name, said in self.replies.items()},
         )
-
-    def motions(self, variant: str) -> list[Motion | None]:
-        """Return, case by case, the motion that a variant named."""
-        return [reply.motion for reply in self.replies[variant]]
 
     def right(self, variant: str) -> NDArray[np.bool_]:
         """Return, case by case, whether a variant named the truth."""
@@ -178,7 +174,7 @@ def _detail(replies: Replies, name: str) -> dict[str, Any]:
     detail: dict[str, Any] = {
         "macro_by_object": float(np.mean(list(by_object.values()))),
         "recall": {str(motion): share for motion, share in mean_by_group(right, truths).items()},
-        "unanswered": sum(motion is None for motion in replies.motions(name)),
+        "unanswered": sum(reply.motion is None for reply in said),
     }
     undirected = [one for truth, one in zip(truths, said, strict=True) if truth not in DIRECTED]
     if undirected:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.rows import Pivot, Row, Run, Section, every
-from geotlm_lm.benchmarks.statistics import share_row
+from geotlm_lm.benchmarks.statistics import Tally
 from geotlm_lm.benchmarks.variants import ALIGNMENT, FLOW, GENERATED, question_for
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel, signed_amount
@@ -161,7 +161,7 @@ def all_told(answerer: Answerer, clip: Clip) -> dict[str, Told]:
 
 def mixture_rows(run: Run) -> list[Row]:
     """Return one row for each thing graded and method."""
-    count, found = run.size(CLIPS, 6), {}
+    count, tally = run.size(CLIPS, 6), Tally()
     series = simulate_series(
         seed_for(run.seed, "evaluation", "mixtures"),
         count,
@@ -172,12 +172,9 @@ def mixture_rows(run: Run) -> list[Row]:
     for done, made in enumerate(series, start=1):
         for name, told in all_told(run.answerer, made.clip).items():
             for graded, is_right in grades(made.label, told):
-                found.setdefault((graded, name), []).append((is_right, made.object_name))
+                tally.add(f"simulated mixtures, {graded}", name, is_right, made.object_name)
         run.progress("simulated mixtures", done, count)
-    return [
-        share_row(f"simulated mixtures, {case}", name, *zip(*graded, strict=True), run.seed)
-        for (case, name), graded in sorted(found.items(), key=lambda one: one[0][0])
-    ]
+    return sorted(tally.rows(run.seed), key=lambda row: row.case)
 
 
 MIXTURES = Section(

@@ -17,7 +17,12 @@ from geotlm_lm.answering import Answerer
 from geotlm_lm.backbone.imprint import imprint_of
 from geotlm_lm.backbone.motions import motions_of
 from geotlm_lm.backbone.stem import measure_clip
-from geotlm_lm.benchmarks.cases.recordings import RealCases, by_task, real_cases
+from geotlm_lm.benchmarks.cases.recordings import (
+    by_task,
+    real_recordings,
+    task_of,
+    window_cases,
+)
 from geotlm_lm.benchmarks.cases.simulated import TASKS, SimulatedCases
 from geotlm_lm.benchmarks.halves import rows_of_half
 from geotlm_lm.benchmarks.judging import Case, Variant, ask_all, rows_of_replies, timed
@@ -109,18 +114,16 @@ def case_sets(run: Run) -> Iterator[CaseSet]:
         cases = list(SimulatedCases(task, run.size(60, 2), seed))
         yield (f"simulated {task}, {FOUR}", TASKS[task], cases)
         yield (f"simulated {task}, {PAIRS}", TASKS[task], _pairs(cases))
-    for name, found in ({} if run.real is None else real_cases(run.real)).items():
+    for name, found in real_recordings(run.real).items():
         for part, real in by_task(found).items():
-            rows = rows_of_half(real.recordings.rows, "report")
+            rows = rows_of_half(real.rows, "report")
             few = rows[:: -(-len(rows) // run.size(40, 1)) or 1]
-            title, cases = (
-                f"real {name}{part}, report",
-                list(RealCases(replace(real.recordings, rows=few))),
-            )
+            title, among = f"real {name}{part}, report", task_of(real.rows)
+            cases = list(window_cases(replace(real, rows=few)))
             four, pair = ([x for x in cases if x.tags["frames"] == n] for n in ("four", "pair"))
-            yield (f"{title}, {FOUR}", real.among, four)
+            yield (f"{title}, {FOUR}", among, four)
             # A recorded pair is shown as a, a, b, b.
-            yield (f"{title}, {PAIRS}", real.among, _pairs(pair))
+            yield (f"{title}, {PAIRS}", among, _pairs(pair))
 
 
 def _pairs(cases: Sequence[Case]) -> list[Case]:

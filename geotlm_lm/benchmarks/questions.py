@@ -8,22 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Any
 
 import numpy as np
 
 from geotlm_lm.answering import Answer, Answerer, Encoded
 from geotlm_lm.answering.evidence_of import recording_of
-from geotlm_lm.benchmarks.cases.recordings import real_cases
 from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
-from geotlm_lm.benchmarks.halves import (
-    HALVES,
-    TUNE_TITLE,
-    is_reported,
-    rows_of_half,
-    titled,
-)
+from geotlm_lm.benchmarks.halves import by_half, recordings_by_half, titled
 from geotlm_lm.benchmarks.question_truths import is_right, truth_of
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.rows import Listing, Pivot, Row, Run, Section
@@ -76,11 +68,8 @@ def question_rows(run: Run) -> Iterator[Row]:
     """
     simulated = SimulatedCases("all", run.size(CLIPS, 3), run.seed).made()
     sets = {"simulated": ((made.clip, made.label, made.object_name) for made in simulated)}
-    found = real_cases(run.real) if run.real else {}
-    for (name, cases), half in product(found.items(), HALVES):
-        rows = rows_of_half(cases.recordings.rows, half)
-        own = replace(cases.recordings, rows=rows)
-        sets[titled(f"real {name}", half)] = _windows(own, run.size(WINDOWS, 2))
+    for name, half, real in recordings_by_half(run.real):
+        sets[titled(f"real {name}", half)] = _windows(real, run.size(WINDOWS, 2))
     for title, clips in sets.items():
         run.progress(f"questions, {title}", 0, 1)
         asked: list[Asked] = []
@@ -110,11 +99,7 @@ def ask_every_type(
 
 
 def _ask_type(
-    answerer: Answerer,
-    encoded: Encoded,
-    label: MotionLabel,
-    type_id: str,
-    rng: np.random.Generator,
+    answerer: Answerer, encoded: Encoded, label: MotionLabel, type_id: str, rng: np.random.Generator
 ) -> Asked:
     """Return what became of one type."""
     frame = FrameSpec()
@@ -185,10 +170,7 @@ QUESTIONS = Section(
     name="questions",
     title="Every question type",
     about=ABOUT,
-    run=lambda run: list(question_rows(run)),
-    views={
-        "": (Pivot(right_with_interval, "question"), is_reported),
-        TUNE_TITLE: (Pivot(right_with_interval, "question"), lambda row: not is_reported(row)),
-        "Stated probability": (Listing(_CALIBRATION), lambda row: "stated" in row.detail),
-    },
+    run=question_rows,
+    views=by_half(Pivot(right_with_interval, "question"))
+    | {"Stated probability": (Listing(_CALIBRATION), lambda row: "stated" in row.detail)},
 )

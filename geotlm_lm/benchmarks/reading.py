@@ -111,7 +111,7 @@ READING = Section(
     name="reading",
     title="Understanding",
     about=ABOUT,
-    run=lambda run: list(reading_rows(run)),
+    run=reading_rows,
     views={
         "": (Pivot(right_with_interval, "questions"), lambda row: row.variant in (EXACT, KIND)),
         "Families that were trained on, by ask and point of view": (

@@ -145,13 +145,8 @@ def _read(run: Run) -> list[Path]:
 def _folder(bench: Bench, run: Run) -> Path | None:
     """Return where finished parts are kept; None where the code is not that of a commit."""
     at = commit()
-    plain = Run(
-        seed=run.seed,
-        real=run.real,
-        folder=run.folder,
-        progress=run.progress,
-        workers=run.workers,
-    )
+    told = {"seed": run.seed, "real": run.real, "folder": run.folder}
+    plain = Run(**told, progress=run.progress, workers=run.workers)
     if not at or at.endswith("+") or run != plain:
         return None
     asked = f"{at}-{run.seed}-{'real' if run.real else 'simulated'}"

@@ -64,6 +64,22 @@ def share_row(
     return Row(case, variant, len(right), error, interval=interval, **fields)
 
 
+class Tally:
+    """Answers that were right or wrong, by case and variant in order of appearance."""
+
+    def __init__(self) -> None:
+        self.found: dict[tuple[str, str], list[tuple[bool, str]]] = {}
+
+    def add(self, case: str, variant: str, is_right: bool, family: str) -> None:
+        """Count an answer; `family` is what is resampled as a whole."""
+        self.found.setdefault((case, variant), []).append((is_right, family))
+
+    def rows(self, seed: int) -> list[Row]:
+        """Return the shares of wrong answers, one row per case and variant."""
+        told = self.found.items()
+        return [share_row(*key, *zip(*graded, strict=True), seed) for key, graded in told]
+
+
 def wilson_interval(share: float, count: int) -> tuple[float, float]:
     """Return Wilson's 95 % interval of a share of `count` independent clips."""
     z2 = NORMAL_95**2

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from geotlm_lm.benchmarks.cases.recordings import real_cases
 from geotlm_lm.benchmarks.cases.streams import Planned, Stream, streams
-from geotlm_lm.benchmarks.halves import HALVES, Half, rows_of_half, titled
+from geotlm_lm.benchmarks.halves import Half, recordings_by_half, rows_of_half, titled
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.rows import Pivot, Row, Run, Section, every
-from geotlm_lm.benchmarks.statistics import share_row
+from geotlm_lm.benchmarks.statistics import Tally
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
 from geotlm_lm.core.twist import Component
@@ -44,37 +43,30 @@ WITHIN_DEG, WITHIN_S, STREAMS = 5.0, 0.2, 60
 KINDS = {Component.TURN: EventKind.TURN, Component.SLIDE: EventKind.SLIDE}
 
 
-@dataclass(frozen=True)
-class Graded:
-    """What is graded of one answer.
-
-    Args:
-        what: Such as "direction".
-        is_right: Whether it is.
-        family: What is resampled as a whole.
-    """
-
-    what: str
-    is_right: bool
-    family: str
+Graded = tuple[str, bool]
+"""What is graded of an answer, such as "direction", and whether it is right."""
 
 
 def track_rows(run: Run) -> Iterator[Row]:
     """Yield the rows of real recordings, each half apart, and of simulated streams."""
     track = run.answerer.track
-    for name, cases in ({} if run.real is None else real_cases(run.real)).items():
-        table = cases.recordings.folder / TABLE_NAME
-        for half in HALVES:
-            rows = [row for row in rows_of_half(read_directed(table), half) if row.turn_deg]
-            rows = rows[: run.size(len(rows), 2)]
-            yield from _real(run, name, half, rows, track)
+    for name, half, real in recordings_by_half(run.real):
+        directed = rows_of_half(read_directed(real.folder / TABLE_NAME), half)
+        rows = [row for row in directed if row.turn_deg]
+        yield from _real(run, name, half, rows[: run.size(len(rows), 2)], track)
     yield from _simulated(run, run.size(STREAMS, 4), track)
 
 
 def _real(
     run: Run, name: str, half: Half, rows: Sequence[DirectedRow], track: Callable[[Clip], Track]
 ) -> Iterator[Row]:
-    found: dict[tuple[str, str], list[Graded]] = {}
+    tally = Tally()
+
+    def grade(row: DirectedRow, span: str, variant: str, graded: Sequence[Graded]) -> None:
+        for what, is_right in graded:
+            case = f"{titled(f'real {name}, {span}', half)}: {what}"
+            tally.add(case, variant, is_right, row.object_family)
+
     for done, row in enumerate(rows, start=1):
         clip = read_clip(row.path)
         tracked = track(clip)
@@ -82,12 +74,8 @@ def _real(
         for span, frames in spans.items():
             part = tracked if frames is None else tracked.between(*frames)
             net = part.net(Component.TURN)
-            found.setdefault((span, TRACK), []).extend(
-                [
-                    *turn_grades(row, net.mean),
-                    Graded("span", net.holds(row.turn_deg), row.object_family),
-                ]
-            )
+            in_span = ("span", net.holds(row.turn_deg))
+            grade(row, span, TRACK, [*turn_grades(row, net.mean), in_span])
         # Rivals know no touch: they are given the contact.
         for variant, rival in ((FLOW, RigidFlow()), (ALIGNMENT, RigidAlignment())):
             first, last = row.touched or (0, len(clip) - 1)
@@ -95,50 +83,47 @@ def _real(
             part = clip.select(range(first, min(last + 1, len(clip))))
             part = replace(part, background=idle.astype(np.uint8))
             told = turn_grades(row, rival.fit(part).rotation_deg)
-            found.setdefault(("bracketed contact", variant), []).extend(told)
+            grade(row, "bracketed contact", variant, told)
         run.progress(titled(f"tracks of {name}", half), done, len(rows))
-    for (span, variant), graded in found.items():
-        yield from _rows(titled(f"real {name}, {span}", half), variant, graded, run.seed)
+    yield from tally.rows(run.seed)
 
 
 def turn_grades(row: DirectedRow, told_deg: float) -> list[Graded]:
     """Return whether the direction and the size of a recording's turn are right."""
     off, true = abs(told_deg - row.turn_deg), row.turn_deg
     is_near = off <= max(WITHIN_DEG, RELATIVE_TOLERANCE * abs(true))
-    return [
-        Graded("direction", told_deg * true > 0, row.object_family),
-        Graded("how far", is_near, row.object_family),
-    ]
+    return [("direction", told_deg * true > 0), ("how far", is_near)]
 
 
 def _simulated(run: Run, count: int, track: Callable[[Clip], Track]) -> Iterator[Row]:
-    graded: list[Graded] = []
+    tally = Tally()
     for done, stream in enumerate(streams(count, run.seed), start=1):
-        graded += event_grades(stream, track(stream.clip))
+        for what, is_right in event_grades(stream, track(stream.clip)):
+            tally.add(f"simulated streams: {what}", TRACK, is_right, stream.object_name)
         run.progress("simulated streams", done, count)
-    yield from _rows("simulated streams", TRACK, graded, run.seed)
+    yield from tally.rows(run.seed)
 
 
 def event_grades(stream: Stream, track: Track) -> Iterator[Graded]:
     """Yield whether each readable motion of a stream was found, when, and in which order."""
-    name, order, fps = stream.object_name, [], stream.clip.fps
+    order, fps = [], stream.clip.fps
     for planned in stream.planned:
         if not planned.is_readable:
             continue
         event = matching(planned, track.events)
-        yield Graded("event found", event is not None, name)
+        yield "event found", event is not None
         if event is None:
-            yield Graded("both ends", False, name)
+            yield "both ends", False
             continue
         order.append(event.begin)
         apart = max(abs(event.begin - planned.begin), abs(event.end - planned.end))
-        yield Graded("both ends", apart <= WITHIN_S * fps, name)
-    yield Graded("order", order == sorted(order), name)
+        yield "both ends", apart <= WITHIN_S * fps
+    yield "order", order == sorted(order)
     turns = [one for one in stream.planned if one.component is Component.TURN]
     if len(turns) == 1 and turns[0].is_readable:
         told = (one.amount.mean for one in track.events if one.kind is EventKind.TURN)
         back = any(mean * turns[0].twist.turn_deg < 0 for mean in told)
-        yield Graded("not told back", not back, name)
+        yield "not told back", not back
 
 
 def matching(planned: Planned, events: Sequence[Event]) -> Event | None:
@@ -158,17 +143,10 @@ def matching(planned: Planned, events: Sequence[Event]) -> Event | None:
     return max(likely, key=overlap, default=None)
 
 
-def _rows(case: str, variant: str, graded: Sequence[Graded], seed: int) -> Iterator[Row]:
-    for what in dict.fromkeys(one.what for one in graded):
-        own = [one for one in graded if one.what == what]
-        right, families = [one.is_right for one in own], [one.family for one in own]
-        yield share_row(f"{case}: {what}", variant, right, families, seed)
-
-
 TRACKS = Section(
     name="recordings",
     title="Whole recordings",
     about=ABOUT,
-    run=lambda run: list(track_rows(run)),
+    run=track_rows,
     views={"": (Pivot(right_with_interval, "recordings, what is graded"), every)},
 )

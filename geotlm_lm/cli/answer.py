@@ -10,26 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from geotlm_lm.cli.options import (
-    AsJson,
-    Background,
-    BundleFolder,
-    ClipPath,
-    Force,
-    FrameSpan,
-    FramesPerSecond,
-    LayoutName,
-    MmPerPixel,
-    Precision,
-    SquarePixels,
-    TopicName,
-    span_of,
-)
+from geotlm_lm.cli.grouped import Answering, Reading, grouped
+from geotlm_lm.cli.options import AsJson, ClipPath, Force, FrameSpan, span_of
 from geotlm_lm.cli.recording import CameraName, EpisodeNumber, read_recording
 from geotlm_lm.cli.tracked import RerunFile, Targets
 from geotlm_lm.cli.viewer import write_or_serve
 from geotlm_lm.core.errors import Abstained
-from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.question import check_question
 
 if TYPE_CHECKING:
@@ -37,19 +23,15 @@ if TYPE_CHECKING:
     from geotlm_lm.answering.encoded import Encoded
 
 
+@grouped
 def answer(
+    *,
     clip: ClipPath,
     question: Annotated[str, typer.Option("--q", help="The question, in plain English.")],
     as_json: AsJson = False,
     frames: FrameSpan = None,
-    layout: LayoutName = None,
-    background: Background = None,
-    fps: FramesPerSecond = None,
-    square_pixels: SquarePixels = None,
-    topic: TopicName = None,
-    mm_per_px: MmPerPixel = None,
-    model: BundleFolder = None,
-    precision: Precision = "float32",
+    reading: Reading,
+    answering: Answering,
     why: Annotated[
         bool, typer.Option("--why", help="Print the reasons before the answer, one a line.")
     ] = False,
@@ -71,14 +53,9 @@ def answer(
     check_question(question)
     Targets(None, None, None, rerun).require([clip], is_forced=force)
 
-    span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)
-    reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels, "topic": topic}
-    recording = read_recording(clip, episode, camera, background=background, **reading)
-
-    # Imported only now: a wrong path must not wait for the model's libraries.
-    from geotlm_lm.answering import Answerer
-
-    answerer = Answerer.load(model, precision=precision)
+    span, frame = span_of(frames), answering.frame
+    recording = read_recording(clip, episode, camera, reading)
+    answerer = answering.load()
     encoded = answerer.encode(recording, span=span)
     reply = answerer.ask(encoded, question, frame=frame)
     for note in reply.notes:
@@ -92,7 +69,7 @@ def answer(
     else:
         print("\n".join((*(reasons.steps[:-1] if reasons else ()), reply.text)))
     if rerun is not None:
-        write_or_serve(rerun, lambda path: _log(path, encoded, question, reply, mm_per_px))
+        write_or_serve(rerun, lambda path: _log(path, encoded, question, reply, frame.mm_per_px))
     if fail_on_abstain and reply.abstained:
         raise Abstained(
             f"{clip}: the model would not answer; see `geotlm-lm info --clip {clip}` for contact, "

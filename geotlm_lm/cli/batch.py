@@ -10,13 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from geotlm_lm.cli.grouped import Answering, grouped
 from geotlm_lm.cli.options import (
-    BundleFolder,
     ClusterAddress,
     FramesPerSecond,
     LayoutName,
-    MmPerPixel,
-    Precision,
     SquarePixels,
     TopicName,
     path_option,
@@ -24,7 +22,6 @@ from geotlm_lm.cli.options import (
 )
 from geotlm_lm.cli.recording import CameraName, touch_camera
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.workers import Workers
 
 if TYPE_CHECKING:
@@ -40,7 +37,9 @@ ROW_FIELDS = {"clip", "question", "answer", "error"}
 """Of a batch's row, whatever the version that wrote it."""
 
 
+@grouped
 def batch(
+    *,
     clips: Annotated[
         Path,
         path_option(
@@ -62,9 +61,7 @@ def batch(
     square_pixels: SquarePixels = None,
     topic: TopicName = None,
     camera: CameraName = None,
-    mm_per_px: MmPerPixel = None,
-    model: BundleFolder = None,
-    precision: Precision = "float32",
+    answering: Answering,
 ) -> None:
     """Ask every question about every clip; one row each, answer or error.
 
@@ -81,7 +78,7 @@ def batch(
     require_rate(fps)
     reading = {"fps": fps, "square_pixels": square_pixels}
     of_files = {"layout": check_layout(layout), "topic": topic}
-    frame = FrameSpec(mm_per_px=mm_per_px)
+    frame = answering.frame
     asked = read_questions(questions)
     if is_data_set(clips):
         found = _episodes(clips, camera, out, of_files, reading)
@@ -97,7 +94,7 @@ def batch(
 
     report = progress_on_stderr()
     result = answer_all(
-        partial(loaded, model, precision),
+        partial(loaded, answering.model, answering.precision),
         found,
         asked,
         out,

@@ -14,6 +14,7 @@ from geotlm_lm.cli.options import (
     AsJson,
     BundleFolder,
     ClusterAddress,
+    DataSets,
     EncoderHeads,
     EncoderName,
     EncoderWeights,
@@ -54,13 +55,6 @@ Only = Annotated[
         help="Only this section; may be given again. The others are kept as recorded in --out.",
     ),
 ]
-Data = Annotated[
-    list[Path] | None,
-    path_option(
-        help="TactileTracking's folder, or a manifest of clips such as ToucHD-Sim's, to add; "
-        "may be given again.",
-    ),
-]
 Results = Annotated[Path, path_option(help="Folder of pages, records beside them.")]
 Readme = Annotated[Path, path_option("--readme", help="The file to fill.")]
 
@@ -71,7 +65,7 @@ def accuracy(
     out: Out = None,
     quick: Quick = False,
     only: Only = None,
-    data: Data = None,
+    data: DataSets = None,
     weights: EncoderWeights = None,
     encoder: EncoderName = None,
     heads: EncoderHeads = None,
@@ -157,14 +151,8 @@ def _run(real: Path | None, quick: bool, seed: int, model: Path | None, **more: 
 
     if real is not None and not real.is_dir():
         raise UsageError(f"--real: {real} is no folder, expected one of labelled recordings.")
-    return Run(
-        real=real,
-        is_quick=quick,
-        seed=seed,
-        model=model,
-        progress=progress_on_stderr(""),
-        **more,
-    )
+    told = {"real": real, "is_quick": quick, "seed": seed, "model": model}
+    return Run(**told, progress=progress_on_stderr(""), **more)
 
 
 def _measure(

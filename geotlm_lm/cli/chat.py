@@ -4,22 +4,12 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from geotlm_lm.cli.options import (
-    Background,
-    BundleFolder,
-    ClipPath,
-    FrameSpan,
-    FramesPerSecond,
-    LayoutName,
-    MmPerPixel,
-    Precision,
-    SquarePixels,
-    TopicName,
-    span_of,
-)
+from geotlm_lm.cli.grouped import Answering, Reading, grouped
+from geotlm_lm.cli.options import ClipPath, FrameSpan, span_of
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 
@@ -38,17 +28,9 @@ HELP = """Ask a question, or state a fact about the recording ("the image is mir
 /quit        leave; so does the end of the input"""
 
 
+@grouped
 def chat(
-    clip: ClipPath,
-    frames: FrameSpan = None,
-    layout: LayoutName = None,
-    background: Background = None,
-    fps: FramesPerSecond = None,
-    square_pixels: SquarePixels = None,
-    topic: TopicName = None,
-    mm_per_px: MmPerPixel = None,
-    model: BundleFolder = None,
-    precision: Precision = "float32",
+    *, clip: ClipPath, frames: FrameSpan = None, reading: Reading, answering: Answering
 ) -> None:
     """Talk about a clip; questions come from the terminal or from a pipe, one a line.
 
@@ -58,16 +40,11 @@ def chat(
     """
     from geotlm_lm.recordings.read import read_clip
 
-    span, frame = span_of(frames), FrameSpec(mm_per_px=mm_per_px)
-    reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels, "topic": topic}
-    recording = read_clip(clip, background=background, **reading)
-
-    # Imported only now: a wrong path must not wait for the model's libraries.
-    from geotlm_lm.answering import Answerer
-
-    answerer = Answerer.load(model, precision=precision)
+    span, frame = span_of(frames), answering.frame
+    recording = read_clip(clip, **vars(reading))
+    answerer = answering.load()
     encoded = answerer.encode(recording, span=span)
-    Conversation(answerer, encoded, frame, **reading).run()
+    Conversation(answerer, encoded, frame, replace(reading, background=None)).run()
 
 
 _SAID_PLAINLY = {"quit": "/quit", "exit": "/quit", "bye": "/quit", "help": "/help"}
@@ -81,32 +58,15 @@ class Conversation:
         answerer: The model.
         encoded: The clip it begins with.
         frame: The frame of reference it begins with.
-        layout: Axes of every array that is read later; None to guess.
-        fps: Frames per second of every recording that is read later; None to take what it says.
-        square_pixels: Whether all their pixels are square.
-        topic: Of every bag that is read later; None where it has images on one only.
+        reading: How recordings are read that come later.
     """
 
     def __init__(
-        self,
-        answerer: Answerer,
-        encoded: Encoded,
-        frame: FrameSpec | None = None,
-        *,
-        layout: str | None = None,
-        fps: float | None = None,
-        square_pixels: bool | None = None,
-        topic: str | None = None,
+        self, answerer: Answerer, encoded: Encoded, frame: FrameSpec, reading: Reading
     ) -> None:
-        self.answerer = answerer
-        self.session: Session = answerer.session(encoded, frame or FrameSpec())
+        self.answerer, self._reading = answerer, reading
+        self.session: Session = answerer.session(encoded, frame)
         self.is_json = False
-        self._reading = {
-            "layout": layout,
-            "fps": fps,
-            "square_pixels": square_pixels,
-            "topic": topic,
-        }
         self._tell_notes(encoded.clip.notes)
 
     def run(self) -> None:
@@ -131,7 +91,7 @@ class Conversation:
             "/clip": self._clip,
             "/frame": self._frame,
             "/why": self._why,
-            "/evidence": lambda _: print(json.dumps(self._evidence())),
+            "/evidence": self._evidence,
             "/history": self._history,
             "/json": self._json,
         }
@@ -159,7 +119,7 @@ class Conversation:
             return
         from geotlm_lm.recordings.read import read_clip
 
-        encoded = self.answerer.encode(read_clip(Path(path), **self._reading))
+        encoded = self.answerer.encode(read_clip(Path(path), **vars(self._reading)))
         self.session.add_clip(encoded)
         self._tell_notes(encoded.clip.notes)
         print(f"Looking at {path}; {len(self.session.clips)} clips are open.")
@@ -203,10 +163,10 @@ class Conversation:
         print("\n".join(reasons.steps))
         print(f"note: told {reasons.source}", file=sys.stderr)
 
-    def _evidence(self) -> dict:
+    def _evidence(self, _: str) -> None:
         from geotlm_lm.answering.evidence_of import regions_of
 
-        return regions_of(self.session.encoded)
+        print(json.dumps(regions_of(self.session.encoded)))
 
     def _history(self, _: str) -> None:
         for turn in self.session.history:

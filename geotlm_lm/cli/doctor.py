@@ -8,16 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from geotlm_lm.cli.options import (
-    AsJson,
-    Background,
-    BundleFolder,
-    FramesPerSecond,
-    LayoutName,
-    SquarePixels,
-    TopicName,
-    path_of,
-)
+from geotlm_lm.cli.grouped import Reading, grouped
+from geotlm_lm.cli.options import AsJson, BundleFolder, path_of
 
 if TYPE_CHECKING:
     from geotlm_lm.core.clip import Clip
@@ -29,7 +21,9 @@ CAMERA_FRAMES = 75
 INSTALLATION = "the installation"
 
 
+@grouped
 def doctor(
+    *,
     source: Annotated[
         str | None,
         typer.Argument(
@@ -38,11 +32,7 @@ def doctor(
         ),
     ] = None,
     as_json: AsJson = False,
-    layout: LayoutName = None,
-    background: Background = None,
-    fps: FramesPerSecond = None,
-    square_pixels: SquarePixels = None,
-    topic: TopicName = None,
+    reading: Reading,
     model: BundleFolder = None,
 ) -> None:
     """Examine a recording: rate, dropped and repeated frames, colours, light, idle gel, markers.
@@ -62,18 +52,11 @@ def doctor(
     from geotlm_lm.recordings.read import read_clip
 
     if source.isdecimal() or source.startswith("/dev/"):
-        clip = _from_camera(source, fps)
-        frames = None
+        clip, frames = _from_camera(source, reading.fps), None
     else:
-        clip = read_clip(
-            path_of(source),
-            layout=layout,
-            background=background,
-            fps=fps,
-            square_pixels=square_pixels,
-            topic=topic,
-        )
-        frames = each_frame(clip, square_pixels=bool(square_pixels), topic=topic)
+        clip = read_clip(path_of(source), **vars(reading))
+        is_square = bool(reading.square_pixels)
+        frames = each_frame(clip, square_pixels=is_square, topic=reading.topic)
     _tell(source, examine(clip, frames), clip.notes, as_json=as_json)
 
 

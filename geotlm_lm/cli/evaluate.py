@@ -12,6 +12,7 @@ import typer
 
 from geotlm_lm.cli.options import (
     BundleFolder,
+    DataSets,
     EncoderHeads,
     EncoderName,
     EncoderWeights,
@@ -34,13 +35,6 @@ Real = Annotated[
     Path | None,
     path_option(help="Folder of labelled recordings (clips and a CSV of windows) to add."),
 ]
-Data = Annotated[
-    list[Path] | None,
-    path_option(
-        help="TactileTracking's folder, or a manifest of clips such as ToucHD-Sim's, to add; "
-        "may be given again.",
-    ),
-]
 Clips = Annotated[
     int, typer.Option(min=0, help="Simulated clips per task; 0 leaves simulation out.")
 ]
@@ -58,7 +52,7 @@ MinAccuracy = Annotated[
 
 def evaluate(
     real: Real = None,
-    data: Data = None,
+    data: DataSets = None,
     clips: Clips = 120,
     seed: Seed = 0,
     model: BundleFolder = None,
@@ -98,14 +92,8 @@ def evaluate(
     from geotlm_lm.benchmarks.running import run_bench
     from geotlm_lm.benchmarks.variants import GENERATED
 
-    run = Run(
-        seed=seed,
-        clips=clips,
-        real=real,
-        data=tuple(data or ()),
-        progress=progress_on_stderr(),
-        answerer_given=answerer,
-    )
+    what = {"seed": seed, "clips": clips, "real": real, "data": tuple(data or ())}
+    run = Run(**what, progress=progress_on_stderr(), answerer_given=answerer)
     record = run_bench(EVALUATION, run, command=command_line())
     about = {"model": name, "model_digest": answerer.bundle.digest()} | about
     record = replace(record, config=record.config | about)
@@ -114,22 +102,18 @@ def evaluate(
     typer.echo(page(EVALUATION, record), nl=False)
     if as_json:
         typer.echo(json.dumps(asdict(record)))
-    told = [row.right for row in rows_of(record, "clips") if row.variant == GENERATED]
-    _require_accuracy(min(told), min_accuracy)
+    worst = min(row.right for row in rows_of(record, "clips") if row.variant == GENERATED)
+    if min_accuracy is not None and worst < min_accuracy:
+        raise BelowMinimum(
+            f"the lowest accuracy of the model's words is {worst:.3f}, expected at least "
+            f"{min_accuracy:g}; see the tables above."
+        )
 
 
 def _inputs(real: Path | None, data: Sequence[Path], weights: Path | None) -> list[Path]:
     """Return the files that are read: the record must not take the place of one."""
     tables = [] if real is None else [*real.glob("*.csv"), *real.glob("*/*.csv")]
     return [*data, *tables, *([] if weights is None else [weights])]
-
-
-def _require_accuracy(worst: float, least: float | None) -> None:
-    if least is not None and worst < least:
-        raise BelowMinimum(
-            f"the lowest accuracy of the model's words is {worst:.3f}, expected at least "
-            f"{least:g}; see the tables above."
-        )
 
 
 def _embedded(model: Path | None, precision: str) -> tuple[Answerer, str, dict[str, Any]]:

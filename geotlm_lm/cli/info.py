@@ -7,17 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from geotlm_lm.cli.grouped import Reading, grouped
 from geotlm_lm.cli.options import (
     AsJson,
-    Background,
     EncoderHeads,
     EncoderName,
     EncoderWeights,
     FrameSpan,
-    FramesPerSecond,
-    LayoutName,
-    SquarePixels,
-    TopicName,
     path_option,
     span_of,
 )
@@ -28,15 +24,13 @@ if TYPE_CHECKING:
 ESTIMATED = "estimated from the frames"
 
 
+@grouped
 def info(
+    *,
     clip: Annotated[Path | None, path_option(help="Recording, as for `geotlm-lm answer`.")] = None,
     as_json: AsJson = False,
     frames: FrameSpan = None,
-    layout: LayoutName = None,
-    background: Background = None,
-    fps: FramesPerSecond = None,
-    square_pixels: SquarePixels = None,
-    topic: TopicName = None,
+    reading: Reading,
     encoder: EncoderName = None,
     weights: EncoderWeights = None,
     heads: EncoderHeads = None,
@@ -61,15 +55,7 @@ def info(
         from geotlm_lm.recordings.read import read_clip
 
         span = span_of(frames)
-        recording = read_clip(
-            clip,
-            layout=layout,
-            fps=fps,
-            background=background,
-            square_pixels=square_pixels,
-            topic=topic,
-        )
-        facts = describe(recording, span)
+        facts = describe(read_clip(clip, **vars(reading)), span)
     if as_json:
         print(json.dumps(facts))
         return

@@ -8,24 +8,23 @@ from typing import Annotated
 
 import typer
 
+from geotlm_lm.cli.grouped import Answering, grouped
 from geotlm_lm.cli.options import (
-    BundleFolder,
     ClusterAddress,
-    MmPerPixel,
-    Precision,
     SquarePixels,
     path_of,
     path_option,
     require_writable,
 )
-from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.workers import Workers
 
 REFUSED_TOLD = 5
 """Episodes that could not be tracked which are told; of more than these, how many."""
 
 
+@grouped
 def label(
+    *,
     data_set: Annotated[
         Path,
         typer.Argument(
@@ -44,9 +43,7 @@ def label(
     ] = None,
     cluster: ClusterAddress = None,
     square_pixels: SquarePixels = None,
-    mm_per_px: MmPerPixel = None,
-    model: BundleFolder = None,
-    precision: Precision = "float32",
+    answering: Answering,
 ) -> None:
     """Label a LeRobot data set: how the touched object turns and travels in every frame.
 
@@ -57,7 +54,7 @@ def label(
     Example: geotlm-lm label robot --camera observation.images.tactile --out robot_labelled
     """
     by = Workers(workers, cluster)
-    scale = FrameSpec(mm_per_px=mm_per_px).mm_per_px
+    scale = answering.frame.mm_per_px
     from geotlm_lm.data_sets.lerobot import read_data_set
 
     found = read_data_set(data_set)
@@ -68,13 +65,9 @@ def label(
     from geotlm_lm.cli.progress import progress_on_stderr
     from geotlm_lm.data_sets.labelling import Labelling, label_data_set
 
+    model, precision = answering.model, answering.precision
     labelling = Labelling(data_set, camera, model, precision, square_pixels, scale)
-    result = label_data_set(
-        labelling,
-        out,
-        workers=by,
-        progress=progress_on_stderr("episodes"),
-    )
+    result = label_data_set(labelling, out, workers=by, progress=progress_on_stderr("episodes"))
     if result.continued:
         print(f"note: {result.continued} episodes were there from a stopped run", file=sys.stderr)
     for index, why in list(result.refused.items())[:REFUSED_TOLD]:

@@ -75,18 +75,13 @@ def manifest(
     typer.echo(
         f"{out}: clips: {len(made.rows)}, objects: {objects}, sensors: {sensors}; {told or 'none'}"
     )
-    if made.unmatched:
-        typer.echo(
-            f"pictures that do not fit the pattern: {len(made.unmatched)}, the first "
-            f"{made.unmatched[0]}",
-            err=True,
-        )
-    if made.too_short:
-        typer.echo(
-            f"clips of less than two frames, left out: {len(made.too_short)}, the first "
-            f"{made.too_short[0]}",
-            err=True,
-        )
+    passed_over = {
+        "pictures that do not fit the pattern": made.unmatched,
+        "clips of less than two frames, left out": made.too_short,
+    }
+    for what, found in passed_over.items():
+        if found:
+            typer.echo(f"{what}: {len(found)}, the first {found[0]}", err=True)
 
 
 def _meanings(words: list[str]) -> dict[str, str]:

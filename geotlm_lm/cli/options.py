@@ -96,6 +96,14 @@ BundleFolder = Annotated[
 RealFolder = Annotated[
     Path | None, path_option(help="Folder of labelled recordings to add; see `evaluate`.")
 ]
+DataSets = Annotated[
+    list[Path] | None,
+    path_option(
+        "--data",
+        help="TactileTracking's folder, or a manifest of clips such as ToucHD-Sim's, to add; "
+        "may be given again.",
+    ),
+]
 Precision = Annotated[
     str,
     typer.Option(

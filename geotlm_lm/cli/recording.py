@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from geotlm_lm.core.errors import UsageError
 
 if TYPE_CHECKING:
+    from geotlm_lm.cli.grouped import Reading
     from geotlm_lm.core.clip import Clip
     from geotlm_lm.data_sets.lerobot import LeRobotDataSet
 
@@ -26,14 +27,14 @@ CameraName = Annotated[
 ]
 
 
-def read_recording(path: Path, episode: int | None, camera: str | None, **reading: Any) -> Clip:
+def read_recording(path: Path, episode: int | None, camera: str | None, reading: Reading) -> Clip:
     """Return the recording at `path`, or an episode of the data set there.
 
     Args:
         path: Of a recording, or the folder of a LeRobot data set.
         episode: Number of the episode; None takes the first.
         camera: Name of its camera; None takes the only one.
-        reading: Options of `read_clip`.
+        reading: How it is read.
 
     Raises:
         UsageError: If the episode or the camera is not there, or is given of a recording.
@@ -44,39 +45,27 @@ def read_recording(path: Path, episode: int | None, camera: str | None, **readin
     from geotlm_lm.recordings.read import read_clip
 
     if is_data_set(path):
-        return _episode(path, episode or 0, camera, **reading)
+        return _episode(path, episode or 0, camera, reading)
     if episode is not None or camera is not None:
         raise UsageError(
             f"--episode and --camera are of a LeRobot data set, and {path} is none; leave them out."
         )
-    return read_clip(path, **reading)
+    return read_clip(path, **vars(reading))
 
 
-def _episode(
-    root: Path,
-    episode: int,
-    camera: str | None,
-    *,
-    layout: str | None,
-    fps: float | None,
-    background: Path | None,
-    square_pixels: bool | None,
-    topic: str | None,
-) -> Clip:
+def _episode(root: Path, episode: int, camera: str | None, reading: Reading) -> Clip:
     from geotlm_lm.data_sets.lerobot import read_data_set
     from geotlm_lm.data_sets.stored_episode import StoredEpisode
     from geotlm_lm.recordings.pixels import check_layout
     from geotlm_lm.recordings.read import read_background, require_rate
 
-    if topic is not None:
+    if reading.topic is not None:
         raise UsageError(f"--topic is of a bag, and {root} is a data set; give --camera instead.")
-    checked = check_layout(layout)
-    require_rate(fps)
+    checked, background = check_layout(reading.layout), reading.background
+    require_rate(reading.fps)
     data_set = read_data_set(root)
-    seen = StoredEpisode(
-        data_set, data_set.episode(episode), touch_camera(data_set, camera), fps, square_pixels
-    )
-    clip = seen.read()
+    found, camera = data_set.episode(episode), touch_camera(data_set, camera)
+    clip = StoredEpisode(data_set, found, camera, reading.fps, reading.square_pixels).read()
     if checked is not None:
         clip = clip.with_note(f"The layout {checked} is not used: only arrays have one to tell.")
     return clip if background is None else replace(clip, background=read_background(background))

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
+from geotlm_lm.cli.grouped import given_of, grouped
 from geotlm_lm.cli.options import (
     ClusterAddress,
     Force,
@@ -16,11 +17,11 @@ from geotlm_lm.cli.options import (
     require_writable,
 )
 from geotlm_lm.cli.simulate_clip import (
-    move_of,
-    own_body,
+    Move,
+    OwnObject,
     require_shape,
-    simulate_move,
     simulate_one,
+    touch_fields,
     write_clip,
 )
 from geotlm_lm.core.errors import UsageError
@@ -84,43 +85,15 @@ MotionOf = Annotated[
         help="With --clip: what the object does, as a random hand does it. [default: clockwise]"
     ),
 ]
-Turn = Annotated[
-    float | None,
-    typer.Option(help="With --clip, instead of --motion: degrees turned, clockwise positive."),
-]
-SlideRight = Annotated[float | None, typer.Option(help="At once: mm slid to the right.")]
-SlideDown = Annotated[float | None, typer.Option(help="At once: mm slid down the image.")]
-Press = Annotated[float | None, typer.Option(help="At once: mm pressed in; negative lifts.")]
-PivotRight = Annotated[
-    float | None,
-    typer.Option(help="With --turn: its axis, mm to the right of where the contact's middle ends."),
-]
-PivotDown = Annotated[float | None, typer.Option(help="The same, mm below it.")]
-Depth = Annotated[
-    float | None,
-    typer.Option(help="With these: mm beyond first touch, half-way. [default: 0.6]"),
-]
 ObjectName = Annotated[
     str | None,
     typer.Option("--object", help="With --clip: the shape that is pressed. [default: key]"),
 ]
-HeightMap = Annotated[
-    Path | None,
-    path_option(
-        help="With --clip: your own object, a .npy of heights in mm or a grey .png; what is "
-        "highest touches first.",
-    ),
-]
-SampleSize = Annotated[
-    float | None, typer.Option(help="With --height-map: the size of one sample.")
-]
-Relief = Annotated[
-    float | None,
-    typer.Option(help="With a .png height map: how far white is above black. [default: 1]"),
-]
 
 
+@grouped
 def simulate(
+    *,
     out: DataSet = None,
     count: Count = None,
     objects: Objects = None,
@@ -134,17 +107,9 @@ def simulate(
     form: Form = None,
     clip: ClipFile = None,
     motion: MotionOf = None,
-    turn: Turn = None,
-    slide_right: SlideRight = None,
-    slide_down: SlideDown = None,
-    press: Press = None,
-    pivot_right: PivotRight = None,
-    pivot_down: PivotDown = None,
-    depth: Depth = None,
+    move: Move,
     object_name: ObjectName = None,
-    height_map: HeightMap = None,
-    mm_per_px: SampleSize = None,
-    relief_mm: Relief = None,
+    own: OwnObject,
     force: Force = False,
     seed: Seed = 0,
 ) -> None:
@@ -155,21 +120,19 @@ def simulate(
     if (out is None) == (clip is None):
         raise UsageError("Give one of --out (a data set) and --clip (a single clip).")
     scenes = {"preset": preset, "with_drift": drift, "seed": seed}
-    moves = {"--turn": turn, "--slide-right": slide_right, "--slide-down": slide_down}
-    moves |= {"--press": press, "--pivot-right": pivot_right, "--pivot-down": pivot_down}
-    moves |= {"--depth": depth}
-    own = {"--height-map": height_map, "--mm-per-px": mm_per_px, "--relief-mm": relief_mm}
+    moves = given_of(move)
     if clip is not None:
         others = {"--count": count, "--objects": objects, "--mixed": mixed, "--workers": workers}
         others |= {"--cluster": cluster}
         _refuse("--clip", others | {"--labels-only": labels_only or None, "--form": form})
         if motion is not None:
             _refuse("--motion", moves)
-        _write_clip(clip, force, motion, move_of(moves), object_name, own, markers, scenes)
+        fields, scenes["is_marked"] = touch_fields(moves), markers
+        _write_clip(clip, force, motion, fields, object_name, own, scenes)
         print(clip)
     else:
         named = {"--motion": motion, "--object": object_name, "--force": force or None}
-        _refuse("--out", named | moves | own)
+        _refuse("--out", named | moves | given_of(own))
         scenes |= {"marker_share": float(markers), "mixed_share": mixed or 0.0}
         scenes |= {"form": form or "npz"}
         by = Workers(workers, cluster)
@@ -181,27 +144,29 @@ def _write_clip(
     clip: Path,
     is_forced: bool,
     motion: str | None,
-    move: dict[str, float],
+    fields: dict[str, float],
     object_name: str | None,
-    own: dict[str, Any],
-    is_marked: bool,
+    own: OwnObject,
     scenes: dict[str, Any],
 ) -> None:
     if clip.suffix != ".npz":
         raise UsageError(f"--clip {clip} was given, expected a name that ends in .npz.")
-    indenter = own_body(*own.values(), object_name)
-    name = "key" if indenter is None else own["--height-map"].stem
+    indenter = own.read(object_name)
+    name = "key" if indenter is None else own.height_map.stem
     if object_name is not None:
         name = object_name
     if indenter is None:
         require_shape(name)  # told before the simulator is loaded
     require_new_file(clip, "--clip", is_forced=is_forced)
-    scenes = scenes | {"indenter": indenter, "is_marked": is_marked}
-    if move:
-        made = simulate_move(name, move, **scenes)
-    else:
-        made = simulate_one(name, Motion(motion or "clockwise"), **scenes)
-    write_clip(clip, made)
+    if not fields:
+        motion = Motion(motion or "clockwise")
+        write_clip(clip, simulate_one(name, motion, **scenes, indenter=indenter))
+        return
+    from geotlm_lm.simulation.touch import Touch, simulate_touch
+
+    solving = {key: scenes.pop(key) for key in ("preset", "with_drift")}
+    touch = Touch(name, **fields, **scenes, indenter=indenter)
+    write_clip(clip, simulate_touch(touch, **solving))
 
 
 def _write_data_set(
@@ -216,15 +181,8 @@ def _write_data_set(
     from geotlm_lm.simulation.dataset import write_dataset
 
     require_writable(out, "--out")
-    write_dataset(
-        out,
-        count,
-        objects=_bodies(objects),
-        workers=workers,
-        with_frames=not labels_only,
-        progress=progress_on_stderr(),
-        **scenes,
-    )
+    told = {"objects": _bodies(objects), "workers": workers, "with_frames": not labels_only}
+    write_dataset(out, count, progress=progress_on_stderr(), **told, **scenes)
 
 
 def _refuse(target: str, others: dict[str, object]) -> None:

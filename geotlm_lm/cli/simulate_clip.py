@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
+import typer
+
+from geotlm_lm.cli.options import path_option
 from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
@@ -17,32 +21,77 @@ if TYPE_CHECKING:
     from geotlm_lm.simulation.simulate import SimulatedClip
 
 
-def own_body(
-    height_map: Path | None,
-    mm_per_px: float | None,
-    relief_mm: float | None,
-    object_name: str | None,
-) -> Indenter | None:
-    """Return the object of a height map of one's own; None where none is given.
+@dataclass(frozen=True)
+class OwnObject:
+    """A height map of one's own, and how it is read."""
 
-    Raises:
-        UsageError: If what says how to read it is missing, or goes with something else.
-    """
-    if height_map is None:
-        if mm_per_px is not None or relief_mm is not None:
+    height_map: Annotated[
+        Path | None,
+        path_option(
+            help="With --clip: your own object, a .npy of heights in mm or a grey .png; what is "
+            "highest touches first.",
+        ),
+    ] = None
+    mm_per_px: Annotated[
+        float | None, typer.Option(help="With --height-map: the size of one sample.")
+    ] = None
+    relief_mm: Annotated[
+        float | None,
+        typer.Option(help="With a .png height map: how far white is above black. [default: 1]"),
+    ] = None
+
+    def read(self, object_name: str | None) -> Indenter | None:
+        """Return the object; None where none is given.
+
+        Raises:
+            UsageError: If what says how to read it is missing, or goes with something else.
+        """
+        if self.height_map is None:
+            if self.mm_per_px is not None or self.relief_mm is not None:
+                raise UsageError(
+                    "--mm-per-px and --relief-mm say how to read a --height-map; give one."
+                )
+            return None
+        if object_name is not None:
             raise UsageError(
-                "--mm-per-px and --relief-mm say how to read a --height-map; give one."
+                "--object and --height-map both name the object; leave out one of them."
             )
-        return None
-    if object_name is not None:
-        raise UsageError("--object and --height-map both name the object; leave out one of them.")
-    if relief_mm is not None and height_map.suffix.lower() == ".npy":
-        raise UsageError("--relief-mm is of a .png; the heights of a .npy are in mm already.")
-    if mm_per_px is None:
-        raise UsageError("--height-map needs --mm-per-px, the size of one sample in mm.")
-    from geotlm_lm.simulation.height_map import read_height_map
+        if self.relief_mm is not None and self.height_map.suffix.lower() == ".npy":
+            raise UsageError("--relief-mm is of a .png; the heights of a .npy are in mm already.")
+        if self.mm_per_px is None:
+            raise UsageError("--height-map needs --mm-per-px, the size of one sample in mm.")
+        from geotlm_lm.simulation.height_map import read_height_map
 
-    return read_height_map(height_map, mm_per_px, relief_mm=1.0 if relief_mm is None else relief_mm)
+        relief_mm = 1.0 if self.relief_mm is None else self.relief_mm
+        return read_height_map(self.height_map, self.mm_per_px, relief_mm=relief_mm)
+
+
+@dataclass(frozen=True)
+class Move:
+    """What the object is to do, exactly and all at once; options are told apart by `FIELDS`."""
+
+    turn: Annotated[
+        float | None,
+        typer.Option(help="With --clip, instead of --motion: degrees turned, clockwise positive."),
+    ] = None
+    slide_right: Annotated[float | None, typer.Option(help="At once: mm slid to the right.")] = None
+    slide_down: Annotated[float | None, typer.Option(help="At once: mm slid down the image.")] = (
+        None
+    )
+    press: Annotated[float | None, typer.Option(help="At once: mm pressed in; negative lifts.")] = (
+        None
+    )
+    pivot_right: Annotated[
+        float | None,
+        typer.Option(
+            help="With --turn: its axis, mm to the right of where the contact's middle ends."
+        ),
+    ] = None
+    pivot_down: Annotated[float | None, typer.Option(help="The same, mm below it.")] = None
+    depth: Annotated[
+        float | None,
+        typer.Option(help="With these: mm beyond first touch, half-way. [default: 0.6]"),
+    ] = None
 
 
 def require_shape(name: str) -> None:
@@ -83,15 +132,9 @@ def simulate_one(
     if indenter is None:
         require_shape(object_name)
     rng = generator_for(seed, "single clip", object_name, motion.value)
-    scene = random_scene(
-        rng,
-        object_name=object_name,
-        motion=motion,
-        indenter=indenter,
-        marker_share=float(is_marked),
-    )
-    made = simulate_scenes([scene], seed=seed, preset=preset, with_drift=with_drift)
-    return made[0]
+    told = {"object_name": object_name, "motion": motion, "indenter": indenter}
+    scene = random_scene(rng, **told, marker_share=float(is_marked))
+    return simulate_scenes([scene], seed=seed, preset=preset, with_drift=with_drift)[0]
 
 
 FIELDS = {
@@ -106,16 +149,12 @@ FIELDS = {
 """Option -> the field of a `Touch` that it gives."""
 
 
-def move_of(options: Mapping[str, float | None]) -> dict[str, float]:
-    """Return what the options ask the object to do, by the fields of a `Touch`.
-
-    Args:
-        options: The names in `FIELDS` -> what was given; None for nothing.
+def touch_fields(given: Mapping[str, float]) -> dict[str, float]:
+    """Return what the options that were given ask the object to do, by the fields of a `Touch`.
 
     Raises:
         UsageError: If a number is outside its range, or says something of a turn there is not.
     """
-    given = {name: value for name, value in options.items() if value is not None}
     if not given:
         return {}
     from geotlm_lm.simulation.touch import require_in_range
@@ -127,36 +166,6 @@ def move_of(options: Mapping[str, float | None]) -> dict[str, float]:
             "--pivot-right and --pivot-down say where the axis of a --turn lies; give one."
         )
     return {FIELDS[name]: value for name, value in given.items()}
-
-
-def simulate_move(
-    object_name: str,
-    move: Mapping[str, float],
-    seed: int,
-    *,
-    preset: PresetName = "fast",
-    with_drift: bool = False,
-    indenter: Indenter | None = None,
-    is_marked: bool = False,
-) -> SimulatedClip:
-    """Return one simulated clip of exactly this movement, seen by the measured GelSight Mini.
-
-    Args:
-        object_name: A built-in shape, or any name beside an `indenter`.
-        move: What `move_of` returned.
-        seed: Of the noise and of the idle gel.
-        preset: How finely and tightly the contact is solved.
-        with_drift: Whether the gel's drift is solved too.
-        indenter: A shape of one's own.
-        is_marked: Whether dots are printed on the gel.
-
-    Raises:
-        UsageError: If the press goes deeper than the gel takes, or there is no such shape.
-    """
-    from geotlm_lm.simulation.touch import Touch, simulate_touch
-
-    touch = Touch(object_name, **move, seed=seed, indenter=indenter, is_marked=is_marked)
-    return simulate_touch(touch, preset=preset, with_drift=with_drift)
 
 
 def write_clip(path: Path, made: SimulatedClip) -> None:

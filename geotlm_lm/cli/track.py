@@ -9,20 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from geotlm_lm.cli.options import (
-    Background,
-    BundleFolder,
-    Force,
-    FrameSpan,
-    FramesPerSecond,
-    LayoutName,
-    MmPerPixel,
-    Precision,
-    SquarePixels,
-    TopicName,
-    path_of,
-    span_of,
-)
+from geotlm_lm.cli.grouped import Answering, Reading, grouped
+from geotlm_lm.cli.options import Force, FrameSpan, path_of, span_of
 from geotlm_lm.cli.progress import progress_on_stderr
 from geotlm_lm.cli.recording import CameraName, EpisodeNumber, read_recording
 from geotlm_lm.cli.tracked import (
@@ -48,7 +36,9 @@ if TYPE_CHECKING:
     from geotlm_lm.track.track import Track
 
 
+@grouped
 def track(
+    *,
     recording: Annotated[
         Path,
         typer.Argument(parser=path_of, metavar="RECORDING", help="As for `geotlm-lm answer`."),
@@ -62,14 +52,8 @@ def track(
     rerun: RerunFile = None,
     force: Force = False,
     frames: FrameSpan = None,
-    layout: LayoutName = None,
-    background: Background = None,
-    fps: FramesPerSecond = None,
-    square_pixels: SquarePixels = None,
-    topic: TopicName = None,
-    mm_per_px: MmPerPixel = None,
-    model: BundleFolder = None,
-    precision: Precision = "float32",
+    reading: Reading,
+    answering: Answering,
     episode: EpisodeNumber = None,
     camera: CameraName = None,
 ) -> None:
@@ -81,29 +65,26 @@ def track(
     Example: geotlm-lm track recording.mov --out track.csv --plot track.png
     """
     targets = Targets(out, plot, video, rerun)
-    targets.require([one for one in (recording, background) if one is not None], is_forced=force)
-    from geotlm_lm.core.frame_spec import FrameSpec
+    inputs = [one for one in (recording, reading.background) if one is not None]
+    targets.require(inputs, is_forced=force)
     from geotlm_lm.recordings.legible import require_any_legible
     from geotlm_lm.recordings.span import frames_inside
 
-    span, scale = span_of(frames), FrameSpec(mm_per_px=mm_per_px).mm_per_px
-    reading = {"layout": layout, "fps": fps, "square_pixels": square_pixels, "topic": topic}
-    clip = read_recording(recording, episode, camera, background=background, **reading)
+    span, scale = span_of(frames), answering.frame.mm_per_px
+    clip = read_recording(recording, episode, camera, reading)
     require_any_legible(clip if span is None else frames_inside(clip, span))
 
-    # Imported only now: a wrong path must not wait for the model's libraries.
-    from geotlm_lm.answering import Answerer
     from geotlm_lm.track.export import Exported
 
-    answerer = Answerer.load(model, precision=precision)
+    answerer = answering.load()
     # As it was read with: what does not fit into memory is decoded anew, frame by frame.
-    reading = {"square_pixels": bool(square_pixels), "topic": topic}
-    tracked, is_stopped = _tracked(answerer, clip, span, reading)
+    again = {"square_pixels": bool(reading.square_pixels), "topic": reading.topic}
+    tracked, is_stopped = _tracked(answerer, clip, span, again)
     exported = Exported(tracked, scale)
     in_frames = not clip.is_timed
     targets.write(exported, clip.name, clip.fps, in_frames=in_frames)
     if video is not None:
-        _film(video, exported, clip, reading)
+        _film(video, exported, clip, again)
     for note in (*clip.notes, *tracked.notes):
         print(f"note: {note}", file=sys.stderr)
     if as_json:
@@ -111,7 +92,7 @@ def track(
     else:
         print("\n".join(table(exported, in_frames=in_frames)))
     if rerun is not None:
-        write_or_serve(rerun, lambda path: _log(path, exported, clip, reading))
+        write_or_serve(rerun, lambda path: _log(path, exported, clip, again))
     if is_stopped:
         print(f"note: Tracked as far as frame {tracked.numbers[-1]}.", file=sys.stderr)
         raise typer.Exit(INTERRUPTED)

@@ -7,13 +7,11 @@ from typing import Annotated, Any
 
 import typer
 
+from geotlm_lm.cli.grouped import Answering, grouped
 from geotlm_lm.cli.options import (
-    BundleFolder,
     Force,
     FramesPerSecond,
     LayoutName,
-    MmPerPixel,
-    Precision,
     SquarePixels,
     TopicName,
     path_of,
@@ -23,7 +21,9 @@ from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.question import check_question
 
 
+@grouped
 def watch(
+    *,
     source: Annotated[
         str, typer.Option(help="A camera's number, its device file, or a recording.")
     ],
@@ -46,9 +46,7 @@ def watch(
     square_pixels: SquarePixels = None,
     topic: TopicName = None,
     fps: FramesPerSecond = None,
-    mm_per_px: MmPerPixel = None,
-    model: BundleFolder = None,
-    precision: Precision = "float32",
+    answering: Answering,
 ) -> None:
     """Print what touches when and how it moves, until the recording ends or Ctrl-C.
 
@@ -61,25 +59,17 @@ def watch(
         check_question(question)
     targets = Targets(out, plot, video)
     targets.require([path_of(source)], is_forced=force)
-    from geotlm_lm.core.frame_spec import FrameSpec
     from geotlm_lm.recordings.streams import open_source
 
-    scale = FrameSpec(mm_per_px=mm_per_px).mm_per_px
-    stream = open_source(
-        source,
-        at_its_rate=at_its_rate,
-        fps=fps,
-        layout=layout,
-        square_pixels=square_pixels,
-        topic=topic,
-    )
+    scale = answering.frame.mm_per_px
+    reading = {"fps": fps, "layout": layout, "square_pixels": square_pixels, "topic": topic}
+    stream = open_source(source, at_its_rate=at_its_rate, **reading)
 
     # Imported only now: a camera that does not open must not wait for the model's libraries.
-    from geotlm_lm.answering import Answerer
     from geotlm_lm.cli.watching import Watching
     from geotlm_lm.track.export import Exported
 
-    answerer = Answerer.load(model, precision=precision)
+    answerer = answering.load()
     _tell_source(source, stream)
     watching = Watching(answerer, stream, question, scale, as_json=as_json)
     ended = watching.follow(video, is_square=bool(square_pixels))

@@ -9,27 +9,14 @@ from geotlm_lm.core.geometry import GRID_SIDE, PATCH_SIDE
 
 
 class PlainBackbone:
-    """Encode as said above.
+    """Encode as said above; `gain` is its only weight."""
 
-    Args:
-        gain: Its only weight.
-        has_view: Whether it says which square its grid covers.
-    """
-
-    def __init__(self, gain=1.0, has_view=True):
-        self.gain, self.has_view = gain, has_view
-
-    @property
-    def width(self):
-        return 6
-
-    def state_dict(self):
-        return {"gain": torch.tensor([self.gain])}
+    def __init__(self, gain=1.0):
+        self.gain = gain
 
     def encode(self, clips):
         patches = torch.from_numpy(np.stack([self._patches(clip) for clip in clips]))
-        view = View() if self.has_view else None
-        return Tokens(patches.mean(dim=(2, 3)).flatten(1), patches, (view,) * len(clips))
+        return Tokens(patches.mean(dim=(2, 3)).flatten(1), patches, (View(),) * len(clips))
 
     def _patches(self, clip):
         change = (clip.frames.astype(np.float32) - clip.background) / 16 * self.gain

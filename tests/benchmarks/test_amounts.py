@@ -6,7 +6,6 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.answering import Answerer
 from geotlm_lm.benchmarks.amounts import (
     AMOUNTS,
     BELIEF,
@@ -26,7 +25,6 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.labelled_recordings import WindowRow
 from geotlm_lm.query.amounts import Measure
 from tests.probe.imprints import moved_clip, textured_imprint
-from tests.tiny_bundle import tiny_bundle
 
 
 def row(motion=Motion.CLOCKWISE, **values):
@@ -106,8 +104,8 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_every_method_is_told_of_every_source_and_half(folder):
-    run = Run(is_quick=True, real=folder, answerer_given=Answerer(tiny_bundle()))
+def test_every_method_is_told_of_every_source_and_half(folder, tiny_answerer):
+    run = Run(is_quick=True, real=folder, answerer_given=tiny_answerer)
     rows = [Row.from_dict(one.to_dict()) for one in amount_rows(run)]
     cases = list(dict.fromkeys(one.case for one in rows))
     assert cases[:2] == ["simulated rotation", "simulated sliding"]

@@ -1,13 +1,12 @@
 import numpy as np
-import pytest
 
 from geotlm_lm.benchmarks.cases.beyond_windows import (
     NoContactWindows,
-    PressedIn,
-    WholeRecordings,
     backwards,
+    pressed_in,
+    whole_recordings,
 )
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.touch_table import DirectedRow, TouchRow, UntouchedRow
 
 
@@ -24,7 +23,7 @@ def levels(clip):
 
 def test_recordings_without_contact_are_cut_into_seconds(tmp_path):
     row = UntouchedRow(numbered(tmp_path, "a.npy", 27), 10.0, "sponge", "sponges")
-    cases = list(NoContactWindows([row]))
+    cases = list(NoContactWindows([row])())
     # The first six frames are the background; of the 21 others two seconds fit.
     assert [levels(case.clip) for case in cases] == [[6, 9, 12, 15], [16, 19, 22, 25]]
     assert {case.motion for case in cases} == {Motion.NONE}
@@ -34,48 +33,29 @@ def test_recordings_without_contact_are_cut_into_seconds(tmp_path):
 
 def test_a_recording_shorter_than_a_window_is_counted(tmp_path):
     windows = NoContactWindows([UntouchedRow(numbered(tmp_path, "a.npy", 3), 25.0, "a", "a")])
-    assert list(windows) == []
+    assert list(windows()) == []
     assert windows.too_short == 1
 
 
-def test_a_press_ends_before_the_first_turn(tmp_path):
+def test_a_press_ends_before_the_first_turn_and_is_a_release_backwards(tmp_path):
     path = numbered(tmp_path, "a.npy", 40)
     rows = [
         TouchRow(path, 25.0, 20, 35, "cap", "caps", still_until=26),
         TouchRow(path, 25.0, 20, 35, "cap", "caps", still_until=21),
         TouchRow(path, 25.0, 20, 35, "cap", "caps"),
     ]
-    found = PressedIn(rows)
-    (case,) = found
-    assert len(found) == 1
-    assert levels(case.clip) == [17, 20, 23, 26]
-    assert (case.motion, case.family) == (Motion.PRESS, "caps")
-
-
-def test_a_press_played_backwards_is_a_release(tmp_path):
-    row = TouchRow(numbered(tmp_path, "a.npy", 40), 25.0, 20, 35, "cap", "caps", still_until=26)
-    (case,) = backwards(PressedIn([row]))
-    assert levels(case.clip) == [26, 23, 20, 17]
-    assert (case.motion, case.family) == (Motion.RELEASE, "caps")
+    (press,) = pressed_in(rows)
+    assert levels(press.clip) == [17, 20, 23, 26]
+    assert (press.motion, press.family) == (Motion.PRESS, "caps")
+    (release,) = backwards([press])
+    assert levels(release.clip) == [26, 23, 20, 17]
+    assert (release.motion, release.family) == (Motion.RELEASE, "caps")
 
 
 def test_a_whole_recording_is_read_with_all_its_frames(tmp_path):
     path = tmp_path / "clip.npy"
     frames = np.random.default_rng(0).integers(100, 120, (12, 32, 32, 3))
     np.save(path, frames.astype(np.uint8))
-    (case,) = WholeRecordings([DirectedRow(path, Motion.CLOCKWISE, "cap", "caps")])
+    (case,) = whole_recordings([DirectedRow(path, Motion.CLOCKWISE, "cap", "caps")])
     assert case.clip.frame_numbers == tuple(range(12))
     assert (case.motion, case.object_id, case.family) == (Motion.CLOCKWISE, "cap", "caps")
-
-
-@pytest.mark.parametrize(
-    ("motions", "among"),
-    [
-        ((Motion.CLOCKWISE, Motion.CLOCKWISE), ROTATIONS),
-        ((Motion.LEFT,), SLIDES),
-        ((Motion.LEFT, Motion.CLOCKWISE), DIRECTED),
-    ],
-)
-def test_whole_recordings_are_the_smallest_task_that_holds_every_label(tmp_path, motions, among):
-    rows = [DirectedRow(tmp_path / "any.mp4", motion, "cap", "cap") for motion in motions]
-    assert WholeRecordings(rows).among == among

@@ -1,7 +1,7 @@
 import pytest
 
 from geotlm_lm.benchmarks.cases.data_sets import (
-    ListedClips,
+    listed_cases,
     open_data_set,
     open_data_sets,
     tracked_pairs,
@@ -58,8 +58,8 @@ def test_a_row_tells_its_thresholds_and_bad_trials(judged):
 
 def test_the_rule_is_the_one_whose_count_comes_nearest_to_the_papers_share():
     """One degree a frame, 60 frames: 4,088 of 84 trials are 49 of one; a gap of 10 has 50 pairs."""
-    cases, facts = tracked_pairs(TactileTracking("here", (steady_turn(1.0),)), "rotation")
-    assert (facts["rule"]["gap_frames"], facts["found"], len(cases)) == (10, 50, 50)
+    pairs, facts = tracked_pairs(TactileTracking("here", (steady_turn(1.0),)), "rotation")
+    assert (facts["rule"]["gap_frames"], facts["found"], len(pairs[0][1])) == (10, 50, 50)
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +93,7 @@ def test_a_manifest_is_judged_by_task_and_by_sensor(listed):
 
 
 def test_a_listed_clip_is_read_whole_and_its_object_is_the_unit(listed):
-    cases = list(ListedClips(open_data_set(listed), SLIDES))
+    cases = list(listed_cases(open_data_set(listed), SLIDES))
     assert {len(case.clip) for case in cases} == {4, 7}
     assert {case.object_id for case in cases} == {case.family for case in cases}
     assert {case.motion for case in cases} == set(SLIDES)

@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 
 from geotlm_lm.benchmarks.cases.semi_real import (
-    SemiRealHeld,
     SemiRealSlides,
-    UntouchedCases,
     carried,
+    semi_real_held,
     slide_path,
+    untouched_cases,
 )
 from geotlm_lm.core.labels import SLIDES, Motion, reverse
 from geotlm_lm.data.touch_table import TouchRow
@@ -77,11 +77,11 @@ def test_imprints_cut_off_or_faint_are_left_out_and_counted(tmp_path):
     slides = SemiRealSlides(rows, seed=0)
     assert {case.object_id for case in slides} == {"whole.npy"}
     assert slides.cut_off == 2
-    assert len(list(SemiRealHeld(rows, seed=0))) == 3
+    assert len(list(semi_real_held(rows, seed=0))) == 3
 
 
 def test_untouched_cases_show_no_touched_frame(tmp_path):
-    (case,) = UntouchedCases([recording(tmp_path, "a.npy", blob(80, 60))])
+    (case,) = untouched_cases([recording(tmp_path, "a.npy", blob(80, 60))])
     assert case.motion == Motion.NONE
     change = case.clip.frames.astype(int) - case.clip.background.astype(int)
     assert len(case.clip) == 4
@@ -89,7 +89,7 @@ def test_untouched_cases_show_no_touched_frame(tmp_path):
 
 
 def test_a_held_imprint_changes_by_noise_only(tmp_path):
-    (still, *_) = SemiRealHeld([recording(tmp_path, "a.npy", blob(80, 60))], seed=0)
+    (still, *_) = semi_real_held([recording(tmp_path, "a.npy", blob(80, 60))], seed=0)
     assert still.motion == Motion.STILL
     change = np.diff(still.clip.frames.astype(int), axis=0)
     assert 0.1 < change.std() < 1.0
@@ -97,7 +97,7 @@ def test_a_held_imprint_changes_by_noise_only(tmp_path):
 
 
 def test_a_pressed_imprint_grows_where_it_is_and_a_release_is_it_backwards(tmp_path):
-    _, press, release = SemiRealHeld([recording(tmp_path, "a.npy", blob(80, 60))], seed=0)
+    _, press, release = semi_real_held([recording(tmp_path, "a.npy", blob(80, 60))], seed=0)
     assert (press.motion, release.motion) == (Motion.PRESS, Motion.RELEASE)
     change = press.clip.frames[..., 1].astype(float) - press.clip.background[..., 1]
     strength = np.abs(change).max(axis=(1, 2))

@@ -29,64 +29,64 @@ def clip_path(tmp_path):
     return path
 
 
-def test_the_sentence_goes_to_stdout_and_notes_to_stderr(capsys, answerer, clip_path):
-    done = run(capsys, "answer", "--clip", clip_path, "--q", "Which way?")
-    assert done == (0, "Clockwise.\n", "note: Frames 0, 1, 2, 3 are used.\n")
+@pytest.fixture
+def ask(capsys, answerer, clip_path):
+    """Ask which way, with some options."""
+    return lambda *options: run(
+        capsys, "answer", "--clip", clip_path, "--q", "Which way?", *options
+    )
+
+
+def test_the_sentence_goes_to_stdout_and_notes_to_stderr(ask, answerer):
+    assert ask() == (0, "Clockwise.\n", "note: Frames 0, 1, 2, 3 are used.\n")
     assert answerer.questions == ["Which way?"]
     assert len(answerer.clips[0]) == 30
 
 
-def test_json_is_one_object_on_the_last_line(capsys, answerer, clip_path):
-    code, out, _ = run(capsys, "answer", "--clip", clip_path, "--q", "Which way?", "--json")
+def test_json_is_one_object_on_the_last_line(ask):
+    code, out, _ = ask("--json")
     assert code == 0
     assert json.loads(out.splitlines()[-1]) == {"text": "Clockwise.", "direction": "clockwise"}
 
 
-def test_why_prints_the_reasons_before_the_answer_and_their_source_aside(
-    capsys, answerer, clip_path
-):
-    code, out, err = run(capsys, "answer", "--clip", clip_path, "--q", "Which way?", "--why")
+def test_why_prints_the_reasons_before_the_answer_and_their_source_aside(ask):
+    code, out, err = ask("--why")
     assert (code, out) == (0, "Contact fills the gel.\nClockwise.\n")
     assert err.splitlines()[-1] == "note: the reasons are told by rule"
 
 
-def test_why_stands_beside_the_answer_in_json(capsys, answerer, clip_path):
-    options = ["--q", "Which way?", "--why", "--json"]
-    _, out, _ = run(capsys, "answer", "--clip", clip_path, *options)
-    told = json.loads(out)
+def test_why_stands_beside_the_answer_in_json(ask):
+    told = json.loads(ask("--why", "--json")[1])
     assert told["direction"] == "clockwise"
     assert told["why"]["source"] == "by rule"
 
 
-def test_the_frames_asked_for_are_the_ones_the_model_is_given(capsys, answerer, clip_path):
-    run(capsys, "answer", "--clip", clip_path, "--q", "Which way?", "--frames", "10:19")
+def test_the_frames_asked_for_are_the_ones_the_model_is_given(ask, answerer):
+    ask("--frames", "10:19")
     assert answerer.spans == [(10, 19)]
 
 
-def test_background_rate_and_model_reach_their_seams(capsys, answerer, clip_path, tmp_path):
+def test_background_rate_and_model_reach_their_seams(ask, answerer, tmp_path):
     idle = tmp_path / "idle.npy"
     np.save(idle, np.full((24, 32, 3), 7, np.uint8))
-    options = ["--background", idle, "--fps", 12, "--model", tmp_path]
-    run(capsys, "answer", "--clip", clip_path, "--q", "Which way?", *options)
+    ask("--background", idle, "--fps", 12, "--model", tmp_path)
     assert answerer.clips[0].fps == 12
     assert (answerer.clips[0].background == 7).all()
     assert answerer.folders == [tmp_path]
 
 
-def test_the_size_of_a_pixel_reaches_the_frame(capsys, answerer, clip_path):
-    ask = ["answer", "--clip", clip_path, "--q", "How far?"]
-    assert run(capsys, *ask)[0] == run(capsys, *ask, "--mm-per-px", 0.06)[0] == 0
+def test_the_size_of_a_pixel_reaches_the_frame(ask, answerer):
+    assert ask()[0] == ask("--mm-per-px", 0.06)[0] == 0
     assert [frame.mm_per_px for frame in answerer.frames] == [None, 0.06]
-    code, _, err = run(capsys, *ask, "--mm-per-px", 40)
+    code, _, err = ask("--mm-per-px", 40)
     assert code == 2
     assert "A pixel of 40 mm was given, expected 0.001 to 2 mm" in err
 
 
-def test_an_abstention_fails_only_when_asked_to(capsys, answerer, clip_path):
+def test_an_abstention_fails_only_when_asked_to(ask, answerer, clip_path):
     answerer.abstained = True
-    call = ["answer", "--clip", clip_path, "--q", "Which way?"]
-    assert run(capsys, *call)[0] == 0
-    code, out, err = run(capsys, *call, "--fail-on-abstain")
+    assert ask()[0] == 0
+    code, out, err = ask("--fail-on-abstain")
     assert (code, out) == (5, "Clockwise.\n")
     assert err.splitlines()[-1] == (
         f"{clip_path}: the model would not answer; see `geotlm-lm info --clip {clip_path}` for "
@@ -106,9 +106,8 @@ def test_a_bad_clip_ends_with_its_sentence_and_code_3(capsys, answerer, tmp_path
     assert answerer.clips == []
 
 
-def test_a_span_outside_the_recording_ends_with_code_2(capsys, answerer, clip_path):
-    done = run(capsys, "answer", "--clip", clip_path, "--q", "Which way?", "--frames", "20:90")
-    assert done == (
+def test_a_span_outside_the_recording_ends_with_code_2(ask):
+    assert ask("--frames", "20:90") == (
         2,
         "",
         "Frames 20:90 were asked for, expected FIRST < LAST within 0:29; "
@@ -116,11 +115,10 @@ def test_a_span_outside_the_recording_ends_with_code_2(capsys, answerer, clip_pa
     )
 
 
-def test_the_number_format_reaches_the_loader(capsys, answerer, clip_path):
-    asked = ("answer", "--clip", clip_path, "--q", "Which way?")
-    assert run(capsys, *asked)[0] == run(capsys, *asked, "--precision", "int8")[0] == 0
+def test_the_number_format_reaches_the_loader(ask, answerer):
+    assert ask()[0] == ask("--precision", "int8")[0] == 0
     assert answerer.precisions == ["float32", "int8"]
-    code, _, err = run(capsys, *asked, "--precision", "float8")
+    code, _, err = ask("--precision", "float8")
     assert (code, err.split(",")[0]) == (2, "found precision 'float8'")
 
 

@@ -6,19 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from geotlm_lm.cli.main import main
-
-
-def run(capsys, *arguments):
-    with pytest.raises(SystemExit) as stopped:
-        main(["app", *arguments])
-    return stopped.value.code, capsys.readouterr().err
+from tests.cli.running import run
 
 
 def test_a_missing_toolkit_ends_with_one_sentence_and_code_7(capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "gradio", None)
-    assert run(capsys) == (
+    assert run(capsys, "app") == (
         7,
+        "",
         "The app needs gradio, which is not installed; run `pip install 'geotlm-lm[app]'`.\n",
     )
 
@@ -34,12 +29,12 @@ def test_port_number_format_and_the_wish_to_serve_agents_are_handed_on(
 
     monkeypatch.setattr("app.__main__.serve", serve)
     told = ("--port", "7999", "--precision", "int8", "--recordings", "here")
-    run(capsys, *told, *["--mcp"] * is_served)
+    run(capsys, "app", *told, *["--mcp"] * is_served)
     assert served == [(7999, is_served, Path("here"), "int8")]
 
 
 def test_a_port_that_cannot_be_is_a_wrong_call(capsys):
-    code, said = run(capsys, "--port", "70000")
+    code, _, said = run(capsys, "app", "--port", "70000")
     assert code == 2
     assert said.startswith("Invalid value for '--port': ")
 

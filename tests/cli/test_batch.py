@@ -2,71 +2,68 @@ import json
 
 import numpy as np
 import pytest
-import typer
-from typer.testing import CliRunner
 
 from geotlm_lm.answering.loaded import loaded
-from geotlm_lm.cli.batch import batch, read_questions
+from geotlm_lm.cli.batch import read_questions
 from geotlm_lm.core.errors import UsageError
 from tests.answering.scripted import feeling, recording
+from tests.cli.running import run
 from tests.data_sets.lerobot_files import CAMERA, OTHER, turned, write_data_set
 from tests.tiny_bundle import tiny_bundle
 
 
 @pytest.fixture
-def invoke(tmp_path, monkeypatch):
-    from geotlm_lm import answering
-
+def invoke(capsys, tmp_path, monkeypatch):
     (tmp_path / "clips").mkdir()
     np.save(tmp_path / "clips" / "cap.npy", recording().frames)
     (tmp_path / "questions.txt").write_text("Which way?\nHow far?\n")
     answerer = feeling(tiny_bundle(), "up")
     formats = []
 
-    def load(cls, folder, precision):
+    def load(folder, precision):
         formats.append(precision)
         return answerer
 
-    load = classmethod(load)
-    monkeypatch.setattr(answering.Answerer, "load", load)
+    monkeypatch.setattr("geotlm_lm.answering.Answerer.load", load)
     loaded.cache_clear()
-    app = typer.Typer()
-    app.command()(batch)
     named = {"--clips": "clips", "--questions": "questions.txt", "--out": "deep/answers.jsonl"}
-    places = [word for name, path in named.items() for word in (name, str(tmp_path / path))]
+    places = [word for name, path in named.items() for word in (name, tmp_path / path)]
 
     def call(*arguments):
-        return CliRunner().invoke(app, [*places, *arguments])
+        return run(capsys, "batch", *places, *arguments)
 
     call.formats = formats
     yield call
     loaded.cache_clear()
 
 
+def written(tmp_path):
+    return list(map(json.loads, (tmp_path / "deep" / "answers.jsonl").read_text().splitlines()))
+
+
 def test_rows_are_written_and_counted(invoke, tmp_path):
-    result = invoke()
-    out = tmp_path / "deep" / "answers.jsonl"
-    assert result.stdout == f"{out}: 2 rows, 0 of them errors\n"
-    assert "answered: 1 of 1 clips" in result.stderr
-    rows = [json.loads(line) for line in out.read_text().splitlines()]
+    code, told, err = invoke()
+    assert (code, told) == (0, f"{tmp_path}/deep/answers.jsonl: 2 rows, 0 of them errors\n")
+    assert "answered: 1 of 1 clips" in err
+    rows = written(tmp_path)
     assert rows[0]["answer"]["direction"] == "up"
     assert rows[1]["answer"]["amount"]["unit"] == "px"
 
 
 def test_what_is_no_recording_is_named(invoke, tmp_path):
     folder = tmp_path / "clips"
-    assert "skipped" not in invoke().stderr
+    assert "skipped" not in invoke()[2]
     (folder / "foil.gif").write_bytes(b"GIF89a")
     (folder / ".hidden").write_bytes(b"")
-    own = str(folder / "rows.jsonl")
+    own = folder / "rows.jsonl"
     for _ in range(2):  # the second time the first one's rows lie there
         assert (
             "note: skipped as no recording (.npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, .webm, .tif, "
-            ".tiff, .mcap, .db3 or folders of images): foil.gif\n" in invoke("--out", own).stderr
+            ".tiff, .mcap, .db3 or folders of images): foil.gif\n" in invoke("--out", own)[2]
         )
     for name in "abcdef":
         (folder / f"{name}.txt").write_bytes(b"")
-    assert ": a.txt, b.txt, c.txt, d.txt, e.txt and 2 more\n" in invoke("--out", own).stderr
+    assert ": a.txt, b.txt, c.txt, d.txt, e.txt and 2 more\n" in invoke("--out", own)[2]
 
 
 def test_questions_are_lines_without_blanks_comments_and_repetitions(tmp_path):
@@ -97,25 +94,24 @@ def test_rows_never_replace_what_is_read(invoke, tmp_path, name):
     (tmp_path / "clips" / "frames").mkdir()
     (tmp_path / "clips" / "frames" / "0.png").write_bytes(b"a picture")
     own = (tmp_path / name).read_bytes()
-    error = invoke("--out", str(tmp_path / name)).exception
-    assert isinstance(error, UsageError)
-    assert str(error) == (
+    assert invoke("--out", tmp_path / name) == (
+        2,
+        "",
         f"--out: {tmp_path / name} is read by this command and would be replaced, expected the "
-        f"name of another file; give one."
+        f"name of another file; give one.\n",
     )
     assert (tmp_path / name).read_bytes() == own
 
 
 def test_the_number_format_reaches_the_loader(invoke):
-    assert invoke("--precision", "bfloat16").exit_code == 0
+    assert invoke("--precision", "bfloat16")[0] == 0
     assert invoke.formats == ["bfloat16"]
 
 
 def test_the_size_of_a_pixel_stands_in_every_row(invoke, tmp_path):
     invoke("--mm-per-px", "0.06")
-    rows = (tmp_path / "deep" / "answers.jsonl").read_text().splitlines()
-    assert {json.loads(row)["answer"]["frame"]["mm_per_px"] for row in rows} == {0.06}
-    assert isinstance(invoke("--mm-per-px", "9").exception, UsageError)
+    assert {row["answer"]["frame"]["mm_per_px"] for row in written(tmp_path)} == {0.06}
+    assert invoke("--mm-per-px", "9")[0] == 2
 
 
 @pytest.mark.parametrize(
@@ -131,11 +127,11 @@ def test_the_size_of_a_pixel_stands_in_every_row(invoke, tmp_path):
 def test_rows_never_replace_what_no_batch_wrote(invoke, tmp_path, content):
     out = tmp_path / "precious.txt"
     out.write_bytes(content)
-    error = invoke("--out", str(out)).exception
-    assert isinstance(error, UsageError)
-    assert str(error) == (
+    code, _, err = invoke("--out", out)
+    assert (code, err.splitlines()[-1]) == (
+        2,
         f"--out: {out} holds something else than a batch's rows and would be replaced, expected a "
-        f"new file or an earlier batch's; give another name."
+        f"new file or an earlier batch's; give another name.",
     )
     assert out.read_bytes() == content
     assert invoke.formats == []  # told before the model is loaded
@@ -145,26 +141,24 @@ def test_rows_replace_an_empty_file_and_those_of_an_earlier_run(invoke, tmp_path
     out = tmp_path / "rows.jsonl"
     out.touch()
     for _ in range(2):
-        assert invoke("--out", str(out)).exit_code == 0
+        assert invoke("--out", out)[0] == 0
         assert len(out.read_text().splitlines()) == 2
 
 
 def test_grey_arrays_are_read_with_their_layout_and_a_senseless_rate_is_refused(invoke, tmp_path):
     grey = recording().frames.mean(axis=-1).astype(np.uint8)
     np.save(tmp_path / "clips" / "cap.npy", grey)
-    assert invoke().stdout.endswith("2 rows, 2 of them errors\n")
-    assert invoke("--layout", "THW").stdout.endswith("2 rows, 0 of them errors\n")
-    assert isinstance(invoke("--layout", "HW").exception, UsageError)
-    assert isinstance(invoke("--fps", "-3").exception, UsageError)
+    assert invoke()[1].endswith("2 rows, 2 of them errors\n")
+    assert invoke("--layout", "THW")[1].endswith("2 rows, 0 of them errors\n")
+    assert invoke("--layout", "HW")[0] == invoke("--fps", "-3")[0] == 2
 
 
 def test_square_pixels_are_told_to_the_reader_of_every_clip(invoke, tmp_path):
     np.save(tmp_path / "clips" / "cap.npy", recording(size=(224, 224)).frames)
     notes = []
     for options in ((), ("--square-pixels",)):
-        assert invoke(*options).exit_code == 0
-        rows = (tmp_path / "deep" / "answers.jsonl").read_text().splitlines()
-        notes.append(" ".join(json.loads(rows[0])["answer"]["notes"]))
+        assert invoke(*options)[0] == 0
+        notes.append(" ".join(written(tmp_path)[0]["answer"]["notes"]))
     assert "squashed to a square" in notes[0]
     assert "as asked" in notes[1]
 
@@ -180,11 +174,9 @@ def robot(tmp_path):
 
 
 def test_each_episode_of_a_data_set_is_asked_about(invoke, tmp_path, robot):
-    result = invoke("--clips", str(robot), "--camera", CAMERA)
-    assert result.exit_code == 0
-    out = tmp_path / "deep" / "answers.jsonl"
-    assert result.stdout == f"{out}: 6 rows, 2 of them errors\n"
-    rows = [json.loads(line) for line in out.read_text().splitlines()]
+    code, told, _ = invoke("--clips", robot, "--camera", CAMERA)
+    assert (code, told) == (0, f"{tmp_path}/deep/answers.jsonl: 6 rows, 2 of them errors\n")
+    rows = written(tmp_path)
     assert [row["clip"] for row in rows[::2]] == [f"episode-00000{n}" for n in range(3)]
     assert [row["answer"]["direction"] for row in rows[:4:2]] == ["clockwise", "counterclockwise"]
     assert "cannot be decoded" in rows[4]["error"]
@@ -212,7 +204,7 @@ def test_each_episode_of_a_data_set_is_asked_about(invoke, tmp_path, robot):
 )
 def test_what_does_not_go_with_a_data_set_is_refused(invoke, robot, arguments, sentence):
     given = [word.format(root=robot) for word in arguments]
-    error = invoke("--clips", str(robot), *given).exception
-    assert isinstance(error, UsageError)
-    assert str(error) == sentence.format(root=robot, camera=CAMERA, other=OTHER)
+    code, _, err = invoke("--clips", robot, *given)
+    told = sentence.format(root=robot, camera=CAMERA, other=OTHER)
+    assert (code, err.splitlines()[-1]) == (2, told)
     assert invoke.formats == []

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from geotlm_lm.answering import Answerer
-from geotlm_lm.cli.main import main
 from tests.answering.scripted import feeling
+from tests.cli.running import run
 
 DIRECTION = "Clockwise, in the camera image."
 
@@ -33,11 +33,9 @@ def talk(monkeypatch, capsys, bundle, clip_path):
 
     def piped(*lines, options=()):
         monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{line}\n" for line in lines)))
-        with pytest.raises(SystemExit) as stop:
-            main(["chat", "--clip", str(clip_path), *options])
-        assert stop.value.code == 0
-        printed = capsys.readouterr()
-        return printed.out.splitlines(), printed.err.splitlines()
+        code, out, err = run(capsys, "chat", "--clip", clip_path, *options)
+        assert code == 0
+        return out.splitlines(), err.splitlines()
 
     piped.folders = folders
     return piped

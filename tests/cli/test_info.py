@@ -5,14 +5,13 @@ import json
 import numpy as np
 import pytest
 
-from geotlm_lm.cli.main import main
+from tests.cli.running import run
 
 
 def described(capsys, path, *options):
-    with pytest.raises(SystemExit) as exit_info:
-        main(["info", "--clip", str(path), "--json", *options])
-    assert exit_info.value.code == 0
-    return json.loads(capsys.readouterr().out.splitlines()[-1])
+    code, out, _ = run(capsys, "info", "--clip", path, "--json", *options)
+    assert code == 0
+    return json.loads(out.splitlines()[-1])
 
 
 @pytest.fixture
@@ -51,7 +50,7 @@ def test_a_given_background_is_told_from_an_estimated_one(capsys, press, tmp_pat
     facts = described(capsys, tmp_path / "touched.npy")
     assert facts["background"] == "estimated from the frames"
     assert facts["contact"] == "unknown without an idle frame"
-    given = described(capsys, tmp_path / "touched.npy", "--background", str(tmp_path / "idle.npy"))
+    given = described(capsys, tmp_path / "touched.npy", "--background", tmp_path / "idle.npy")
     assert given["background"] == "given"
     assert given["contact"] == "likely"
 
@@ -63,8 +62,6 @@ def test_an_untouched_gel_shows_no_contact(capsys, tmp_path):
 
 
 def test_words_are_one_fact_a_line(capsys, press):
-    with pytest.raises(SystemExit):
-        main(["info", "--clip", str(press)])
-    lines = capsys.readouterr().out.splitlines()
+    lines = run(capsys, "info", "--clip", press)[1].splitlines()
     assert "frames: 20" in lines
     assert "size px: 80 60" in lines

@@ -1,30 +1,20 @@
 """`geotlm-lm label`: what it prints and what it refuses; the labels: tests/data_sets."""
 
 import json
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from geotlm_lm.answering.loaded import loaded
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
+from tests.cli.recorded_touch import Measuring
 from tests.data_sets.lerobot_files import CAMERA, FPS, OTHER, turned, write_data_set
 
 pytest.importorskip("pyarrow", reason="needs pyarrow, of the extra lerobot")
 pytest.importorskip("av", reason="needs av, of the extra lerobot")
 
 CLIP = turned(20)
-
-
-class Measuring:
-    """Tracks by measurement alone: no model is loaded."""
-
-    bundle = SimpleNamespace(digest=lambda: "measured")
-
-    def tracker(self, recording=None):
-        return Tracker(idle=recording.frames[0])
 
 
 @pytest.fixture(autouse=True)

@@ -11,26 +11,15 @@ import pytest
 
 from geotlm_lm.cli.viewer import viewer
 from geotlm_lm.track.rerun_log import log_clip, rerun_recording
-from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
-from tests.track.recordings import there_and_back
+from tests.cli.recorded_touch import CLIP, Measuring, saved_touch
 
 chunks = pytest.importorskip("rerun.chunk", reason="needs rerun-sdk, of the extra rerun")
-
-CLIP = there_and_back()
-
-
-class Measuring:
-    """Tracks by measurement alone: no model is loaded."""
-
-    def tracker(self, recording=None):
-        return Tracker(idle=CLIP.frames[0])
 
 
 @pytest.fixture
 def path(tmp_path):
-    np.savez(tmp_path / "clip.npz", frames=CLIP.frames, fps=CLIP.fps)
-    return tmp_path / "clip.npz"
+    return saved_touch(tmp_path)
 
 
 def logged(path):

@@ -13,16 +13,7 @@ from geotlm_lm.recordings.idle import estimate_background
 from geotlm_lm.track import export
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
-from tests.track.recordings import there_and_back
-
-CLIP = there_and_back()
-
-
-class Measuring:
-    """Tracks by measurement alone: no model is loaded."""
-
-    def tracker(self, recording=None):
-        return Tracker(idle=CLIP.frames[0])
+from tests.cli.recorded_touch import CLIP, Measuring, saved_touch
 
 
 @pytest.fixture(autouse=True)
@@ -32,8 +23,7 @@ def without_model(monkeypatch):
 
 @pytest.fixture
 def path(tmp_path):
-    np.savez(tmp_path / "clip.npz", frames=CLIP.frames, fps=CLIP.fps)
-    return tmp_path / "clip.npz"
+    return saved_touch(tmp_path)
 
 
 def run(capsys, *arguments):
@@ -161,21 +151,14 @@ def test_an_untouched_gel_is_told_in_a_sentence(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("grey", "sentence"),
     [
-        (
-            0,
-            "100% of frame 0 is black, expected at most 40%; check the camera and the sensor's "
-            "lights.",
-        ),
-        (
-            255,
-            "100% of frame 0 is overexposed, expected at most 30%; shorten the camera's exposure.",
-        ),
+        (0, "black, expected at most 40%; check the camera and the sensor's lights."),
+        (255, "overexposed, expected at most 30%; shorten the camera's exposure."),
     ],
 )
 def test_a_recording_without_a_picture_is_refused_in_one_sentence(capsys, tmp_path, grey, sentence):
     path = tmp_path / "none.npz"
     np.savez(path, frames=np.full((30, 120, 160, 3), grey, np.uint8), fps=25.0)
-    assert run(capsys, path) == (3, "", f"{path}: {sentence}\n")
+    assert run(capsys, path) == (3, "", f"{path}: 100% of frame 0 is {sentence}\n")
 
 
 def test_a_recording_in_which_nothing_changes_is_tracked_with_a_guessed_gel(

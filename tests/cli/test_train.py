@@ -6,7 +6,7 @@ from types import ModuleType
 
 import pytest
 
-from geotlm_lm.cli.main import main
+from tests.cli.running import run
 
 
 @pytest.fixture
@@ -24,11 +24,9 @@ def calls(monkeypatch):
 
 
 def test_options_reach_the_seam_and_the_bundle_is_named(calls, capsys):
-    with pytest.raises(SystemExit) as exit_info:
-        main(["train", "--preset", "smoke", "--out", "runs/a", "--seed", "3", "--workers", "1"])
-    assert exit_info.value.code == 0
+    options = ("--preset", "smoke", "--out", "runs/a", "--seed", 3, "--workers", 1)
+    assert run(capsys, "train", *options)[:2] == (0, "runs/a/bundle\n")
     assert calls == [("smoke", Path("runs/a"), 3, 1, None)]
-    assert capsys.readouterr().out == "runs/a/bundle\n"
 
 
 @pytest.mark.parametrize("preset", ["huge", ""])
@@ -36,9 +34,7 @@ def test_a_preset_that_there_is_not_leaves_no_folder_behind(
     calls, capsys, tmp_path, monkeypatch, preset
 ):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(SystemExit) as exit_info:
-        main(["train", "--out", "runs", "--preset", preset])
     said = f"there is no preset '{preset}'; choose one of smoke, default.\n"
-    assert (exit_info.value.code, capsys.readouterr().err) == (2, said)
+    assert run(capsys, "train", "--out", "runs", "--preset", preset) == (2, "", said)
     assert list(tmp_path.iterdir()) == []
     assert calls == []

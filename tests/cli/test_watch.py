@@ -11,13 +11,11 @@ from geotlm_lm.core.errors import MissingDependency, UnreadableClip
 from geotlm_lm.recordings import streams
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
-from tests.track.recordings import there_and_back
+from tests.cli.recorded_touch import CLIP, saved_touch
 from tests.track.test_idle_tracker import gel, touched
 
-CLIP = there_and_back()
 
-
-class Measuring:
+class Asked:
     """Tracks by measurement alone; answers with what it was asked about."""
 
     def tracker(self, recording=None):
@@ -39,7 +37,7 @@ def formats_loaded(monkeypatch):
 
     def load(folder, precision):
         formats.append(precision)
-        return Measuring()
+        return Asked()
 
     monkeypatch.setattr("geotlm_lm.answering.Answerer.load", load)
     return formats
@@ -47,8 +45,7 @@ def formats_loaded(monkeypatch):
 
 @pytest.fixture
 def recording(tmp_path):
-    np.savez(tmp_path / "clip.npz", frames=CLIP.frames, fps=CLIP.fps)
-    return tmp_path / "clip.npz"
+    return saved_touch(tmp_path)
 
 
 def run(capsys, *arguments):

@@ -6,7 +6,7 @@ Each is judged as the paper's two tasks, rotation and sliding, with the object a
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -31,38 +31,24 @@ same, and the paper's totals are 49 and 76 a trial."""
 
 DataSet = TactileTracking | Manifest
 
-
-@dataclass(frozen=True, eq=False)
-class TrackedPairs:
-    """Pairs of frames of TactileTracking's trials, as clips a, a, b, b."""
-
-    pairs: Sequence[tuple[Trial, Sequence[pose_pairs.LabelledPair]]]
-
-    def __len__(self) -> int:
-        return sum(len(own) for _, own in self.pairs)
-
-    def __iter__(self) -> Iterator[Case]:
-        for trial, own in self.pairs:
-            recording = trial.recording() if own else None
-            for pair in own:
-                clip = pair_clip(recording, trial, pair)
-                yield Case(clip, pair.motion, trial.object_id, trial.object_id, {})
+TrackedPairs = Sequence[tuple[Trial, Sequence[pose_pairs.LabelledPair]]]
+"""Trials, and the pairs of frames that are judged of each."""
 
 
-@dataclass(frozen=True, eq=False)
-class ListedClips:
-    """The clips of a manifest that show motions of a task, each read whole."""
+def pair_cases(pairs: TrackedPairs) -> Iterator[Case]:
+    """Yield pairs of frames of TactileTracking's trials, as clips a, a, b, b."""
+    for trial, own in pairs:
+        recording = trial.recording() if own else None
+        for pair in own:
+            clip = pair_clip(recording, trial, pair)
+            yield Case(clip, pair.motion, trial.object_id, trial.object_id)
 
-    manifest: Manifest
-    among: tuple[Motion, ...]
 
-    def __len__(self) -> int:
-        return sum(row.motion in self.among for row in self.manifest.rows)
-
-    def __iter__(self) -> Iterator[Case]:
-        for row, clip in self.manifest.clips(self.among):
-            tags = {"sensor": row.sensor or "unnamed"}
-            yield Case(clip, row.motion, row.object_id, row.object_id, tags)
+def listed_cases(manifest: Manifest, among: Sequence[Motion]) -> Iterator[Case]:
+    """Yield the clips of a manifest that show motions of a task, each read whole."""
+    for row, clip in manifest.clips(among):
+        tags = {"sensor": row.sensor or "unnamed"}
+        yield Case(clip, row.motion, row.object_id, row.object_id, tags)
 
 
 def open_data_set(path: Path) -> DataSet:
@@ -115,13 +101,11 @@ def tracked_pairs(data: TactileTracking, task: str) -> tuple[TrackedPairs, dict[
     target = pose_pairs.PAPER_PAIRS[task] * len(data.trials) / pose_pairs.PAPER_TRIALS
     chosen = pose_pairs.nearest_rule(swept, usual, task, target)
     found = [(trial, pose_pairs.labelled_pairs(trial, chosen, task)) for trial in data.trials]
-    cases = TrackedPairs(
-        [(trial, pose_pairs.evenly_spaced(own, PAIRS_PER_TRIAL)) for trial, own in found]
-    )
+    judged = [(trial, pose_pairs.evenly_spaced(own, PAIRS_PER_TRIAL)) for trial, own in found]
     facts = {
         "rule": asdict(chosen),
         "found": sum(len(own) for _, own in found),
         "paper": pose_pairs.PAPER_PAIRS[task],
         "paper_share": len(data.trials) / pose_pairs.PAPER_TRIALS,
     }
-    return cases, facts
+    return judged, facts

@@ -4,77 +4,48 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geotlm_lm.benchmarks.judging import Case
+from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, turn_by_quarter
 from geotlm_lm.data.labelled_recordings import (
     LabelledRecordings,
+    WindowRow,
     find_labelled_recordings,
 )
+from geotlm_lm.data.touch_table import DirectedRow
 
-if TYPE_CHECKING:
-    from geotlm_lm.core.clip import Clip
-
-
-@dataclass(frozen=True)
-class RealCases:
-    """The windows of labelled recordings: four frames and pairs, forwards and backwards.
-
-    Args:
-        recordings: One folder of labelled recordings.
-    """
-
-    recordings: LabelledRecordings
-
-    @property
-    def among(self) -> tuple[Motion, ...]:
-        """The smallest task that holds every label of the recordings."""
-        return smallest_task(row.motion for row in self.recordings.rows)
-
-    def __len__(self) -> int:
-        return 4 * len(self.recordings.rows)
-
-    def __iter__(self) -> Iterator[Case]:
-        for window in self.recordings.windows(frames=("four", "pair"), backwards=True):
-            tags = {
-                "frames": window.frames,
-                "played": "backwards" if window.is_backwards else "forwards",
-                "fps": "unknown" if window.clip.fps is None else f"{window.clip.fps:g}",
-            }
-            row = window.row
-            yield Case(window.clip, window.motion, row.object_id, row.object_family, tags)
+Shown = Callable[[Clip, Motion], tuple[Clip, Motion]]
+"""Takes a clip and its motion, returns how it is shown and its motion there."""
 
 
-@dataclass(frozen=True)
-class FourFrames:
-    """The four-frame windows of labelled recordings, both ways, as something else shows them.
-
-    Args:
-        recordings: One folder of labelled recordings.
-        shown: Takes a clip and its motion, returns how it is shown and its motion there.
-    """
-
-    recordings: LabelledRecordings
-    shown: Callable[[Clip, Motion], tuple[Clip, Motion]]
-
-    def __len__(self) -> int:
-        return 2 * len(self.recordings.rows)
-
-    def __iter__(self) -> Iterator[Case]:
-        for window in self.recordings.windows(frames=("four",), backwards=True):
-            (clip, motion), row = self.shown(window.clip, window.motion), window.row
-            yield Case(clip, motion, row.object_id, row.object_family, {})
+def window_cases(recordings: LabelledRecordings) -> Iterator[Case]:
+    """Yield each window as four frames and as a pair, both forwards and backwards."""
+    for window in recordings.windows(frames=("four", "pair"), backwards=True):
+        tags = {
+            "frames": window.frames,
+            "played": "backwards" if window.is_backwards else "forwards",
+            "fps": "unknown" if window.clip.fps is None else f"{window.clip.fps:g}",
+        }
+        row = window.row
+        yield Case(window.clip, window.motion, row.object_id, row.object_family, tags)
 
 
-def smallest_task(motions: Iterable[Motion]) -> tuple[Motion, ...]:
-    """Return the turns, the slides, both or all ten: the first that holds every motion."""
-    held = set(motions)
+def four_frames(recordings: LabelledRecordings, shown: Shown) -> Iterator[Case]:
+    """Yield the four-frame windows, both ways, as something else shows them."""
+    for window in recordings.windows(frames=("four",), backwards=True):
+        (clip, motion), row = shown(window.clip, window.motion), window.row
+        yield Case(clip, motion, row.object_id, row.object_family)
+
+
+def task_of(rows: Iterable[WindowRow | DirectedRow]) -> tuple[Motion, ...]:
+    """Return the smallest task that holds every label."""
+    held = {row.motion for row in rows}
     return next(x for x in (ROTATIONS, SLIDES, DIRECTED, tuple(Motion)) if held <= set(x))
 
 
@@ -99,14 +70,13 @@ def turned_by_quarter(clip: Clip) -> Clip:
     )
 
 
-def by_task(cases: RealCases) -> dict[str, RealCases]:
+def by_task(recordings: LabelledRecordings) -> dict[str, LabelledRecordings]:
     """Split recordings whose labels are of more than one task, so that each is asked as a task.
 
     Returns:
         What to add to the name -> the recordings of that part; nothing is added where all labels
         are of one task.
     """
-    recordings = cases.recordings
     tasks = {" rotation": ROTATIONS, " sliding": SLIDES}
     others = tuple(motion for motion in Motion if motion not in DIRECTED)
     parts = {
@@ -115,18 +85,22 @@ def by_task(cases: RealCases) -> dict[str, RealCases]:
     }
     kept = {name: rows for name, rows in parts.items() if rows}
     if len(kept) == 1:
-        return {"": cases}
-    return {name: RealCases(replace(recordings, rows=rows)) for name, rows in kept.items()}
+        return {"": recordings}
+    return {name: replace(recordings, rows=rows) for name, rows in kept.items()}
 
 
-def real_cases(folder: str | Path) -> dict[str, RealCases]:
+def real_recordings(folder: Path | None) -> dict[str, LabelledRecordings]:
     """Return the labelled recordings of `folder`, or of each folder inside, by folder name.
+
+    Without a folder there are none.
 
     Raises:
         UnreadableClip: If there are none, or none with a usable direction.
     """
+    if folder is None:
+        return {}
     found = find_labelled_recordings(folder)
-    usable = {one.folder.resolve().name: RealCases(one) for one in found if one.rows}
+    usable = {one.folder.resolve().name: one for one in found if one.rows}
     if not usable:
         skipped = sum((one.skipped for one in found), Counter())
         if not skipped:

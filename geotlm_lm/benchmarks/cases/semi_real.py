@@ -7,7 +7,7 @@ of lighting from place to place and the gel's creep. No table pools these clips 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import cv2
@@ -40,22 +40,23 @@ begins at, relative to the recorded touch."""
 _TOWARDS = {Motion.LEFT: (-1, 0), Motion.RIGHT: (1, 0), Motion.UP: (0, -1), Motion.DOWN: (0, 1)}
 
 
-@dataclass
-class UntouchedCases:
-    """Four of each recording's first frames, before anything touches."""
+def untouched_cases(rows: Iterable[TouchRow]) -> Iterator[Case]:
+    """Yield four of each recording's first frames, before anything touches."""
+    for row in rows:
+        yield touched_case(row, row.surely_idle, Motion.NONE)
 
-    rows: Sequence[TouchRow]
 
-    def __len__(self) -> int:
-        return len(self.rows)
+def touched_case(row: TouchRow, numbers: Sequence[int], motion: Motion) -> Case:
+    """Return four of some frames of a recording, evenly, beside its idle gel."""
+    frames, idle = read_touched(row)
+    shown = frames[evenly(numbers)]
+    clip = Clip(shown, fps=row.fps, background=as_image(idle), name=row.path.name)
+    return Case(clip, motion, row.object_id, row.object_family)
 
-    def __iter__(self) -> Iterator[Case]:
-        for row in self.rows:
-            frames, idle = read_touched(row)
-            first, last = row.surely_idle[0], row.surely_idle[-1]
-            numbers = np.linspace(first, last, FRAME_COUNT).round().astype(int)
-            clip = Clip(frames[numbers], fps=row.fps, background=as_image(idle), name=row.path.name)
-            yield Case(clip, Motion.NONE, row.object_id, row.object_family, {})
+
+def evenly(numbers: Sequence[int]) -> list[int]:
+    """Return four frame numbers from the first to the last of some."""
+    return np.linspace(numbers[0], numbers[-1], FRAME_COUNT).round().astype(int).tolist()
 
 
 @dataclass
@@ -84,35 +85,26 @@ class SemiRealSlides:
             path_px, turn_deg = slide_path(motion, idle.shape[1], rng)
             clip = carried(imprint, idle, rng, row.path.name, path_px=path_px, turn_deg=turn_deg)
             for shown, truth in ((clip, motion), (clip.reversed(), reverse(motion))):
-                case = Case(shown, truth, row.object_id, row.object_family, {})
+                case = Case(shown, truth, row.object_id, row.object_family)
                 yield case, travel_of(imprint, path_px, turn_deg)
         self.cut_off = len(self.rows) - given
 
 
-@dataclass
-class SemiRealHeld:
-    """Each imprint held still, pressed in and let go, in the place where it was recorded.
+def semi_real_held(rows: Sequence[TouchRow], seed: int) -> Iterator[Case]:
+    """Yield each imprint held still, pressed in and let go, in the place where it was recorded.
 
     Held, only fresh noise changes from frame to frame. Pressed in, the recorded change against the
     idle gel grows from `PRESS_FROM` of it to all of it: real contacts also widen, which lacks here.
     """
-
-    rows: Sequence[TouchRow]
-    seed: int
-
-    def __len__(self) -> int:
-        return 3 * len(self.rows)
-
-    def __iter__(self) -> Iterator[Case]:
-        for row, imprint, idle, rng in _imprints(self.rows, self.seed, "semi-real held"):
-            still, pressed = (
-                carried(imprint, idle, rng, row.path.name, growth=(begin, 1.0))
-                for begin in (1.0, PRESS_FROM)
-            )
-            shown = (still, Motion.STILL), (pressed, Motion.PRESS)
-            for clip, motion in (*shown, (pressed.reversed(), Motion.RELEASE)):
-                tags = {"held": "held still" if motion is Motion.STILL else "pressed or let go"}
-                yield Case(clip, motion, row.object_id, row.object_family, tags)
+    for row, imprint, idle, rng in _imprints(rows, seed, "semi-real held"):
+        still, pressed = (
+            carried(imprint, idle, rng, row.path.name, growth=(begin, 1.0))
+            for begin in (1.0, PRESS_FROM)
+        )
+        shown = (still, Motion.STILL), (pressed, Motion.PRESS)
+        for clip, motion in (*shown, (pressed.reversed(), Motion.RELEASE)):
+            tags = {"held": "held still" if motion is Motion.STILL else "pressed or let go"}
+            yield Case(clip, motion, row.object_id, row.object_family, tags)
 
 
 def slide_path(

@@ -49,7 +49,7 @@ class SimulatedCases:
     def __iter__(self) -> Iterator[Case]:
         for made in self.made():
             name = made.object_name
-            yield Case(made.clip, made.label.motion, name, name, {})
+            yield Case(made.clip, made.label.motion, name, name)
 
     def made(self) -> Iterator[SimulatedClip]:
         """Yield the same clips with the whole truth about them."""
