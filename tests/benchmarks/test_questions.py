@@ -179,8 +179,8 @@ def test_what_is_stated_is_held_against_what_came_true():
 
 
 class ReadingWay(ScriptedReader):
-    def read(self, text):
-        return Reading("way", (), self.probability, self.probability)
+    def readings(self, text, most=2, sure=1.0):
+        return [Reading("way", (), self.probability, self.probability)]
 
 
 def test_everything_is_asked_about_simulated_clips():
