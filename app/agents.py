@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from functools import partial
 from importlib.metadata import version
@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm import GeoTLMError, __version__
 from geotlm_lm.core.errors import MissingDependency
 
-from .limits import AT_ONCE, MESSAGE_BYTES, SENTENCE
+from .limits import AT_ONCE, MESSAGE_BYTES, NAME_CHARACTERS, SENTENCE
 from .tools import Tool
-from .turns import LISTENER, Tell
+from .turns import LISTENER, TOLD_EVERY_S
 
 if TYPE_CHECKING:
     from mcp.server.lowlevel import Server
@@ -112,8 +112,8 @@ def server_of(tools: list[Tool]) -> Server:
         try:
             if name not in known:
                 raise GeoTLMError(f"There is no tool {name[:80]!r}; there are {', '.join(known)}.")
-            LISTENER.set(_listener(server.request_context))
-            result = await to_thread.run_sync(known[name].call, arguments, limiter=limiter)
+            run = partial(to_thread.run_sync, known[name].call, arguments, limiter=limiter)
+            result = await _heard(run, server.request_context)
         except GeoTLMError as error:
             told = [types.TextContent(type="text", text=str(error))]
             return types.CallToolResult(content=told, isError=True)
@@ -122,27 +122,60 @@ def server_of(tools: list[Tool]) -> Server:
     return server
 
 
-def _listener(context: RequestContext[Any, Any]) -> Tell | None:
-    """Return what notifies a client of how far its request is; None where it did not ask."""
-    from anyio import BrokenResourceError, ClosedResourceError, from_thread
+async def _heard(run: Callable[[], Awaitable[Any]], context: RequestContext[Any, Any]) -> Any:
+    """Return what a request comes to; a client that wants to know is told how far it is."""
+    from anyio import create_task_group
 
     token = None if context.meta is None else context.meta.progressToken
-    if token is None:
-        return None
-    notify, request, last = context.session.send_progress_notification, str(context.request_id), -1
-
-    def tell(what: str, done: int, total: int) -> None:
-        nonlocal last
-        # By the protocol it only grows: nothing is told of a wait, or of a second recording so far.
-        if done <= last:
-            return
-        last = done
+    if token is None or len(str(token)) > NAME_CHARACTERS:
+        return await run()
+    progress, failed, result = _Progress(), None, None
+    LISTENER.set(progress.tell)
+    async with create_task_group() as group:
+        group.start_soon(progress.send, context, token)
         try:
-            from_thread.run(partial(notify, token, done, total, what, request))
-        except (BrokenResourceError, ClosedResourceError) as error:
-            raise GeoTLMError("The client that asked has left.") from error
+            result = await run()
+        except GeoTLMError as error:  # a group would wrap it
+            failed = error
+        group.cancel_scope.cancel()
+    if failed is not None:
+        raise failed
+    return result
 
-    return tell
+
+class _Progress:
+    """How far a request is: told by the thread that works, never waiting; sent to who asked."""
+
+    def __init__(self) -> None:
+        self._latest: tuple[str, int, int] | None = None
+        self._is_left = False
+
+    def tell(self, what: str, done: int, total: int) -> None:
+        """Keep what is to be sent next.
+
+        Raises:
+            GeoTLMError: If nobody is there any more to be told.
+        """
+        if self._is_left:
+            raise GeoTLMError("The client that asked has left.")
+        self._latest = (what, done, total)
+
+    async def send(self, context: RequestContext[Any, Any], token: str | int) -> None:
+        """Send it on, a few times a second, until cancelled."""
+        from anyio import BrokenResourceError, ClosedResourceError, sleep
+
+        notify, request, sent = context.session.send_progress_notification, context.request_id, 0
+        while True:
+            await sleep(TOLD_EVERY_S)
+            # By the protocol it only grows: nothing is told of a second recording so far.
+            if self._latest is None or self._latest[1] <= sent:
+                continue
+            what, sent, total = self._latest
+            try:
+                await notify(token, sent, total, what, str(request))
+            except (BrokenResourceError, ClosedResourceError):
+                self._is_left = True
+                return
 
 
 def _content(result: dict[str, Any]) -> list[Any]:

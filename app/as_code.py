@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import shlex
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 from .facts import sentences_of
+from .parameters import given_by
 
 if TYPE_CHECKING:
     from geotlm_lm import FrameSpec
@@ -40,13 +41,11 @@ def calls_of(
         address: Of the page.
         topic: Of a bag's images, where it was named.
     """
-    stated = sentences_of(frame)
-    question = " ".join([*stated, questions[-1]])
+    question = " ".join([*sentences_of(frame), questions[-1]])
     command = ["geotlm-lm", "answer", "--clip", path, "--q", question]
     if frame.mm_per_px is not None:
         command += ["--mm-per-px", f"{frame.mm_per_px:g}"]
-    in_mm = [] if frame.mm_per_px is None else [f"{frame.mm_per_px:g} mm per pixel."]
-    asked: dict[str, Any] = {"question": " ".join([*in_mm, question])}
+    asked: dict[str, Any] = {"question": questions[-1]} | given_by(frame)
     if span is not None:
         command += ["--frames", f"{span[0]}:{span[1]}"]
         asked["frames"] = list(span)
@@ -55,32 +54,36 @@ def calls_of(
         asked["topic"] = topic
     return Calls(
         shlex.join(command),
-        _python(path, questions, stated + in_mm, span, topic),
+        _python(path, questions, frame, span, topic),
         _rest(path, asked, address),
     )
 
 
 def _python(
-    path: str, questions: list[str], stated: list[str], span: tuple | None, topic: str | None
+    path: str, questions: list[str], frame: FrameSpec, span: tuple | None, topic: str | None
 ) -> str:
     of_span = "" if span is None else f", span=({span[0]}, {span[1]})"
     of_topic = "" if topic is None else f", topic={topic!r}"
+    told = {
+        one.name: getattr(frame, one.name)
+        for one in fields(frame)
+        if getattr(frame, one.name) != one.default
+    }
+    stated = ", ".join(f"{name}={value!r}" for name, value in told.items())
+    in_frame = f", frame=FrameSpec({stated})" if told else ""
     lines = [
-        "from geotlm_lm import Answerer, read_clip",
+        f"from geotlm_lm import Answerer, {'FrameSpec, ' * bool(told)}read_clip",
         "",
         "answerer = Answerer.load()",
         f"seen = answerer.encode(read_clip({path!r}{of_topic}){of_span})",
     ]
     if len(questions) == 1:
-        return "\n".join(
-            [*lines, f"print(answerer.ask(seen, {' '.join([*stated, *questions])!r}).text)"]
-        )
-    first = " ".join([*stated, questions[0]])
+        return "\n".join([*lines, f"print(answerer.ask(seen, {questions[0]!r}{in_frame}).text)"])
     return "\n".join(
         [
             *lines,
-            "talk = answerer.session(seen)",
-            *[f"talk.ask({one!r})" for one in (first, *questions[1:-1])],
+            f"talk = answerer.session(seen{in_frame})",
+            *[f"talk.ask({one!r})" for one in questions[:-1]],
             f"print(talk.ask({questions[-1]!r}).text)",
         ]
     )

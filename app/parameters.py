@@ -125,3 +125,19 @@ def frame_of(
         mm_per_px=mm_per_px,
         **FrameSpec.fields_of_turn(turned),
     )
+
+
+def given_by(frame: FrameSpec) -> dict[str, Any]:
+    """Return the parameters that stand for a frame; those that are as usual are left out."""
+    quarter = {None: 0, "clockwise": 90, "counterclockwise": 270}[frame.image_quarter_turn]
+    usual = FrameSpec()
+    told = {
+        "mirrored": (frame.image_mirrored, usual.image_mirrored),
+        "turned": ((quarter + 180 * frame.image_upside_down) % 360, 0),
+        "viewpoint": (frame.viewpoint, usual.viewpoint),
+        "actor": (frame.actor, usual.actor),
+        "thread": (frame.thread, usual.thread),
+        "contact_side": (frame.contact_side, usual.contact_side),
+        "mm_per_px": (frame.mm_per_px, usual.mm_per_px),
+    }
+    return {name: value for name, (value, as_usual) in told.items() if value != as_usual}

@@ -29,7 +29,8 @@ FLOATS = {
     "bfloat16": torch.bfloat16,
 }
 PRECISIONS = (*FLOATS, INT8)
-"""`int8` keeps the linear layers' weights in 8 bits and quantises their inputs as they come."""
+"""`int8` keeps the linear layers' weights in 8 bits and quantises their inputs as they come. What
+the language model writes of one clip is computed in float32 from weights that were rounded so."""
 
 BACKBONE, GEOMETRY, LANGUAGE = "backbone", "geometry", "language"
 PARTS = (BACKBONE, GEOMETRY, LANGUAGE)

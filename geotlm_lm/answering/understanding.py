@@ -28,7 +28,7 @@ MOST_READINGS = 5
 """How many readings are looked at where the first is not sure."""
 
 NEEDLESS = 0.25
-"""The same for answers that turn nobody the wrong way."""
+"""Probability of a reading from which on an answer is told that turns nobody the wrong way."""
 
 _NEEDLESS = ("talk", "help", "unanswerable", "not-understood")
 """Asks that are answered so."""

@@ -138,12 +138,16 @@ class Speaker:
         if not options:
             raise ValueError("score needs at least one option")
         fused_token = self._checked(fused_token, (self.model.fused_width,))
-        hidden, cache = self._read(fused_token, self.prompts.prompt(question))
+        answers = [self.prompts.answer(option) for option in options]
+        longest = max(map(len, answers))
+        hidden, cache = self._read(fused_token, self.prompts.prompt(question), longest)
         length, decoder, told = cache.length, self._decoder, []
-        for answer in map(self.prompts.answer, options):
-            cache.length = length
-            rest = decoder.read(decoder.embeddings[answer[:-1]], cache)
-            logits = decoder.logits(np.concatenate([hidden[-1:], rest]))
+        for answer in answers:
+            cache.length, states = length, hidden[-1:]
+            if len(answer) > 1:
+                rest = decoder.read(decoder.embeddings[answer[:-1]], cache)
+                states = np.concatenate([states, rest])
+            logits = decoder.logits(states)
             told.append(log_softmax(logits)[np.arange(len(answer)), answer].sum())
         return np.array(told, dtype=np.float64)
 
@@ -152,22 +156,31 @@ class Speaker:
         return SequenceDecoder(self.model.decoder)
 
     @torch.inference_mode()
-    def _read(self, fused_token: Tensor, prompt: list[int]) -> tuple[Floats, TextCache]:
-        """Return the hidden states (s, width) of a prompt, and its keys and values."""
+    def _read(
+        self, fused_token: Tensor, prompt: list[int], room: int = 0
+    ) -> tuple[Floats, TextCache]:
+        """Return the hidden states (s, width) of a prompt, its keys and values, with room behind.
+
+        Raises:
+            ValueError: If all that is longer than the model reads.
+        """
+        if len(prompt) + room > self.model.size.max_tokens:
+            raise ValueError(
+                f"prompt and answer hold {len(prompt) + room} tokens, the model reads "
+                f"{self.model.size.max_tokens}"
+            )
         prefix = self.model.projector(fused_token[None])
         embedded = self.model.embed(torch.tensor([prompt]), prefix)[0].float().numpy()
-        cache = self._decoder.started(len(prompt) + MAX_ANSWER_TOKENS)
+        cache = self._decoder.started(len(prompt) + room)
         return self._decoder.read(embedded, cache), cache
 
     def _written(self, fused_token: Tensor, prompt: list[int]) -> list[int]:
         """Return the likeliest tokens behind a prompt, one by one."""
-        hidden, cache = self._read(fused_token, prompt)
-        written: list[int] = []
-        for _ in range(MAX_ANSWER_TOKENS):
-            written.append(int(self._decoder.logits(hidden[-1]).argmax()))
-            if written[-1] == self.prompts.eos_id:
-                break
+        hidden, cache = self._read(fused_token, prompt, MAX_ANSWER_TOKENS - 1)
+        written = [int(self._decoder.logits(hidden[-1]).argmax())]
+        while written[-1] != self.prompts.eos_id and len(written) < MAX_ANSWER_TOKENS:
             hidden = self._decoder.read(self._decoder.embeddings[written[-1:]], cache)
+            written.append(int(self._decoder.logits(hidden[-1]).argmax()))
         return written
 
     def _checked(self, fused_token: Tensor, shape: tuple[int, ...]) -> Tensor:

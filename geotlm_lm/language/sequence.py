@@ -141,7 +141,7 @@ def _layer(layer: nn.Module) -> _Layer:
 
 def _plain(tensor: Tensor) -> Floats:
     dense = tensor.dequantize() if tensor.is_quantized else tensor
-    return dense.detach().float().cpu().numpy()
+    return dense.detach().float().cpu().numpy().copy()  # the model's own may change
 
 
 def _weight(linear: nn.Module) -> Floats:

@@ -133,7 +133,7 @@ class Around:
 
 
 def chosen_clauses(rng: random.Random, family: Family, clauses: list[Clause]) -> list[Clause]:
-    """Draw the clauses around a question: no two on one thing, and but for facts seldom two alike."""
+    """Draw the clauses around a question: no two on one thing; but for facts seldom two alike."""
     found: list[Clause] = []
     wanted = [kind for kind, share in SHARES.items() if rng.random() < share]
     wanted += ["edit"] * ("edit" in wanted and rng.random() < TWICE)

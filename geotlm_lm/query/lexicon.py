@@ -13,8 +13,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from string import ascii_lowercase
 
-LEAST = 10
-"""How often a word stands in the texts a lexicon is made of, at the least."""
+LEAST, FREQUENT = 10, 40
+"""How often a known word stands in the texts a lexicon is made of, and one that is mended to."""
+
+SLIPS = 100
+"""How much rarer than the word it is a slip of a slip is: texts made to be read hold some."""
 
 SHORTEST, SHORTEST_WHOLE = 3, 6
 """Letters of a word of which two are swapped, and of one that has lost one."""
@@ -28,15 +31,24 @@ class Lexicon:
 
     Args:
         words: In lower case, the most frequent first.
+        frequent: How many of them are mended to.
     """
 
     words: tuple[str, ...] = ()
+    frequent: int = 0
 
     @classmethod
     def of(cls, texts: Iterable[str]) -> Lexicon:
         """Return the frequent words of some texts."""
         counts = Counter(word for text in texts for word in _WORD.findall(text.lower()))
-        return cls(tuple(word for word, count in counts.most_common() if count >= LEAST))
+        known = [
+            (word, count)
+            for word, count in counts.most_common()
+            if count >= LEAST
+            and not any(counts[meant] >= SLIPS * count for meant in _slipped_from(word))
+        ]
+        frequent = sum(count >= FREQUENT for _, count in known)
+        return cls(tuple(word for word, _ in known), frequent)
 
     def mended(self, text: str) -> str:
         """Return a text with its misspelt words as they were meant; others stay as they are."""
@@ -46,12 +58,16 @@ class Lexicon:
     def _rank(self) -> dict[str, int]:
         return {word: place for place, word in enumerate(self.words)}
 
+    @cached_property
+    def _longest(self) -> int:
+        return max(map(len, self.words), default=0)
+
     def _meant(self, written: str) -> str:
         word = written.lower()
-        if word in self._rank or len(word) < SHORTEST:
+        if word in self._rank or not SHORTEST <= len(word) <= self._longest:
             return written
-        found = [one for one in _slipped_from(word) if one in self._rank]
-        return min(found, key=self._rank.__getitem__) if found else written
+        place = min((self._rank.get(one, self.frequent) for one in _slipped_from(word)), default=0)
+        return self.words[place] if place < self.frequent else written
 
 
 def _slipped_from(word: str) -> Iterator[str]:

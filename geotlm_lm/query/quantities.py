@@ -168,7 +168,9 @@ def _words_at(text: str, at: int) -> Found | None:
     if joint in ("to", "and", "or"):
         figure = _figure_at(text, _SPACES.match(text, after).end())
         other, stop = _spoken(text, after)
-        if (figure and figure.quantity.unit) or (other is not None and _unit_at(text, stop)[0]):
+        is_counted = _next_word(text, stop)[0] in _told()["counted"]["words"]
+        has_unit = is_counted or bool(_unit_at(text, stop)[0])
+        if (figure and figure.quantity.unit) or (other is not None and has_unit):
             return Found(Quantity(value, ""), at, end)
     return None
 

@@ -195,6 +195,7 @@ class Reader:
             "calibration": list(self.calibration),
             "words": list(self.spelling.words),
             "lexicon": " ".join(self.spelling.lexicon.words),
+            "frequent_words": self.spelling.lexicon.frequent,
         }
         write_text_atomically(folder / "config.json", json.dumps(config, indent=2) + "\n")
 
@@ -208,7 +209,7 @@ class Reader:
         try:
             config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
             tokenizer = Tokenizer.from_file(str(folder / "tokenizer.json"))
-            lexicon = Lexicon(tuple(config["lexicon"].split()))
+            lexicon = Lexicon(tuple(config["lexicon"].split()), int(config["frequent_words"]))
             spelling = Spelling(tokenizer, tuple(config["words"]), lexicon)
             size = LanguageSize(**config["size"])
             model = QuestionDecoder(size, spelling.size)
