@@ -8,16 +8,12 @@ from dataclasses import dataclass, field
 
 from geotlm_lm.query.edit import EDIT_WORDS
 
-SHARES = {"edit": 0.3, "fact": 0.25, "subject": 0.08, "form": 0.07, "manner": 0.18, "noise": 0.1}
+SHARES = {"edit": 0.3, "fact": 0.2, "subject": 0.08, "form": 0.07, "manner": 0.18, "noise": 0.1}
 """How often a clause of a kind stands around a question that takes it."""
 
 TWICE = 0.25
-"""How often a second edit follows the first, and a second question the first, and a third the
-second."""
-
-MORE_FACTS = 0.5
-"""How often another fact follows one, up to `MOST_FACTS`: people describe a set-up at one go."""
-MOST_FACTS = 4
+"""How often a second edit or fact follows the first, and a second question the first, and a third
+the second."""
 
 _BETWEEN = (
     *(("", "", ""), ("", "And ", "And "), ("", "Also, ", "Finally, "), ("", "Then ", "Then ")),
@@ -133,11 +129,10 @@ class Around:
 
 
 def chosen_clauses(rng: random.Random, family: Family, clauses: list[Clause]) -> list[Clause]:
-    """Draw the clauses around a question: no two on one thing; but for facts seldom two alike."""
+    """Draw the clauses around a question: of a kind seldom two, and no two on the same thing."""
     found: list[Clause] = []
     wanted = [kind for kind, share in SHARES.items() if rng.random() < share]
-    wanted += ["edit"] * ("edit" in wanted and rng.random() < TWICE)
-    wanted += ["fact"] * (("fact" in wanted) * further_facts(rng))
+    wanted += [kind for kind in ("edit", "fact") if kind in wanted and rng.random() < TWICE]
     words = set(family.query.split()) & set(EDIT_WORDS)
     for kind in wanted:
         if not _takes(family, kind):
@@ -154,14 +149,6 @@ def chosen_clauses(rng: random.Random, family: Family, clauses: list[Clause]) ->
             found.append(rng.choice(offered))
             words |= set(found[-1].query.split()) & set(EDIT_WORDS)
     return found
-
-
-def further_facts(rng: random.Random) -> int:
-    """Draw how many facts follow a first one."""
-    count = 0
-    while count < MOST_FACTS - 1 and rng.random() < MORE_FACTS:
-        count += 1
-    return count
 
 
 _FORMS = {"choice": ("letter",), "claim": ("yes-no",), "amount": ("number",)}
