@@ -46,7 +46,7 @@ def sentences_of(frame: FrameSpec) -> list[str]:
         CLOCKWISE: "The image is turned 90 degrees clockwise.",
         COUNTERCLOCKWISE: "The image is turned 90 degrees counterclockwise.",
         OTHER_SIDE: "I look from the object's side.",
-        SENSOR_MOVES: "The sensor moves.",
+        SENSOR_MOVES: "The object is fixed and the sensor moves.",
     }
     return [stated[fact] for fact in facts_of(frame)]
 

@@ -18,9 +18,9 @@ UNDERSTOOD = 0.4
 which readers are chosen, 0.66 of those read with 0.4 to 0.5 came to the right answer, 0.48 of those
 with 0.3 to 0.4."""
 
-UNDERSTOOD_FACTS = 0.8
-"""The same where it states facts about the set-up, which hold until they are taken back: of 28 read
-with 0.4 to 0.8, 15 were read rightly, of 42 surer ones all."""
+UNDERSTOOD_FACTS = 0.7
+"""The same where it states facts about the set-up, which hold until they are taken back: of 22 read
+with 0.4 to 0.7, 11 were read rightly, of 48 surer ones 45."""
 
 SURE = 0.85
 """Probability of a reading from which on no other one is looked at."""
