@@ -93,7 +93,7 @@ def test_another_format_is_refused(saved, tmp_path):
     with pytest.raises(IncompatibleBundle) as caught:
         load_bundle(tmp_path)
     assert str(caught.value) == (
-        f"{tmp_path}: the bundle has format 99, this version reads 7; train it again or install "
+        f"{tmp_path}: the bundle has format 99, this version reads 8; train it again or install "
         f"the matching geotlm-lm."
     )
 

@@ -33,6 +33,15 @@ SHOWN, NOTHING_SHOWN = (f"{STAGE}.dataset.shown == {one!r}" for one in ("all", "
 NAME = "document.querySelector('.stage-title strong')"
 """What the recording on the Ask tab is called."""
 
+UPLOADS = (
+    "performance.getEntriesByType('resource')"
+    ".filter(one => /\\/upload(\\?|$)/.test(one.name)).length"
+)
+"""How many uploads the page has ended."""
+
+UPLOADED_WITHIN_S = 20.0
+"""A file that the page refuses is not sent at all."""
+
 
 class Browser:
     """One page of one browser.
@@ -146,7 +155,14 @@ class Browser:
         )
         self.wait_for(f"Boolean({find})")
         found = self.call("Runtime.evaluate", expression=find)["result"]["objectId"]
+        self.run("performance.setResourceTimingBufferSize(9999)")
+        before = self.run(UPLOADS)
         self.call("DOM.setFileInputFiles", files=[str(path)], objectId=found)
+        # The name is shown while the file is still on its way: a click would then find none.
+        until = time.monotonic() + UPLOADED_WITHIN_S
+        while self.run(UPLOADS) == before and time.monotonic() < until:
+            time.sleep(0.1)
+        time.sleep(0.3)
 
     def press(self, key: str, code: int, text: str = "") -> None:
         """Press and let go of a key, for whatever has the focus."""
