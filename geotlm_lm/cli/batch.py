@@ -70,7 +70,6 @@ def batch(
 
     Example: geotlm-lm batch --clips recordings --questions questions.txt --out answers.jsonl
     """
-    from geotlm_lm.data_sets.lerobot import is_data_set
     from geotlm_lm.recordings.pixels import check_layout
     from geotlm_lm.recordings.read import require_rate
 
@@ -78,14 +77,8 @@ def batch(
     require_rate(fps)
     reading = {"fps": fps, "square_pixels": square_pixels}
     of_files = {"layout": check_layout(layout), "topic": topic}
-    frame = answering.frame
     asked = read_questions(questions)
-    if is_data_set(clips):
-        found = _episodes(clips, camera, out, of_files, reading)
-    else:
-        found = _recordings(clips, camera, [questions, out], of_files | reading)
-    require_writable_file(out, "--out", inputs=[questions])
-    require_replaceable(out)
+    found = _sources(clips, camera, [questions, out], of_files, reading)
 
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering.batch import answer_all
@@ -98,13 +91,41 @@ def batch(
         found,
         asked,
         out,
-        frame=frame,
+        frame=answering.frame,
         workers=by,
         progress=lambda done, total: report("answered", done, total),
     )
     if result.continued:
         print(f"note: {result.continued} rows were there from a stopped run", file=sys.stderr)
     print(f"{out}: {result.rows} rows, {result.errors} of them errors")
+
+
+def _sources(
+    clips: Path,
+    camera: str | None,
+    own: list[Path],
+    of_files: dict[str, Any],
+    reading: dict[str, Any],
+) -> list[Source]:
+    """Return the episodes of a data set, or the recordings of a folder, once rows may be written.
+
+    Args:
+        clips: The folder.
+        camera: Of a data set.
+        own: The questions, and the file to write.
+        of_files: Options of recordings that are files.
+        reading: Options of all recordings.
+    """
+    from geotlm_lm.data_sets.lerobot import is_data_set
+
+    questions, out = own
+    if is_data_set(clips):
+        found = _episodes(clips, camera, out, of_files, reading)
+    else:
+        found = _recordings(clips, camera, own, of_files | reading)
+    require_writable_file(out, "--out", inputs=[questions])
+    require_replaceable(out)
+    return found
 
 
 def _episodes(
