@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from geotlm_lm.query import types as t
 from geotlm_lm.query.follow_up import resumed
 from geotlm_lm.query.key_names import key_names
-from geotlm_lm.query.reader import Reader, Reading
+from geotlm_lm.query.reader import Reader
+from geotlm_lm.query.reading import Reading
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.say_back import say_back
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, replace
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -26,9 +26,10 @@ from geotlm_lm.language.sequence import Floats, SequenceDecoder, TextCache, log_
 from geotlm_lm.query.fitting import fitting
 from geotlm_lm.query.lexicon import Lexicon
 from geotlm_lm.query.quantities import Quantity
+from geotlm_lm.query.reading import Reading
+from geotlm_lm.query.sentences import read_apart
 from geotlm_lm.query.spelling import Spelling
-from geotlm_lm.query.text import next_words, read
-from geotlm_lm.query.types import Query, filled
+from geotlm_lm.query.text import next_words
 from geotlm_lm.query.words import END
 
 SIZE = LanguageSize(width=192, layers=6, heads=6, mlp=512, tactile_tokens=0, max_tokens=704)
@@ -37,28 +38,6 @@ SIZE = LanguageSize(width=192, layers=6, heads=6, mlp=512, tactile_tokens=0, max
 MOST_WORDS = 64
 DOUBTFUL = 0.02
 """Share of its best word's probability from which on another word is worth a second reading."""
-
-
-@dataclass(frozen=True)
-class Reading:
-    """What a question was taken to mean.
-
-    Args:
-        line: The query's words, numbers as slots.
-        quantities: Numbers of the question, for the slots.
-        probability: That this is what was meant, calibrated.
-        chance: That the model writes it, not calibrated.
-    """
-
-    line: str
-    quantities: tuple[Quantity, ...]
-    probability: float
-    chance: float
-
-    @property
-    def query(self) -> Query:
-        """The query with its numbers."""
-        return filled(read(self.line, len(self.quantities)), self.quantities)
 
 
 class _Begun(NamedTuple):
@@ -115,6 +94,14 @@ class Reader:
         Raises:
             UsageError: If the question is empty or too long.
         """
+        whole = self._read_whole(text, most, sure)
+        apart = [
+            replace(one, probability=self.calibrated(one.chance))
+            for one in read_apart(text, lambda said: self._read_whole(said, most, sure))
+        ]
+        return max(whole, apart or whole, key=lambda found: found[0].probability)
+
+    def _read_whole(self, text: str, most: int, sure: float) -> list[Reading]:
         spelled = self.spelling.question(text)
         if len(spelled.ids) < 2:
             raise UsageError(

@@ -14,7 +14,7 @@ from geotlm_lm.core.twist import COMPONENT_OF, WAYS, Component, Twist
 from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.quantities import quantities
-from geotlm_lm.query.reader import Reading
+from geotlm_lm.query.reading import Reading
 
 
 class Scripted:

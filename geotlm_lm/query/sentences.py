@@ -1,0 +1,77 @@
+"""Read facts on the set-up sentence by sentence, as turns of a conversation are.
+
+Of several facts before a question, read as a whole, one is lost now and then; in a sentence of its
+own each is read well. Facts hold until they are taken back: the question may be read without them.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from itertools import chain
+
+from geotlm_lm.query.quantities import Quantity
+from geotlm_lm.query.reading import Reading
+
+SURELY = 0.9
+"""Probability from which on a sentence is taken to state facts and to ask nothing."""
+
+MOST_SENTENCES = 12
+"""Texts of more are read as a whole only."""
+
+_END = re.compile(r"(?<=[.!?;])\s+|\s*\n\s*")
+
+
+def sentences(text: str) -> list[str]:
+    """Return a text's sentences; a semicolon and the end of a line end one too."""
+    return [one for one in _END.split(text.strip()) if one]
+
+
+def read_apart(text: str, read: Callable[[str], list[Reading]]) -> list[Reading]:
+    """Return readings of what a text asks, behind the facts that sentences of their own state.
+
+    Args:
+        text: Facts and questions.
+        read: Returns the likeliest readings of a text, the best first.
+
+    Returns:
+        As `read` does, but that probabilities are those of what asks. None where no sentence
+        surely states a fact, or what is left states something on the same: then the order counts.
+    """
+    said = sentences(text)
+    if not 1 < len(said) <= MOST_SENTENCES:
+        return []
+    alone, places, numbers = [], [], 0
+    for one in said:
+        reading = read(one)[0]
+        places.append(range(numbers + 1, numbers + len(reading.quantities) + 1))
+        numbers += len(reading.quantities)
+        alone.append(reading.at(places[-1]))
+    stated = [one for one in alone if one.states_only and one.probability >= SURELY]
+    left = [at for at, one in enumerate(alone) if one not in stated] or [len(alone) - 1]
+    asked = read(" ".join(said[at] for at in left)) if stated else []
+    places_left = list(chain.from_iterable(places[at] for at in left))
+    behind = [one.at(places_left) for one in asked if len(one.quantities) == len(places_left)]
+    facts = list(chain.from_iterable(one.clauses for one in stated))
+    if behind and not _topics(facts) & _topics(set(behind[0].clauses) - set(facts)):
+        quantities = tuple(chain.from_iterable(one.quantities for one in alone))
+        chance = math.prod(one.chance for one in stated)
+        return [_behind(facts, chance, one, quantities) for one in behind]
+    return []
+
+
+def _topics(clauses: Iterable[str]) -> set[str]:
+    """Return what facts are about: their names, of an unclear one what is."""
+    words = [one.split() for one in clauses if one.startswith("fact ")]
+    return {next(word for word in one[1:] if word not in ("not", "unclear")) for one in words}
+
+
+def _behind(
+    facts: Sequence[str], chance: float, asked: Reading, quantities: tuple[Quantity, ...]
+) -> Reading:
+    clauses = dict.fromkeys((*facts, *asked.clauses))
+    return replace(
+        asked, line=" ; ".join(clauses), quantities=quantities, chance=chance * asked.chance
+    )

@@ -1,0 +1,69 @@
+"""Facts that stand in sentences of their own are read there; the question is read without them."""
+
+import pytest
+
+from geotlm_lm.query.quantities import Quantity, quantities
+from geotlm_lm.query.reading import Reading
+from geotlm_lm.query.sentences import MOST_SENTENCES, read_apart, sentences
+
+LINES = {
+    "It is mirrored.": "fact mirrored",
+    "It is not mirrored.": "fact not mirrored",
+    "0.05 mm per pixel.": "fact scale #1",
+    "30 fps;": "fact rate #1",
+    "Is it mirrored?": "setup mirrored",
+    "Hm, mirrored.": "fact mirrored ; again",
+    "More than 2 mm?": "claim slide > #1",
+    "Hello.": "talk greeting",
+    "Hello. More than 2 mm?": "claim slide > #1",
+    "More than 2 mm? Or 3 mm?": "claim slide > #1 ; claim slide > #2",
+    "Or 3 mm?": "claim slide > #1",
+}
+UNSURE = "It may be mirrored."
+
+
+def read(text):
+    if text.startswith(UNSURE):
+        return [Reading("fact mirrored ; way", (), 0.6, 0.6)]
+    return [Reading(LINES[text], quantities(text), 0.95, 0.9)]
+
+
+def lines(text):
+    return [one.line for one in read_apart(text, read)]
+
+
+def test_sentences_end_at_their_marks_and_at_the_end_of_a_line():
+    text = " Mirrored. 0.05 mm/px; is it 2.5 mm, or not?\n30 fps\n"
+    assert sentences(text) == ["Mirrored.", "0.05 mm/px;", "is it 2.5 mm, or not?", "30 fps"]
+
+
+def test_facts_are_put_before_what_asks_wherever_they_stand():
+    expected = ["fact mirrored ; fact scale #1 ; claim slide > #2"]
+    assert lines("It is mirrored. 0.05 mm per pixel. More than 2 mm?") == expected
+    (found,) = read_apart("More than 2 mm? It is mirrored. 0.05 mm per pixel.", read)
+    assert found.line == "fact mirrored ; fact scale #2 ; claim slide > #1"
+    assert found.quantities == (Quantity(2.0, "mm"), Quantity(0.05, "mm/px"))
+    assert found.chance == pytest.approx(0.9**3)
+
+
+def test_what_asks_is_read_together():
+    (found,) = read_apart("More than 2 mm? 30 fps; Or 3 mm?", read)
+    assert found.line == "fact rate #2 ; claim slide > #1 ; claim slide > #3"
+    assert lines("Hello. It is mirrored. More than 2 mm?") == ["fact mirrored ; claim slide > #1"]
+
+
+def test_facts_alone_stay_in_their_order():
+    assert lines("It is mirrored. It is not mirrored.") == ["fact mirrored ; fact not mirrored"]
+    assert lines("It is not mirrored. It is mirrored.") == ["fact not mirrored ; fact mirrored"]
+
+
+def test_what_is_not_surely_a_fact_alone_is_left_to_the_whole():
+    assert lines("Is it mirrored? More than 2 mm?") == []
+    assert lines("Hm, mirrored. More than 2 mm?") == []
+    assert lines("It is mirrored.") == []
+    assert lines(" ".join(["It is mirrored."] * (MOST_SENTENCES + 1))) == []
+
+
+def test_where_what_is_left_speaks_of_the_same_fact_the_order_counts():
+    assert lines(f"{UNSURE} It is not mirrored.") == []
+    assert lines(f"It is mirrored. {UNSURE}") == ["fact mirrored ; way"]
