@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 
 from geotlm_lm.query.edit import EDIT_WORDS
 
-SHARES = {"edit": 0.3, "fact": 0.2, "subject": 0.08, "form": 0.07, "manner": 0.18, "noise": 0.1}
+SHARES = {"edit": 0.3, "fact": 0.3, "subject": 0.08, "form": 0.07, "manner": 0.18, "noise": 0.15}
 """How often a clause of a kind stands around a question that takes it."""
 
 TWICE = 0.25
-"""How often a second edit or fact follows the first, and a second question the first, and a third
+"""How often a second edit, fact or sentence of no meaning follows the first, and a second question the first, and a third
 the second."""
 
 _BETWEEN = (
@@ -28,6 +28,8 @@ _LEADS = (", so ", ": ", ", and ", ", ", " so ", "; now, ", ", then ")
 """What joins facts with the question behind them."""
 JOINED = 0.4
 """How often two facts are; half as often a fact and the question, twice as often bare names."""
+
+_REPEATED = ("edit", "fact", "noise")
 
 _NAMED_WORDS = 3
 """Words of a question that only names what it wants; such ones stand in a row."""
@@ -132,7 +134,7 @@ def chosen_clauses(rng: random.Random, family: Family, clauses: list[Clause]) ->
     """Draw the clauses around a question: of a kind seldom two, and no two on the same thing."""
     found: list[Clause] = []
     wanted = [kind for kind, share in SHARES.items() if rng.random() < share]
-    wanted += [kind for kind in ("edit", "fact") if kind in wanted and rng.random() < TWICE]
+    wanted += [kind for kind in _REPEATED if kind in wanted and rng.random() < TWICE]
     words = set(family.query.split()) & set(EDIT_WORDS)
     for kind in wanted:
         if not _takes(family, kind):
