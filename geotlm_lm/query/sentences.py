@@ -1,4 +1,4 @@
-"""Read facts on the set-up sentence by sentence, as turns of a conversation are.
+"""Read facts on the set-up, and several questions, sentence by sentence, as turns are.
 
 Of several facts before a question, read as a whole, one is lost now and then; in a sentence of its
 own each is read well. Facts hold until they are taken back: the question may be read without them.
@@ -21,6 +21,9 @@ SURELY = 0.9
 MOST_SENTENCES = 12
 """Texts of more are read as a whole only."""
 
+_RESTING = ("again", "as", "talk", "help", "not-understood", "compare", "which-clip")
+"""Asks, and forms, that mean something only beside what else is said."""
+
 _END = re.compile(r"(?<=[.!?;])\s+|\s*\n\s*")
 
 
@@ -38,7 +41,8 @@ def read_apart(text: str, read: Callable[[str], list[Reading]]) -> list[Reading]
 
     Returns:
         As `read` does, but that probabilities are those of what asks. None where no sentence
-        surely states a fact, or what is left states something on the same: then the order counts.
+        surely states a fact and not each asks for itself, or where what is left states something
+        on the same as a fact: then the order counts.
     """
     said = sentences(text)
     if not 1 < len(said) <= MOST_SENTENCES:
@@ -51,15 +55,33 @@ def read_apart(text: str, read: Callable[[str], list[Reading]]) -> list[Reading]
         alone.append(reading.at(places[-1]))
     stated = [one for one in alone if one.states_only and one.probability >= SURELY]
     left = [at for at, one in enumerate(alone) if one not in stated] or [len(alone) - 1]
+    numbers_left = list(chain.from_iterable(places[at] for at in left))
     asked = read(" ".join(said[at] for at in left)) if stated else []
-    places_left = list(chain.from_iterable(places[at] for at in left))
-    behind = [one.at(places_left) for one in asked if len(one.quantities) == len(places_left)]
+    asked = [one.at(numbers_left) for one in asked if len(one.quantities) == len(numbers_left)]
+    if all(said[at].endswith("?") for at in left):
+        asked = max(asked, _each([alone[at] for at in left]), key=_chance)
     facts = list(chain.from_iterable(one.clauses for one in stated))
-    if behind and not _topics(facts) & _topics(set(behind[0].clauses) - set(facts)):
+    if asked and not _topics(facts) & _topics(set(asked[0].clauses) - set(facts)):
         quantities = tuple(chain.from_iterable(one.quantities for one in alone))
         chance = math.prod(one.chance for one in stated)
-        return [_behind(facts, chance, one, quantities) for one in behind]
+        return [_behind(facts, chance, one, quantities) for one in asked]
     return []
+
+
+def _chance(readings: Sequence[Reading]) -> float:
+    return readings[0].chance if readings else 0.0
+
+
+def _each(questions: Sequence[Reading]) -> list[Reading]:
+    """Return questions one after another as one reading; none where one rests on the others."""
+    clauses = list(dict.fromkeys(chain.from_iterable(one.clauses for one in questions)))
+    asks = [one.rpartition(" > ")[2].split()[0] for one in clauses]
+    facts = [one for one, ask in zip(clauses, asks, strict=True) if ask == "fact"]
+    parts = [one for one, ask in zip(clauses, asks, strict=True) if ask != "fact"]
+    if len(questions) < 2 or not set(asks).isdisjoint(_RESTING):
+        return []
+    chance = math.prod(one.chance for one in questions)
+    return [replace(questions[0], line=" ; ".join([*facts, *parts]), chance=chance)]
 
 
 def _topics(clauses: Iterable[str]) -> set[str]:

@@ -18,6 +18,10 @@ LINES = {
     "Hello. More than 2 mm?": "claim slide > #1",
     "More than 2 mm? Or 3 mm?": "claim slide > #1 ; claim slide > #2",
     "Or 3 mm?": "claim slide > #1",
+    "Touching?": "claim touch",
+    "Which way?": "way",
+    "Touching? Which way?": "way",
+    "And backwards?": "backwards > again",
 }
 UNSURE = "It may be mirrored."
 
@@ -52,13 +56,19 @@ def test_what_asks_is_read_together():
     assert lines("Hello. It is mirrored. More than 2 mm?") == ["fact mirrored ; claim slide > #1"]
 
 
+def test_questions_that_stand_for_themselves_are_read_one_by_one_where_that_is_surer():
+    assert lines("Touching? Which way?") == ["claim touch ; way"]
+    assert lines("Touching? Which way? Touching?") == ["claim touch ; way"]
+    assert lines("Touching? It is mirrored. Which way?") == ["fact mirrored ; way"]
+    assert lines("Touching? And backwards?") == []
+
+
 def test_facts_alone_stay_in_their_order():
     assert lines("It is mirrored. It is not mirrored.") == ["fact mirrored ; fact not mirrored"]
     assert lines("It is not mirrored. It is mirrored.") == ["fact not mirrored ; fact mirrored"]
 
 
 def test_what_is_not_surely_a_fact_alone_is_left_to_the_whole():
-    assert lines("Is it mirrored? More than 2 mm?") == []
     assert lines("Hm, mirrored. More than 2 mm?") == []
     assert lines("It is mirrored.") == []
     assert lines(" ".join(["It is mirrored."] * (MOST_SENTENCES + 1))) == []
