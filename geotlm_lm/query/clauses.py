@@ -12,8 +12,8 @@ SHARES = {"edit": 0.3, "fact": 0.3, "subject": 0.08, "form": 0.07, "manner": 0.1
 """How often a clause of a kind stands around a question that takes it."""
 
 TWICE = 0.25
-"""How often a second edit, fact or sentence of no meaning follows the first, and a second question the first, and a third
-the second."""
+"""How often a second edit, fact or sentence of no meaning follows the first, a second question the
+first, and a third the second."""
 
 _BETWEEN = (
     *(("", "", ""), ("", "And ", "And "), ("", "Also, ", "Finally, "), ("", "Then ", "Then ")),

@@ -27,7 +27,7 @@ from geotlm_lm.query.fitting import fitting
 from geotlm_lm.query.lexicon import Lexicon
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.reading import Reading
-from geotlm_lm.query.sentences import read_apart
+from geotlm_lm.query.sentences import chance_lost, chance_of, read_alone, read_apart
 from geotlm_lm.query.spelling import Spelling
 from geotlm_lm.query.text import next_words
 from geotlm_lm.query.words import END
@@ -94,12 +94,17 @@ class Reader:
         Raises:
             UsageError: If the question is empty or too long.
         """
-        whole = self._read_whole(text, most, sure)
-        apart = [
-            replace(one, probability=self.calibrated(one.chance))
-            for one in read_apart(text, lambda said: self._read_whole(said, most, sure))
+
+        def read(said: str) -> list[Reading]:
+            return self._read_whole(said, most, sure)
+
+        alone = read_alone(text, read)
+        found = max(read(text), read_apart(text, alone, read), key=chance_of)
+        kept = [one.chance * (1 - chance_lost(one, alone)) for one in found]
+        return [
+            replace(one, chance=chance, probability=self.calibrated(chance))
+            for one, chance in zip(found, kept, strict=True)
         ]
-        return max(whole, apart or whole, key=lambda found: found[0].probability)
 
     def _read_whole(self, text: str, most: int, sure: float) -> list[Reading]:
         spelled = self.spelling.question(text)

@@ -4,7 +4,13 @@ import pytest
 
 from geotlm_lm.query.quantities import Quantity, quantities
 from geotlm_lm.query.reading import Reading
-from geotlm_lm.query.sentences import MOST_SENTENCES, read_apart, sentences
+from geotlm_lm.query.sentences import (
+    MOST_SENTENCES,
+    chance_lost,
+    read_alone,
+    read_apart,
+    sentences,
+)
 
 LINES = {
     "It is mirrored.": "fact mirrored",
@@ -32,8 +38,12 @@ def read(text):
     return [Reading(LINES[text], quantities(text), 0.95, 0.9)]
 
 
+def apart(text):
+    return read_apart(text, read_alone(text, read), read)
+
+
 def lines(text):
-    return [one.line for one in read_apart(text, read)]
+    return [one.line for one in apart(text)]
 
 
 def test_sentences_end_at_their_marks_and_at_the_end_of_a_line():
@@ -44,14 +54,14 @@ def test_sentences_end_at_their_marks_and_at_the_end_of_a_line():
 def test_facts_are_put_before_what_asks_wherever_they_stand():
     expected = ["fact mirrored ; fact scale #1 ; claim slide > #2"]
     assert lines("It is mirrored. 0.05 mm per pixel. More than 2 mm?") == expected
-    (found,) = read_apart("More than 2 mm? It is mirrored. 0.05 mm per pixel.", read)
+    (found,) = apart("More than 2 mm? It is mirrored. 0.05 mm per pixel.")
     assert found.line == "fact mirrored ; fact scale #2 ; claim slide > #1"
     assert found.quantities == (Quantity(2.0, "mm"), Quantity(0.05, "mm/px"))
     assert found.chance == pytest.approx(0.9**3)
 
 
 def test_what_asks_is_read_together():
-    (found,) = read_apart("More than 2 mm? 30 fps; Or 3 mm?", read)
+    (found,) = apart("More than 2 mm? 30 fps; Or 3 mm?")
     assert found.line == "fact rate #2 ; claim slide > #1 ; claim slide > #3"
     assert lines("Hello. It is mirrored. More than 2 mm?") == ["fact mirrored ; claim slide > #1"]
 
@@ -77,3 +87,22 @@ def test_what_is_not_surely_a_fact_alone_is_left_to_the_whole():
 def test_where_what_is_left_speaks_of_the_same_fact_the_order_counts():
     assert lines(f"{UNSURE} It is not mirrored.") == []
     assert lines(f"It is mirrored. {UNSURE}") == ["fact mirrored ; way"]
+
+
+@pytest.mark.parametrize(
+    ("line", "lost"),
+    [
+        ("way", 0.95),
+        ("fact mirrored ; way", 0.0),
+        ("mirror > way", 0.0),
+        ("fact turned half ; way", 0.95),
+    ],
+)
+def test_a_fact_that_a_sentence_states_and_a_reading_lacks_makes_it_unsure(line, lost):
+    alone = read_alone("It is mirrored. More than 2 mm?", read)
+    assert chance_lost(Reading(line, (), 0.9, 0.9), alone) == pytest.approx(lost)
+
+
+def test_a_fact_that_holds_anyhow_is_not_missed():
+    alone = [Reading(line, (), 0.95, 0.9) for line in ("fact moves object", "fact unclear other")]
+    assert chance_lost(Reading("way", (), 0.9, 0.9), alone) == 0
