@@ -33,7 +33,7 @@ from geotlm_lm.query.clauses import (
 from geotlm_lm.query.noise import roughened
 from geotlm_lm.query.own_wordings import own_clauses, own_families, own_words
 from geotlm_lm.query.quantities import find
-from geotlm_lm.query.text import read, write
+from geotlm_lm.query.text import MOST_SLOTS, read, write
 from geotlm_lm.query.types import ASKS
 
 _FILES = ("ways", "claims", "choices", "amounts", "times", "about", "statements", "more", "clauses")
@@ -228,7 +228,7 @@ class Grammar:
 
 
 def _numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
-    """Return a pair with its numbers as slots; None where one is not found again in the text."""
+    """Return a pair with its numbers as slots; None where one is not found again, or too late."""
     starts: dict[str, int] = {}
     plain, at = "", 0
     for match in _MARK.finditer(text):
@@ -238,7 +238,8 @@ def _numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
     plain += text[at:]
     if not plain.strip("?.! "):
         return None
-    places = {one.start: place for place, one in enumerate(find(plain), 1)}
+    found = find(plain)[:MOST_SLOTS]
+    places = {one.start: place for place, one in enumerate(found, 1)}
     for number, start in starts.items():
         if start not in places:
             return None

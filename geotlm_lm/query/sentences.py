@@ -14,6 +14,7 @@ from itertools import accumulate, chain
 
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.reading import Reading
+from geotlm_lm.query.text import MOST_SLOTS
 
 SURELY = 0.9
 """Probability from which on a sentence is taken to state facts and to ask nothing."""
@@ -49,7 +50,8 @@ def sentences(text: str) -> list[str]:
 def read_alone(text: str, read: Reads) -> list[Reading]:
     """Return the likeliest reading of each sentence of a text, numbered as in the text.
 
-    None at all of one sentence alone, and of more than are read so.
+    None at all of one sentence alone, of more than are read so, and of more numbers than a query
+    can name.
     """
     said = sentences(text)
     found: list[Reading] = []
@@ -58,7 +60,7 @@ def read_alone(text: str, read: Reads) -> list[Reading]:
             numbers = sum(len(before.quantities) for before in found)
             reading = read(one)[0]
             found.append(reading.at(range(numbers + 1, numbers + len(reading.quantities) + 1)))
-    return found
+    return found if sum(len(one.quantities) for one in found) <= MOST_SLOTS else []
 
 
 def read_apart(text: str, alone: Sequence[Reading], read: Reads) -> list[Reading]:

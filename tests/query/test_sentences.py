@@ -11,6 +11,7 @@ from geotlm_lm.query.sentences import (
     read_apart,
     sentences,
 )
+from geotlm_lm.query.text import MOST_SLOTS
 
 LINES = {
     "It is mirrored.": "fact mirrored",
@@ -82,6 +83,7 @@ def test_what_is_not_surely_a_fact_alone_is_left_to_the_whole():
     assert lines("Hm, mirrored. More than 2 mm?") == []
     assert lines("It is mirrored.") == []
     assert lines(" ".join(["It is mirrored."] * (MOST_SENTENCES + 1))) == []
+    assert lines(" ".join(["0.05 mm per pixel."] * (MOST_SLOTS + 1))) == []
 
 
 def test_where_what_is_left_speaks_of_the_same_fact_the_order_counts():
