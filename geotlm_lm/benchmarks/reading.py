@@ -13,16 +13,17 @@ from geotlm_lm.benchmarks.rows import Listing, Pivot, Row, Run, Section
 from geotlm_lm.benchmarks.statistics import share_row
 from geotlm_lm.query.edit import EDIT_WORDS
 from geotlm_lm.query.grammar import Pair, corpus, grammar
-from geotlm_lm.query.labelled import BLIND, TUNE, Labelled, labelled
+from geotlm_lm.query.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
 from geotlm_lm.query.text import read
 from geotlm_lm.training.calibration_error import expected_calibration_error
 
 ABOUT = """\
 Each question is read into a query by the language model. *Exact* is every word of the query,
 numbers included, but for the order of facts; *kind* is what sort of thing is asked. Families of
-phrasing, and their clauses, were kept from training; the *blind* questions were written by people
-who had seen neither a template nor a rule, and nothing was chosen by them; the *tune* questions,
-written so too, are what readers were chosen and calibrated by."""
+phrasing, and their clauses, were kept from training; the *blind* questions, and the *set-ups* that
+state one to five facts in several sentences, were written by people who had seen no template and no
+rule, and nothing was chosen by them; the *tune* questions, written so too, are what readers
+were chosen and calibrated by."""
 
 EXACT, KIND = "exact query", "kind of ask"
 SURE = 0.8
@@ -79,6 +80,7 @@ def _sets(run: Run) -> dict[str, list[Labelled]]:
         "grammar, families held out": _of(pairs),
         "corpus, families held out": _of(corpus("test")),
         "blind": labelled(BLIND)[: run.size(10_000, 40)],
+        "set-ups": labelled(SET_UPS)[: run.size(10_000, 40)],
         "tune": labelled(TUNE)[: run.size(10_000, 40)],
     }
 

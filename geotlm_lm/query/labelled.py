@@ -9,8 +9,9 @@ from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.query.text import read
 from geotlm_lm.query.types import Query
 
-BLIND, TUNE = "blind", "tune"
-"""Sets written by people who had seen no template; only the second is used for any choice."""
+BLIND, SET_UPS, TUNE = "blind", "set-ups", "tune"
+"""Sets written by people who had seen no template; only the last is used for any choice. The second
+is questions behind facts on a set-up."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Labelled:
 
 
 def labelled(name: str) -> list[Labelled]:
-    """Return the questions of `BLIND` or `TUNE`."""
+    """Return the questions of one of these sets."""
     path = resource_dir("data_templates") / "query" / f"{name}.jsonl"
     rows = map(json.loads, path.read_text(encoding="utf-8").splitlines())
     return [

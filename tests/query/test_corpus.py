@@ -5,13 +5,13 @@ from itertools import islice
 import pytest
 
 from geotlm_lm.query.grammar import SPLITS, corpus, grammar, split_of
-from geotlm_lm.query.labelled import BLIND, TUNE, Labelled, labelled
+from geotlm_lm.query.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
 from geotlm_lm.query.quantities import quantities
 from geotlm_lm.query.text import read, write
 from geotlm_lm.query.types import ASKS, filled
 
 CORPUS = [Labelled(one.text, (one.query,)) for split in SPLITS for one in corpus(split)]
-SETS = {"corpus": CORPUS, BLIND: labelled(BLIND), TUNE: labelled(TUNE)}
+SETS = {"corpus": CORPUS, BLIND: labelled(BLIND), SET_UPS: labelled(SET_UPS), TUNE: labelled(TUNE)}
 
 
 @pytest.mark.parametrize("name", SETS)
