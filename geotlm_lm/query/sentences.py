@@ -91,7 +91,7 @@ def read_apart(text: str, alone: Sequence[Reading], read: Reads) -> list[Reading
     if all(said[at].endswith("?") for at in left):
         asked = max(asked, _each([alone[at] for at in left]), key=chance_of)
     facts = list(chain.from_iterable(one.clauses for one in stated))
-    if asked and not _topics(facts) & _topics(set(asked[0].clauses) - set(facts)):
+    if asked and not _clash(facts, set(asked[0].clauses) - set(facts)):
         quantities = tuple(chain.from_iterable(one.quantities for one in alone))
         chance = math.prod(one.chance for one in stated)
         return [_behind(facts, chance, one, quantities) for one in asked]
@@ -127,6 +127,12 @@ def chance_lost(reading: Reading, alone: Iterable[Reading]) -> float:
         if any(words.isdisjoint((topic, *_SEEN_SO.get(topic, ()))) for topic in _topics(facts)):
             kept *= 1 - one.probability
     return 1 - kept
+
+
+def _clash(facts: Iterable[str], others: Iterable[str]) -> bool:
+    """Tell whether it counts which of some facts come first."""
+    topics, more = _topics(facts), _topics(others)
+    return not topics.isdisjoint(more) or bool(more and topics and "everything" in topics | more)
 
 
 def _topics(clauses: Iterable[str]) -> set[str]:

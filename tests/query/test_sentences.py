@@ -18,6 +18,7 @@ LINES = {
     "It is not mirrored.": "fact not mirrored",
     "0.05 mm per pixel.": "fact scale #1",
     "30 fps;": "fact rate #1",
+    "Forget all I said.": "fact everything",
     "Is it mirrored?": "setup mirrored",
     "Hm, mirrored.": "fact mirrored ; again",
     "More than 2 mm?": "claim slide > #1",
