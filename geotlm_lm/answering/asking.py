@@ -20,6 +20,7 @@ from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.evidence_of import evidence_of, recording_of, regions_of
 from geotlm_lm.answering.measured_motion import MeasuredMotion
 from geotlm_lm.answering.own_words import own_words
+from geotlm_lm.answering.said import Said
 from geotlm_lm.answering.understanding import Understood
 from geotlm_lm.answering.withholding import LEAST_SURE
 from geotlm_lm.checkpoint import Bundle
@@ -71,8 +72,8 @@ def answer(
     return _told(bundle, understood, decided_parts(query, frame, clips), started, named)
 
 
-def says(query: t.Query, frame: FrameSpec, *clips: Encoded) -> tuple[str, FrameSpec]:
-    """Return what is answered to a query in plain words, and the frame that holds from then on.
+def says(query: t.Query, frame: FrameSpec, *clips: Encoded) -> Said:
+    """Return what is answered to a query.
 
     Args:
         query: What is asked.
@@ -82,7 +83,8 @@ def says(query: t.Query, frame: FrameSpec, *clips: Encoded) -> tuple[str, FrameS
     found = decided_parts(query, frame, clips)
     now = frame_after(query, frame, clips[-1].clip.frames.shape[2])
     recording = recording_of(found[0].clips[-1] if found else clips[-1]).at_rate(now.rate_hz)
-    return in_form([one.decision for one in found], query.form, recording), now
+    decisions = tuple(one.decision for one in found)
+    return Said(in_form(decisions, query.form, recording), now, decisions)
 
 
 def _told(

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+from geotlm_lm.answering.said import Said
 from geotlm_lm.query import types as t
 from geotlm_lm.query.follow_up import resumed
 from geotlm_lm.query.key_names import key_names
@@ -41,8 +42,8 @@ UNLIKELY = 0.1
 _OPEN = t.Query((t.Part(t.Ask("way")),))
 """What is told beside a question of which no reading is likely."""
 
-Says = Callable[[t.Query], tuple[str, object]]
-"""What is answered to a query, and the frame that holds from then on."""
+Says = Callable[[t.Query], Said]
+"""What is answered to a query."""
 
 
 @dataclass(frozen=True)
@@ -101,9 +102,10 @@ def understand(
     return replace(found, milliseconds=1e3 * (time.perf_counter() - started))
 
 
-def _agreed(reader: Reader, readings: Sequence[Reading], said: Sequence[object]) -> float:
+def _agreed(reader: Reader, readings: Sequence[Reading], said: Sequence[Said]) -> float:
     """Return the probability of all readings that are answered as the first is."""
-    agreeing = [one.chance for one, says in zip(readings, said, strict=True) if says == said[0]]
+    answered = zip(readings, said, strict=True)
+    agreeing = [one.chance for one, says in answered if says.agrees_with(said[0])]
     return reader.calibrated(sum(agreeing))
 
 
@@ -119,12 +121,12 @@ def _asked_back(queries: Sequence[t.Query], says: Says | None) -> str:
     """Return what the two likeliest readings are, and what would be answered to each."""
     told: dict[str, str] = {}
     for query in queries:
-        said = "" if says is None else says(replace(query, form="sentence"))[0]
+        said = "" if says is None else says(replace(query, form="sentence")).text
         if query.parts and said not in told.values():
             told.setdefault(say_back(query), said)
     likely = list(told.items())[:2]
     if not likely:
-        rest = replies()["help"] if says is None else f"{replies()['felt']} {says(_OPEN)[0]}"
+        rest = replies()["help"] if says is None else f"{replies()['felt']} {says(_OPEN).text}"
         return f"{replies()['asked_back']} {rest}"
     asked = [f"{'or ' * place}{query}? {said}" for place, (query, said) in enumerate(likely)]
     return f"{replies()['unsure']} {' '.join(f'{one[:1].upper()}{one[1:]}' for one in asked)}"
