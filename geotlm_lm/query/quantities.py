@@ -32,7 +32,7 @@ _WORD = re.compile(r"[^\W\d_]+\.?|[°%/\"]|[-–]")
 _SPACES = re.compile(r"[\s_]*")
 _PER = ("per", "/", "a", "an", "each", "every", "for", "to", "in", "the", "one")
 _PER_FRAME = ("per", "/", "a", "an", "each", "every", "one")
-"""The same of a frame: "5 mm in the image" is a place."""
+"""The same right before a frame: "5 mm in the image" is a place."""
 _RATES = ("s", "min", "frame", "px", "mm", "ms", "cm", "inch")
 _ORDINAL = re.compile(r"(?:st|nd|rd|th)\b", re.IGNORECASE)
 
@@ -254,13 +254,11 @@ def _unit_at(text: str, at: int, *, may_join: bool = False) -> tuple[str, int]:
     word, after = _next_word(text, end)
     if text[end - 1] == "." and word not in ("per", "/"):  # the next sentence
         return unit, end
-    may_be = set(_RATES) - {unit}
     for _ in range(2):  # "20 px per mm", "20 px for each mm", "20 px to the mm"
         if word not in _PER:
             break
-        may_be -= {"frame"} if word not in _PER_FRAME else set()
         per, last = _plain_unit(text, after)
-        if per in may_be:
+        if per in _RATES and per != unit and (per != "frame" or word in _PER_FRAME):
             return f"{unit}/{per}", last
         word, after = _next_word(text, after)
     return unit, end

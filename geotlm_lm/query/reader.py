@@ -27,7 +27,7 @@ from geotlm_lm.query.fitting import fitting
 from geotlm_lm.query.lexicon import Lexicon
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.reading import Reading
-from geotlm_lm.query.sentences import chance_lost, chance_of, read_alone, read_apart
+from geotlm_lm.query.sentences import Sentence, chance_lost, chance_of, read_alone, read_apart
 from geotlm_lm.query.spelling import Spelling
 from geotlm_lm.query.text import next_words
 from geotlm_lm.query.words import END
@@ -94,17 +94,22 @@ class Reader:
         Raises:
             UsageError: If the question is empty or too long.
         """
+        whole = self._read_whole(text, most, sure)
+        said = read_alone(text, lambda one: self._read_whole(one, 1, sure)[0])
+        apart = read_apart(said, lambda rest: self._read_whole(rest, most, sure))
+        first, second = sorted(
+            (self._doubted(whole, said), self._doubted(apart, said)), key=chance_of, reverse=True
+        )
+        if second and first[0].probability < sure and not first[0].means(second[0]):
+            other = replace(second[0], chance=second[0].chance * (1 - first[0].chance))
+            first = sorted([*first, other], key=lambda one: -one.chance)
+        return [replace(one, probability=self.calibrated(one.chance)) for one in first[:most]]
 
-        def read(said: str) -> list[Reading]:
-            return self._read_whole(said, most, sure)
-
-        alone = read_alone(text, read)
-        found = max(read(text), read_apart(text, alone, read), key=chance_of)
-        kept = [one.chance * (1 - chance_lost(one, alone)) for one in found]
-        return [
-            replace(one, chance=chance, probability=self.calibrated(chance))
-            for one, chance in zip(found, kept, strict=True)
-        ]
+    def _doubted(self, readings: list[Reading], said: list[Sentence]) -> list[Reading]:
+        """Return readings by what they lack of sentences that were read alone, the best first."""
+        kept = [replace(one, chance=one.chance * (1 - chance_lost(one, said))) for one in readings]
+        found = [replace(one, probability=self.calibrated(one.chance)) for one in kept]
+        return sorted(found, key=lambda one: -one.chance)
 
     def _read_whole(self, text: str, most: int, sure: float) -> list[Reading]:
         spelled = self.spelling.question(text)

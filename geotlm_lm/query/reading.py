@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from geotlm_lm.query.quantities import Quantity
-from geotlm_lm.query.text import read
-from geotlm_lm.query.types import Query, filled
+from geotlm_lm.query.text import read, write
+from geotlm_lm.query.types import Query, Slot, filled
 
 
 @dataclass(frozen=True)
@@ -27,22 +27,21 @@ class Reading:
     chance: float
 
     @property
+    def slotted(self) -> Query:
+        """The query with slots for its numbers."""
+        return read(self.line)
+
+    @property
     def query(self) -> Query:
         """The query with its numbers."""
         return filled(read(self.line, len(self.quantities)), self.quantities)
 
-    @property
-    def clauses(self) -> list[str]:
-        """The query's facts and parts, each in words."""
-        return self.line.split(" ; ")
-
-    @property
-    def states_only(self) -> bool:
-        """Whether it states facts and asks nothing."""
-        return all(one.startswith("fact ") for one in self.clauses)
+    def means(self, other: Reading) -> bool:
+        """Tell whether another reading means the same; the order of facts is free."""
+        one, another = self.slotted, other.slotted
+        is_so = (one.parts, one.form) == (another.parts, another.form)
+        return is_so and set(one.facts) == set(another.facts)
 
     def at(self, places: Sequence[int]) -> Reading:
         """Return it with each number's place in a longer text, from 1, for that in its own."""
-        words = self.line.split()
-        moved = [f"#{places[int(one[1:]) - 1]}" if one[0] == "#" else one for one in words]
-        return replace(self, line=" ".join(moved))
+        return replace(self, line=write(filled(self.slotted, tuple(map(Slot, places)))))

@@ -9,12 +9,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
-from itertools import accumulate, chain
+from dataclasses import dataclass, replace
+from itertools import chain
 
-from geotlm_lm.query.quantities import Quantity
+from geotlm_lm.query import types as t
 from geotlm_lm.query.reading import Reading
-from geotlm_lm.query.text import MOST_SLOTS
+from geotlm_lm.query.text import MOST_SLOTS, write
 
 SURELY = 0.9
 """Probability from which on a sentence is taken to state facts and to ask nothing."""
@@ -22,24 +22,21 @@ SURELY = 0.9
 MOST_SENTENCES = 12
 """Texts of more are read as a whole only."""
 
-_RESTING = ("again", "as", "talk", "help", "not-understood", "compare", "which-clip")
-"""Asks, and forms, that mean something only beside what else is said."""
+_RESTING = ("again", "talk", "help", "not-understood", "compare", "which-clip")
+"""Asks that mean something only beside what else is said."""
 
 _SEEN_SO = {
-    "mirrored": ("mirror", "flip"),
-    "turned": ("half", "quarter-cw", "quarter-ccw", "flip"),
-    "seen": ("behind",),
-    "moves": ("sensor",),
+    "mirrored": {"mirror", "flip"},
+    "turned": {"half", "quarter-cw", "quarter-ccw", "flip"},
+    "seen": {"behind"},
+    "moves": {"sensor"},
 }
-"""Words of a query that say what a fact on a topic does."""
+"""Words of a point of view that does what a fact does."""
 
-_AS_USUAL = ("fact moves object", "fact seen sensor")
-"""Facts that change nothing where nothing else was stated."""
+_AS_USUAL = (t.Fact("moves", "object"), t.Fact("seen", "sensor"))
+"""Facts that change nothing where nothing was stated."""
 
-_END = re.compile(r"(?<=[.!?;])\s+|\s*\n\s*")
-
-
-Reads = Callable[[str], list[Reading]]
+_END = re.compile(r"(?<=[.!?;])(?!(?<=\d\.)\s\d)\s+|\s*\n\s*")
 
 
 def sentences(text: str) -> list[str]:
@@ -47,55 +44,77 @@ def sentences(text: str) -> list[str]:
     return [one for one in _END.split(text.strip()) if one]
 
 
-def read_alone(text: str, read: Reads) -> list[Reading]:
-    """Return the likeliest reading of each sentence of a text, numbered as in the text.
+@dataclass(frozen=True)
+class Sentence:
+    """A sentence and its likeliest reading.
+
+    Args:
+        text: As it stands.
+        places: Of its numbers in the whole text, from 1.
+        reading: With these places.
+    """
+
+    text: str
+    places: tuple[int, ...]
+    reading: Reading
+
+    @property
+    def surely_states(self) -> bool:
+        """Whether it surely states facts and asks nothing."""
+        query = self.reading.slotted
+        return bool(query.facts) and not query.parts and self.reading.probability >= SURELY
+
+
+def read_alone(text: str, read: Callable[[str], Reading]) -> list[Sentence]:
+    """Return each sentence of a text with its likeliest reading.
 
     None at all of one sentence alone, of more than are read so, and of more numbers than a query
     can name.
     """
     said = sentences(text)
-    found: list[Reading] = []
-    if 1 < len(said) <= MOST_SENTENCES:
-        for one in said:
-            numbers = sum(len(before.quantities) for before in found)
-            reading = read(one)[0]
-            found.append(reading.at(range(numbers + 1, numbers + len(reading.quantities) + 1)))
-    return found if sum(len(one.quantities) for one in found) <= MOST_SLOTS else []
+    found: list[Sentence] = []
+    for one in said if 1 < len(said) <= MOST_SENTENCES else ():
+        reading = read(one)
+        first = 1 + sum(len(before.places) for before in found)
+        places = tuple(range(first, first + len(reading.quantities)))
+        if len(places) + first - 1 > MOST_SLOTS:
+            return []
+        found.append(Sentence(one, places, reading.at(places)))
+    return found
 
 
-def read_apart(text: str, alone: Sequence[Reading], read: Reads) -> list[Reading]:
-    """Return readings of what a text asks, behind the facts that sentences of their own state.
+def read_apart(said: Sequence[Sentence], read: Callable[[str], list[Reading]]) -> list[Reading]:
+    """Return readings of what some sentences ask, behind the facts that others surely state.
 
     Args:
-        text: Facts and questions.
-        alone: What `read_alone` returns of it.
+        said: What `read_alone` returns of a text.
         read: Returns the likeliest readings of a text, the best first.
 
     Returns:
         As `read` does, but that probabilities are those of what asks. None where no sentence
-        surely states a fact and not each asks for itself, or where what is left states something
-        on the same as a fact: then the order counts.
+        surely states a fact and not each asks for itself.
     """
-    if not alone:
-        return []
-    said = sentences(text)
-    ends = list(accumulate(len(one.quantities) for one in alone))
-    places = [
-        range(end - len(one.quantities) + 1, end + 1) for one, end in zip(alone, ends, strict=True)
-    ]
-    stated = [one for one in alone if one.states_only and one.probability >= SURELY]
-    left = [at for at, one in enumerate(alone) if one not in stated] or [len(alone) - 1]
-    numbers_left = list(chain.from_iterable(places[at] for at in left))
-    asked = read(" ".join(said[at] for at in left)) if stated else []
-    asked = [one.at(numbers_left) for one in asked if len(one.quantities) == len(numbers_left)]
-    if all(said[at].endswith("?") for at in left):
-        asked = max(asked, _each([alone[at] for at in left]), key=chance_of)
-    facts = list(chain.from_iterable(one.clauses for one in stated))
-    if asked and not _clash(facts, set(asked[0].clauses) - set(facts)):
-        quantities = tuple(chain.from_iterable(one.quantities for one in alone))
-        chance = math.prod(one.chance for one in stated)
-        return [_behind(facts, chance, one, quantities) for one in asked]
-    return []
+    stated = [one.reading for one in said if one.surely_states]
+    left = [one for one in said if not one.surely_states]
+    asked: list[Reading] = []
+    if stated and not left:
+        asked, stated = stated[-1:], stated[:-1]
+    elif stated:
+        places = tuple(chain.from_iterable(one.places for one in left))
+        together = read(" ".join(one.text for one in left))
+        asked = [one.at(places) for one in together if len(one.quantities) == len(places)]
+    if left and all(one.text.endswith("?") for one in left):
+        asked = max(asked, _each([one.reading for one in left]), key=chance_of)
+    facts = tuple(chain.from_iterable(one.slotted.facts for one in stated))
+    quantities = tuple(chain.from_iterable(one.reading.quantities for one in said))
+    found = []
+    for one in asked:
+        query = one.slotted
+        if not left or not any(_clash(fact, query.facts) for fact in facts):
+            line = write(replace(query, facts=last_of_each((*facts, *query.facts))))
+            chance = math.prod(fact.chance for fact in stated) * one.chance
+            found.append(replace(one, line=line, quantities=quantities, chance=chance))
+    return found
 
 
 def chance_of(readings: Sequence[Reading]) -> float:
@@ -103,48 +122,59 @@ def chance_of(readings: Sequence[Reading]) -> float:
     return readings[0].chance if readings else 0.0
 
 
+def last_of_each(facts: Iterable[t.Fact]) -> tuple[t.Fact, ...]:
+    """Return facts without those that are stated once more later on."""
+    return tuple(reversed(dict.fromkeys(reversed(tuple(facts)))))
+
+
+def _clash(fact: t.Fact, others: Iterable[t.Fact]) -> bool:
+    """Tell whether it counts which is said first, a fact or some others."""
+    return any(
+        fact != one and (_topic(fact) == _topic(one) or "everything" in (fact.name, one.name))
+        for one in others
+    )
+
+
+def _topic(fact: t.Fact) -> str | None:
+    return fact.value if fact.name == "unclear" else fact.name
+
+
 def _each(questions: Sequence[Reading]) -> list[Reading]:
     """Return questions one after another as one reading; none where one rests on the others."""
-    clauses = list(dict.fromkeys(chain.from_iterable(one.clauses for one in questions)))
-    asks = [one.rpartition(" > ")[2].split()[0] for one in clauses]
-    facts = [one for one, ask in zip(clauses, asks, strict=True) if ask == "fact"]
-    parts = [one for one, ask in zip(clauses, asks, strict=True) if ask != "fact"]
-    if len(questions) < 2 or not set(asks).isdisjoint(_RESTING):
+    queries = [one.slotted for one in questions]
+    parts = tuple(dict.fromkeys(chain.from_iterable(one.parts for one in queries)))
+    is_resting = any(one.ask.kind in _RESTING for one in parts)
+    if len(questions) < 2 or is_resting or any(one.form != "sentence" for one in queries):
         return []
+    query = t.Query(parts, last_of_each(chain.from_iterable(one.facts for one in queries)))
     chance = math.prod(one.chance for one in questions)
-    return [replace(questions[0], line=" ; ".join([*facts, *parts]), chance=chance)]
+    return [replace(questions[0], line=write(query), chance=chance)]
 
 
-def chance_lost(reading: Reading, alone: Iterable[Reading]) -> float:
-    """Return how probable it is that sentences state facts of which a reading says nothing.
+def chance_lost(reading: Reading, said: Iterable[Sentence]) -> float:
+    """Return how probable it is that sentences state facts that hold by no word of a reading.
 
-    Those that hold where nothing is stated are not missed; a point of view that a question is asked
-    from says as much as the fact.
+    On each thing the last fact counts that is stated at all. One that holds anyhow is not missed
+    unless the reading says otherwise; a point of view that is asked from says as much as a fact.
     """
-    words, kept = set(reading.line.split()), 1.0
-    for one in alone:
-        facts = [fact for fact in one.clauses if fact not in _AS_USUAL and "unclear" not in fact]
-        if any(words.isdisjoint((topic, *_SEEN_SO.get(topic, ()))) for topic in _topics(facts)):
-            kept *= 1 - one.probability
-    return 1 - kept
+    query = reading.slotted
+    seen = {word for part in query.parts for word in part.edit.words}
+    held = {one.name: one for one in query.facts}
+    missed: dict[str, float] = {}
+    for one in said:
+        chance = one.reading.probability
+        for fact in one.reading.slotted.facts:
+            if fact.name == "everything":
+                missed = {name: before * (1 - chance) for name, before in missed.items()}
+            is_missed = fact != held.get(fact.name) and not _is_needless(fact, held, seen)
+            before = missed.get(fact.name, 0.0)
+            missed[fact.name] = before * (1 - chance) + chance * is_missed
+    return 1 - math.prod(1 - chance for chance in missed.values())
 
 
-def _clash(facts: Iterable[str], others: Iterable[str]) -> bool:
-    """Tell whether it counts which of some facts come first."""
-    topics, more = _topics(facts), _topics(others)
-    return not topics.isdisjoint(more) or bool(more and topics and "everything" in topics | more)
-
-
-def _topics(clauses: Iterable[str]) -> set[str]:
-    """Return what facts are about: their names, of an unclear one what is."""
-    words = [one.split() for one in clauses if one.startswith("fact ")]
-    return {next(word for word in one[1:] if word not in ("not", "unclear")) for one in words}
-
-
-def _behind(
-    facts: Sequence[str], chance: float, asked: Reading, quantities: tuple[Quantity, ...]
-) -> Reading:
-    clauses = dict.fromkeys((*facts, *asked.clauses))
-    return replace(
-        asked, line=" ; ".join(clauses), quantities=quantities, chance=chance * asked.chance
-    )
+def _is_needless(fact: t.Fact, held: dict[str, t.Fact], seen: set[str]) -> bool:
+    """Tell whether a fact that is not stated is none to miss."""
+    if fact.name == "unclear":
+        return True
+    is_seen = not fact.denied and not seen.isdisjoint(_SEEN_SO.get(fact.name, ()))
+    return fact.name not in held and (is_seen or fact in _AS_USUAL)
