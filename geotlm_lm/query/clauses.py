@@ -65,12 +65,14 @@ class Clause:
         kind: "edit", "fact", "subject", a form's, "manner" or "noise".
         query: What it means; "" of what means nothing.
         texts: Templates by place.
+        by_itself: What it means where nothing is asked beside it, if that is told.
     """
 
     id: str
     kind: str
     query: str
     texts: Mapping[str, tuple[str, ...]]
+    by_itself: str = ""
 
 
 @dataclass

@@ -104,6 +104,7 @@ class Grammar:
         self.families += own_families()
         self.clauses = [_clause(one) for file in told for one in file.get("clause", ())]
         self.clauses += own_clauses(own)
+        self.families += _families_of(self.clauses)
         self._check()
 
     def _check(self) -> None:
@@ -294,7 +295,16 @@ def _family(told: dict[str, Any]) -> Family:
 
 def _clause(told: dict[str, Any]) -> Clause:
     texts = {place: tuple(told[place].strip().splitlines()) for place in _PLACES if place in told}
-    return Clause(told["id"], told["kind"], told["query"], texts)
+    return Clause(told["id"], told["kind"], told["query"], texts, told.get("by_itself", ""))
+
+
+def _families_of(clauses: list[Clause]) -> Iterator[Family]:
+    """Yield clauses that may stand by themselves as families, each of the split of its clause."""
+    ends = {split: end for end, split in _FIXED.items()}
+    for one in clauses:
+        if one.by_itself:
+            name = f"{one.by_itself}/{one.id}.{ends[split_of(one.id)]}"
+            yield Family(name, one.by_itself, one.texts["alone"], ".", complete=True)
 
 
 @lru_cache(maxsize=1)
