@@ -24,11 +24,6 @@ UNDERSTOOD_FACTS = 0.7
 """The same where it states facts about the set-up, which hold until they are taken back: of 47 read
 with 0.4 to 0.7, 26 were read rightly, of 112 surer ones 99."""
 
-SURE = 0.85
-"""Probability of a reading from which on no other one is looked at."""
-MOST_READINGS = 5
-"""How many readings are looked at where the first is not sure."""
-
 NEEDLESS = 0.25
 """Probability of a reading from which on an answer is told that turns nobody the wrong way."""
 
@@ -84,7 +79,7 @@ def understand(
         UsageError: If the question is too long.
     """
     started = time.perf_counter()
-    readings = reader.readings(question, MOST_READINGS, SURE)
+    readings = reader.readings(question)
     queries = [resumed(one.query, before or t.Query()) for one in readings]
     found = Understood(queries[0], readings[0].line, readings[0].probability)
     if says is not None and len(readings) > 1:

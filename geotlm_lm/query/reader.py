@@ -39,6 +39,11 @@ MOST_WORDS = 64
 DOUBTFUL = 0.02
 """Share of its best word's probability from which on another word is worth a second reading."""
 
+SURE = 0.85
+"""Probability of a reading from which on no other one is looked at."""
+MOST = 5
+"""How many readings are looked at where the first is not sure."""
+
 
 class _Begun(NamedTuple):
     """A question that was seen: the last hidden state, keys and values, and their number."""
@@ -81,9 +86,9 @@ class Reader:
         Raises:
             UsageError: If the question is empty or too long.
         """
-        return self.readings(text, most=1)[0]
+        return self.readings(text)[0]
 
-    def readings(self, text: str, most: int = 2, sure: float = 1.0) -> list[Reading]:
+    def readings(self, text: str, most: int = MOST, sure: float = SURE) -> list[Reading]:
         """Return the most probable readings, the best first; less probable ones turn off from it.
 
         Args:
