@@ -91,3 +91,21 @@ def test_a_stated_rate_times_a_clip_that_tells_none():
     assert found.amounts[0].mean == timed.amounts[0].mean
     own = turning("amount turn per-s", RECORDING)
     assert turning(stated, RECORDING).amounts[0].mean == own.amounts[0].mean
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("5 mm a frame", "mm/frame"),
+        ("5 mm in each frame", "mm/frame"),
+        ("5 mm for every frame", "mm/frame"),
+        ("5 mm in one frame", "mm/frame"),
+        ("5 mm in the image", "mm"),
+        ("5 mm. The image is mirrored", "mm"),
+        ("10 deg. per second", "deg/s"),
+        ("20 px to the mm", "px/mm"),
+    ],
+)
+def test_a_number_is_a_speed_where_it_is_said_per_frame_or_second(text, unit):
+    (found,) = quantities(text)
+    assert found.unit == unit
