@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import replace
@@ -38,6 +39,9 @@ from geotlm_lm.query.replies import replies
 
 _OF_FILE = ("setup", "recording", "help", "talk")
 """Asks that are answered without a look at any motion."""
+
+SAME_RATE = 0.02
+"""How far a stated frame rate may be from the frames' own to be the same, "30" for 29.97."""
 
 _UNSURE = (*_OF_FILE, "unanswerable", "not-understood", "again")
 """Asks whose answers claim nothing of a motion."""
@@ -171,8 +175,14 @@ def _motion_chance(decision: Decision) -> float:
 
 
 def _notes(found: Sequence[Decision], evidence: Evidence) -> tuple[str, ...]:
-    """Return what pixels are of, where amounts are told in them, and what a track found amiss."""
+    """Return what pixels are of, what a track found amiss, and which stated rate was not used."""
     notes = () if evidence.track is None else evidence.track.notes
+    stated_hz, own_hz = found[0].frame.rate_hz, evidence.recording.rate_hz
+    if stated_hz and own_hz and not math.isclose(stated_hz, own_hz, rel_tol=SAME_RATE):
+        notes += (
+            f"The frames' own times, {own_hz:g} frames per second, were used, not the "
+            f"{stated_hz:g} that were stated.",
+        )
     amounts = [one for decision in found for one in decision.amounts]
     amounts += [one.amount for decision in found for one in decision.movements if one.amount]
     if not any(one.unit.startswith("px") for one in amounts):

@@ -53,7 +53,8 @@ class FrameSpec:
         image_quarter_turn: The recorded image is turned by 90 degrees that way against an upright
             one, and directions are told for the image turned back. A camera that is itself turned
             clockwise, as seen from behind it, records an image turned counterclockwise.
-        rate_hz: Frames per second of a clip that does not tell its own; None when unknown.
+        rate_hz: Frames per second, whatever a clip's file says, unless its frames are stamped or it
+            was followed; None for what the file says.
 
     Raises:
         UsageError: If a field is none of what it may be, if an image is both upside down and turned
@@ -132,7 +133,7 @@ class FrameSpec:
         if self.mm_per_px is not None:
             facts.append(f"{self.mm_per_px:g} mm per pixel")
         if self.rate_hz is not None:
-            facts.append(f"{self.rate_hz:g} frames per second where the clip tells none")
+            facts.append(f"{self.rate_hz:g} frames per second")
         return ", ".join(facts)
 
     def missing_for_thread(self) -> tuple[str, ...]:

@@ -56,6 +56,7 @@ class Recording:
         rate_hz: Frames per second; None where it is not told.
         frames: How many the file has, however many of them were read.
         duration_s: How long it is; None where they are taken evenly at that rate, or nothing tells.
+        is_stamped: Whether each frame tells when it was taken.
         used: Numbers of the frames that the clip is of.
         moving_s: For how long what is asked about moves in a recording that was followed; None of
             a clip.
@@ -71,11 +72,14 @@ class Recording:
     moving_s: float | None = None
     step_s: float | None = None
     duration_s: float | None = None
+    is_stamped: bool = False
 
     def at_rate(self, rate_hz: float | None) -> Recording:
-        """Return this with a stated rate, if it has none and no track was timed without it."""
-        is_timed = self.rate_hz is not None or self.step_s is not None
-        return self if is_timed else replace(self, rate_hz=rate_hz)
+        """Return this at a stated rate; frames that were stamped, and a track, keep their times."""
+        is_timed = self.is_stamped or self.step_s is not None
+        if rate_hz is None or is_timed:
+            return self
+        return replace(self, rate_hz=rate_hz, duration_s=None)
 
     @property
     def steps(self) -> int:

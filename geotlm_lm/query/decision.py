@@ -51,7 +51,7 @@ class Evidence:
     reasons: tuple[str, ...] = ()
 
     def at_rate(self, rate_hz: float | None) -> Evidence:
-        """Return this with a stated frame rate, where the recordings tell none."""
+        """Return this at a stated frame rate, where the recordings have no times of their own."""
         second = None if self.second is None else self.second.at_rate(rate_hz)
         return replace(self, second=second, recording=self.recording.at_rate(rate_hz))
 

@@ -24,7 +24,7 @@ FACTS: dict[str, tuple[tuple[str, ...], int]] = {
 """Name of a fact -> its settings and how many quantities it has.
 
 "turned" is how the recorded image is; "scale" mm per pixel or pixels per mm, "view" the width that
-the frames show, "rate" frames per second of a clip that tells none; "unclear" is one that was not
+the frames show, "rate" frames per second; "unclear" is one that was not
 understood."""
 
 _FIELD = {"seen": "viewpoint", "moves": "actor", "thread": "thread", "side": "contact_side"}

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -189,11 +190,22 @@ def test_a_frame_rate_that_is_said_holds_for_the_rest_of_a_conversation(bundle):
     answerer = feeling(bundle, "clockwise")
     answerer.bundle.reader.lines["recorded at 50 fps"] = "fact rate #1"
     talk = answerer.session(answerer.encode(recording()))
-    assert talk.ask("recorded at 50 fps").text.endswith(
-        "50 frames per second where the clip tells none."
-    )
+    assert talk.ask("recorded at 50 fps").text.endswith("50 frames per second.")
     timed = answerer.ask(answerer.encode(recording(fps=50.0)), "amount turn per-s")
     assert talk.ask("amount turn per-s").amount == timed.amount
+
+
+def test_a_frame_rate_that_is_said_stands_before_a_file_s_but_not_before_stamps(bundle):
+    answerer = feeling(bundle, "clockwise")
+    answerer.bundle.reader.lines["at 50 fps"] = "fact rate #1 ; amount turn per-s"
+    timed = answerer.ask(answerer.encode(recording(fps=50.0)), "amount turn per-s")
+    file_says_10 = recording(fps=10.0)
+    said = answerer.ask(answerer.encode(file_says_10), "at 50 fps")
+    assert (said.amount, said.notes) == (timed.amount, timed.notes)
+    stamped = answerer.encode(replace(file_says_10, times_s=(0.0, 0.1, 0.21, 0.3)))
+    kept = answerer.ask(stamped, "at 50 fps")
+    assert kept.amount == answerer.ask(stamped, "amount turn per-s").amount != timed.amount
+    assert any("not the 50" in note for note in kept.notes)
 
 
 def test_talk_claims_nothing_and_is_no_failure(bundle):

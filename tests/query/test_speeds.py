@@ -76,8 +76,9 @@ def test_no_seconds_are_made_up_without_a_rate():
     assert '_s"' not in story
 
 
-def test_a_stated_rate_times_a_clip_that_tells_none():
-    untimed = replace(RECORDING, rate_hz=None)
+@pytest.mark.parametrize("told", [None, 25.0])
+def test_a_stated_rate_times_a_clip_whatever_its_file_tells_but_no_stamped_one(told):
+    untimed = replace(RECORDING, rate_hz=told)
 
     def turning(text, recording):
         query = t.filled(read(text), quantities("at 50 fps"))
@@ -89,8 +90,9 @@ def test_a_stated_rate_times_a_clip_that_tells_none():
     assert found.frame.rate_hz == 50
     timed = turning("amount turn per-s", replace(RECORDING, rate_hz=50.0))
     assert found.amounts[0].mean == timed.amounts[0].mean
-    own = turning("amount turn per-s", RECORDING)
-    assert turning(stated, RECORDING).amounts[0].mean == own.amounts[0].mean
+    stamped = replace(RECORDING, is_stamped=True)
+    own = turning("amount turn per-s", stamped)
+    assert turning(stated, stamped).amounts[0].mean == own.amounts[0].mean
 
 
 @pytest.mark.parametrize(
