@@ -16,7 +16,10 @@ def train(
     out: Annotated[Path, path_option(help="Run folder; an interrupted run in it is continued.")],
     preset: Annotated[
         str,
-        typer.Option(help="smoke (minutes, to see it run) or default (the shipped bundle)."),
+        typer.Option(
+            help="smoke (minutes, to see it run), default, or full (with a reader like the "
+            "shipped one: half an hour of a GPU more)."
+        ),
     ] = "default",
     seed: Seed = 0,
     workers: Annotated[int, typer.Option(min=1, help="Processes that simulate.")] = 2,

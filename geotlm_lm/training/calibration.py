@@ -1,9 +1,18 @@
-"""Fit the two numbers that decide how sure an answer is, on objects no weight has seen."""
+"""Fit the numbers that decide how sure an answer is, on what no weight has seen."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
+import torch
 from numpy.typing import NDArray
+from torch import Tensor
+from torch.nn.functional import binary_cross_entropy_with_logits
+
+from geotlm_lm.query.labelled import Labelled
+from geotlm_lm.query.reader import Reader
 
 TEMPERATURES = np.geomspace(0.25, 8.0, 161)
 CONTACT_QUANTILE = 0.005
@@ -43,3 +52,30 @@ def fit_contact_threshold(
         return lowest_touched / 2
     highest_untouched = float(np.quantile(contact_share[~is_touched], 1 - CONTACT_QUANTILE))
     return (lowest_touched + min(highest_untouched, lowest_touched)) / 2
+
+
+def calibrated_reader(reader: Reader, questions: Sequence[Labelled]) -> Reader:
+    """Return a reader whose probabilities come true on questions that it was not trained on.
+
+    The log-odds of what it tells are scaled and shifted to the greatest likelihood of whether its
+    readings were the right ones (Platt 1999).
+    """
+    raw = Reader(reader.model, reader.spelling, (1.0, 0.0))
+    odds, right = [], []
+    for one in questions:
+        found = raw.read(one.text)
+        odds.append(math.log(found.probability / (1 - found.probability)))
+        right.append(one.is_met(found.line))
+    x, y = torch.tensor(odds), torch.tensor(right, dtype=torch.float32)
+    line = torch.tensor([1.0, 0.0], requires_grad=True)
+    optimiser = torch.optim.LBFGS([line], max_iter=100, line_search_fn="strong_wolfe")
+
+    def loss() -> Tensor:
+        optimiser.zero_grad()
+        value = binary_cross_entropy_with_logits(line[0] * x + line[1], y)
+        value.backward()
+        return value
+
+    optimiser.step(loss)
+    slope, offset = map(float, line.detach())
+    return Reader(reader.model, reader.spelling, (slope, offset))

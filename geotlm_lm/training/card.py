@@ -83,11 +83,17 @@ by compression, a dim or drifting camera or a faint touch.
 - Language model: trained from random weights, {preset["language_steps"]:,} steps of
   {preset["language_batch"]} questions.
 - Reader of questions: a decoder of its own, trained from random weights,
-  {preset["reading_steps"]:,} steps of {preset["reading_batch"]} questions that the grammar writes.
+  {preset["reading_steps"]:,} steps of {preset["reading_batch"]} questions that the grammar writes,
+  {_taught(preset)}.
 - Command: `{made["command"]}`, {seconds / 60:.0f} min on {machine["processor"]}
   ({machine["cores"]} cores, {made["device"]}), torch {machine["versions"]["torch"]}, commit
   {made["commit"] or "unknown"}.
 - Size: {size_mb:.1f} MB, perception in half precision; computed in float32."""
+
+
+def _taught(preset: dict[str, Any]) -> str:
+    teachers, steps = preset["reading_teachers"], preset["taught_steps"]
+    return f"by each of {teachers}, which taught it in {steps:,} more" if teachers else "once"
 
 
 def _scored(scores: dict[str, Any]) -> str:

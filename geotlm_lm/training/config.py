@@ -1,4 +1,4 @@
-"""Every setting that shapes a bundle, in two presets."""
+"""Every setting that shapes a bundle, in three presets."""
 
 from __future__ import annotations
 
@@ -41,7 +41,9 @@ class TrainingPreset(HeadsPreset):
     """Sizes and lengths of one training run from nothing: heads on an encoder of its own.
 
     Args:
-        reading_steps: Steps of the reader of questions.
+        reading_steps: Steps of a reader of questions that learns from labels.
+        reading_teachers: How many of these teach the one that is stored; 0 stores the first.
+        taught_steps: Steps of the one that they teach.
         reading_batch: Questions per step.
         pretraining_clips: Simulated clips of the same objects as the head clips, on which the
             backbone is pretrained; the language model learns from them too.
@@ -56,6 +58,8 @@ class TrainingPreset(HeadsPreset):
     """
 
     reading_steps: int
+    reading_teachers: int
+    taught_steps: int
     reading_batch: int
     pretraining_clips: int
     test_clips: int
@@ -75,6 +79,8 @@ class TrainingPreset(HeadsPreset):
 DEFAULT = TrainingPreset(
     name="default",
     reading_steps=7_000,
+    reading_teachers=0,
+    taught_steps=0,
     reading_batch=128,
     pretraining_clips=32_000,
     head_clips=16_000,
@@ -91,10 +97,22 @@ DEFAULT = TrainingPreset(
     language_batch=64,
 )
 
+FULL = replace(
+    DEFAULT,
+    name="full",
+    reading_steps=11_000,
+    reading_teachers=3,
+    taught_steps=3_500,
+    reading_batch=512,
+)
+"""`default` with a reader like the shipped one, which takes a GPU half an hour."""
+
 SMOKE = replace(
     DEFAULT,
     name="smoke",
     reading_steps=20,
+    reading_teachers=0,
+    taught_steps=0,
     reading_batch=32,
     pretraining_clips=400,
     head_clips=300,
@@ -128,7 +146,7 @@ HEADS_SMOKE = HeadsPreset(
     language_batch=32,
 )
 
-PRESETS = {preset.name: preset for preset in (SMOKE, DEFAULT)}
+PRESETS = {preset.name: preset for preset in (SMOKE, DEFAULT, FULL)}
 HEADS_PRESETS = {preset.name: preset for preset in (HEADS_SMOKE, HEADS_DEFAULT)}
 
 

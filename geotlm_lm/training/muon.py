@@ -17,16 +17,16 @@ TURNS = 5
 MOMENTUM = 0.95
 
 
-def orthogonal(matrix: Tensor) -> Tensor:
-    """Return the nearest matrix (m, n) whose singular values are all about 1 (0.7 to 1.2)."""
+def orthogonal(matrices: Tensor) -> Tensor:
+    """Return the nearest matrices (n, a, b) whose singular values are all about 1 (0.7 to 1.2)."""
     a, b, c = COEFFICIENTS
-    is_tall = matrix.shape[0] > matrix.shape[1]
-    x = matrix.T if is_tall else matrix
-    x = x / x.norm().clamp(min=1e-7)
+    is_tall = matrices.shape[1] > matrices.shape[2]
+    x = matrices.mT if is_tall else matrices
+    x = x / x.norm(dim=(1, 2), keepdim=True).clamp(min=1e-7)
     for _ in range(TURNS):
-        gram = x @ x.T
-        x = torch.addmm(x, torch.addmm(gram, gram, gram, beta=b, alpha=c), x, beta=a)
-    return x.T if is_tall else x
+        gram = x @ x.mT
+        x = torch.baddbmm(x, torch.baddbmm(gram, gram, gram, beta=b, alpha=c), x, beta=a)
+    return x.mT if is_tall else x
 
 
 def orthogonal_groups(groups: list[dict]) -> list[dict]:
@@ -54,17 +54,27 @@ class Muon(torch.optim.AdamW):
         """Take one step."""
         orthogonals = [one for one in self.param_groups if one.get("is_orthogonal")]
         for group in orthogonals:
+            alike: dict[tuple[int, ...], list[Tensor]] = {}
             for weight in group["params"]:
                 if weight.grad is not None:
-                    self._turn(weight, group)
-                    weight.grad = None
+                    alike.setdefault(tuple(weight.shape), []).append(weight)
+            for weights in alike.values():
+                self._turn(weights, group)
         super().step(closure)
 
-    def _turn(self, weight: Tensor, group: dict) -> None:
+    def _turn(self, weights: list[Tensor], group: dict) -> None:
+        """Take a step of matrices of one shape, all at once: on a GPU few calls are fast ones."""
+        momenta = [self._momentum(one) for one in weights]
+        grads = torch.stack([one.grad for one in weights])
+        steps = orthogonal(grads.lerp(torch.stack(momenta), MOMENTUM))
+        for weight, step in zip(weights, steps, strict=True):
+            weight.mul_(1 - group["lr"] * group["weight_decay"])
+            weight.add_(step, alpha=-0.2 * max(weight.shape) ** 0.5 * group["lr"])
+            weight.grad = None
+
+    def _momentum(self, weight: Tensor) -> Tensor:
+        """Return a weight's momentum, its gradient added."""
         state = self.state[weight]
         state.setdefault("step", torch.tensor(0.0))  # AdamW looks for it when a state is loaded
         momentum = state.setdefault("momentum", torch.zeros_like(weight))
-        momentum.lerp_(weight.grad, 1 - MOMENTUM)
-        step = orthogonal(weight.grad.lerp(momentum, MOMENTUM))
-        weight.mul_(1 - group["lr"] * group["weight_decay"])
-        weight.add_(step, alpha=-0.2 * max(weight.shape) ** 0.5 * group["lr"])
+        return momentum.lerp_(weight.grad, 1 - MOMENTUM)

@@ -28,7 +28,11 @@ from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.query.grammar import corpus, grammar
 from geotlm_lm.query.labelled import TUNE, Labelled, labelled
 from geotlm_lm.query.reader import Reader
-from geotlm_lm.training.calibration import fit_contact_threshold, fit_temperature
+from geotlm_lm.training.calibration import (
+    calibrated_reader,
+    fit_contact_threshold,
+    fit_temperature,
+)
 from geotlm_lm.training.card import write_card
 from geotlm_lm.training.config import HeadsPreset, TrainingPreset, preset_named
 from geotlm_lm.training.dense_targets import DenseHeads
@@ -42,7 +46,7 @@ from geotlm_lm.training.motion import motion_scores
 from geotlm_lm.training.perceiving import perceive_examples
 from geotlm_lm.training.pretraining import pretrain
 from geotlm_lm.training.ranks import ALONE, Ranks, joined
-from geotlm_lm.training.reading import ReadingTraining, calibrated_reader, train_reader
+from geotlm_lm.training.reading import ReadingTraining, train_reader
 from geotlm_lm.training.run_clock import clock
 from geotlm_lm.training.run_folder import about_examples, claim_folder, example_sets
 from geotlm_lm.training.scoring import (
@@ -123,7 +127,14 @@ class _Run:
         readings, labels = self.ranks.from_first(lambda: seen.readings())
         told = self.settings, self.seed, self.out, self.progress, self.ranks
         speaker = train_speaker(readings, labels, *told)
-        reader = reader_of(self.settings, self.seed, self.out / "reader", self.progress, self.ranks)
+        reader = reader_of(
+            self.settings,
+            self.seed,
+            self.out / "reader",
+            self.progress,
+            self.ranks,
+            workers=self.workers,
+        )
         self.ranks.from_first(lambda: self._finish(seen, speaker, reader, seconds))
 
     def _simulate(self) -> None:
@@ -213,10 +224,22 @@ def reader_of(
     folder: Path,
     progress: Progress = silent,
     ranks: Ranks = ALONE,
+    workers: int = 0,
 ) -> Reader:
-    """Train the reader of questions; the first rank's is calibrated on what it has not read."""
-    config = ReadingTraining(steps=settings.reading_steps, batch=settings.reading_batch, seed=seed)
-    reader = train_reader(config, folder, corpus("train"), progress, ranks)
+    """Train the reader of questions; the first rank's is calibrated on what it has not read.
+
+    Where a GPU learns, `workers` processes draw the questions; on a CPU they would only wait for
+    each other.
+    """
+    config = ReadingTraining(
+        steps=settings.reading_steps,
+        teachers=settings.reading_teachers,
+        taught_steps=settings.taught_steps,
+        batch=settings.reading_batch,
+        seed=seed,
+    )
+    drawing = 0 if ranks.kind == "cpu" else workers
+    reader = train_reader(config, folder, corpus("train"), progress, ranks, drawing)
     if not ranks.is_first:
         return reader
     held = [*islice(grammar().pairs(seed, "validation"), CALIBRATION_PAIRS), *corpus("validation")]

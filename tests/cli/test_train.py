@@ -34,7 +34,7 @@ def test_a_preset_that_there_is_not_leaves_no_folder_behind(
     calls, capsys, tmp_path, monkeypatch, preset
 ):
     monkeypatch.chdir(tmp_path)
-    said = f"there is no preset '{preset}'; choose one of smoke, default.\n"
+    said = f"there is no preset '{preset}'; choose one of smoke, default, full.\n"
     assert run(capsys, "train", "--out", "runs", "--preset", preset) == (2, "", said)
     assert list(tmp_path.iterdir()) == []
     assert calls == []

@@ -9,7 +9,7 @@ from geotlm_lm.training.muon import Muon, orthogonal
 @pytest.mark.parametrize("shape", [(8, 8), (24, 8), (8, 40)])
 def test_a_matrix_is_made_orthogonal(shape):
     matrix = torch.randn(shape, generator=torch.Generator().manual_seed(1))
-    found = torch.linalg.svdvals(orthogonal(1e-3 * matrix))
+    found = torch.linalg.svdvals(orthogonal(1e-3 * matrix[None]))
     assert 0.6 < float(found.min()) <= float(found.max()) < 1.3
 
 

@@ -43,6 +43,8 @@ TINY = replace(
     language_steps=2,
     language_batch=4,
     reading_steps=2,
+    reading_teachers=2,
+    taught_steps=2,
     reading_batch=4,
 )
 SMALL = LanguageSize(width=16, layers=1, heads=2, mlp=16)
