@@ -195,6 +195,8 @@ _NO_WAY = ("recording", "setup", "help", "talk", "place", "when", "how-long", "h
 
 
 def _direction(decision: Decision) -> Motion | None:
+    if decision.still_axis is not None:
+        return None
     return decision.movements[0].way if decision.movements else decision.rest
 
 
@@ -249,7 +251,7 @@ def _plain(
         timing_ms=timing,
         kind="fact",
         frames_used=encoded.clip.frame_numbers,
-        notes=encoded.clip.notes,
+        notes=(*encoded.clip.notes, *([understood.note] if understood.note else [])),
         query=understood.line,
         understood=understood.probability,
         resumed=understood.query,

@@ -7,13 +7,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from geotlm_lm.answering.said import Said
+from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.query import types as t
+from geotlm_lm.query.facts import FACTS
 from geotlm_lm.query.follow_up import resumed
 from geotlm_lm.query.key_names import key_names
 from geotlm_lm.query.reader import Reader
 from geotlm_lm.query.reading import Reading
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.say_back import say_back
+from geotlm_lm.query.tell import tell
 
 UNDERSTOOD = 0.5
 """Probability of a reading below which it is asked back instead of answered. Of the questions by
@@ -51,6 +54,7 @@ class Understood:
         probability: That this is what was meant.
         keys: Names that the question gives to the values of its answer.
         ask_back: What is said where that is too unsure, or a fact was not understood.
+        note: Which fact was not understood and changes nothing; None where there is none.
         milliseconds: That reading took.
     """
 
@@ -59,6 +63,7 @@ class Understood:
     probability: float
     keys: tuple[str, ...] = ()
     ask_back: str | None = None
+    note: str | None = None
     milliseconds: float = 0.0
 
 
@@ -90,11 +95,26 @@ def understand(
         likely = zip(queries, readings, strict=True)
         ask_back = _asked_back([one for one, read in likely if read.probability > UNLIKELY], says)
         found = replace(found, ask_back=ask_back)
-    elif unclear:
+    elif unclear and (says is None or _matters(unclear[0], found.query, says)):
         found = replace(found, ask_back=replies()["unclear"][unclear[0]])
+    elif unclear:
+        found = replace(found, note=replies()["unclear_same"][unclear[0]])
     if found.query.form == "json":
         found = replace(found, keys=key_names(question, len(found.query.parts)))
     return replace(found, milliseconds=1e3 * (time.perf_counter() - started))
+
+
+def _matters(topic: str, query: t.Query, says: Says) -> bool:
+    """Tell whether an answer depends on a fact that was not understood."""
+    if topic not in FACTS or not query.parts:
+        return True
+    settings = FACTS[topic][0] or (None,)
+    stated = [*(t.Fact(topic, one) for one in settings), t.Fact(topic, denied=True)]
+    each = [says(replace(query, facts=(*query.facts, fact))).decisions for fact in stated]
+    if any(one.missing is not None for decisions in each for one in decisions):
+        return True
+    plain = FrameSpec()
+    return len({tuple(tell(replace(one, frame=plain)) for one in found) for found in each}) > 1
 
 
 def _agreed(reader: Reader, readings: Sequence[Reading], said: Sequence[Said]) -> float:

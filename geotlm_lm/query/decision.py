@@ -94,6 +94,7 @@ class Decision:
         verdict: Of a yes-or-no question.
         movements: What counts, the larger first: of what is asked, or all where none of that does.
         denied: Components that are asked about and do not count.
+        still_axis: "x" or "y", the one that is asked about, where what slides does not along it.
         rest: Stillness or absence, where nothing moves.
         options: Places of the options that are so.
         amounts: What is measured.
@@ -114,6 +115,7 @@ class Decision:
     verdict: bool | None = None
     movements: tuple[Movement, ...] = ()
     denied: tuple[Component, ...] = ()
+    still_axis: str | None = None
     rest: Motion | None = None
     options: tuple[int, ...] = ()
     amounts: tuple[Measure, ...] = ()

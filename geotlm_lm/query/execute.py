@@ -102,8 +102,8 @@ def _way(scene: Scene, ask: t.Ask) -> Decision:
             return scene.decision(**scene.telling((turn,)))  # neither tightens nor loosens
         options = tuple(t.Option(t.Proposition((t.Literal(one),))) for one in t.THREAD_ATOMS)
         return _choice(scene, t.Ask("choice", options=options))
-    if ask.of in ("x", "y"):
-        return _along(scene, ask.of)
+    if ask.of in _AXIS_WAYS:
+        return scene.decision(**_along(scene, ask.of))
     of = "turn" if ask.of == "sign" else ask.of
     asked = () if of is None else (t.COMPONENT_ATOMS[of],)
     story = _story(scene) if ask.of is None else ()
@@ -120,19 +120,22 @@ def _story(scene: Scene) -> tuple[Happening, ...]:
     return found if any(one.begin_s >= is_over for one in moving) else ()
 
 
-def _along(scene: Scene, axis: str) -> Decision:
-    """Tell a slide's part along one axis of the image."""
+def _along(scene: Scene, axis: str) -> dict[str, object]:
+    """Return what is told of a slide's part along one axis of the image."""
     slide = t.COMPONENT_ATOMS["slide"]
     found = scene.telling((slide,))
     if found.get("rest") or slide in found["denied"]:
-        return scene.decision(**found)
+        return found
+    moving = scene.judge.chance(t.Proposition((t.Literal(axis),)))
+    if moving < 0.5:
+        return found | {"still_axis": axis, "probability": min(found["probability"], 1 - moving)}
     part = scene.amount(axis)
     mean, deviation = bell(scene.belief, axis)
     way = _AXIS_WAYS[axis][mean > 0]
     sure = NormalDist(abs(mean), max(deviation, 1e-6))
     chance = scene.belief.counts(slide) * (1 - sure.cdf(0.0))
     move = Movement(way, None, part, chance, barely=False)
-    return scene.decision(movements=(move,), probability=chance)
+    return found | {"movements": (move,), "probability": chance}
 
 
 _AXIS_WAYS = {"x": (Motion.LEFT, Motion.RIGHT), "y": (Motion.UP, Motion.DOWN)}
@@ -202,7 +205,8 @@ def _amount(scene: Scene, ask: t.Ask) -> Decision:
         return _extreme(scene, ask)
     atoms = {None: [], "xy": ["x", "y"]}.get(ask.of, [ask.of])
     subjects = _subjects(t.Proposition(tuple(t.Literal(one) for one in atoms or ["move"])))
-    found = scene.telling(subjects)
+    is_axis = ask.of in _AXIS_WAYS
+    found = _along(scene, ask.of) if is_axis else scene.telling(subjects)
     counting = [one.component for one in found.get("movements", ())]
     if not atoms:
         atoms = [one.value for one in counting] or ([] if ask.unit is None else ["turn"])

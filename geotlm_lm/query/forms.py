@@ -46,6 +46,8 @@ def decided(decision: Decision, recording: Recording) -> str | None:
         return f"{decision.times[0]:g}"
     if decision.amounts:
         return decision.amounts[0].word
+    if decision.still_axis is not None:
+        return "none"
     if decision.area is not None:
         return f"{decision.area.share:.0%}"
     if ask.kind == "kind" and decision.movements:
@@ -116,6 +118,12 @@ def _short(decision: Decision, form: str, recording: Recording) -> str | None:
     word = decided(decision, recording)
     if word is None or decision.missing is not None:
         return None
+    if decision.part.ask.kind == "how-sure":
+        sure = decision.probability
+        return {"number": f"{sure:.2g}"}.get(form, f"{sure:.0%}." * (form in ("word", "brief")))
+    if form == "word" and decision.part.ask.kind == "choice":
+        chosen = [decision.part.ask.options[at] for at in decision.options]
+        word = " and ".join(map(_one_word, chosen)) or "none"
     if form in ("word", "brief", "letter", "yes-no"):
         is_fitting = form != "yes-no" or decision.verdict is not None
         return f"{word[:1].upper()}{word[1:]}" + "." if is_fitting else None
@@ -125,6 +133,18 @@ def _short(decision: Decision, form: str, recording: Recording) -> str | None:
         positive = (Motion.CLOCKWISE, Motion.RIGHT, Motion.DOWN, Motion.PRESS)
         return "+" if decision.movements[0].way in positive else "-"
     return None
+
+
+def _one_word(option: t.Option) -> str:
+    literal, *others = option.proposition.literals
+    words = _ONE_WORD if not (others or literal.denied or literal.bound) else {}
+    return option.label or words.get(literal.atom) or proposition_words(option.proposition)
+
+
+_ONE_WORD = {atom: way.value for atom, way in t.WAY_ATOMS.items()} | {
+    "still": Motion.STILL.value,
+    "none": Motion.NONE.value,
+}
 
 
 def _count(decision: Decision, recording: Recording) -> str | None:

@@ -11,6 +11,7 @@ from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Measure, Recording
 from geotlm_lm.query.decision import ContactArea, Decision
 from geotlm_lm.query.phrases import (
+    WORDS,
     amount_phrase,
     in_frame,
     joined,
@@ -93,6 +94,10 @@ def _clause(decision: Decision, recording: Recording) -> str:
     edit = decision.edit
     who = "the sensor" if edit.sensor else "it"
     denied = " or ".join(_DENIED[one] for one in decision.denied)
+    if decision.still_axis is not None:
+        denied = f"slide {WORDS[decision.still_axis]}"
+        if edit.undo:
+            return f"{who} does not {denied}, so that nothing is to be undone"
     if decision.rest is not None:
         rest = _REST[decision.rest]
         return f"{who} does not {denied}: {rest}" if denied else rest
@@ -109,7 +114,8 @@ def _clause(decision: Decision, recording: Recording) -> str:
             told += f"; there and back {amount_phrase(one.back_and_forth)}"
     if not denied:
         return told
-    is_instead = not set(asked_components(decision)) & {one.component for one in decision.movements}
+    moving = {one.component for one in decision.movements}
+    is_instead = decision.still_axis or not set(asked_components(decision)) & moving
     return f"{who} does not {denied}; {told}" if is_instead else f"{told}; {who} does not {denied}"
 
 
@@ -188,7 +194,7 @@ def _choice(decision: Decision, recording: Recording) -> str:
 def _amount(decision: Decision, recording: Recording) -> str:
     if decision.area is not None:
         return f"about {decision.area.share:.0%} of the image is touched"
-    if not decision.amounts:
+    if not decision.amounts or decision.still_axis is not None:
         return _clause(decision, recording)
     told = joined([f"about {_spanned(one, decision)}" for one in decision.amounts])
     if decision.part.ask.measure == "path":

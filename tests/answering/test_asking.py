@@ -81,6 +81,12 @@ def test_a_fact_alone_is_noted_and_one_not_understood_is_named(bundle):
     unclear = ask(feeling(bundle, "left"), "fact unclear turned ; way")
     assert unclear.abstained
     assert "how the image is turned" in unclear.text
+    turn = ask(feeling(bundle, "clockwise"), "fact unclear turned ; way turn")
+    assert turn.direction is Motion.CLOCKWISE
+    assert any("the same however it is" in one for one in turn.notes)
+    unknown = ask(feeling(bundle, "clockwise"), "fact unclear thread ; claim tighten")
+    assert unknown.abstained
+    assert "which thread" in unknown.text
 
 
 def test_a_fact_holds_for_what_is_asked_with_it_and_names_its_frame(bundle):

@@ -75,8 +75,8 @@ def test_what_was_stated_holds_until_it_is_taken_back(session):
     assert session.frame == FrameSpec()
 
 
-def test_a_fact_not_understood_changes_nothing(session):
-    session.ask("fact mirrored ; fact unclear turned ; way")
+def test_a_fact_that_is_needed_and_not_understood_changes_nothing(session):
+    session.ask("fact mirrored ; fact unclear thread ; claim tighten")
     assert session.frame == FrameSpec()
 
 

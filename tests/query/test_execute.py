@@ -125,6 +125,21 @@ def test_claim_choice_and_open_question_agree(belief, edit):
         assert not so
 
 
+@given(beliefs(), edits, st.sampled_from(["x", "y"]))
+@settings(max_examples=60, deadline=None)
+def test_the_way_along_an_axis_agrees_with_the_claim_that_there_is_one(belief, edit, axis):
+    def decided(text):
+        part = read(text).parts[0]
+        return decide(replace(part, edit=edit), Evidence(belief, recording=RECORDING), FRAME)
+
+    claim, way, amount = (decided(f"{kind} {axis}") for kind in ("claim", "way", "amount"))
+    moves = way.rest is None and way.still_axis is None and not way.denied
+    assert moves == claim.verdict
+    assert way.still_axis == amount.still_axis
+    if not moves:
+        assert "does not" in tell(way) or "nothing" in tell(way)
+
+
 @given(st.sampled_from(["way", "way turn", "claim cw", "claim left or out", "choice left , right"]),
        beliefs(), edits)  # fmt: skip
 @settings(max_examples=40, deadline=None)
