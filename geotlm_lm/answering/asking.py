@@ -30,7 +30,7 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import WAYS
 from geotlm_lm.query import types as t
-from geotlm_lm.query.amounts import Recording
+from geotlm_lm.query.amounts import Measure, Recording
 from geotlm_lm.query.decision import Decision, Evidence
 from geotlm_lm.query.facts import with_facts
 from geotlm_lm.query.forms import decided, in_form, told_in_form
@@ -116,17 +116,16 @@ def _told(
             words = _Words(guess, "rule", words.named)
     is_abstained = withheld is not None or is_silent or is_guess
     plain = _plain(encoded, understood, first.frame, words.text, started)
-    moves = first.movements
     return replace(
         plain,
         kind=kind,
-        notes=(*plain.notes, *_notes(found, evidence)),
+        notes=(*plain.notes, *_notes(found, evidence, recording_of(encoded))),
         abstained=is_abstained and kind not in _OF_FILE,
         confidence=sure if kind in _OF_FILE else 0.0 if is_abstained else sure,
         direction=None if is_abstained or kind in _NO_WAY else _direction(first),
         decided=None if is_abstained else decided(first, evidence.recording),
         options=_options(first, evidence),
-        amount=first.amounts[0] if first.amounts else moves[0].amount if moves else None,
+        amount=_amount(first),
         motion=MeasuredMotion.of(encoded.belief, evidence.recording, first.frame),
         told_by=words.told_by,
         point_of_view=words.named,
@@ -174,17 +173,19 @@ def _motion_chance(decision: Decision) -> float:
     return min((one.chance for one in decision.movements), default=decision.probability)
 
 
-def _notes(found: Sequence[Decision], evidence: Evidence) -> tuple[str, ...]:
-    """Return what pixels are of, what a track found amiss, and which stated rate was not used."""
+def _notes(found: Sequence[Decision], evidence: Evidence, file: Recording) -> tuple[str, ...]:
+    """Return what pixels are of, what a track found amiss, and which of two rates was used."""
     notes = () if evidence.track is None else evidence.track.notes
-    stated_hz, own_hz = found[0].frame.rate_hz, evidence.recording.rate_hz
-    if stated_hz and own_hz and not math.isclose(stated_hz, own_hz, rel_tol=SAME_RATE):
-        notes += (
-            f"The frames' own times, {own_hz:g} frames per second, were used, not the "
-            f"{stated_hz:g} that were stated.",
-        )
     amounts = [one for decision in found for one in decision.amounts]
     amounts += [one.amount for decision in found for one in decision.movements if one.amount]
+    stated_hz, file_hz = found[0].frame.rate_hz, file.rate_hz
+    is_timed = any("/" in one.unit for one in amounts) or any(one.times for one in found)
+    is_other = stated_hz and file_hz and not math.isclose(stated_hz, file_hz, rel_tol=SAME_RATE)
+    if is_timed and is_other:
+        used_hz = evidence.recording.rate_hz
+        is_stated = used_hz == stated_hz
+        left = f"{file_hz:g} that the file tells" if is_stated else f"{stated_hz:g} that was stated"
+        notes += (f"Told at {used_hz:g} frames per second, not at the {left}.",)
     if not any(one.unit.startswith("px") for one in amounts):
         return notes
     size = f"{evidence.recording.columns}x{evidence.recording.rows}"
@@ -198,6 +199,12 @@ def _direction(decision: Decision) -> Motion | None:
     if decision.still_axis is not None:
         return None
     return decision.movements[0].way if decision.movements else decision.rest
+
+
+def _amount(decision: Decision) -> Measure | None:
+    moves = () if decision.still_axis is not None else decision.movements
+    amounts = decision.amounts or tuple(one.amount for one in moves[:1])
+    return amounts[0] if amounts else None
 
 
 def _options(decision: Decision, evidence: Evidence) -> dict[str, float]:
@@ -251,7 +258,7 @@ def _plain(
         timing_ms=timing,
         kind="fact",
         frames_used=encoded.clip.frame_numbers,
-        notes=(*encoded.clip.notes, *([understood.note] if understood.note else [])),
+        notes=(*encoded.clip.notes, *understood.notes),
         query=understood.line,
         understood=understood.probability,
         resumed=understood.query,

@@ -53,7 +53,7 @@ def _compared(
 ) -> tuple[str, float, str | None]:
     """Return the words of a comparison, how sure they are, and the deciding one."""
     form, decisions = understood.query.form, [one.decision for one in found]
-    recording = recording_of(found[0].clips[0]).at_rate(decisions[0].frame.rate_hz)
+    recording = recording_of(found[0].clips[0]).at_rate(decisions[0].frame.rate_hz, overrides=False)
     withheld = first_withheld(bundle, found)
     if withheld is not None:
         return withheld_words(withheld, understood), 0.0, None

@@ -43,7 +43,7 @@ def recording_of(encoded: Encoded) -> Recording:
         rate_hz=clip.fps,
         frames=clip.recorded_frames,
         duration_s=clip.recorded_s,
-        is_stamped=bool(clip.times_s),
+        is_uneven=bool(clip.times_s),
         used=clip.frame_numbers,
         step_s=step_s,
     )

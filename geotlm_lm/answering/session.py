@@ -103,7 +103,8 @@ class Session:
     def add_clip(self, encoded: Encoded) -> None:
         """Make another clip the one that questions are about; comparisons look back at the last.
 
-        The size of a pixel that was told holds for frames of the same size only.
+        The size of a pixel that was told holds for frames of the same size only, a frame rate for
+        clips whose files tell none.
 
         Raises:
             TypeError: If it is not encoded.
@@ -111,6 +112,8 @@ class Session:
         require_encoded(encoded)
         if encoded.clip.frames.shape[1:3] != self.encoded.clip.frames.shape[1:3]:
             self.frame = replace(self.frame, mm_per_px=None)
+        if encoded.clip.fps is not None:
+            self.frame = replace(self.frame, rate_hz=None)
         self.clips.append(self.answerer.believing(encoded))
         self._named = None
 

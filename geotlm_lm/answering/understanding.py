@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 from geotlm_lm.answering.said import Said
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -54,7 +55,7 @@ class Understood:
         probability: That this is what was meant.
         keys: Names that the question gives to the values of its answer.
         ask_back: What is said where that is too unsure, or a fact was not understood.
-        note: Which fact was not understood and changes nothing; None where there is none.
+        notes: Which facts were not understood and change nothing.
         milliseconds: That reading took.
     """
 
@@ -63,7 +64,7 @@ class Understood:
     probability: float
     keys: tuple[str, ...] = ()
     ask_back: str | None = None
-    note: str | None = None
+    notes: tuple[str, ...] = ()
     milliseconds: float = 0.0
 
 
@@ -95,26 +96,40 @@ def understand(
         likely = zip(queries, readings, strict=True)
         ask_back = _asked_back([one for one, read in likely if read.probability > UNLIKELY], says)
         found = replace(found, ask_back=ask_back)
-    elif unclear and (says is None or _matters(unclear[0], found.query, says)):
+    elif unclear and (says is None or _matters(unclear, found.query, says)):
         found = replace(found, ask_back=replies()["unclear"][unclear[0]])
     elif unclear:
-        found = replace(found, note=replies()["unclear_same"][unclear[0]])
+        found = replace(found, notes=tuple(replies()["unclear_same"][one] for one in unclear))
     if found.query.form == "json":
         found = replace(found, keys=key_names(question, len(found.query.parts)))
     return replace(found, milliseconds=1e3 * (time.perf_counter() - started))
 
 
-def _matters(topic: str, query: t.Query, says: Says) -> bool:
-    """Tell whether an answer depends on a fact that was not understood."""
-    if topic not in FACTS or not query.parts:
+def _matters(topics: Sequence[str], query: t.Query, says: Says) -> bool:
+    """Tell whether an answer depends on facts that were not understood."""
+    kinds = {part.ask.kind for part in query.parts}
+    is_of_two = any(part.subject.clip in t.OF_SEVERAL for part in query.parts)
+    if not kinds or is_of_two or kinds & _OF_FRAME or not set(topics) <= _MAY_BE.keys():
         return True
-    settings = FACTS[topic][0] or (None,)
-    stated = [*(t.Fact(topic, one) for one in settings), t.Fact(topic, denied=True)]
-    each = [says(replace(query, facts=(*query.facts, fact))).decisions for fact in stated]
-    if any(one.missing is not None for decisions in each for one in decisions):
-        return True
-    plain = FrameSpec()
-    return len({tuple(tell(replace(one, frame=plain)) for one in found) for found in each}) > 1
+    told = set()
+    for stated in product(*(_MAY_BE[one] for one in topics)):
+        facts = (*query.facts, *(fact for facts in stated for fact in facts))
+        found = says(replace(query, facts=facts)).decisions
+        if any(one.missing is not None for one in found):
+            return True
+        told.add(tuple(tell(replace(one, frame=FrameSpec())) for one in found))
+    return len(told) > 1
+
+
+_OF_FRAME = {"setup", "why", "compare", "which-clip"}
+"""Asks whose answers speak of the frame itself, or of another clip."""
+
+_MIRRORED, _HALF = t.Fact("mirrored"), t.Fact("turned", "half")
+_MAY_BE: dict[str, list[tuple[t.Fact, ...]]] = {
+    name: [(t.Fact(name, denied=True),), *((t.Fact(name, one),) for one in FACTS[name][0])]
+    for name in ("turned", "thread", "side")
+} | {"mirrored": [(t.Fact("mirrored", denied=True),), (_MIRRORED,), (_MIRRORED, _HALF)]}
+"""What a fact that was not understood may be; a mirror may lie across or along."""
 
 
 def _agreed(reader: Reader, readings: Sequence[Reading], said: Sequence[Said]) -> float:

@@ -22,7 +22,9 @@ def train(
         ),
     ] = "default",
     seed: Seed = 0,
-    workers: Annotated[int, typer.Option(min=1, help="Processes that simulate.")] = 2,
+    workers: Annotated[
+        int, typer.Option(min=1, help="Processes that simulate, and that draw questions for a GPU.")
+    ] = 2,
     device: Annotated[
         str | None, typer.Option(help="cpu or cuda; cuda where there is one if not given.")
     ] = None,

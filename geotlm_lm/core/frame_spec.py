@@ -53,8 +53,9 @@ class FrameSpec:
         image_quarter_turn: The recorded image is turned by 90 degrees that way against an upright
             one, and directions are told for the image turned back. A camera that is itself turned
             clockwise, as seen from behind it, records an image turned counterclockwise.
-        rate_hz: Frames per second, whatever a clip's file says, unless its frames are stamped or it
-            was followed; None for what the file says.
+        rate_hz: Frames per second, whatever a clip's file says, unless its frames are unevenly
+            timed or it was followed; None for what the file says. Of two clips it is that of those
+            whose files say nothing.
 
     Raises:
         UsageError: If a field is none of what it may be, if an image is both upside down and turned

@@ -53,10 +53,10 @@ class Recording:
         columns: Width of the recording's frames, pixels.
         rows: Their height.
         is_turned: Whether they are looked at turned by a quarter.
-        rate_hz: Frames per second; None where it is not told.
+        rate_hz: Frames per second, as stated or as the file tells; None where neither does.
         frames: How many the file has, however many of them were read.
         duration_s: How long it is; None where they are taken evenly at that rate, or nothing tells.
-        is_stamped: Whether each frame tells when it was taken.
+        is_uneven: Whether its frames were taken at uneven times, which each tells.
         used: Numbers of the frames that the clip is of.
         moving_s: For how long what is asked about moves in a recording that was followed; None of
             a clip.
@@ -72,12 +72,17 @@ class Recording:
     moving_s: float | None = None
     step_s: float | None = None
     duration_s: float | None = None
-    is_stamped: bool = False
+    is_uneven: bool = False
 
-    def at_rate(self, rate_hz: float | None) -> Recording:
-        """Return this at a stated rate; frames that were stamped, and a track, keep their times."""
-        is_timed = self.is_stamped or self.step_s is not None
-        if rate_hz is None or is_timed:
+    def at_rate(self, rate_hz: float | None, *, overrides: bool = True) -> Recording:
+        """Return this at a stated rate; uneven times, and those of a track, stay what they are.
+
+        Args:
+            rate_hz: Stated; None for what the file tells.
+            overrides: Whether it stands before what the file tells.
+        """
+        is_kept = self.is_uneven or not overrides
+        if rate_hz is None or self.step_s is not None or (is_kept and self.rate_hz is not None):
             return self
         return replace(self, rate_hz=rate_hz, duration_s=None)
 

@@ -51,9 +51,14 @@ class Evidence:
     reasons: tuple[str, ...] = ()
 
     def at_rate(self, rate_hz: float | None) -> Evidence:
-        """Return this at a stated frame rate, where the recordings have no times of their own."""
-        second = None if self.second is None else self.second.at_rate(rate_hz)
-        return replace(self, second=second, recording=self.recording.at_rate(rate_hz))
+        """Return this at a stated frame rate; of two recordings what a file tells stays."""
+        if self.second is None:
+            return replace(self, recording=self.recording.at_rate(rate_hz))
+        first, second = (
+            replace(one, recording=one.recording.at_rate(rate_hz, overrides=False))
+            for one in (self, self.second)
+        )
+        return replace(first, second=second)
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ def decided(decision: Decision, recording: Recording) -> str | None:
     if decision.amounts:
         return decision.amounts[0].word
     if decision.still_axis is not None:
-        return "none"
+        return Motion.STILL.value
     if decision.area is not None:
         return f"{decision.area.share:.0%}"
     if ask.kind == "kind" and decision.movements:
@@ -129,7 +129,7 @@ def _short(decision: Decision, form: str, recording: Recording) -> str | None:
         return f"{word[:1].upper()}{word[1:]}" + "." if is_fitting else None
     if form == "number" and not decision.each:
         return f"{decision.amounts[0].value:g}" if decision.amounts else _count(decision, recording)
-    if form == "sign" and decision.movements:
+    if form == "sign" and decision.movements and decision.still_axis is None:
         positive = (Motion.CLOCKWISE, Motion.RIGHT, Motion.DOWN, Motion.PRESS)
         return "+" if decision.movements[0].way in positive else "-"
     return None
@@ -186,6 +186,8 @@ def as_json(decisions: Sequence[Decision], recording: Recording, sure: float) ->
                 found[f"{name}_{move.amount.unit}"] = move.amount.value
         for component in one.denied:
             found[component.value] = None
+        if one.still_axis is not None:
+            found[one.still_axis] = None
         if one.rest is not None:
             found["motion"] = one.rest.value
         for amount in one.amounts:

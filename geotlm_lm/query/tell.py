@@ -96,12 +96,14 @@ def _clause(decision: Decision, recording: Recording) -> str:
     denied = " or ".join(_DENIED[one] for one in decision.denied)
     if decision.still_axis is not None:
         denied = f"slide {WORDS[decision.still_axis]}"
-        if edit.undo:
-            return f"{who} does not {denied}, so that nothing is to be undone"
+    moving = {one.component for one in decision.movements}
+    is_instead = decision.still_axis or not set(asked_components(decision)) & moving
     if decision.rest is not None:
         rest = _REST[decision.rest]
         return f"{who} does not {denied}: {rest}" if denied else rest
     is_directed = any(one.way in DIRECTED for one in decision.movements)
+    if edit.undo and denied and is_instead:
+        return f"{who} does not {denied}: nothing of that is to be undone"
     if edit.undo:  # a command is acted on, and says its frame each time
         said = undoing_phrase(decision.movements, edit)
         return said + f", {where_phrase(decision)}" * is_directed
@@ -114,8 +116,6 @@ def _clause(decision: Decision, recording: Recording) -> str:
             told += f"; there and back {amount_phrase(one.back_and_forth)}"
     if not denied:
         return told
-    moving = {one.component for one in decision.movements}
-    is_instead = decision.still_axis or not set(asked_components(decision)) & moving
     return f"{who} does not {denied}; {told}" if is_instead else f"{told}; {who} does not {denied}"
 
 
@@ -280,6 +280,8 @@ def _of_one(decision: Decision) -> str:
         return {Motion.STILL: "touches but does not move", Motion.NONE: "is untouched"}[
             decision.rest
         ]
+    if decision.still_axis is not None:
+        return f"does not slide {WORDS[decision.still_axis]}"
     return _all_of([movement_phrase(one) for one in decision.movements])
 
 

@@ -42,7 +42,7 @@ VOCABULARY_PAIRS = 60_000
 """Texts that the vocabulary of byte pairs is made from."""
 
 LABEL = 0.25
-"""Weight of such a label beside the teachers' word."""
+"""Weight of a label beside the teachers' word, of a text little of which is hidden."""
 
 
 @dataclass(frozen=True)
@@ -121,8 +121,8 @@ def train_reader(
     tokenizer, lexicon = ranks.from_first(lambda: train_vocabulary(config, corpus))
     school = _School(Spelling(tokenizer, lexicon=lexicon), corpus, ranks, workers, progress)
     teachers = [
-        _learned(f"teacher_{place}", replace(config, seed=config.seed + place), folder, school)
-        for place in range(config.teachers)
+        _learned(f"teacher_{place}", replace(config, seed=seed), folder, school)
+        for place, seed in enumerate(_seeds(config))
     ]
     if teachers:
         config = replace(
@@ -130,7 +130,7 @@ def train_reader(
             steps=config.taught_steps,
             learning_rate=config.learning_rate / 2,
             hidden=2 * config.hidden,
-            seed=config.seed + config.teachers,
+            seed=seed_for(config.seed, "reading", "taught"),
         )
     model = _learned("reader", config, folder, school, teachers)
     tokenizer.model.dropout = None
@@ -190,6 +190,11 @@ def _learned(
         if ranks.is_first:
             _store(path, config, model, optimiser, step)
     return model.eval()
+
+
+def _seeds(config: ReadingTraining) -> list[int]:
+    """Return the seeds of the teachers."""
+    return [seed_for(config.seed, "reading", "teacher", place) for place in range(config.teachers)]
 
 
 def _fresh(config: ReadingTraining, vocabulary: int) -> QuestionDecoder:

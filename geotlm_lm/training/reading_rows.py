@@ -59,7 +59,8 @@ class Drawing(IterableDataset):
     """The rows of pools of steps, one pool after the other, without end.
 
     Writing questions takes longer than learning from them on a GPU, so a `DataLoader` shares the
-    pools among processes; each pool has its seed, and what comes is the same by any number of them.
+    pools among processes; each pool has its seed, and what comes is the same by any number of them
+    where no byte pairs are left apart by chance.
 
     Args:
         spelling: Of questions and queries.

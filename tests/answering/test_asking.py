@@ -84,6 +84,11 @@ def test_a_fact_alone_is_noted_and_one_not_understood_is_named(bundle):
     turn = ask(feeling(bundle, "clockwise"), "fact unclear turned ; way turn")
     assert turn.direction is Motion.CLOCKWISE
     assert any("the same however it is" in one for one in turn.notes)
+    both = ask(
+        feeling(bundle, "clockwise"), "fact unclear turned ; fact unclear mirrored ; claim cw"
+    )
+    assert both.abstained
+    assert ask(feeling(bundle, "up"), "fact unclear mirrored ; claim up").abstained
     unknown = ask(feeling(bundle, "clockwise"), "fact unclear thread ; claim tighten")
     assert unknown.abstained
     assert "which thread" in unknown.text
@@ -201,17 +206,31 @@ def test_a_frame_rate_that_is_said_holds_for_the_rest_of_a_conversation(bundle):
     assert talk.ask("amount turn per-s").amount == timed.amount
 
 
-def test_a_frame_rate_that_is_said_stands_before_a_file_s_but_not_before_stamps(bundle):
+def test_a_frame_rate_that_is_said_stands_before_a_file_s_but_not_before_uneven_times(bundle):
     answerer = feeling(bundle, "clockwise")
     answerer.bundle.reader.lines["at 50 fps"] = "fact rate #1 ; amount turn per-s"
     timed = answerer.ask(answerer.encode(recording(fps=50.0)), "amount turn per-s")
     file_says_10 = recording(fps=10.0)
     said = answerer.ask(answerer.encode(file_says_10), "at 50 fps")
-    assert (said.amount, said.notes) == (timed.amount, timed.notes)
-    stamped = answerer.encode(replace(file_says_10, times_s=(0.0, 0.1, 0.21, 0.3)))
-    kept = answerer.ask(stamped, "at 50 fps")
-    assert kept.amount == answerer.ask(stamped, "amount turn per-s").amount != timed.amount
-    assert any("not the 50" in note for note in kept.notes)
+    assert said.amount == timed.amount
+    assert "Told at 50 frames per second, not at the 10 that the file tells." in said.notes
+    uneven = answerer.encode(replace(file_says_10, times_s=(0.0, 0.1, 0.21, 0.3)))
+    kept = answerer.ask(uneven, "at 50 fps")
+    assert kept.amount == answerer.ask(uneven, "amount turn per-s").amount != timed.amount
+    assert any("not at the 50" in note for note in kept.notes)
+    untold = answerer.encode(replace(recording(), times_s=(0.0, 0.1, 0.21, 0.3)))
+    assert answerer.ask(untold, "at 50 fps").amount == timed.amount
+
+
+def test_a_frame_rate_that_is_said_is_not_another_clips(bundle):
+    answerer = feeling(bundle, "clockwise")
+    answerer.bundle.reader.lines["at 50 fps"] = "fact rate #1"
+    own = answerer.encode(recording(fps=10.0))
+    talk = answerer.session(answerer.encode(recording()))
+    talk.ask("at 50 fps")
+    talk.add_clip(own)
+    alone = answerer.ask(own, "amount turn per-s").amount
+    assert talk.ask("amount turn per-s").amount == alone
 
 
 def test_talk_claims_nothing_and_is_no_failure(bundle):

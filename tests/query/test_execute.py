@@ -1,5 +1,6 @@
 """What is decided follows from the belief alone, whatever the wording."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,7 @@ from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.decision import Evidence
 from geotlm_lm.query.execute import decide, execute
+from geotlm_lm.query.forms import in_form
 from geotlm_lm.query.quantities import quantities
 from geotlm_lm.query.tell import tell
 from geotlm_lm.query.text import read
@@ -137,7 +139,10 @@ def test_the_way_along_an_axis_agrees_with_the_claim_that_there_is_one(belief, e
     assert moves == claim.verdict
     assert way.still_axis == amount.still_axis
     if not moves:
-        assert "does not" in tell(way) or "nothing" in tell(way)
+        assert "does not" in tell(way) or "othing touches" in tell(way)
+    if way.still_axis:
+        assert in_form([way], "sign", RECORDING) not in ("+", "-")
+        assert json.loads(in_form([way], "json", RECORDING))[axis] is None
 
 
 @given(st.sampled_from(["way", "way turn", "claim cw", "claim left or out", "choice left , right"]),

@@ -90,7 +90,7 @@ def test_a_stated_rate_times_a_clip_whatever_its_file_tells_but_no_stamped_one(t
     assert found.frame.rate_hz == 50
     timed = turning("amount turn per-s", replace(RECORDING, rate_hz=50.0))
     assert found.amounts[0].mean == timed.amounts[0].mean
-    stamped = replace(RECORDING, is_stamped=True)
+    stamped = replace(RECORDING, is_uneven=True)
     own = turning("amount turn per-s", stamped)
     assert turning(stated, stamped).amounts[0].mean == own.amounts[0].mean
 

@@ -8,8 +8,10 @@ from geotlm_lm.training.muon import Muon, orthogonal
 
 @pytest.mark.parametrize("shape", [(8, 8), (24, 8), (8, 40)])
 def test_a_matrix_is_made_orthogonal(shape):
-    matrix = torch.randn(shape, generator=torch.Generator().manual_seed(1))
-    found = torch.linalg.svdvals(orthogonal(1e-3 * matrix[None]))
+    matrices = torch.randn((2, *shape), generator=torch.Generator().manual_seed(1))
+    together = orthogonal(torch.stack([1e-3 * matrices[0], 40 * matrices[1]]))
+    assert torch.allclose(together[1:], orthogonal(matrices[1:]), atol=1e-5)
+    found = torch.linalg.svdvals(together)
     assert 0.6 < float(found.min()) <= float(found.max()) < 1.3
 
 
