@@ -65,7 +65,7 @@ PRESETS = Listing(
 PARETO = Bench(
     name="pareto",
     title="Error against run time and memory",
-    about="What a smaller error costs in time and memory.",
+    about="What a smaller error costs in time and memory. Times compare within a table alone.",
     sections=(
         Section(
             name="methods",

@@ -101,7 +101,7 @@ def provenance(record: RunRecord, section: str) -> str:
     return (
         f"`{done['command']}`: {done['seconds'] / 60:.1f} min at commit "
         f"{done['commit'] or 'unknown'}, seed {record.seed}, one thread of {done['processor']}, "
-        f"{record.made_utc[:10]}."
+        f"{done['date']}."
     )
 
 

@@ -6,6 +6,7 @@ import json
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -126,6 +127,7 @@ def _run_part(bench: Bench | str, run: Run, part: _Part) -> tuple[_Part, dict[st
         "rows": rows,
         "seconds": round(time.perf_counter() - started, 1),
         "commit": commit(),
+        "date": f"{datetime.now(UTC):%Y-%m-%d}",
         "processor": machine()["processor"],
     }
 
