@@ -11,8 +11,8 @@ import numpy as np
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.rows import Listing, Pivot, Row, Run, Section
 from geotlm_lm.benchmarks.statistics import share_row
-from geotlm_lm.query.edit import EDIT_WORDS
 from geotlm_lm.query.grammar import Pair, corpus, grammar
+from geotlm_lm.query.grammar_linter import VIEWS, cell_of
 from geotlm_lm.query.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
 from geotlm_lm.query.text import read
 from geotlm_lm.training.calibration_error import expected_calibration_error
@@ -29,9 +29,6 @@ EXACT, KIND = "exact query", "kind of ask"
 SURE = 0.8
 PAIRS = 2000
 
-PLAIN, SEVERAL = "as it is", "several"
-VIEWS = (PLAIN, *EDIT_WORDS, SEVERAL)
-"""Points of view that a seen family is asked from."""
 SEEN_PAIRS = 40_000
 EACH = 20
 """Questions read of each ask from each point of view, at most."""
@@ -57,10 +54,7 @@ def _seen_rows(run: Run) -> Iterator[Row]:
     """Yield what is read of families that were trained on, by ask and point of view."""
     cells: dict[tuple[str, str], list[Pair]] = defaultdict(list)
     for pair in islice(grammar().pairs(run.seed + 1, "train"), run.size(SEEN_PAIRS, 500)):
-        parts = read(pair.query).parts
-        edits = parts[0].edit.words if parts else ()
-        view = edits[0] if len(edits) == 1 else SEVERAL if edits else PLAIN
-        cell = cells[parts[0].ask.kind if parts else "fact", view]
+        cell = cells[cell_of(read(pair.query).parts)]
         if len(cell) < run.size(EACH, 1):
             cell.append(pair)
     reader = run.answerer.bundle.reader

@@ -1,0 +1,86 @@
+"""Show what the grammar writes: its coverage, and texts that mean two things.
+
+Nothing is drawn but from a seed, with no clip at hand, so that no text can give an answer away. Run
+it: `python -m geotlm_lm.query.grammar_linter --pairs 20000 --seed 0`.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import islice
+
+from geotlm_lm.query.edit import EDIT_WORDS
+from geotlm_lm.query.grammar import SPLITS, Pair, grammar
+from geotlm_lm.query.text import read
+from geotlm_lm.query.types import ASKS, Part
+
+PLAIN, SEVERAL = "as it is", "several"
+VIEWS = (PLAIN, *EDIT_WORDS, SEVERAL)
+"""Points of view that something is asked from."""
+SUBJECTS = ("clip", "half", "span")
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """What a number of pairs holds.
+
+    Args:
+        views: Pairs of each ask, "fact" where nothing is asked, from each point of view.
+        subjects: Pairs of each ask about another clip, a half of the contact or a span of time.
+        ambiguous: Text -> the queries it is written for, where these are several.
+    """
+
+    views: Counter[tuple[str, str]]
+    subjects: Counter[tuple[str, str]]
+    ambiguous: dict[str, tuple[str, ...]]
+
+
+def cell_of(parts: Sequence[Part]) -> tuple[str, str]:
+    """Return what the first part of a query asks, and from which of `VIEWS`."""
+    if not parts:
+        return "fact", PLAIN
+    edits = parts[0].edit.words
+    view = edits[0] if len(edits) == 1 else SEVERAL if edits else PLAIN
+    return parts[0].ask.kind, view
+
+
+def coverage(pairs: Iterable[Pair]) -> Coverage:
+    """Return what these pairs hold."""
+    views: Counter[tuple[str, str]] = Counter()
+    subjects: Counter[tuple[str, str]] = Counter()
+    meant: dict[str, set[str]] = {}
+    for pair in pairs:
+        parts = read(pair.query).parts
+        ask, view = cell_of(parts)
+        views[ask, view] += 1
+        for name in SUBJECTS:
+            subjects[ask, name] += any(getattr(one.subject, name) is not None for one in parts)
+        meant.setdefault(pair.text.lower(), set()).add(pair.query)
+    several = {text: tuple(sorted(all_)) for text, all_ in meant.items() if len(all_) > 1}
+    return Coverage(views, subjects, several)
+
+
+def main() -> None:
+    """Print the coverage of some pairs, and the texts among them that mean two things."""
+    parser = argparse.ArgumentParser(description="Show what the grammar writes.")
+    parser.add_argument("--pairs", type=int, default=20_000, help="how many are drawn")
+    parser.add_argument("--seed", type=int, default=0, help="of the draw")
+    parser.add_argument("--split", choices=SPLITS, help="families of one split alone")
+    asked = parser.parse_args()
+    found = coverage(islice(grammar().pairs(asked.seed, asked.split), asked.pairs))
+    columns = (*VIEWS, *SUBJECTS)
+    print(f"{'':14} " + " ".join(f"{one:>11}" for one in columns))
+    for ask in ("fact", *ASKS):
+        counts = [found.views[ask, one] for one in VIEWS]
+        counts += [found.subjects[ask, one] for one in SUBJECTS]
+        print(f"{ask:14} " + " ".join(f"{one or '-':>11}" for one in counts))
+    print(f"\n{len(found.ambiguous)} texts mean two things")
+    for text, queries in sorted(found.ambiguous.items()):
+        print("\n    ".join((text, *queries)))
+
+
+if __name__ == "__main__":
+    main()
