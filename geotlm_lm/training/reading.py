@@ -35,7 +35,7 @@ from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.language import parameter_groups
 from geotlm_lm.training.muon import Muon, orthogonal_groups
 from geotlm_lm.training.ranks import ALONE, Ranks
-from geotlm_lm.training.reading_rows import Drawing, Part, Row, part_of, rounded, rows_from
+from geotlm_lm.training.reading_rows import Batch, Drawing, Row, batch_of, rounded, rows_from
 
 CHECKPOINT_EVERY_S = 60.0
 VOCABULARY_PAIRS = 60_000
@@ -82,7 +82,7 @@ class ReadingTraining:
 
 
 @dataclass(frozen=True)
-class _School:
+class _Shared:
     """What the readers of one training share."""
 
     spelling: Spelling
@@ -119,10 +119,11 @@ def train_reader(
     """
     ranks.refuse_uneven(config.batch)
     tokenizer, lexicon = ranks.from_first(lambda: train_vocabulary(config, corpus))
-    school = _School(Spelling(tokenizer, lexicon=lexicon), corpus, ranks, workers, progress)
+    shared = _Shared(Spelling(tokenizer, lexicon=lexicon), corpus, ranks, workers, progress)
+    seeds = [seed_for(config.seed, "reading", "teacher", one) for one in range(config.teachers)]
     teachers = [
-        _learned(f"teacher_{place}", replace(config, seed=seed), folder, school)
-        for place, seed in enumerate(_seeds(config))
+        _learned(f"teacher_{place}", replace(config, seed=seed), folder, shared)
+        for place, seed in enumerate(seeds)
     ]
     if teachers:
         config = replace(
@@ -132,9 +133,9 @@ def train_reader(
             hidden=2 * config.hidden,
             seed=seed_for(config.seed, "reading", "taught"),
         )
-    model = _learned("reader", config, folder, school, teachers)
+    model = _learned("reader", config, folder, shared, teachers)
     tokenizer.model.dropout = None
-    return Reader(model.cpu(), school.spelling, (1.0, 0.0))
+    return Reader(model.cpu(), shared.spelling, (1.0, 0.0))
 
 
 def train_vocabulary(config: ReadingTraining, corpus: Sequence[Pair]) -> tuple[Tokenizer, Lexicon]:
@@ -158,19 +159,19 @@ def _learned(
     name: str,
     config: ReadingTraining,
     folder: Path,
-    school: _School,
+    shared: _Shared,
     teachers: Sequence[QuestionDecoder] = (),
 ) -> QuestionDecoder:
     """Return a model that learned from labels, or from teachers where there are any."""
-    ranks = school.ranks
-    model = _fresh(config, school.spelling.size)
+    ranks = shared.ranks
+    model = _fresh(config, shared.spelling.size)
     if teachers:
         model.load_state_dict(teachers[0].state_dict())
     model.to(ranks.device)
     optimiser = Muon(orthogonal_groups(parameter_groups(model)), betas=(0.9, 0.98))
     path = folder / f"{name}_checkpoint.pt"
     step = _restored(path, config, model, optimiser)
-    draws = _rows(config, school, step)
+    draws = _rows(config, shared, step)
     saved_at = time.monotonic()
     try:
         while step < config.steps:
@@ -178,11 +179,11 @@ def _learned(
                 group["lr"] = rate_at(step, config)
             hides = _generator(config.seed, "hidden", step)
             rows = ranks.from_first(lambda: next(draws))
-            part = part_of(rows, config.hidden, hides, is_exchanged=bool(teachers))
+            batch = batch_of(rows, config.hidden, hides, is_exchanged=bool(teachers))
             with uninterrupted_step():
-                loss = _step(model, part, optimiser, ranks, teachers)
+                loss = _step(model, batch, optimiser, ranks, teachers)
                 step += 1
-            school.progress(f"train {name}, loss {loss:.3f}", step, config.steps)
+            shared.progress(f"train {name}, loss {loss:.3f}", step, config.steps)
             if ranks.is_first and time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
                 _store(path, config, model, optimiser, step)
                 saved_at = time.monotonic()
@@ -192,11 +193,6 @@ def _learned(
     return model.eval()
 
 
-def _seeds(config: ReadingTraining) -> list[int]:
-    """Return the seeds of the teachers."""
-    return [seed_for(config.seed, "reading", "teacher", place) for place in range(config.teachers)]
-
-
 def _fresh(config: ReadingTraining, vocabulary: int) -> QuestionDecoder:
     with torch.random.fork_rng(devices=[]):  # torch draws what is drawn again below
         model = QuestionDecoder(config.size, vocabulary).train()
@@ -204,26 +200,26 @@ def _fresh(config: ReadingTraining, vocabulary: int) -> QuestionDecoder:
     return model
 
 
-def _rows(config: ReadingTraining, school: _School, step: int) -> Iterator[list[Row]]:
+def _rows(config: ReadingTraining, shared: _Shared, step: int) -> Iterator[list[Row]]:
     """Yield the rows of each step from one on; nothing is drawn before the first is asked for."""
     room = config.size.max_tokens
     drawing = Drawing(
-        school.spelling, school.corpus, config.batch, config.corpus_share, room, config.seed
+        shared.spelling, shared.corpus, config.batch, config.corpus_share, room, config.seed
     )
-    return rows_from(drawing, step, school.workers)
+    return rows_from(drawing, step, shared.workers)
 
 
 def _step(
     model: QuestionDecoder,
-    part: Part,
+    batch: Batch,
     optimiser: torch.optim.Optimizer,
     ranks: Ranks,
     teachers: Sequence[QuestionDecoder] = (),
 ) -> float:
     """Learn from this rank's share of the rows; return the loss of all."""
-    per_rank = part.is_query.sum().item() / ranks.count
+    per_rank = batch.is_query.sum().item() / ranks.count
     optimiser.zero_grad(set_to_none=True)
-    mine = Part(*(ranks.share(one).to(ranks.device) for one in part))
+    mine = Batch(*(ranks.share(one).to(ranks.device) for one in batch))
     total = 0.0
     if len(mine.ids):
         with ranks.bfloat16_products():
@@ -236,28 +232,28 @@ def _step(
     return told
 
 
-def _loss(model: QuestionDecoder, part: Part, teachers: Sequence[QuestionDecoder]) -> Tensor:
+def _loss(model: QuestionDecoder, batch: Batch, teachers: Sequence[QuestionDecoder]) -> Tensor:
     """Return the summed cross entropy of the query's tokens, in nats."""
-    wanted = part.ids[part.is_query]
+    wanted = batch.ids[batch.is_query]
     spare = rounded(len(wanted), 64) - len(wanted)
-    logits = _logits(model, part, spare)
+    logits = _logits(model, batch, spare)
     if not teachers:
         wanted = pad(wanted, (0, spare), value=-1)
         return cross_entropy(logits, wanted, reduction="sum", ignore_index=-1)
     with torch.no_grad():
-        told = sum(_logits(one, part, spare).softmax(-1) for one in teachers) / len(teachers)
-        is_light = part.is_light.expand_as(part.is_query)[part.is_query]
+        told = sum(_logits(one, batch, spare).softmax(-1) for one in teachers) / len(teachers)
+        is_light = batch.is_light.expand_as(batch.is_query)[batch.is_query]
         labels = one_hot(wanted, logits.shape[-1]) * (LABEL * is_light[:, None])
         told = told[: len(wanted)] + labels
     return cross_entropy(logits[: len(wanted)], told, reduction="sum")
 
 
-def _logits(model: QuestionDecoder, part: Part, spare: int) -> Tensor:
+def _logits(model: QuestionDecoder, batch: Batch, spare: int) -> Tensor:
     """Return the logits of the query's tokens and of `spare` more, (tokens, ids)."""
-    embedded = model.decoder.embed_tokens(part.shown)
-    kept = part.is_seen | part.is_query
-    states = model.decoder(embedded * kept[..., None], part.mask)
-    before = states[:, :-1][part.is_query[:, 1:]]
+    embedded = model.decoder.embed_tokens(batch.shown)
+    kept = batch.is_seen | batch.is_query
+    states = model.decoder(embedded * kept[..., None], batch.mask)
+    before = states[:, :-1][batch.is_query[:, 1:]]
     return model.logits(pad(before, (0, 0, 0, spare))).float()
 
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import count, islice
+from dataclasses import dataclass, replace
+from itertools import count, islice, pairwise
 from typing import NamedTuple, TypeAlias
 
 import torch
@@ -34,7 +34,7 @@ POOL = 8
 """Steps whose questions are drawn together, so that each step's are of about one length."""
 
 
-class Part(NamedTuple):
+class Batch(NamedTuple):
     """What of a step is learned from, b texts of s ids at most.
 
     Args:
@@ -100,7 +100,7 @@ class Drawing(IterableDataset):
         rng.shuffle(rows)
         rows.sort(key=lambda row: len(row[0]))
         ends = [place * len(rows) // POOL for place in range(POOL + 1)]
-        steps = [rows[start:end] for start, end in zip(ends, ends[1:], strict=False)]
+        steps = [rows[start:end] for start, end in pairwise(ends)]
         rng.shuffle(steps)
         return steps
 
@@ -108,7 +108,7 @@ class Drawing(IterableDataset):
 def rows_from(drawing: Drawing, step: int, workers: int) -> Iterator[list[Row]]:
     """Yield each step's rows from `step` on, drawn by `workers` processes, or by this one for 0."""
     pool, skipped = divmod(step, POOL)
-    drawing = Drawing(**{**vars(drawing), "first": pool})
+    drawing = replace(drawing, first=pool)
     context = "spawn" if workers else None
     pools = DataLoader(drawing, None, num_workers=workers, multiprocessing_context=context)
     for steps in pools:
@@ -126,9 +126,9 @@ def rows_of(spelling: Spelling, pairs: Sequence[Pair], room: int) -> list[Row]:
     return rows
 
 
-def part_of(
+def batch_of(
     rows: Sequence[Row], hidden: float, draws: torch.Generator, *, is_exchanged: bool
-) -> Part:
+) -> Batch:
     """Return the rows of a step, words of each text hidden.
 
     Args:
@@ -137,7 +137,7 @@ def part_of(
         draws: Draws which.
         is_exchanged: Whether others stand for some of them.
     """
-    ids, mask, is_query = batch_of(rows)
+    ids, mask, is_query = _laid(rows)
     share = 2 * hidden * torch.rand((len(ids), 1), generator=draws)
     is_hidden = (torch.rand(ids.shape, generator=draws) < share) & ~is_query
     shown = ids
@@ -148,10 +148,10 @@ def part_of(
         is_other = torch.rand(ids.shape, generator=draws) < EXCHANGED
         is_other &= is_hidden & is_text
         shown, is_hidden = torch.where(is_other, drawn, ids), is_hidden & ~is_other
-    return Part(ids, shown, mask, is_query, ~is_hidden, share < LIGHTLY)
+    return Batch(ids, shown, mask, is_query, ~is_hidden, share < LIGHTLY)
 
 
-def batch_of(rows: Sequence[Row]) -> tuple[Tensor, Tensor, Tensor]:
+def _laid(rows: Sequence[Row]) -> tuple[Tensor, Tensor, Tensor]:
     """Return ids (b, s), what each may see (b, 1, s, s), and where a query's token is (b, s)."""
     length = rounded(max(len(ids) for ids, _ in rows), 8)
     ids = torch.tensor([row + [0] * (length - len(row)) for row, _ in rows])

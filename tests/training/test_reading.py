@@ -10,8 +10,8 @@ from geotlm_lm.query.grammar import corpus
 from geotlm_lm.query.reader import QuestionDecoder
 from geotlm_lm.query.spelling import Spelling
 from geotlm_lm.training import reading
-from geotlm_lm.training.reading import ReadingTraining, _loss, train_vocabulary
-from geotlm_lm.training.reading_rows import POOL, Drawing, part_of, rows_from
+from geotlm_lm.training.reading import LABEL, ReadingTraining, _loss, train_vocabulary
+from geotlm_lm.training.reading_rows import POOL, Drawing, batch_of, rows_from
 
 SIZE = LanguageSize(width=32, layers=1, heads=2, mlp=32, tactile_tokens=0, max_tokens=704)
 
@@ -34,27 +34,30 @@ def test_the_same_rows_come_from_any_step_on_and_by_any_number_of_processes(draw
 
 def test_each_text_is_hidden_by_its_own_share_and_no_query_is(drawing):
     (rows,) = islice(rows_from(drawing, 0, 0), 1)
-    part = part_of(rows * 200, 0.2, torch.Generator().manual_seed(1), is_exchanged=True)
-    changed = part.shown != part.ids
-    is_shown = part.is_seen & ~changed
-    is_question = torch.arange(part.ids.shape[1]) < torch.tensor([[s] for _, s in rows * 200])
-    assert is_shown[part.is_query].all()
+    batch = batch_of(rows * 200, 0.2, torch.Generator().manual_seed(1), is_exchanged=True)
+    changed = batch.shown != batch.ids
+    is_shown = batch.is_seen & ~changed
+    is_question = torch.arange(batch.ids.shape[1]) < torch.tensor([[s] for _, s in rows * 200])
+    assert is_shown[batch.is_query].all()
     assert is_shown[is_question].float().mean() == pytest.approx(0.8, abs=0.03)
-    assert part.is_seen[changed].all()
+    assert batch.is_seen[changed].all()
     shares = 1 - (is_shown & is_question).sum(1) / is_question.sum(1)
     assert shares.min() == 0
     assert shares.max() > 0.3
 
 
-def test_what_two_teachers_tell_together_is_what_costs_least(drawing):
+def test_what_teachers_tell_together_is_learned_and_labels_of_what_is_hardly_hidden(drawing):
     (rows,) = islice(rows_from(drawing, 0, 0), 1)
-    part = part_of(rows, 0.2, torch.Generator().manual_seed(1), is_exchanged=True)
-    part = part._replace(is_light=torch.zeros_like(part.is_light))
+    batch = batch_of(rows, 0.2, torch.Generator().manual_seed(1), is_exchanged=True)
+    dark = batch._replace(is_light=torch.zeros_like(batch.is_light))
+    light = batch._replace(is_light=torch.ones_like(batch.is_light))
     torch.manual_seed(3)
     one, other, pupil = (QuestionDecoder(SIZE, drawing.spelling.size) for _ in range(3))
 
-    def cost(model, *teachers):
-        return float(_loss(model, part, teachers).detach())
+    def cost(model, *teachers, shown=dark):
+        return float(_loss(model, shown, teachers).detach())
 
     assert cost(one, one) < cost(pupil, one)
-    assert cost(pupil, one, other) == pytest.approx((cost(pupil, one) + cost(pupil, other)) / 2)
+    both = (cost(pupil, one) + cost(pupil, other)) / 2
+    assert cost(pupil, one, other) == pytest.approx(both)
+    assert cost(pupil, one, shown=light) == pytest.approx(cost(pupil, one) + LABEL * cost(pupil))
