@@ -1,13 +1,11 @@
 """Write (text, query) pairs from data_templates/query, the same ones from the same seed.
 
 Whole families of phrasings are held out: a pair of the "test" split has a question, or a clause
-around it, of a family that no other split writes. Run it to look: `python -m
-geotlm_lm.query.grammar --sample 50 --seed 0`.
+around it, of a family that no other split writes. `grammar_linter` shows what is written.
 """
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import json
 import math
@@ -311,19 +309,3 @@ def _families_of(clauses: list[Clause]) -> Iterator[Family]:
 def grammar() -> Grammar:
     """Return the grammar, read once."""
     return Grammar()
-
-
-def main() -> None:
-    """Print some pairs."""
-    parser = argparse.ArgumentParser(description="Write questions with their meanings.")
-    parser.add_argument("--sample", type=int, default=50, help="how many")
-    parser.add_argument("--seed", type=int, default=0, help="of the draw")
-    parser.add_argument("--split", choices=SPLITS, help="families of one split alone")
-    asked = parser.parse_args()
-    drawn = grammar().pairs(asked.seed, asked.split)
-    for _, pair in zip(range(asked.sample), drawn, strict=False):
-        print(f"{pair.text}\n    {pair.query}    [{', '.join(pair.families)}]")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,7 +1,7 @@
-"""Show what the grammar writes: its coverage, and texts that mean two things.
+"""Show what the grammar writes: some pairs, its coverage, and texts that mean two things.
 
 Nothing is drawn but from a seed, with no clip at hand, so that no text can give an answer away. Run
-it: `python -m geotlm_lm.query.grammar_linter --pairs 20000 --seed 0`.
+it: `python -m geotlm_lm.query.grammar_linter --pairs 20000 --sample 50 --seed 0`.
 """
 
 from __future__ import annotations
@@ -64,22 +64,30 @@ def coverage(pairs: Iterable[Pair]) -> Coverage:
 
 
 def main() -> None:
-    """Print the coverage of some pairs, and the texts among them that mean two things."""
+    """Print some pairs, the coverage of more, and the texts among these that mean two things."""
     parser = argparse.ArgumentParser(description="Show what the grammar writes.")
     parser.add_argument("--pairs", type=int, default=20_000, help="how many are drawn")
+    parser.add_argument("--sample", type=int, default=0, help="how many of them are printed")
     parser.add_argument("--seed", type=int, default=0, help="of the draw")
     parser.add_argument("--split", choices=SPLITS, help="families of one split alone")
     asked = parser.parse_args()
-    found = coverage(islice(grammar().pairs(asked.seed, asked.split), asked.pairs))
+    pairs = list(islice(grammar().pairs(asked.seed, asked.split), asked.pairs))
+    for one in pairs[: asked.sample]:
+        print(f"{one.text}\n    {one.query}    [{', '.join(one.families)}]")
+    print(told(coverage(pairs)))
+
+
+def told(found: Coverage) -> str:
+    """Return a coverage as a table, and the texts that mean two things."""
     columns = (*VIEWS, *SUBJECTS)
-    print(f"{'':14} " + " ".join(f"{one:>11}" for one in columns))
+    lines = [f"{'':14} " + " ".join(f"{one:>11}" for one in columns)]
     for ask in ("fact", *ASKS):
         counts = [found.views[ask, one] for one in VIEWS]
         counts += [found.subjects[ask, one] for one in SUBJECTS]
-        print(f"{ask:14} " + " ".join(f"{one or '-':>11}" for one in counts))
-    print(f"\n{len(found.ambiguous)} texts mean two things")
-    for text, queries in sorted(found.ambiguous.items()):
-        print("\n    ".join((text, *queries)))
+        lines.append(f"{ask:14} " + " ".join(f"{one or '-':>11}" for one in counts))
+    lines.append(f"\n{len(found.ambiguous)} texts mean two things")
+    lines += ["\n    ".join((text, *all_)) for text, all_ in sorted(found.ambiguous.items())]
+    return "\n".join(lines)
 
 
 if __name__ == "__main__":
