@@ -119,8 +119,9 @@ def _short(decision: Decision, form: str, recording: Recording) -> str | None:
     if word is None or decision.missing is not None:
         return None
     if decision.part.ask.kind == "how-sure":
-        sure = decision.probability
-        return {"number": f"{sure:.2g}"}.get(form, f"{sure:.0%}." * (form in ("word", "brief")))
+        percent = f"{decision.probability:.0%}."
+        number = f"{decision.probability:.2g}"
+        return {"number": number, "word": percent, "brief": percent}.get(form)
     if form == "word" and decision.part.ask.kind == "choice":
         chosen = [decision.part.ask.options[at] for at in decision.options]
         word = " and ".join(map(_one_word, chosen)) or "none"

@@ -77,7 +77,7 @@ def test_no_seconds_are_made_up_without_a_rate():
 
 
 @pytest.mark.parametrize("told", [None, 25.0])
-def test_a_stated_rate_times_a_clip_whatever_its_file_tells_but_no_stamped_one(told):
+def test_a_stated_rate_times_a_clip_whatever_its_file_tells_but_none_of_uneven_times(told):
     untimed = replace(RECORDING, rate_hz=told)
 
     def turning(text, recording):
@@ -90,9 +90,9 @@ def test_a_stated_rate_times_a_clip_whatever_its_file_tells_but_no_stamped_one(t
     assert found.frame.rate_hz == 50
     timed = turning("amount turn per-s", replace(RECORDING, rate_hz=50.0))
     assert found.amounts[0].mean == timed.amounts[0].mean
-    stamped = replace(RECORDING, is_uneven=True)
-    own = turning("amount turn per-s", stamped)
-    assert turning(stated, stamped).amounts[0].mean == own.amounts[0].mean
+    uneven = replace(RECORDING, is_uneven=True)
+    own = turning("amount turn per-s", uneven)
+    assert turning(stated, uneven).amounts[0].mean == own.amounts[0].mean
 
 
 @pytest.mark.parametrize(
