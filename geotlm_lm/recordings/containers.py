@@ -111,7 +111,7 @@ def _duration_s(file: BinaryIO, begin: int, size: int) -> float | None:
             tick_ns, ticks = 10**6, None
             for field, start, count in _elements(file, at, at + length):
                 file.seek(start)
-                value = file.read(count or 0)
+                value = file.read(min(count or 0, 8))
                 if field == _TICK_NS:
                     tick_ns = int.from_bytes(value, "big")
                 elif field == _DURATION:
