@@ -1,4 +1,4 @@
-"""Frames from ROS 2 bags, MCAP and SQLite, without ROS; the extra `ros` reads their messages.
+"""Frames from bags of ROS 2 and ROS 1, without ROS; the extra `ros` reads their messages.
 
 Streamed: of a bag of any length no more is held than the frames that fit.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import GeoTLMError, MissingDependency, UnreadableClip
 from geotlm_lm.core.image_size import declared_size, is_cut_off
-from geotlm_lm.recordings.decoding import AS_STORED, quiet_decoders, rgb_of_8_bits
+from geotlm_lm.core.plain_name import plain_name
+from geotlm_lm.recordings.decoding import AS_STORED, of_8_bits, quiet_decoders, rgb_of_8_bits
 from geotlm_lm.recordings.frame_times import rate_by, uneven_times_s
 from geotlm_lm.recordings.limits import (
     DECODED_FRAMES,
@@ -33,27 +34,74 @@ from geotlm_lm.recordings.limits import (
 )
 
 if TYPE_CHECKING:
+    from rosbags.rosbag1 import Reader as Reader1
     from rosbags.rosbag2 import Reader
 
-BAG_SUFFIXES = (".mcap", ".db3")
+ROS_1 = ".bag"
+"""Ending of the files that ROS 1 writes."""
+
+BAG_SUFFIXES = (".mcap", ".db3", ROS_1)
 
 METADATA = "metadata.yaml"
 """What makes a folder a bag."""
 
 RAW, PACKED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 
-ENCODINGS = {
-    "rgb8": (3, None),
-    "bgr8": (3, cv2.COLOR_BGR2RGB),
-    "8UC3": (3, cv2.COLOR_BGR2RGB),
-    "mono8": (1, cv2.COLOR_GRAY2RGB),
-    "8UC1": (1, cv2.COLOR_GRAY2RGB),
+
+@dataclass(frozen=True)
+class Encoding:
+    """How an image message holds a pixel.
+
+    Args:
+        channels: Values of one, as they are stored.
+        to_rgb: OpenCV's conversion of them to RGB; None where they are RGB.
+        bits: Of a value, 8 or 16.
+    """
+
+    channels: int
+    to_rgb: int | None
+    bits: int = 8
+
+
+def _in_8_and_16_bits(name: str, channels: int, to_rgb: int | None) -> dict[str, Encoding]:
+    return {f"{name}{bits}": Encoding(channels, to_rgb, bits) for bits in (8, 16)}
+
+
+# Named by the four pixels at the upper left, as ROS does, and not by OpenCV's older names, which
+# begin at the second row and column.
+_MOSAICS = {
+    "rggb": cv2.COLOR_BayerRGGB2RGB,
+    "bggr": cv2.COLOR_BayerBGGR2RGB,
+    "gbrg": cv2.COLOR_BayerGBRG2RGB,
+    "grbg": cv2.COLOR_BayerGRBG2RGB,
 }
-"""Encoding of an image -> bytes of a pixel, and OpenCV's conversion to RGB."""
+
+ENCODINGS = {
+    **_in_8_and_16_bits("rgb", 3, None),
+    **_in_8_and_16_bits("bgr", 3, cv2.COLOR_BGR2RGB),
+    **_in_8_and_16_bits("rgba", 4, cv2.COLOR_RGBA2RGB),
+    **_in_8_and_16_bits("bgra", 4, cv2.COLOR_BGRA2RGB),
+    **_in_8_and_16_bits("mono", 1, cv2.COLOR_GRAY2RGB),
+    "8UC1": Encoding(1, cv2.COLOR_GRAY2RGB),
+    "16UC1": Encoding(1, cv2.COLOR_GRAY2RGB, 16),
+    "8UC3": Encoding(3, cv2.COLOR_BGR2RGB),
+    "16UC3": Encoding(3, cv2.COLOR_BGR2RGB, 16),
+    "8UC4": Encoding(4, cv2.COLOR_BGRA2RGB),
+    "16UC4": Encoding(4, cv2.COLOR_BGRA2RGB, 16),
+    "yuv422": Encoding(2, cv2.COLOR_YUV2RGB_UYVY),
+    "uyvy": Encoding(2, cv2.COLOR_YUV2RGB_UYVY),
+    "yuv422_yuy2": Encoding(2, cv2.COLOR_YUV2RGB_YUY2),
+    "yuyv": Encoding(2, cv2.COLOR_YUV2RGB_YUY2),
+    **{
+        name: encoding
+        for order, to_rgb in _MOSAICS.items()
+        for name, encoding in _in_8_and_16_bits(f"bayer_{order}", 1, to_rgb).items()
+    },
+}
 
 UNORDERED = (
-    "The encoding 8UC3 does not tell the order of colours: blue was taken to be first, as OpenCV "
-    "has it."
+    "The encoding {} does not tell the order of colours: blue was taken to be first, as OpenCV has "
+    "it."
 )
 
 
@@ -96,7 +144,7 @@ def read_bag(path: Path, topic: str | None = None) -> Clip:
     when the bag's recorder received them.
 
     Args:
-        path: A .mcap or .db3 file, or a bag's folder.
+        path: A .mcap, .db3 or .bag file, or a bag's folder.
         topic: Name of the topic; None where the bag has images on one only.
 
     Raises:
@@ -127,7 +175,7 @@ def read_bag(path: Path, topic: str | None = None) -> Clip:
     seen = len(times_s)
     times_ms, notes = _times_ms(times_s)
     fps, rate_notes = rate_by(times_ms, 0.0)
-    notes = [*notes, *rate_notes, *([UNORDERED] if encoding == "8UC3" else [])]
+    notes = [*notes, *rate_notes, *_colour_notes(encoding)]
     if stride > 1:
         notes.append(stride_note(stride, seen))
     if not is_whole:
@@ -183,19 +231,21 @@ def bag_images(path: Path, topic: str | None = None) -> Iterator[BagImage]:
         UnreadableClip: As of `read_bag`.
         MissingDependency: Likewise.
     """
-    reader_of, typestore = _rosbags(path)
-    with _refusing_damage(path), reader_of(path) as reader:
+    reader_of, deserialize = _rosbags(path)
+    with _refusing_damage(path), plain_name(path) as plain, reader_of(Path(plain)) as reader:
         chosen = _topic_of(reader, path, topic)
         connections = [one for one in reader.connections if one.topic == chosen]
         for number, (connection, received_ns, raw) in enumerate(reader.messages(connections)):
-            message = typestore.deserialize_cdr(raw, connection.msgtype)
+            message = deserialize(raw, connection.msgtype)
             stamp = message.header.stamp
             stamp_s = stamp.sec + 1e-9 * stamp.nanosec
             yield BagImage(message, stamp_s, 1e-9 * received_ns, f"{path}: image {number}")
 
 
-def _rosbags(path: Path) -> tuple[type[Reader], Any]:
+def _rosbags(path: Path) -> tuple[type[Reader | Reader1], Callable[[bytes, str], Any]]:
+    """Return what reads the messages of a bag, and what reads one of them."""
     try:
+        from rosbags.rosbag1 import Reader as Reader1
         from rosbags.rosbag2 import Reader
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
@@ -204,7 +254,9 @@ def _rosbags(path: Path) -> tuple[type[Reader], Any]:
             f"'geotlm-lm[ros]'`."
         ) from error
     # The two types of image are the same in every release of ROS 2; older bags hold no definitions.
-    return Reader, get_typestore(Stores.LATEST)
+    if path.suffix.lower() != ROS_1:
+        return Reader, get_typestore(Stores.LATEST).deserialize_cdr
+    return Reader1, get_typestore(Stores.ROS1_NOETIC).deserialize_ros1
 
 
 def _topic_of(reader: Reader, path: Path, topic: str | None) -> str:
@@ -239,17 +291,35 @@ def _unpadded(image: BagImage) -> Frames:
             f"{image.name} has the encoding {message.encoding or '(none)'}, expected "
             f"{', '.join(ENCODINGS)}; publish the camera's images in one of these."
         )
-    depth, to_rgb = ENCODINGS[message.encoding]
+    encoding = ENCODINGS[message.encoding]
+    order = ">" if message.is_bigendian else "<"
+    kind = np.dtype(np.uint8 if encoding.bits == 8 else f"{order}u2")
     kept_frames(rows, columns, image.name)  # refused before room is made for it
-    line, step, data = columns * depth, message.step, message.data
+    line = columns * encoding.channels * kind.itemsize
+    step, data = message.step, message.data
     if 0 in (rows, columns) or step < line or len(data) < step * rows:
         raise UnreadableClip(
             f"{image.name} has {len(data)} bytes in rows of {step}, expected {rows} rows of "
             f"{line}; record it again."
         )
-    lines = data[: step * rows].reshape(rows, step)[:, :line]
-    pixels = np.ascontiguousarray(lines.reshape(rows, columns, depth))
-    return pixels if to_rgb is None else cv2.cvtColor(pixels, to_rgb)
+    lines = np.ascontiguousarray(data[: step * rows].reshape(rows, step)[:, :line])
+    pixels = lines.view(kind).astype(kind.newbyteorder("=")).reshape(rows, columns, -1)
+    [pixels] = of_8_bits([pixels], image.name)
+    if encoding.to_rgb is None:
+        return pixels
+    try:
+        return cv2.cvtColor(pixels, encoding.to_rgb)
+    except cv2.error as error:  # an odd number of columns in pairs of pixels
+        raise UnreadableClip(
+            f"{image.name} has {columns} x {rows} pixels, which the encoding {message.encoding} "
+            f"does not divide into its groups; publish the camera's images as rgb8."
+        ) from error
+
+
+def _colour_notes(encoding: str) -> list[str]:
+    """Return a note where an encoding names no order of its colours."""
+    is_unordered = encoding.endswith(("UC3", "UC4"))
+    return [UNORDERED.format(encoding)] if is_unordered else []
 
 
 def _unpacked(image: BagImage) -> Frames:
@@ -288,7 +358,13 @@ def _refusing_damage(path: Path) -> Iterator[None]:
     except GeoTLMError:
         raise
     except Exception as error:
+        is_first = path.suffix.lower() == ROS_1
+        kind, writer, repair = (
+            ("ROS 1", "rosbag record", "rosbag reindex")
+            if is_first
+            else ("ROS 2", "ros2 bag record", "mcap recover")
+        )
         raise UnreadableClip(
-            f"{path}: is cut off or is no bag of ROS 2, expected what `ros2 bag record` writes; "
-            f"copy it again, or repair it by `mcap recover`."
+            f"{path}: is cut off or is no bag of {kind}, expected what `{writer}` writes; copy it "
+            f"again, or repair it by `{repair}`."
         ) from error
