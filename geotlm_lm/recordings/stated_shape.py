@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import warnings
 from dataclasses import dataclass
 from typing import BinaryIO
 
@@ -29,8 +30,6 @@ TURN_NOTES = {
 
 FIRST_QUARTER = 5
 """Orientation from which on rows and columns change places."""
-
-_ORIENTATION_TAG = 274
 
 SQUARE = (0.99, 1.01)
 """Width of a pixel over its height that counts as square: what rounding leaves of it."""
@@ -112,30 +111,62 @@ def video_shape(degrees: float, wide: float, high: float) -> StatedShape:
 
 
 def image_shape(file: BinaryIO) -> StatedShape:
-    """Return what an image file states, by its EXIF and its resolutions across and down.
+    """Return what an image file states: its orientation, and its resolutions across and down.
 
     Args:
-        file: Open for reading, at any place; one that Pillow cannot open states nothing. A limit of
-            its size is the caller's.
+        file: Open for reading, at any place; one that is damaged states nothing. A limit of its
+            size is the caller's.
     """
     from PIL import Image
+    from PIL.TiffImagePlugin import PREFIXES
 
+    # Of damaged values Pillow warns on stderr; here they state nothing.
+    warnings.filterwarnings("ignore", module=r"PIL\.")
+    file.seek(0)
+    header = file.read(16)
+    file.seek(0)
     try:
-        file.seek(0)
-        with Image.open(file) as image:
-            orientation = image.getexif().get(_ORIENTATION_TAG, 1)
-            info = image.info
-            # More dots to the inch across than down: pixels that are narrower than high.
-            dots = info.get("aspect") or info.get("jfif_density") or info.get("dpi") or (1, 1)
-            across, down = float(dots[0]), float(dots[1])
-    except _DAMAGED:
+        if header.startswith(tuple(PREFIXES)):
+            orientation, across, down = _stated_by_tiff(file, header)
+        else:
+            with Image.open(file, formats=("JPEG", "PNG", "WEBP", "BMP")) as image:
+                orientation = image.getexif().get(_ORIENTATION, 1)
+                info = image.info
+            # PNG and JPEG may state a ratio without a unit.
+            across, down = info.get("aspect") or info.get("jfif_density") or info.get("dpi", (1, 1))
+        orientation = orientation if orientation in TURNS else 1
+        # More dots to the inch across than down: pixels that are narrower than high.
+        return StatedShape(orientation, _turned_aspect(orientation, float(down), float(across)))
+    except (*DAMAGED, Image.DecompressionBombError):
         return StatedShape()
-    orientation = orientation if orientation in TURNS else 1
-    return StatedShape(orientation, _turned_aspect(orientation, down, across))
 
 
-_DAMAGED = (OSError, ValueError, ArithmeticError, TypeError, LookupError, SyntaxError, struct.error)
-"""What Pillow raises on headers that are damaged: it believes what they say."""
+def _stated_by_tiff(file: BinaryIO, header: bytes) -> tuple[int, float, float]:
+    """Return orientation and resolutions by the first directory: Pillow opens not every TIFF."""
+    from PIL.TiffImagePlugin import ImageFileDirectory_v2
+
+    is_big = header[2:4] in (b"+\0", b"\0+")
+    directory = ImageFileDirectory_v2(header if is_big else header[:8])
+    file.seek(directory.next)
+    directory.load(file)
+    across, down = (float(directory.get(tag, 1)) for tag in (_ACROSS, _DOWN))
+    return int(directory.get(_ORIENTATION, 1)), across, down
+
+
+_ORIENTATION, _ACROSS, _DOWN = 274, 282, 283
+"""Tags of EXIF and TIFF."""
+
+DAMAGED = (
+    OSError,
+    EOFError,
+    ValueError,
+    ArithmeticError,
+    TypeError,
+    LookupError,
+    SyntaxError,
+    struct.error,
+)
+"""What Pillow raises on files that are damaged or end early: it believes what they say."""
 
 
 def _turned_aspect(orientation: int, wide: float, high: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from importlib.util import find_spec
 from io import SEEK_END
 from pathlib import Path
@@ -18,7 +18,7 @@ from geotlm_lm.core.errors import MissingDependency
 from geotlm_lm.core.plain_name import plain_name
 from geotlm_lm.recordings.decoding import quiet_decoders
 from geotlm_lm.recordings.limits import kept_frames
-from geotlm_lm.recordings.stated_shape import StatedShape, video_shape
+from geotlm_lm.recordings.stated_shape import DAMAGED, StatedShape, video_shape
 
 if TYPE_CHECKING:
     from av.container import InputContainer
@@ -184,23 +184,24 @@ class _Gif:
 
     def __init__(self, file: IO[bytes], name: str) -> None:
         from PIL.GifImagePlugin import GifImageFile
+        from PIL.Image import DecompressionBombError
 
         self._image: GifImageFile | None = None
-        self._number, self._time_ms, self._duration_ms = -1, 0.0, 0.0
-        try:
-            image = GifImageFile(file)
-        except _DAMAGED:
-            return
-        kept_frames(*image.size[::-1], name)  # refused before room is made for it
-        self._image = image
+        self._name, self._number = name, -1
+        self._time_ms, self._duration_ms = 0.0, 0.0
+        with suppress(*DAMAGED, DecompressionBombError):
+            self._image = GifImageFile(file)
 
     def grab(self) -> bool:
+        from PIL.Image import DecompressionBombError
+
         if self._image is None:
             return False
         try:
             self._image.seek(self._number + 1)
+            kept_frames(*self._image.size[::-1], self._name)  # before room is made for it
             self._image.load()
-        except _DAMAGED:
+        except (*DAMAGED, DecompressionBombError):
             return False
         self._time_ms += self._duration_ms
         self._duration_ms = float(self._image.info.get("duration", 0))
@@ -227,6 +228,3 @@ _GIF_END = 64
 _CUT_OFF = (
     "The end of this gif is missing: the file is cut off or damaged; copy or record it again."
 )
-
-_DAMAGED = (OSError, EOFError, ValueError, LookupError, TypeError, SyntaxError)
-"""What Pillow raises after the last picture, and on a file that is cut off or damaged."""
