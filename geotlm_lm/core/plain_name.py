@@ -19,15 +19,16 @@ def plain_name(path: Path) -> Iterator[str]:
     """
     # Absolute, as decoders take what is before the colon of `12:30.mp4` for a protocol.
     absolute = os.path.abspath(path)
-    if _is_plain(absolute):
+    if is_plain(absolute):
         yield absolute
         return
     with tempfile.TemporaryDirectory(prefix="geotlm-") as home:
-        link = Path(home, f"file{path.suffix if _is_plain(path.suffix) else ''}")
+        link = Path(home, f"file{path.suffix if is_plain(path.suffix) else ''}")
         link.symlink_to(absolute)
         yield str(link)
 
 
-def _is_plain(name: str) -> bool:
+def is_plain(name: str) -> bool:
+    """Tell whether any library takes a name for what it is."""
     # Python keeps bytes that are no UTF-8 as surrogates.
     return re.search("[\ud800-\udfff?#%]", name) is None

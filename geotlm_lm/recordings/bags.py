@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import GeoTLMError, MissingDependency, UnreadableClip
 from geotlm_lm.core.image_size import declared_size, is_cut_off
-from geotlm_lm.core.plain_name import plain_name
+from geotlm_lm.core.plain_name import is_plain, plain_name
 from geotlm_lm.recordings.decoding import AS_STORED, of_8_bits, quiet_decoders, rgb_of_8_bits
 from geotlm_lm.recordings.frame_times import rate_by, uneven_times_s
 from geotlm_lm.recordings.limits import (
@@ -134,7 +134,7 @@ class BagImage:
 def is_bag(path: Path) -> bool:
     """Tell whether a path is a bag by its name: a file of known ending, or a bag's folder."""
     # Unlike the path's own `is_file` it raises nothing where there is no right to look.
-    return path.suffix.lower() in BAG_SUFFIXES or os.path.isfile(path / METADATA)
+    return _is_part(path) or os.path.isfile(path / METADATA)
 
 
 def read_bag(path: Path, topic: str | None = None) -> Clip:
@@ -232,7 +232,11 @@ def bag_images(path: Path, topic: str | None = None) -> Iterator[BagImage]:
         MissingDependency: Likewise.
     """
     reader_of, deserialize = _rosbags(path)
-    with _refusing_damage(path), plain_name(path) as plain, reader_of(Path(plain)) as reader:
+    with (
+        _refusing_damage(path),
+        plain_name(_plain_part(path)) as plain,
+        reader_of(Path(plain)) as reader,
+    ):
         chosen = _topic_of(reader, path, topic)
         connections = [one for one in reader.connections if one.topic == chosen]
         for number, (connection, received_ns, raw) in enumerate(reader.messages(connections)):
@@ -240,6 +244,24 @@ def bag_images(path: Path, topic: str | None = None) -> Iterator[BagImage]:
             stamp = message.header.stamp
             stamp_s = stamp.sec + 1e-9 * stamp.nanosec
             yield BagImage(message, stamp_s, 1e-9 * received_ns, f"{path}: image {number}")
+
+
+def _plain_part(path: Path) -> Path:
+    """Return what to open: of a folder whose file has a name that a reader misses, that file."""
+    parts = [part for part in path.iterdir() if _is_part(part)] if path.is_dir() else []
+    misread = [part for part in parts if not is_plain(part.name)]
+    if not misread:
+        return path
+    if len(parts) > 1:
+        raise UnreadableClip(
+            f"{path}: {misread[0].name} is missed by what reads bags, expected names without #, ? "
+            f"and %; give its parts one by one, each as a recording."
+        )
+    return misread[0]
+
+
+def _is_part(path: Path) -> bool:
+    return path.suffix.lower() in BAG_SUFFIXES
 
 
 def _rosbags(path: Path) -> tuple[type[Reader | Reader1], Callable[[bytes, str], Any]]:
