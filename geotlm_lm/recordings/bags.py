@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from io import BytesIO
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,7 @@ from geotlm_lm.core.errors import GeoTLMError, MissingDependency, UnreadableClip
 from geotlm_lm.core.image_size import declared_size, is_cut_off
 from geotlm_lm.core.plain_name import is_plain, plain_name
 from geotlm_lm.recordings.decoding import AS_STORED, of_8_bits, quiet_decoders, rgb_of_8_bits
+from geotlm_lm.recordings.encodings import ENCODINGS
 from geotlm_lm.recordings.frame_times import rate_by, uneven_times_s
 from geotlm_lm.recordings.limits import (
     DECODED_FRAMES,
@@ -32,6 +34,7 @@ from geotlm_lm.recordings.limits import (
     kept_frames,
     stride_note,
 )
+from geotlm_lm.recordings.stated_shape import StatedShape, image_shape
 
 if TYPE_CHECKING:
     from rosbags.rosbag1 import Reader as Reader1
@@ -46,58 +49,6 @@ METADATA = "metadata.yaml"
 """What makes a folder a bag."""
 
 RAW, PACKED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
-
-
-@dataclass(frozen=True)
-class Encoding:
-    """How an image message holds a pixel.
-
-    Args:
-        channels: Values of one, as they are stored.
-        to_rgb: OpenCV's conversion of them to RGB; None where they are RGB.
-        bits: Of a value, 8 or 16.
-    """
-
-    channels: int
-    to_rgb: int | None
-    bits: int = 8
-
-
-def _in_8_and_16_bits(name: str, channels: int, to_rgb: int | None) -> dict[str, Encoding]:
-    return {f"{name}{bits}": Encoding(channels, to_rgb, bits) for bits in (8, 16)}
-
-
-# Named by the four pixels at the upper left, as ROS does, and not by OpenCV's older names, which
-# begin at the second row and column.
-_MOSAICS = {
-    "rggb": cv2.COLOR_BayerRGGB2RGB,
-    "bggr": cv2.COLOR_BayerBGGR2RGB,
-    "gbrg": cv2.COLOR_BayerGBRG2RGB,
-    "grbg": cv2.COLOR_BayerGRBG2RGB,
-}
-
-ENCODINGS = {
-    **_in_8_and_16_bits("rgb", 3, None),
-    **_in_8_and_16_bits("bgr", 3, cv2.COLOR_BGR2RGB),
-    **_in_8_and_16_bits("rgba", 4, cv2.COLOR_RGBA2RGB),
-    **_in_8_and_16_bits("bgra", 4, cv2.COLOR_BGRA2RGB),
-    **_in_8_and_16_bits("mono", 1, cv2.COLOR_GRAY2RGB),
-    "8UC1": Encoding(1, cv2.COLOR_GRAY2RGB),
-    "16UC1": Encoding(1, cv2.COLOR_GRAY2RGB, 16),
-    "8UC3": Encoding(3, cv2.COLOR_BGR2RGB),
-    "16UC3": Encoding(3, cv2.COLOR_BGR2RGB, 16),
-    "8UC4": Encoding(4, cv2.COLOR_BGRA2RGB),
-    "16UC4": Encoding(4, cv2.COLOR_BGRA2RGB, 16),
-    "yuv422": Encoding(2, cv2.COLOR_YUV2RGB_UYVY),
-    "uyvy": Encoding(2, cv2.COLOR_YUV2RGB_UYVY),
-    "yuv422_yuy2": Encoding(2, cv2.COLOR_YUV2RGB_YUY2),
-    "yuyv": Encoding(2, cv2.COLOR_YUV2RGB_YUY2),
-    **{
-        name: encoding
-        for order, to_rgb in _MOSAICS.items()
-        for name, encoding in _in_8_and_16_bits(f"bayer_{order}", 1, to_rgb).items()
-    },
-}
 
 UNORDERED = (
     "The encoding {} does not tell the order of colours: blue was taken to be first, as OpenCV has "
@@ -121,14 +72,23 @@ class BagImage:
     received_s: float
     name: str
 
+    @property
+    def is_packed(self) -> bool:
+        """Whether it is compressed, as JPEG or PNG."""
+        return hasattr(self.message, "format")
+
+    @property
+    def stated_shape(self) -> StatedShape:
+        """What a compressed one states about its pixels and how it is turned."""
+        return image_shape(BytesIO(self.message.data)) if self.is_packed else StatedShape()
+
     def decoded(self) -> Frames:
         """Return it as uint8 RGB, shape (rows, columns, 3).
 
         Raises:
             UnreadableClip: If it is damaged, or of an encoding that is not read.
         """
-        is_packed = hasattr(self.message, "format")
-        return _unpacked(self) if is_packed else _unpadded(self)
+        return _unpacked(self) if self.is_packed else _unpadded(self)
 
 
 def is_bag(path: Path) -> bool:
@@ -153,6 +113,7 @@ def read_bag(path: Path, topic: str | None = None) -> Clip:
         MissingDependency: If the extra `ros` is not installed.
     """
     name, kept, times_s = str(path), [], []
+    shape_notes: tuple[str, ...] = ()
     stride, seen, encoding, until = 1, 0, "", time.monotonic() + DECODING_S
     is_whole = True
     for seen, image in enumerate(bag_images(path, topic)):
@@ -164,6 +125,7 @@ def read_bag(path: Path, topic: str | None = None) -> Clip:
             continue
         encoding = getattr(image.message, "encoding", "")
         frame = image.decoded()
+        shape_notes = shape_notes if kept else image.stated_shape.notes
         if kept and frame.shape != kept[0].shape:
             raise resized(name, seen, frame.shape, kept[0].shape)
         if len(kept) >= kept_frames(*frame.shape[:2], name):
@@ -175,7 +137,7 @@ def read_bag(path: Path, topic: str | None = None) -> Clip:
     seen = len(times_s)
     times_ms, notes = _times_ms(times_s)
     fps, rate_notes = rate_by(times_ms, 0.0)
-    notes = [*notes, *rate_notes, *_colour_notes(encoding)]
+    notes = [*shape_notes, *notes, *rate_notes, *_colour_notes(encoding)]
     if stride > 1:
         notes.append(stride_note(stride, seen))
     if not is_whole:
@@ -217,7 +179,7 @@ def bag_rate(path: Path, topic: str | None = None) -> tuple[float | None, tuple[
         raise UnreadableClip(f"{path}: the topic holds no image; record it again.")
     times_ms, notes = _times_ms([(one.stamp_s, one.received_s) for one in first])
     fps, rate_notes = rate_by(times_ms, 0.0)
-    return fps, (*notes, *rate_notes)
+    return fps, (*first[0].stated_shape.notes, *notes, *rate_notes)
 
 
 def bag_images(path: Path, topic: str | None = None) -> Iterator[BagImage]:
@@ -356,7 +318,7 @@ def _unpacked(image: BagImage) -> Frames:
             f"{image.name} ({image.message.format or 'of no format'}) is cut off or is no picture, "
             f"expected jpeg or png; record it again."
         )
-    return rgb_of_8_bits([picture], image.name)[0]
+    return image.stated_shape.squared(rgb_of_8_bits([picture], image.name)[0], image.name)
 
 
 def _times_ms(times_s: list[tuple[float, float]]) -> tuple[NDArray[np.float64], list[str]]:

@@ -129,8 +129,10 @@ def image_shape(file: BinaryIO) -> StatedShape:
         if header.startswith(tuple(PREFIXES)):
             orientation, across, down = _stated_by_tiff(file, header)
         else:
+            # Looking for what is not in a PNG, Pillow decodes all of it.
+            is_stated = not header.startswith(_PNG) or b"eXIf" in file.read()
             with Image.open(file, formats=("JPEG", "PNG", "WEBP", "BMP")) as image:
-                orientation = image.getexif().get(_ORIENTATION, 1)
+                orientation = image.getexif().get(_ORIENTATION, 1) if is_stated else 1
                 info = image.info
             # PNG and JPEG may state a ratio without a unit.
             across, down = info.get("aspect") or info.get("jfif_density") or info.get("dpi", (1, 1))
@@ -152,6 +154,8 @@ def _stated_by_tiff(file: BinaryIO, header: bytes) -> tuple[int, float, float]:
     across, down = (float(directory.get(tag, 1)) for tag in (_ACROSS, _DOWN))
     return int(directory.get(_ORIENTATION, 1)), across, down
 
+
+_PNG = b"\x89PNG"
 
 _ORIENTATION, _ACROSS, _DOWN = 274, 282, 283
 """Tags of EXIF and TIFF."""

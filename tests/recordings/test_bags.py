@@ -2,14 +2,17 @@
 
 import shutil
 import sys
+from io import BytesIO
 
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
 from geotlm_lm.recordings import limits
-from geotlm_lm.recordings.bags import BAG_SUFFIXES, ENCODINGS
+from geotlm_lm.recordings.bags import BAG_SUFFIXES
+from geotlm_lm.recordings.encodings import ENCODINGS
 from geotlm_lm.recordings.every_frame import each_frame
 from geotlm_lm.recordings.listing import clips_in
 from geotlm_lm.recordings.read import read_clip
@@ -84,6 +87,23 @@ def test_compressed_images_are_decoded(tmp_path, ending, most):
     messages = [packed(frame, at, ending) for frame, at in zip(smooth, even_ns(9), strict=True)]
     clip = read_clip(write_bag(tmp_path / "run", {"/gel/compressed": messages}))
     assert np.abs(clip.frames.astype(int) - smooth).max() <= most
+
+
+def test_a_turn_that_they_state_is_applied_and_told(tmp_path):
+    exif = Image.Exif()
+    exif[274] = 3
+    messages = []
+    for frame, at in zip(FRAMES, even_ns(9), strict=True):
+        stored = BytesIO()
+        Image.fromarray(frame).save(stored, "PNG", exif=exif)
+        message = packed(frame, at)
+        message.data = np.frombuffer(stored.getvalue(), np.uint8)
+        messages.append(message)
+    path = write_bag(tmp_path / "run", {TOPIC: messages})
+    clip = read_clip(path)
+    assert np.array_equal(clip.frames, FRAMES[:, ::-1, ::-1])
+    assert clip.notes[0].startswith("Pictures were turned by 180 degrees")
+    assert open_source(str(path)).notes == clip.notes[:1]
 
 
 def test_times_are_those_of_the_headers(tmp_path):
