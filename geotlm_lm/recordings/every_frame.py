@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
+import numpy as np
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.recordings.bags import bag_images, is_bag
@@ -27,7 +28,7 @@ def each_frame(
         topic: Likewise.
     """
     numbers, path = clip.frame_numbers, Path(clip.name)
-    is_whole = len(numbers) < 2 or numbers[1] - numbers[0] == 1
+    is_whole = len(numbers) < 2 or np.diff(numbers).min() == 1
     if not is_whole and path.suffix.lower() in VIDEO_SUFFIXES:
         frames = _of_video(path)
     elif not is_whole and is_bag(path):

@@ -16,6 +16,7 @@ from geotlm_lm.recordings.arrays import (
 )
 from geotlm_lm.recordings.bags import BAG_SUFFIXES, is_bag, read_bag
 from geotlm_lm.recordings.images import IMAGE_SUFFIXES, read_folder, read_still_image
+from geotlm_lm.recordings.legible import without_damaged
 from geotlm_lm.recordings.pixel_shape import with_pixel_shape
 from geotlm_lm.recordings.pixels import Order, check_layout, parts_of
 from geotlm_lm.recordings.span import require_motion
@@ -75,8 +76,11 @@ def read_clip(
     checked = check_layout(layout)
     require_rate(fps)
     clip = _read(path, checked, topic)
-    if checked is not None and path.suffix.lower() not in ARRAY_SUFFIXES:
-        clip = clip.with_note(f"The layout {checked} is not used: only arrays have one to tell.")
+    if path.suffix.lower() not in ARRAY_SUFFIXES:
+        clip = without_damaged(clip)
+        if checked is not None:
+            note = f"The layout {checked} is not used: only arrays have one to tell."
+            clip = clip.with_note(note)
     if topic is not None and not is_bag(path):
         clip = clip.with_note(f"The topic {topic} is not used: only bags have topics.")
     require_motion(clip)

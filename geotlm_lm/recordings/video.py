@@ -10,7 +10,8 @@ import numpy as np
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.frame_times import cut_off_note, rate_by, uneven_times_s
+from geotlm_lm.recordings.containers import WHOLE_SHARE, cut_off_note, declared_end
+from geotlm_lm.recordings.frame_times import length_s, rate_by, uneven_times_s
 from geotlm_lm.recordings.limits import (
     DECODED_FRAMES,
     DECODING_S,
@@ -28,9 +29,6 @@ LOSSY_SUFFIXES = (".mp4", ".m4v", ".webm", GIF)
 2.1, FFV1 none; VP8 and VP9 2.3, where mp4v costs 2.4 (measured, of another clip); the 256 colours
 of a GIF 2.3."""
 
-COUNTING_SUFFIXES = (".mp4", ".m4v", ".mov", ".avi")
-"""Containers whose headers say how many frames there are; of .mkv OpenCV guesses it."""
-
 
 def read_video(path: Path) -> Clip:
     """Return the clip in a video file.
@@ -44,15 +42,15 @@ def read_video(path: Path) -> Clip:
         told = float(capture.get(cv2.CAP_PROP_FPS))
         declared = float(capture.get(cv2.CAP_PROP_FRAME_COUNT))
     if not frames:
-        raise UnreadableClip(
-            f"{path}: no frame of it can be decoded, expected a {', '.join(VIDEO_SUFFIXES)} video; "
-            f"copy or export it again."
-        )
+        raise undecoded(path)
     seen, suffix = len(times_ms), path.suffix.lower()
     fps, notes = rate_by(times_ms, told)
     notes = (*capture.notes, *notes)
-    if is_whole and suffix in COUNTING_SUFFIXES:
-        notes = (*notes, *cut_off_note(times_ms, declared, told))
+    if is_whole:
+        # Of a container that declares no duration OpenCV guesses the count by its size.
+        declared_s = declared / told if told > 0 and seen < WHOLE_SHARE * declared else None
+        cut_off = cut_off_note(path, seen, length_s(times_ms), declared_s)
+        notes = notes if cut_off is None else (*notes, cut_off)
     if suffix in LOSSY_SUFFIXES:
         notes = (
             *notes,
@@ -71,6 +69,21 @@ def read_video(path: Path) -> Clip:
         recorded_frames=seen,
         notes=notes,
         times_s=uneven_times_s(times_ms, fps),
+    )
+
+
+def undecoded(path: Path) -> UnreadableClip:
+    """Return the error of a video of which no frame can be decoded."""
+    end = declared_end(path)
+    if end is not None and end.declared_bytes is not None and end.note() is not None:
+        share = end.present_bytes / end.declared_bytes
+        return UnreadableClip(
+            f"{path}: only {share:.0%} of the file is there, cut off before its index; copy or "
+            f"record it again."
+        )
+    return UnreadableClip(
+        f"{path}: no frame of it can be decoded, expected a {', '.join(VIDEO_SUFFIXES)} video; "
+        f"copy or export it again."
     )
 
 

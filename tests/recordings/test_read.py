@@ -161,21 +161,6 @@ def test_images_of_every_lossless_kind_come_back_as_they_were(tmp_path, suffix):
     assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
 
 
-@pytest.mark.parametrize(
-    "names",
-    [
-        [f"t{index}.png" for index in range(-2, 3)],
-        ["-10.png", "-9.png", "-1.png", "0.png", "2.png"],
-        ["frame-1.png", "frame-2.png", "frame-9.png", "frame-10.png", "frame-11.png"],
-        ["2023-12-31.png", "2024-01-02.png", "2024-01-10.png", "2024-02-01.png", "2024-11-01.png"],
-        ["a-1.png", "a-2.png", "b1.png", "b2.png", "b10.png"],
-    ],
-)
-def test_a_minus_is_a_sign_where_names_without_one_lie_beside_it(tmp_path, names):
-    write_images(tmp_path, names=names)
-    assert np.array_equal(read_clip(tmp_path).frames, FRAMES)
-
-
 @pytest.mark.parametrize("kind", ["folder", "video"])
 def test_a_layout_is_said_not_to_be_used_where_there_is_none(tmp_path, kind):
     path = tmp_path / ("clip" if kind == "folder" else "clip.avi")
