@@ -84,7 +84,7 @@ def video_file(path: Path) -> Iterator[VideoFile]:
             return
         capture: Capture = opened.enter_context(quiet_capture(path, cv2.CAP_FFMPEG))
         if _is_undecoded_av1(capture, path):
-            capture = opened.enter_context(_av_capture(path))
+            capture = opened.enter_context(_av_capture(path)) or capture
         yield VideoFile(capture, str(path))
 
 
@@ -116,7 +116,8 @@ def _is_undecoded_av1(capture: cv2.VideoCapture, path: Path) -> bool:
 
 
 @contextmanager
-def _av_capture(path: Path) -> Iterator[Capture]:
+def _av_capture(path: Path) -> Iterator[Capture | None]:
+    """Open an AV1 video; None where it is too damaged for that."""
     if find_spec("av") is None:
         raise MissingDependency(
             f"{path}: is AV1 video, which is read with av, which is not installed; run "
@@ -124,8 +125,15 @@ def _av_capture(path: Path) -> Iterator[Capture]:
         )
     import av
 
-    with plain_name(path) as plain, av.open(plain) as container:
-        yield _AvCapture(container)
+    with ExitStack() as opened:
+        plain = opened.enter_context(plain_name(path))
+        try:
+            # Titles and tags need not be UTF-8, and are not asked for.
+            container = opened.enter_context(av.open(plain, metadata_errors="replace"))
+            capture = _AvCapture(container)
+        except (av.FFmpegError, IndexError):  # IndexError: there is no picture in it
+            capture = None
+        yield capture
 
 
 class _AvCapture:

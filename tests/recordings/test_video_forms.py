@@ -100,6 +100,14 @@ def test_av1_that_is_cut_off_is_refused(tmp_path):
         read_clip(path)
 
 
+def test_tags_of_av1_that_are_no_text_do_no_harm(tmp_path):
+    path = write_av(tmp_path / "clip.mkv", CORNERED)
+    stored = path.read_bytes()
+    path.write_bytes(stored.replace(b"ENCODER", b"ENCOD\x95R"))
+    assert path.read_bytes() != stored
+    assert len(read_clip(path)) == len(CORNERED)
+
+
 def test_without_its_decoder_the_extra_is_named(tmp_path, monkeypatch):
     path = write_av(tmp_path / "clip.mp4", CORNERED)
     for name in [name for name in sys.modules if name.partition(".")[0] == "av"]:
