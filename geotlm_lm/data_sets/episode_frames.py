@@ -117,7 +117,7 @@ def _video_frames(path: Path, times_s: NDArray[np.float64], off_s: float) -> Ite
     wanted = iter(times_s)
     time_s = next(wanted)
     try:
-        with av.open(str(path)) as container:
+        with av.open(str(path), metadata_errors="replace") as container:
             stream = container.streams.video[0]
             stream.codec_context.thread_count = 1  # processes share the work instead
             # A frame earlier: rounded up it would lead to the key frame behind.

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geotlm_lm.core.atomic import write_text_atomically
+from geotlm_lm.core.plain_name import plain_name
 from geotlm_lm.data_sets.lerobot import EPISODES, INFO, STATISTICS, LeRobotDataSet
 from geotlm_lm.data_sets.motion_columns import Values, features_of, statistics_of
 
@@ -102,10 +103,10 @@ def _write_rows(source: Path, target: Path, labels: Labels) -> None:
     from pyarrow import parquet
 
     target.parent.mkdir(parents=True, exist_ok=True)
-    with parquet.ParquetFile(source) as file:
+    with plain_name(source) as plain, parquet.ParquetFile(plain) as file:
         added = [pyarrow.field(name, pyarrow.float32()) for name in labels.names]
         schema = pyarrow.schema([*file.schema_arrow, *added], file.schema_arrow.metadata)
-        with parquet.ParquetWriter(target, schema) as writer:
+        with plain_name(target) as written, parquet.ParquetWriter(written, schema) as writer:
             for group in range(file.num_row_groups):
                 table = file.read_row_group(group)
                 for number, name in enumerate(labels.names):
@@ -130,7 +131,7 @@ def _write_episodes(source: Path, target: Path, labels: Labels) -> None:
     from pyarrow import parquet
 
     target.parent.mkdir(parents=True, exist_ok=True)
-    with parquet.ParquetFile(source) as file:
+    with plain_name(source) as plain, parquet.ParquetFile(plain) as file:
         table = file.read()
     if any(name.startswith("stats/") for name in table.column_names):
         episodes = table["episode_index"].to_pylist()
@@ -140,7 +141,8 @@ def _write_episodes(source: Path, target: Path, labels: Labels) -> None:
                 whole = pyarrow.int64() if kind == "count" else pyarrow.float64()
                 cells = pyarrow.array([one[kind] for one in told], pyarrow.list_(whole))
                 table = table.append_column(f"stats/{name}/{kind}", cells)
-    parquet.write_table(table, target)
+    with plain_name(target) as plain:
+        parquet.write_table(table, plain)
 
 
 def _write_statistics(source: Path, target: Path, labels: Labels) -> None:
@@ -162,4 +164,5 @@ def _write_events(path: Path, labels: Labels) -> None:
     about = {"geotlm_lm": json.dumps(labels.made_by)}
     table = pyarrow.Table.from_pylist(list(labels.events), pyarrow.schema(fields, about))
     path.parent.mkdir(parents=True, exist_ok=True)
-    parquet.write_table(table, path)
+    with plain_name(path) as plain:
+        parquet.write_table(table, plain)

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip, UsageError, first_line
+from geotlm_lm.core.plain_name import plain_name
 
 if TYPE_CHECKING:
     import pyarrow
@@ -182,7 +183,7 @@ def read_table(path: Path, columns: list[str] | None = None) -> pyarrow.Table:
 
     try:
         # ParquetFile: read_table would look for columns in the names of the folders too.
-        with pyarrow.parquet.ParquetFile(path) as file:
+        with plain_name(path) as plain, pyarrow.parquet.ParquetFile(plain) as file:
             found = file.read(columns=columns)
     except (OSError, pyarrow.ArrowException) as error:
         raise UnreadableClip(

@@ -17,6 +17,7 @@ from geotlm_lm.core.image_size import declared_size, is_cut_off, page_sizes
 from geotlm_lm.recordings.decoding import AS_STORED, quiet_decoders, rgb_of_8_bits
 from geotlm_lm.recordings.frame_order import FrameOrder, frame_order
 from geotlm_lm.recordings.limits import kept_frames, stride_for, stride_note
+from geotlm_lm.recordings.stated_shape import StatedShape, image_shape
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 
@@ -39,18 +40,20 @@ def read_folder(folder: Path) -> Clip:
             f"{folder}: the folder holds {_held_instead(folder)}, expected "
             f"{', '.join(IMAGE_SUFFIXES)}; give the folder the frames lie in, or convert them."
         )
-    first = read_still_image(paths[0])
+    first, shape = _read_image(paths[0])
     stride = stride_for(len(paths), *first.shape[:2], str(paths[0]))
-    frames = [first]
+    frames, stated = [first], dict.fromkeys(shape.notes)
     for path in paths[stride::stride]:
-        frame = read_still_image(path)
+        frame, shape = _read_image(path)
+        stated |= dict.fromkeys(shape.notes)
         if frame.shape != first.shape:
             raise UnreadableClip(
                 f"{path}: is {frame.shape[1]}x{frame.shape[0]} pixels, {paths[0].name} is "
                 f"{first.shape[1]}x{first.shape[0]}; keep frames of one recording in the folder."
             )
         frames.append(frame)
-    notes = (f"{len(paths)} images were read in natural order of their names.", *images.order.notes)
+    order_note = f"{len(paths)} images were read in natural order of their names."
+    notes = (order_note, *images.order.notes, *stated)
     if stride > 1:
         notes = (*notes, stride_note(stride, len(paths)))
     if images.masks:
@@ -118,6 +121,11 @@ def read_still_image(path: Path) -> Frames:
     Raises:
         UnreadableClip: If it is no image, several, too large a one, or none of 8 or 16 bits.
     """
+    return _read_image(path)[0]
+
+
+def _read_image(path: Path) -> tuple[Frames, StatedShape]:
+    """Return an image with square pixels, and what its file states of their shape."""
     try:
         stored = path.read_bytes()
     except OSError as error:
@@ -142,7 +150,8 @@ def read_still_image(path: Path) -> Frames:
             f"{path}: is cut off or is no image, expected {', '.join(IMAGE_SUFFIXES)}; "
             f"copy or record it again."
         )
-    return rgb_of_8_bits([image], str(path))[0]
+    shape = image_shape(BytesIO(stored))
+    return shape.squared(rgb_of_8_bits([image], str(path))[0], str(path)), shape
 
 
 def listed(folder: Path) -> list[Path]:

@@ -41,8 +41,9 @@ def read_clip(
     """Return the recording at `path`, of any length from 2 frames.
 
     Args:
-        path: A .npy or .npz array, a .mp4, .m4v, .avi, .mov, .mkv or .webm video, a .tif of several
-            pages, a .mcap or .db3 bag of ROS 2 or its folder, or a folder of images.
+        path: A .npy or .npz array, a .mp4, .m4v, .avi, .mov, .mkv, .webm or .gif video, a .tif of
+            several pages, a .mcap or .db3 bag of ROS 2 or its folder, a .bag of ROS 1, or a folder
+            of images.
         layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); "BGR", or "THWC-BGR", where its
             colours are in OpenCV's order, those of a background in an array as well; None to guess
             axes and take colours for RGB. Of anything else it is not used, and a note says so.
@@ -55,7 +56,8 @@ def read_clip(
 
     Raises:
         UnreadableClip: If a file is missing, damaged, or holds no clip, in one sentence.
-        MissingDependency: If it is a bag and the extra `ros` is not installed.
+        MissingDependency: If it is a bag and the extra `ros` is not installed, or AV1 video and the
+            extra `lerobot` is not.
         UsageError: If the layout or the frame rate makes no sense.
         TypeError: If `path` or `background` is none, such as an array, the frame rate is no number,
             or the layout no text.
@@ -117,7 +119,7 @@ def read_background(path: str | Path, order: Order = "RGB") -> Frames:
         UnreadableClip: If the file is missing or holds no single image.
     """
     path = _given(path, "an image's")
-    _require_file(path, "an image")
+    require_file(path, "an image")
     if path.suffix.lower() == ".npy":
         return read_still_array(path, order)
     if path.suffix.lower() in IMAGE_SUFFIXES:
@@ -137,7 +139,7 @@ def _given(path: str | PathLike[str], wanted: str) -> Path:
 def _read(path: Path, layout: str | None, topic: str | None) -> Clip:
     if _require_there(path).is_dir():
         return read_bag(path, topic) if is_bag(path) else read_folder(path)
-    _require_file(path)
+    require_file(path)
     suffix = path.suffix.lower()
     if suffix == ".npy":
         return read_array(path, layout)
@@ -171,7 +173,12 @@ def _require_there(path: Path) -> Path:
     return path
 
 
-def _require_file(path: Path, wanted: str = "a recording") -> None:
+def require_file(path: Path, wanted: str = "a recording") -> None:
+    """Refuse what is no file that can be read.
+
+    Raises:
+        UnreadableClip: If it is missing, empty, no regular file, or cannot be opened.
+    """
     if not _require_there(path).is_file():
         raise UnreadableClip(f"{path}: is not a regular file; give {wanted}.")
     if path.stat().st_size == 0:
