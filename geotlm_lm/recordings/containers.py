@@ -114,7 +114,7 @@ def _duration_s(file: BinaryIO, begin: int, size: int) -> float | None:
                 value = file.read(min(count or 0, 8))
                 if field == _TICK_NS:
                     tick_ns = int.from_bytes(value, "big")
-                elif field == _DURATION:
+                elif field == _DURATION and len(value) in (4, 8):
                     [ticks] = struct.unpack(">f" if len(value) == 4 else ">d", value)
             return 1e-9 * tick_ns * ticks if ticks else None
         if element == _CLUSTER:
