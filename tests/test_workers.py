@@ -18,7 +18,7 @@ def test_parts_are_done_in_this_process_by_one_worker():
 
 def test_all_usable_cores_work_unless_told_otherwise(monkeypatch):
     asked = []
-    monkeypatch.setattr(local_pool, "each_done", lambda work, parts, count: asked.append(count))
+    monkeypatch.setattr(local_pool, "each_done", lambda *given, is_here: asked.append(given[2]))
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 2, 5}, raising=False)
     Workers().each_done(abs, [1])
     Workers(2).each_done(abs, [1])

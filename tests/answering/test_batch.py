@@ -52,7 +52,7 @@ def sent_answerer():
 class Sending:
     """Works here with what other processes would be sent."""
 
-    def each_done(self, work, parts, seen):
+    def each_done(self, work, parts, **_):
         return map(pickle.loads(pickle.dumps(work)), pickle.loads(pickle.dumps(parts)))
 
 

@@ -6,6 +6,7 @@ import pytest
 from geotlm_lm.answering.loaded import loaded
 from geotlm_lm.cli.batch import read_questions
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.workers import ALONE
 from tests.answering.scripted import feeling, recording
 from tests.cli.running import run
 from tests.data_sets.lerobot_files import CAMERA, OTHER, turned, write_data_set
@@ -25,6 +26,7 @@ def invoke(capsys, tmp_path, monkeypatch):
         return answerer
 
     monkeypatch.setattr("geotlm_lm.answering.Answerer.load", load)
+    monkeypatch.setattr("geotlm_lm.cli.batch.Workers", lambda *_: ALONE)
     loaded.cache_clear()
     named = {"--clips": "clips", "--questions": "questions.txt", "--out": "deep/answers.jsonl"}
     places = [word for name, path in named.items() for word in (name, tmp_path / path)]
