@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -151,6 +152,8 @@ def filming(path: Path, fps: float) -> Iterator[Callable[[Frames], None]]:
     def write(image: Frames) -> None:
         nonlocal writer, written
         if writer is None:
+            # Read when the codecs are first used: what they say is told in one sentence here.
+            os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
             size = (image.shape[1], image.shape[0])
             writer = cv2.VideoWriter(str(part), cv2.VideoWriter_fourcc(*"mp4v"), fps, size)
             if not writer.isOpened():

@@ -180,7 +180,7 @@ def test_each_episode_of_a_data_set_is_asked_about(invoke, tmp_path, robot):
     assert (code, told) == (0, f"{tmp_path}/deep/answers.jsonl: 6 rows, 2 of them errors\n")
     rows = written(tmp_path)
     assert [row["clip"] for row in rows[::2]] == [f"episode-00000{n}" for n in range(3)]
-    assert [row["answer"]["direction"] for row in rows[:4:2]] == ["clockwise", "counterclockwise"]
+    assert [row["answer"]["direction"] for row in rows[:4:2]] == ["up", "up"]
     assert "cannot be decoded" in rows[4]["error"]
 
 
