@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import base64
 import json
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlencode
 
-from geotlm_lm import Exported, GeoTLMError, __version__, write_plot
+from geotlm_lm import Exported, GeoTLMError, __version__, plot_png
 
 from .error_display import gradio
 
@@ -116,14 +115,10 @@ def saved(kind: str, shown: LoadedClip | None, name: str, example: str | None) -
 def _track(shown: LoadedClip, ending: str, name: str) -> bytes:
     exported = Exported(shown.encoded.track, shown.session.frame.mm_per_px)
     clip = shown.encoded.recording
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"track.{ending}"
-        if ending == "png":
-            write_plot(path, exported, in_frames=not clip.is_timed)
-        else:
-            made_by = {"program": f"geotlm-lm {__version__}", "recording": name, "fps": clip.fps}
-            exported.save(path, made_by)
-        return path.read_bytes()
+    if ending == "png":
+        return plot_png(exported, in_frames=not clip.is_timed)
+    made_by = {"program": f"geotlm-lm {__version__}", "recording": name, "fps": clip.fps}
+    return exported.content(f".{ending}", made_by)
 
 
 def _talk(shown: LoadedClip, ending: str) -> bytes:

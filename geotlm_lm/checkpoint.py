@@ -17,13 +17,13 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load_file, save
 from torch import Tensor
 
 from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.vit import ViT, ViTConfig
-from geotlm_lm.core.atomic import write_text_atomically
+from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import IncompatibleBundle, first_line
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.resources import resource_dir
@@ -161,12 +161,11 @@ def save_bundle(folder: Path, bundle: Bundle) -> None:
         for name, value in state.items()
     }
     stored = {name: value.half().contiguous() for name, value in tensors.items()}
-    save_file(stored, folder / PERCEPTION_FILE, metadata={"format": str(BUNDLE_FORMAT)})
+    with replacing(folder / PERCEPTION_FILE) as stream:
+        stream.write(save(stored, metadata={"format": str(BUNDLE_FORMAT)}))
     bundle.speaker.save(folder / LANGUAGE_DIR)
     bundle.reader.save(folder / READER_DIR)
     bundle.grammar.save(folder / GRAMMAR_FILE)
-    for path in folder.rglob("*.safetensors"):
-        path.chmod(0o644)  # safetensors writes for the owner's eyes only
     config = {
         "format": BUNDLE_FORMAT,
         "backbone": asdict(model.backbone.vit.config),

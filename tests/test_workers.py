@@ -1,6 +1,9 @@
 """Who does the parts of a run: as many processes as asked for, else one per core."""
 
+import multiprocessing
+import os
 import pickle
+import signal
 import socket
 
 import pytest
@@ -18,7 +21,7 @@ def test_parts_are_done_in_this_process_by_one_worker():
 
 def test_all_usable_cores_work_unless_told_otherwise(monkeypatch):
     asked = []
-    monkeypatch.setattr(local_pool, "each_done", lambda work, parts, count: asked.append(count))
+    monkeypatch.setattr(local_pool, "each_done", lambda *given, is_here: asked.append(given[2]))
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0, 2, 5}, raising=False)
     Workers().each_done(abs, [1])
     Workers(2).each_done(abs, [1])
@@ -26,6 +29,32 @@ def test_all_usable_cores_work_unless_told_otherwise(monkeypatch):
     monkeypatch.setattr("os.cpu_count", lambda: 7)
     Workers().each_done(abs, [1])
     assert asked == [3, 2, 7]
+
+
+def halved(number):
+    if number == 1:
+        os.kill(os.getpid(), signal.SIGSEGV)  # as a broken decoder
+    return number // 2
+
+
+def end_once(path):
+    if not path.exists():
+        path.touch()
+        os.kill(os.getpid(), signal.SIGKILL)  # as the system, for want of memory
+    return path.name
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a process is ended there in other ways")
+def test_a_part_that_ends_its_process_is_lost_alone_though_one_works():
+    done = list(Workers(1).each_done(halved, [0, 1, 2], lost=str))
+    assert done == [0, 1, "1"]
+    assert multiprocessing.active_children() == []
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a process is ended there in other ways")
+def test_a_part_that_was_only_beside_another_is_done_again(tmp_path):
+    parts = [tmp_path / "a", tmp_path / "b"]
+    assert sorted(Workers(2).each_done(end_once, parts)) == ["a", "b"]
 
 
 def test_a_cluster_without_ray_is_told_before_any_work(monkeypatch):

@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.schema import answer_schema
-from geotlm_lm.core.atomic import only_writer, replacing
+from geotlm_lm.core.atomic import append_text, only_writer, replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.workers import ALONE, Workers
+from geotlm_lm.workers import ALONE, LOST, Workers
 
 if TYPE_CHECKING:
     from geotlm_lm.answering.answerer import Answerer
@@ -86,7 +86,8 @@ def answer_all(
 
     A row holds clip, question, answer (as in the published schema) and error; of the last two one
     is null. A clip that cannot be read, or a question that cannot be asked, gives rows with the
-    error's one sentence. A run that was stopped continues with the clips that it had not done.
+    error's one sentence; so does one that ends the process which reads it, but for `ALONE`, where
+    that is this process. A run that was stopped continues with the clips that it had not done.
 
     Args:
         load: Returns the model, the same object every time; each process asks its own.
@@ -101,7 +102,8 @@ def answer_all(
         UsageError: If an unfinished run of other clips, questions, frame or reading, or of
             another model or version, lies beside `out`, or a file that is none, or if another
             process is at it.
-        GeoTLMError: If a worker was killed.
+        Unwritten: If the rows cannot be written.
+        GeoTLMError: If no worker can be started.
         ValueError: If there is no question.
     """
     if not questions:
@@ -116,16 +118,15 @@ def answer_all(
             )
         there = _resumable(part, settings)
         if not there:
-            part.write_text(f"{json.dumps(settings)}\n", encoding="utf-8")
+            write_text_atomically(part, f"{json.dumps(settings)}\n")
         work = partial(_numbered_rows, load, questions, frame)
+        lost = partial(_lost_rows, questions)
         missing = [(number, clip) for number, clip in enumerate(clips) if number not in there]
         seen = sorted({clip.seen_at for _, clip in missing})
-        with part.open("a", encoding="utf-8") as stream:
-            each = workers.each_done(work, missing, seen=seen)
-            for done, told in enumerate(each, len(there) + 1):
-                stream.write(f"{json.dumps(told)}\n")
-                stream.flush()
-                progress(done, len(clips))
+        each = workers.each_done(work, missing, seen=seen, lost=lost)
+        for done, told in enumerate(each, len(there) + 1):
+            append_text(part, f"{json.dumps(told)}\n")
+            progress(done, len(clips))
         errors = _replace_output(part, out)
     return BatchResult(len(clips) * len(questions), errors, len(there) * len(questions))
 
@@ -139,6 +140,13 @@ def _numbered_rows(
     """Return what a run keeps of one clip."""
     number, clip = numbered
     return {"clip": number, "rows": list(rows_of(load(), clip, questions, frame))}
+
+
+def _lost_rows(questions: Sequence[str], numbered: tuple[int, Source]) -> dict[str, Any]:
+    """Return what a run keeps of a clip that ends the process which asks about it."""
+    number, clip = numbered
+    row = {"clip": clip.name, "answer": None, "error": f"{clip.name}: {LOST}"}
+    return {"clip": number, "rows": [row | {"question": question} for question in questions]}
 
 
 def _replace_output(part: Path, out: Path) -> int:

@@ -40,6 +40,10 @@ class UsageError(GeoTLMError):
     exit_code = 2
 
 
+class Unwritten(UsageError):
+    """A file cannot be written: the disk is full, or nothing may be written there."""
+
+
 class UnreadableClip(GeoTLMError):
     """A file is missing, is not a recording, or holds no usable frames."""
 

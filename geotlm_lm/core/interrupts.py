@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from multiprocessing import active_children, parent_process
-from multiprocessing.process import BaseProcess
 
 
 @contextmanager
@@ -45,32 +42,3 @@ def children_without_interrupts() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
-
-
-@contextmanager
-def children_killed_on_error() -> Iterator[Callable[[], None]]:
-    """End the processes started inside at once if the block is broken off.
-
-    Yields what a block that lets others work in between calls once its own are started: processes
-    that these others start are theirs.
-    """
-    before = set(active_children())
-    own: list[set[BaseProcess]] = []
-
-    def all_started() -> None:
-        own.append(set(active_children()) - before)
-
-    try:
-        yield all_started
-    except BaseException:
-        alive = set(active_children())
-        for child in alive & own[0] if own else alive - before:
-            child.terminate()
-        raise
-
-
-def end_if_orphaned() -> None:
-    """End this worker process if its parent was killed: a pool's workers would wait for ever."""
-    parent = parent_process()
-    if parent is not None and not parent.is_alive():
-        os._exit(1)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm.core.atomic import write_text_atomically
+from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.plain_name import plain_name
 from geotlm_lm.data_sets.lerobot import EPISODES, INFO, STATISTICS, LeRobotDataSet
 from geotlm_lm.data_sets.motion_columns import Values, features_of, statistics_of
@@ -34,6 +34,10 @@ _EVENT_TYPES = {
     "unit": "string",
     "probability": "float64",
 }
+
+
+COPIED_BYTES = 2**20
+"""Of a file at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,15 +90,16 @@ def _copy_others(root: Path, out: Path, but: set[str]) -> None:
         name = path.relative_to(root)
         if str(name) in but or not path.is_file() or any(one[0] == "." for one in name.parts):
             continue
-        (out / name).parent.mkdir(parents=True, exist_ok=True)
         source = path.resolve()  # a downloaded set's files are links into a cache
         if path.suffix == ".mp4":
             try:
+                (out / name).parent.mkdir(parents=True, exist_ok=True)
                 os.link(source, out / name)
                 continue
             except OSError:  # on another disk, or where links are not possible
                 pass
-        shutil.copyfile(source, out / name)
+        with source.open("rb") as original, replacing(out / name) as copy:
+            shutil.copyfileobj(original, copy, COPIED_BYTES)
 
 
 def _write_rows(source: Path, target: Path, labels: Labels) -> None:
@@ -102,11 +107,14 @@ def _write_rows(source: Path, target: Path, labels: Labels) -> None:
     import pyarrow
     from pyarrow import parquet
 
-    target.parent.mkdir(parents=True, exist_ok=True)
-    with plain_name(source) as plain, parquet.ParquetFile(plain) as file:
+    with (
+        plain_name(source) as plain,
+        parquet.ParquetFile(plain) as file,
+        replacing(target) as stream,
+    ):
         added = [pyarrow.field(name, pyarrow.float32()) for name in labels.names]
         schema = pyarrow.schema([*file.schema_arrow, *added], file.schema_arrow.metadata)
-        with plain_name(target) as written, parquet.ParquetWriter(written, schema) as writer:
+        with parquet.ParquetWriter(stream, schema) as writer:
             for group in range(file.num_row_groups):
                 table = file.read_row_group(group)
                 for number, name in enumerate(labels.names):
@@ -130,7 +138,6 @@ def _write_episodes(source: Path, target: Path, labels: Labels) -> None:
     import pyarrow
     from pyarrow import parquet
 
-    target.parent.mkdir(parents=True, exist_ok=True)
     with plain_name(source) as plain, parquet.ParquetFile(plain) as file:
         table = file.read()
     if any(name.startswith("stats/") for name in table.column_names):
@@ -141,8 +148,8 @@ def _write_episodes(source: Path, target: Path, labels: Labels) -> None:
                 whole = pyarrow.int64() if kind == "count" else pyarrow.float64()
                 cells = pyarrow.array([one[kind] for one in told], pyarrow.list_(whole))
                 table = table.append_column(f"stats/{name}/{kind}", cells)
-    with plain_name(target) as plain:
-        parquet.write_table(table, plain)
+    with replacing(target) as stream:
+        parquet.write_table(table, stream)
 
 
 def _write_statistics(source: Path, target: Path, labels: Labels) -> None:
@@ -163,6 +170,5 @@ def _write_events(path: Path, labels: Labels) -> None:
     ]
     about = {"geotlm_lm": json.dumps(labels.made_by)}
     table = pyarrow.Table.from_pylist(list(labels.events), pyarrow.schema(fields, about))
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with plain_name(path) as plain:
-        parquet.write_table(table, plain)
+    with replacing(path) as stream:
+        parquet.write_table(table, stream)

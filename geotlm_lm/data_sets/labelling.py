@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import shutil
 import zipfile
 from dataclasses import dataclass, replace
@@ -20,7 +19,12 @@ import numpy as np
 
 from geotlm_lm import __version__
 from geotlm_lm.answering.loaded import loaded
-from geotlm_lm.core.atomic import only_writer, replacing, write_text_atomically
+from geotlm_lm.core.atomic import (
+    move_into_place,
+    only_writer,
+    replacing,
+    write_text_atomically,
+)
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.interrupts import uninterrupted_step
 from geotlm_lm.core.progress import Progress, silent
@@ -37,7 +41,7 @@ from geotlm_lm.data_sets.motion_columns import (
 from geotlm_lm.recordings.legible import require_any_legible
 from geotlm_lm.recordings.pixel_shape import with_square_pixels
 from geotlm_lm.track.export import Exported
-from geotlm_lm.workers import ALONE, Workers
+from geotlm_lm.workers import ALONE, LOST, Workers
 
 SETTINGS = "settings.json"
 
@@ -98,14 +102,16 @@ def label_data_set(
     Args:
         labelling: What is labelled, and how.
         out: Folder of the new data set.
-        workers: Who tracks; the result does not depend on it.
+        workers: Who tracks; the result does not depend on it. An episode that ends the process
+            which tracks it gets no labels, but for `ALONE`, where that is this process.
         progress: Told how many episodes are done.
 
     Raises:
         UnreadableClip: If the data set cannot be read.
         UsageError: If there is no such camera, if the data set is labelled already, if `out` holds
             something, or if an unfinished run of something else lies beside it.
-        GeoTLMError: If a worker was killed.
+        Unwritten: If it cannot be written.
+        GeoTLMError: If no worker can be started.
     """
     data_set = read_data_set(labelling.root)
     data_set.require_camera(labelling.camera)
@@ -128,13 +134,14 @@ def label_data_set(
         continued = done = len(files) - len(missing)
         # Without its episodes: each part has its own alone.
         work = partial(_label_episode, labelling, replace(data_set, episodes=()))
+        lost = partial(_label_lost, data_set.root)
         seen = [data_set.root / INFO, part / SETTINGS]
-        for _ in workers.each_done(work, missing, seen=seen):
+        for _ in workers.each_done(work, missing, seen=seen, lost=lost):
             done += 1
             progress("labelled", done, len(files))
         result = _assemble(data_set, labelling, files, settings, part / "data_set")
         with uninterrupted_step():
-            os.replace(part / "data_set", out)
+            move_into_place(part / "data_set", out)
             shutil.rmtree(part)
     return LabelResult(len(files), result[0], result[1], continued, result[2])
 
@@ -202,16 +209,27 @@ def _label_episode(labelling: Labelling, data_set: LeRobotDataSet, part: _Part) 
     episode = part.episode
     if _kept(part.file, episode) is not None:
         return episode.index
-    told: dict[str, Any] = {"events": [], "notes": [], "refused": None}
     try:
         exported = _tracked(data_set, episode, labelling)
-        values = motion_values(exported, episode.length)
-        told |= {name: exported.to_dict()[name] for name in ("events", "notes")}
     except UnreadableClip as error:
-        values, told["refused"] = unknown_values(episode.length), str(error)
+        return _keep(part, unknown_values(episode.length), refused=str(error))
+    told = {name: exported.to_dict()[name] for name in ("events", "notes")}
+    return _keep(part, motion_values(exported, episode.length), **told)
+
+
+def _label_lost(root: Path, part: _Part) -> int:
+    """Keep no labels of an episode that ends the process which tracks it."""
+    values = unknown_values(part.episode.length)
+    return _keep(part, values, refused=f"{root} episode {part.episode.index}: {LOST}")
+
+
+def _keep(
+    part: _Part, values: Values, *, events: Any = (), notes: Any = (), refused: str | None = None
+) -> int:
+    told = json.dumps({"events": list(events), "notes": list(notes), "refused": refused})
     with uninterrupted_step(), replacing(part.file) as stream:
-        np.savez(stream, values=values, told=np.array(json.dumps(told)))
-    return episode.index
+        np.savez(stream, values=values, told=np.array(told))
+    return part.episode.index
 
 
 def _tracked(data_set: LeRobotDataSet, episode: Episode, labelling: Labelling) -> Exported:

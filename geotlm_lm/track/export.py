@@ -184,12 +184,17 @@ class Exported:
 
         Raises:
             MissingDependency: If the package that writes it is not installed.
+            Unwritten: If the file cannot be written.
         """
-        require_packages(path)
-        writers = {".csv": self._csv, ".parquet": self._parquet, ".json": self._json}
-        content = writers[path.suffix](made_by)
+        content = self.content(path.suffix, made_by)
         with replacing(path) as stream:
             stream.write(content)
+
+    def content(self, ending: str, made_by: dict[str, Any]) -> bytes:
+        """Return what `save` writes to a file of this ending; its arguments, and errors."""
+        require_packages(Path(f"table{ending}"))
+        writers = {".csv": self._csv, ".parquet": self._parquet, ".json": self._json}
+        return writers[ending](made_by)
 
     def _csv(self, _: dict[str, Any]) -> bytes:
         rows, text = list(self.rows()), io.StringIO(newline="")

@@ -11,8 +11,9 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from geotlm_lm.core.atomic import replacing_by_name
 from geotlm_lm.core.clip import Frames
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.errors import Unwritten
 from geotlm_lm.core.geometry import filled_size
 from geotlm_lm.core.plain_name import plain_name
 from geotlm_lm.recordings.video_file import quiet_capture
@@ -45,7 +46,7 @@ def write_film(
         fps: Frames per second of the video.
 
     Raises:
-        UsageError: If the file cannot be written, or not whole.
+        Unwritten: If the file cannot be written, or not whole.
     """
     track, units = exported.track, exported.units
     places = {int(number): place for place, number in enumerate(track.numbers)}
@@ -144,39 +145,35 @@ def filming(path: Path, fps: float) -> Iterator[Callable[[Frames], None]]:
         fps: Frames per second of the video.
 
     Raises:
-        UsageError: If the file cannot be written, or not whole.
+        Unwritten: If the file cannot be written, or not whole.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)  # a video's writer makes no folder
-    part = path.with_name(f".{path.stem}.{os.getpid()}-{os.urandom(4).hex()}.mp4")
     writer: cv2.VideoWriter | None = None
     written = 0
 
     def write(image: Frames) -> None:
         nonlocal writer, written
         if writer is None:
+            # Read when the codecs are first used: what they say is told in one sentence here.
+            os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
             size = (image.shape[1], image.shape[0])
             plain = opened.enter_context(plain_name(part))
             writer = cv2.VideoWriter(plain, cv2.VideoWriter_fourcc(*"mp4v"), fps, size)
             if not writer.isOpened():
-                raise UsageError(f"{path} cannot be written as video; give another name.")
+                raise Unwritten(f"{path} cannot be written as video; give another name.")
         writer.write(cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
         written += 1
 
-    opened = ExitStack()
-    try:
+    with ExitStack() as opened, replacing_by_name(path) as part:
         yield write
         if writer is None:
+            part.unlink()
             return
         writer.release()
         if not _is_whole(part, written):
-            raise UsageError(
+            raise Unwritten(
                 f"{path} could not be written whole; free some room on the disk, or give a name on "
                 f"another one."
             )
-        part.replace(path)
-    finally:
-        opened.close()
-        part.unlink(missing_ok=True)
 
 
 def _is_whole(path: Path, written: int) -> bool:

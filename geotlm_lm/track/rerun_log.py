@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 import os
+import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
+from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.geometry import filled_size
-from geotlm_lm.core.plain_name import plain_name
 from geotlm_lm.recordings.every_frame import each_frame
 from geotlm_lm.track.amounts import SPAN_DEVIATIONS, Floats
 from geotlm_lm.track.events import Event
@@ -24,6 +25,11 @@ APPLICATION = "geotlm_lm"
 
 JPEG_QUALITY = 95
 """Of the frames: a recording of a minute then takes 20 MB instead of 300."""
+
+DESCRIPTORS = Path("/dev/fd")
+"""Where a pipe has a name; on Windows, which has none, a recording is kept in memory."""
+
+PIPE_BYTES = 2**20
 
 HAND_SHARE = 0.2
 """Length of the hand that shows the turn, of the image's height."""
@@ -40,23 +46,55 @@ def rerun_recording(path: Path) -> Iterator[Any]:
 
     Raises:
         MissingDependency: If Rerun is not installed.
+        Unwritten: If the file cannot be written.
     """
     require_packages(path)
     import rerun
 
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f".{path.stem}.{os.getpid()}-{os.urandom(4).hex()}.rrd")
     stream = rerun.RecordingStream(APPLICATION)
-    try:
-        with plain_name(part) as plain:
-            stream.save(plain, default_blueprint=_views())
+    with replacing(path) as file:
+        if not DESCRIPTORS.is_dir():
+            memory = stream.memory_recording()
+            stream.send_blueprint(_views())
             yield stream
-            stream.flush()
-            stream.disconnect()
-        part.replace(path)
+            file.write(memory.drain_as_bytes())
+            return
+        with _drained_into(file) as name:
+            stream.save(name, default_blueprint=_views())
+            try:
+                yield stream
+            finally:
+                stream.disconnect()
+
+
+@contextmanager
+def _drained_into(file: IO[bytes]) -> Iterator[str]:
+    """Yield the name of a pipe whose content goes into a file; it takes all, whatever that takes.
+
+    Rerun's own thread, once its file cannot be written, has whoever flushes it wait for ever.
+    """
+    reads, writes = os.pipe()
+    failures: list[OSError] = []
+
+    def drain() -> None:
+        while content := os.read(reads, PIPE_BYTES):
+            if failures:
+                continue
+            try:
+                file.write(content)
+            except OSError as error:
+                failures.append(error)
+
+    draining = threading.Thread(target=drain, daemon=True)
+    draining.start()
+    try:
+        yield str(DESCRIPTORS / str(writes))
     finally:
-        stream.disconnect()
-        part.unlink(missing_ok=True)
+        os.close(writes)  # Rerun has opened its own end, and closed it
+        draining.join()
+        os.close(reads)
+    if failures:
+        raise failures[0]
 
 
 def log_clip(stream: Any, clip: Clip) -> None:

@@ -21,7 +21,7 @@ from torch import Tensor
 from geotlm_lm.backbone.motions import MOTIONS_SHAPE
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM, measure_clip
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.core.atomic import write_text_atomically
+from geotlm_lm.core.atomic import append_text, reserve, write_text_atomically
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import GRID_SIDE, TIME_BIN_COUNT
 from geotlm_lm.core.labels import MotionLabel
@@ -84,16 +84,14 @@ def encode_examples(
     about = folder / f"{wanted.stage}.jsonl"
     lines = _finished(about)
     arrays = _arrays(encoder, folder, wanted, is_new=not lines)
-    with about.open("a") as stream:
-        for batch in _batches(wanted, seed, len(lines)):
-            rows = slice(len(lines), len(lines) + len(batch))
-            _write(encoder, batch, arrays, rows)
-            # The label comes last: a clip is finished once it is there.
-            new = [json.dumps([name, one.label.to_dict()]) for name, one in batch]
-            stream.write("".join(f"{line}\n" for line in new))
-            stream.flush()
-            lines += new
-            progress(f"encode {wanted.stage}", len(lines), wanted.count)
+    for batch in _batches(wanted, seed, len(lines)):
+        rows = slice(len(lines), len(lines) + len(batch))
+        _write(encoder, batch, arrays, rows)
+        # The label comes last: a clip is finished once it is there.
+        new = [json.dumps([name, one.label.to_dict()]) for name, one in batch]
+        append_text(about, "".join(f"{line}\n" for line in new))
+        lines += new
+        progress(f"encode {wanted.stage}", len(lines), wanted.count)
     return _read(folder, wanted, [json.loads(line) for line in lines[: wanted.count]])
 
 
@@ -152,12 +150,19 @@ def _arrays(
     inputs = (TIME_BIN_COUNT, GRID_SIDE, GRID_SIDE, PATCH_INPUT_DIM)
     each = ((encoder.width,), encoder.patch_shape, inputs, MOTIONS_SHAPE)
     shapes = [(wanted.count, *one) for one in each]
+    kinds = (np.float32, *[np.float16] * 3)
     return tuple(
-        open_memmap(path, "w+", kind, shape) if is_new else open_memmap(path, "r+")
-        for path, kind, shape in zip(
-            _paths(folder, wanted), (np.float32, *[np.float16] * 3), shapes, strict=True
-        )
+        _array(path, kind, shape, is_new=is_new)
+        for path, kind, shape in zip(_paths(folder, wanted), kinds, shapes, strict=True)
     )
+
+
+def _array(path: Path, kind: type, shape: tuple[int, ...], *, is_new: bool) -> NDArray:
+    if not is_new:
+        return open_memmap(path, "r+")
+    array = open_memmap(path, "w+", kind, shape)
+    reserve(path)  # a mapped part for which there is no room ends the process
+    return array
 
 
 def _read(folder: Path, wanted: ExampleSet, about: list) -> EncodedClips:

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,16 +17,11 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.interrupts import (
-    children_killed_on_error,
-    children_without_interrupts,
-    end_if_orphaned,
-    uninterrupted_step,
-)
+from geotlm_lm.core.interrupts import uninterrupted_step
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.seeding import generator_for
-from geotlm_lm.core.threads import one_thread_in_children
+from geotlm_lm.local_pool import each_done
 from geotlm_lm.training.recording_forms import RecordedForm, as_recorded, bin_means, truth_in_view
 from geotlm_lm.training.stored_rows import StoredPart, StoredRows
 
@@ -159,14 +152,9 @@ def simulate_examples(
         return
     folder.mkdir(parents=True, exist_ok=True)
     done = chunk_count - len(jobs)
-    # Spawned, not forked: a forked child may inherit locked thread pools.
-    pool = ProcessPoolExecutor(max(workers, 1), mp_context=get_context("spawn"))
-    with pool, children_killed_on_error():
-        with children_without_interrupts(), one_thread_in_children():
-            written = pool.map(_write_chunk, jobs)
-        for _ in written:
-            done += 1
-            progress(f"simulate chunks of {CHUNK_CLIPS}", done, chunk_count)
+    for _ in each_done(_write_chunk, jobs, workers):
+        done += 1
+        progress(f"simulate chunks of {CHUNK_CLIPS}", done, chunk_count)
 
 
 def read_examples(folder: Path, *wanted: ExampleSet) -> Examples:
@@ -202,11 +190,6 @@ def _refuse_strangers(folder: Path, wanted: ExampleSet, objects: Sequence[str]) 
 
 
 def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
-    import cv2
-    import torch
-
-    torch.set_num_threads(1)
-    cv2.setNumThreads(1)
     path, wanted, chunk, seed = job
     first = chunk * CHUNK_CLIPS
     stage_seed = int(generator_for(seed, "examples", wanted.stage).integers(2**62))
@@ -219,7 +202,6 @@ def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
         for name, values in zip(_ARRAYS, _example(recorded), strict=True):
             arrays[name].append(values)
         about.append([simulated.object_name, recorded.label.to_dict()])
-        end_if_orphaned()
     stacked = {name: np.stack(values).astype(np.float16) for name, values in arrays.items()}
     with (
         uninterrupted_step(),

@@ -1,7 +1,9 @@
 """Rows for every clip and question, whatever happens on the way."""
 
 import json
+import os
 import pickle
+import signal
 
 import numpy as np
 import pytest
@@ -16,8 +18,10 @@ from geotlm_lm.data_sets.lerobot import read_data_set
 from geotlm_lm.data_sets.stored_episode import every_episode
 from geotlm_lm.recordings import listing
 from geotlm_lm.recordings.stored import StoredRecording
+from geotlm_lm.workers import LOST, Workers
 from tests.answering.scripted import feeling, recording
 from tests.data_sets.lerobot_files import CAMERA, turned, write_data_set
+from tests.tiny_bundle import tiny_bundle
 
 QUESTIONS = ["Which way?", "backwards > way"]
 
@@ -52,7 +56,7 @@ def sent_answerer():
 class Sending:
     """Works here with what other processes would be sent."""
 
-    def each_done(self, work, parts, seen):
+    def each_done(self, work, parts, **_):
         return map(pickle.loads(pickle.dumps(work)), pickle.loads(pickle.dumps(parts)))
 
 
@@ -80,6 +84,32 @@ def test_other_processes_can_be_sent_the_work(bundle, clips, tmp_path, monkeypat
     out = tmp_path / "answers.jsonl"
     result = answer_all(sent_answerer, clips_in(clips), QUESTIONS, out, workers=Sending())
     assert (result.rows, result.errors) == (6, 2)
+
+
+class Deadly(StoredRecording):
+    """A recording whose decoder ends the process."""
+
+    def read(self):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+def tiny_answerer():
+    return feeling(tiny_bundle(), "left")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a process is ended there in other ways")
+def test_a_recording_that_ends_its_process_has_rows_that_say_so_and_is_not_begun_again(
+    clips, tmp_path
+):
+    found, out = clips_in(clips), tmp_path / "answers.jsonl"
+    found[1] = Deadly(found[1].path)
+    with pytest.raises(Stopped):  # even where the run is stopped before it has its file
+        answer_all(tiny_answerer, found, QUESTIONS, out, workers=Workers(1), progress=stop_after(3))
+    result = answer_all(tiny_answerer, found, QUESTIONS, out)
+    assert (result.rows, result.errors, result.continued) == (6, 2, 6)
+    rows = rows_in(out)
+    assert [row["clip"] for row in rows if row["error"]] == ["b.npy", "b.npy"]
+    assert rows[2]["error"] == f"b.npy: {LOST}"
 
 
 def test_a_question_that_cannot_be_asked_spoils_its_own_row_only(bundle, clips, tmp_path):

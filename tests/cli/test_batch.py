@@ -6,6 +6,7 @@ import pytest
 from geotlm_lm.answering.loaded import loaded
 from geotlm_lm.cli.batch import read_questions
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.workers import ALONE
 from tests.answering.scripted import feeling, recording
 from tests.cli.running import run
 from tests.data_sets.lerobot_files import CAMERA, OTHER, turned, write_data_set
@@ -25,6 +26,7 @@ def invoke(capsys, tmp_path, monkeypatch):
         return answerer
 
     monkeypatch.setattr("geotlm_lm.answering.Answerer.load", load)
+    monkeypatch.setattr("geotlm_lm.cli.batch.Workers", lambda *_: ALONE)
     loaded.cache_clear()
     named = {"--clips": "clips", "--questions": "questions.txt", "--out": "deep/answers.jsonl"}
     places = [word for name, path in named.items() for word in (name, tmp_path / path)]
@@ -179,7 +181,7 @@ def test_each_episode_of_a_data_set_is_asked_about(invoke, tmp_path, robot):
     assert (code, told) == (0, f"{tmp_path}/deep/answers.jsonl: 6 rows, 2 of them errors\n")
     rows = written(tmp_path)
     assert [row["clip"] for row in rows[::2]] == [f"episode-00000{n}" for n in range(3)]
-    assert [row["answer"]["direction"] for row in rows[:4:2]] == ["clockwise", "counterclockwise"]
+    assert [row["answer"]["direction"] for row in rows[:4:2]] == ["up", "up"]
     assert "cannot be decoded" in rows[4]["error"]
 
 

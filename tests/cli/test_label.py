@@ -7,6 +7,7 @@ import pytest
 
 from geotlm_lm.answering.loaded import loaded
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.workers import ALONE
 from tests.cli import running
 from tests.cli.recorded_touch import Measuring
 from tests.data_sets.lerobot_files import CAMERA, FPS, OTHER, turned, write_data_set
@@ -20,6 +21,7 @@ CLIP = turned(20)
 @pytest.fixture(autouse=True)
 def without_model(monkeypatch):
     monkeypatch.setattr("geotlm_lm.answering.Answerer.load", lambda *_, **__: Measuring())
+    monkeypatch.setattr("geotlm_lm.cli.label.Workers", lambda *_: ALONE)
     loaded.cache_clear()
     yield
     loaded.cache_clear()

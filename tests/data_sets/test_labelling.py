@@ -4,6 +4,10 @@ A tracker that measures stands in for the model, but where processes start their
 """
 
 import json
+import multiprocessing
+import os
+import signal
+from dataclasses import fields
 from types import SimpleNamespace
 
 import cv2
@@ -12,14 +16,15 @@ import pytest
 
 from geotlm_lm.answering.loaded import loaded
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.errors import Unwritten, UsageError
 from geotlm_lm.data_sets import labelling as labelling_module
 from geotlm_lm.data_sets.labelling import Labelling, label_data_set
-from geotlm_lm.data_sets.lerobot import read_data_set
+from geotlm_lm.data_sets.lerobot import LeRobotDataSet, read_data_set
 from geotlm_lm.recordings import limits
 from geotlm_lm.track.tracker import Tracker, track_of
-from geotlm_lm.workers import Workers
+from geotlm_lm.workers import LOST, Workers
 from tests.data_sets.lerobot_files import CAMERA, FPS, KINDS, turned, write_data_set
+from tests.full_disk import full_disk
 from tests.track import stream as simulated
 
 parquet = pytest.importorskip("pyarrow.parquet", reason="needs pyarrow, of the extra lerobot")
@@ -263,6 +268,42 @@ def test_as_many_processes_as_there_are_write_the_same_bytes(root, tmp_path, ans
     for workers in (1, 2):
         label_data_set(Labelling(root, CAMERA), tmp_path / f"by{workers}", workers=Workers(workers))
     assert files_of(tmp_path / "by1") == files_of(tmp_path / "by2")
+
+
+class Deadly(LeRobotDataSet):
+    """A data set whose second episode ends the process that decodes it."""
+
+    def video_of(self, episode, camera):
+        if episode.index == 1 and multiprocessing.parent_process():
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().video_of(episode, camera)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="a process is ended there in other ways")
+def test_an_episode_that_ends_its_process_has_no_labels_and_the_others_have(
+    root, tmp_path, answerer, monkeypatch
+):
+    def deadly(folder):
+        found = read_data_set(folder)
+        return Deadly(**{one.name: getattr(found, one.name) for one in fields(found)})
+
+    monkeypatch.setattr(labelling_module, "read_data_set", deadly)
+    result = label_data_set(Labelling(root, CAMERA), tmp_path / "out", workers=Workers(1))
+    assert result.refused == {1: f"{root} episode 1: {LOST}"}
+    known = [row["episode_index"] for row in rows(tmp_path / "out") if row[NAMES[0]] is not None]
+    assert result.episodes == 3
+    assert {0, 2} <= set(known)
+
+
+@pytest.mark.parametrize("room", [600, 4000])
+def test_a_full_disk_is_told_by_the_file_that_is_written(root, tmp_path, without_model, room):
+    out = tmp_path / "out"
+    label_data_set(Labelling(root, CAMERA), tmp_path / "enough")
+    with full_disk(room), pytest.raises(Unwritten, match=rf"^{out}\.part/.*: cannot be written"):
+        label_data_set(Labelling(root, CAMERA), out)
+    assert not out.exists()
+    label_data_set(Labelling(root, CAMERA), out)
+    assert files_of(out) == files_of(tmp_path / "enough")
 
 
 def test_rerun_reads_the_new_data_set_as_one_of_version_3(root, tmp_path, without_model):

@@ -11,14 +11,11 @@ from geotlm_lm.simulation.simulate import simulate
 from geotlm_lm.training import examples, recording_forms
 from geotlm_lm.training.examples import ExampleSet, read_examples, simulate_examples
 from geotlm_lm.training.recording_forms import _frame_order, mirrored
-from tests.training.in_process import InProcess
 
 
 @pytest.fixture
 def _small_chunks(monkeypatch):
     monkeypatch.setattr(examples, "CHUNK_CLIPS", 4)
-    # Worker processes would import the module afresh, with its own chunk size.
-    monkeypatch.setattr(examples, "ProcessPoolExecutor", InProcess)
 
 
 def made_in(folder):

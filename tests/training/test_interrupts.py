@@ -8,6 +8,11 @@ import time
 
 import pytest
 
+from tests.process_groups import in_proc, members
+
+WITH_WORKERS = 4
+"""The command, what tracks its resources, and two workers."""
+
 SIMULATE = """
 import sys
 from pathlib import Path
@@ -28,14 +33,13 @@ def simulating(tmp_path):
         text=True,
         start_new_session=True,
     )
-    wait_until(lambda: (tmp_path / "ready").exists())
-    time.sleep(2.0)
+    wait_until(lambda: (tmp_path / "ready").exists() and members(run.pid) >= WITH_WORKERS)
     yield run
     if is_alive(run.pid):
         os.killpg(run.pid, signal.SIGKILL)
 
 
-@pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
+@in_proc
 def test_ctrl_c_while_simulating_ends_everything_with_one_sentence(simulating, tmp_path):
     os.killpg(simulating.pid, signal.SIGINT)  # as a terminal does: to every process
     out, err = simulating.communicate(timeout=20)
@@ -48,7 +52,7 @@ def test_ctrl_c_while_simulating_ends_everything_with_one_sentence(simulating, t
     wait_until(lambda: not is_alive(simulating.pid))  # no worker is left behind
 
 
-@pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
+@in_proc
 def test_workers_end_when_their_parent_is_killed(simulating):
     simulating.kill()
     simulating.communicate(timeout=60)  # returns once no worker holds its end of the pipes

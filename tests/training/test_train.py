@@ -26,7 +26,6 @@ from geotlm_lm.training.examples import read_examples
 from geotlm_lm.training.language import LanguageTraining
 from geotlm_lm.training.reading import ReadingTraining
 from geotlm_lm.training.run_folder import example_sets
-from tests.training.in_process import InProcess
 
 TINY = replace(
     config.SMOKE,
@@ -58,7 +57,6 @@ def _tiny():
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(config.PRESETS, "tiny", TINY)
         patch.setattr(examples, "CHUNK_CLIPS", 20)
-        patch.setattr(examples, "ProcessPoolExecutor", InProcess)
         patch.setattr(train, "LanguageTraining", partial(LanguageTraining, size=SMALL))
         patch.setattr(train, "ReadingTraining", partial(ReadingTraining, **READER))
         patch.setattr(train, "corpus", lambda split: corpus(split)[:20])
