@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from .limits import MESSAGE_BYTES, MIB
-from .own_names import App, Message, Receive, Send
+from .own_names import App, Message, Receive, Send, refuse
 
 UPLOAD_ROUTE = "/upload"
 """End of the address that recordings are sent to, which has a limit of its own."""
 
-REFUSED = f"A message may be {MESSAGE_BYTES // MIB} MiB long; upload the recording instead.\n"
+REFUSED = f"A message may be {MESSAGE_BYTES // MIB} MiB long; upload the recording instead."
 
 
 class MessageLimit:
@@ -29,9 +29,7 @@ class MessageLimit:
             return
         declared = [value for name, value in scope["headers"] if name == b"content-length"]
         if any(not one.isdigit() or int(one) > self._most for one in declared):
-            headers = [(b"content-type", b"text/plain; charset=utf-8"), (b"connection", b"close")]
-            await send({"type": "http.response.start", "status": 413, "headers": headers})
-            await send({"type": "http.response.body", "body": REFUSED.encode()})
+            await refuse(send, 413, REFUSED)
             return
         await self._app(scope, self._counted(receive), send)
 
