@@ -113,7 +113,7 @@ def read_background(path: str | Path, order: Order = "RGB") -> Frames:
         UnreadableClip: If the file is missing or holds no single image.
     """
     path = _given(path, "an image's")
-    _require_file(path, "an image")
+    require_file(path, "an image")
     if path.suffix.lower() == ".npy":
         return read_still_array(path, order)
     if path.suffix.lower() in IMAGE_SUFFIXES:
@@ -131,9 +131,9 @@ def _given(path: str | PathLike[str], wanted: str) -> Path:
 
 
 def _read(path: Path, layout: str | None, topic: str | None) -> Clip:
-    if _require_there(path).is_dir():
+    if require_there(path).is_dir():
         return read_bag(path, topic) if is_bag(path) else read_folder(path)
-    _require_file(path)
+    require_file(path)
     suffix = path.suffix.lower()
     if suffix == ".npy":
         return read_array(path, layout)
@@ -157,7 +157,12 @@ def _read(path: Path, layout: str | None, topic: str | None) -> Clip:
     )
 
 
-def _require_there(path: Path) -> Path:
+def require_there(path: Path) -> Path:
+    """Return a path that leads somewhere.
+
+    Raises:
+        UnreadableClip: If it leads nowhere.
+    """
     try:
         is_there = path.exists()
     except OSError as error:  # no right to look into a folder above it, or too long a name
@@ -167,8 +172,13 @@ def _require_there(path: Path) -> Path:
     return path
 
 
-def _require_file(path: Path, wanted: str = "a recording") -> None:
-    if not _require_there(path).is_file():
+def require_file(path: Path, wanted: str = "a recording") -> None:
+    """Refuse what is no file, is empty, or may not be opened.
+
+    Raises:
+        UnreadableClip: If it is so.
+    """
+    if not require_there(path).is_file():
         raise UnreadableClip(f"{path}: is not a regular file; give {wanted}.")
     if path.stat().st_size == 0:
         raise UnreadableClip(f"{path}: is empty (0 bytes); copy or record it again.")
