@@ -25,6 +25,7 @@ _HOME_OF = {
     "Seen": "geotlm_lm.views.pictures",
     "Session": "geotlm_lm.answering",
     "TRUE_DISPLACEMENT": "geotlm_lm.views.pictures",
+    "StuckPicture": "geotlm_lm.recordings.stuck",
     "Touch": "geotlm_lm.simulation.touch",
     "Tracker": "geotlm_lm.track.tracker",
     "Units": "geotlm_lm.track.export",

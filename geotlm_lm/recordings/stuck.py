@@ -13,10 +13,15 @@ EVERY_PX = 8
 
 
 class StuckPicture:
-    """Notices that frames are all the same, or black, for some time."""
+    """Notices that frames are all the same, or black, for some time.
+
+    Attributes:
+        note: What was last told of it; empty once there is something to be seen again.
+    """
 
     def __init__(self) -> None:
         self._before: Frames | None = None
+        self.note = ""
         self._kind, self._since_s, self._moments_s = "", 0.0, rising_s()
         self._due_s = next(self._moments_s)
 
@@ -32,12 +37,14 @@ class StuckPicture:
         kind = "black" if seen.max() <= DARK_GREY else "all the same" if is_same else ""
         self._before = seen
         if kind != self._kind or not kind:
-            self._kind, self._since_s, self._moments_s = kind, time_s, rising_s()
+            self.note, self._kind = "", kind
+            self._since_s, self._moments_s = time_s, rising_s()
             self._due_s = next(self._moments_s)
         if not kind or time_s - self._since_s < self._due_s:
             return ""
         told_s, self._due_s = self._due_s, next(self._moments_s)
-        return (
+        self.note = (
             f"The camera's frames have been {kind} for {told_s:g} s; check its cable and the "
             f"sensor's lights."
         )
+        return self.note
