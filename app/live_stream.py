@@ -11,6 +11,7 @@ import numpy as np
 
 from geotlm_lm import Clip, GeoTLMError, StuckPicture, Units, camera_size, change_map
 
+from .budget import WORKING
 from .clip_loading import Image, LoadedClip, perceive
 from .stage import jpeg_address
 from .timeline import Axis, now_at, timeline_of
@@ -58,6 +59,7 @@ class LiveStream:
     def __init__(
         self, answerer: Answerer, name: str, shape: Sequence[int], *, is_camera: bool = False
     ) -> None:
+        WORKING.take(KEPT_BYTES).keep_with(self)
         self.name, self.shape, self.is_camera = name, tuple(shape), is_camera
         self.key, self.count, self.is_over = secrets.token_hex(4), 0, False
         self._answerer, self._tracker = answerer, answerer.tracker()

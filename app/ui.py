@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .agents import PATH, AgentServer, require_mcp
+from .budget import keep_messages_counted
+from .busy_status import BusyStatus
 from .error_display import MODEL_LINE, gradio, tell_progress
 from .limits import AT_ONCE, QUEUE, UPLOAD_BYTES
 from .message_limit import MessageLimit
@@ -120,6 +122,7 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         Middleware(OwnNamesOnly, names=names),
         Middleware(NoAddresses),
         Middleware(MessageLimit),
+        Middleware(BusyStatus, agents=f"/{PATH}"),
     ]
     served: dict[str, Any] = {"middleware": guards}
     if mcp:
@@ -128,6 +131,7 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         served |= {"routes": [Route(f"/{PATH}", agents)], "lifespan": agents.lifespan}
     page.queue(max_size=QUEUE)
     keep_session_order(page._queue, MODEL_LINE)
+    keep_messages_counted(page._queue)
     app, address, _ = page.launch(
         server_name=HOST,
         server_port=port,

@@ -76,8 +76,7 @@ class Recording:
             self.notes = self._clip.notes
             told = self._clip.fps or 0.0
         self._recorded_fps, self.is_rate_assumed = _rate(fps, told)
-        is_streamed = self._is_video or self._is_bag
-        kept = (0, 1) if is_streamed else self._clip.frame_numbers
+        kept = (0, 1) if is_streamed(path) else self._clip.frame_numbers
         self.fps = self._recorded_fps / (kept[1] - kept[0])
 
     def __iter__(self) -> Iterator[StreamFrame]:
@@ -235,6 +234,11 @@ def open_source(
         return Camera(name, fps, patience)
     recording = Recording(Path(name), fps, layout, square_pixels, topic)
     return RealTimePlayback(recording) if at_its_rate else recording
+
+
+def is_streamed(path: str | Path) -> bool:
+    """Tell whether a recording is decoded frame by frame as it is played, and never held whole."""
+    return Path(path).suffix.lower() in VIDEO_SUFFIXES or is_bag(Path(path))
 
 
 def _rate(given: float | None, told: float) -> tuple[float, bool]:
