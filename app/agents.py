@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm import GeoTLMError, __version__
 from geotlm_lm.core.errors import MissingDependency
 
+from .budget import STATUS, Busy
 from .limits import AT_ONCE, MESSAGE_BYTES, NAME_CHARACTERS, SENTENCE
 from .tools import Tool
 from .turns import LISTENER, TOLD_EVERY_S
@@ -116,7 +117,8 @@ def server_of(tools: list[Tool]) -> Server:
             result = await _heard(run, server.request_context)
         except GeoTLMError as error:
             told = [types.TextContent(type="text", text=str(error))]
-            return types.CallToolResult(content=told, isError=True)
+            about = {"_meta": {"status": STATUS}} if isinstance(error, Busy) else {}
+            return types.CallToolResult(content=told, isError=True, **about)
         return types.CallToolResult(content=_content(result), structuredContent=result)
 
     return server

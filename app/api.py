@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
-from geotlm_lm import Exported, GeoTLMError, picture, plot_png
+from geotlm_lm import Exported, picture, plot_png
 
 from . import handlers
 from . import parameters as p
@@ -208,14 +208,7 @@ class Api:
             track = self._answerer.track(opened.recording)
         if frames is None:
             return opened.recording, track
-        try:
-            return opened.recording, track.between(*frames)
-        except ValueError as error:
-            first, last = track.numbers[0], track.numbers[-1]
-            raise GeoTLMError(
-                f"Frames {frames[0]}:{frames[1]} were asked for, expected FIRST < LAST within "
-                f"{first}:{last}; give frame numbers inside the recording."
-            ) from error
+        return opened.recording, track.between(*frames)
 
 
 def _sheet(shown: LoadedClip, view: str) -> bytes:

@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,9 +19,12 @@ from geotlm_lm import (
     IMAGE_SUFFIXES,
     GeoTLMError,
     Seen,
+    declared_bytes,
     read_clip,
     second_opinions,
 )
+
+from .budget import WORKING
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -105,6 +109,8 @@ def with_clip_name(folder: str | Path) -> Iterator[None]:
         yield
     except GeoTLMError as error:
         sentence = str(error).replace(f"{folder}/", "").replace(str(folder), "the images")
+        if sentence == str(error):
+            raise
         raise type(error)(_advised(sentence)) from error
 
 
@@ -176,18 +182,21 @@ def read_named(path: str | list[str], topic: str | None = None) -> Any:
         topic: As `load_clip` has it.
 
     Raises:
-        GeoTLMError: If it cannot be read.
+        GeoTLMError: If it cannot be read, or others' recordings take the memory.
     """
     paths = [path] if isinstance(path, str) else list(path)
     if len(paths) == 1:
-        with with_clip_name(Path(paths[0]).parent):
-            return _named(read_clip(paths[0], topic=topic), Path(paths[0]).name)
+        path = Path(paths[0])
+        with with_clip_name(path.parent):
+            read = partial(read_clip, path, topic=topic)
+            return _named(WORKING.read(declared_bytes(path), read), path.name)
     if not all(_is_image(one) for one in paths):
         raise GeoTLMError("Several recordings were given; give one, or the images of one.")
     with tempfile.TemporaryDirectory() as folder, with_clip_name(folder):
         for one in paths:
             shutil.copy(one, Path(folder) / Path(one).name)
-        return _named(read_clip(folder), "the images")
+        read = partial(read_clip, folder)
+        return _named(WORKING.read(declared_bytes(Path(folder)), read), "the images")
 
 
 def _named(clip: Any, name: str) -> Any:

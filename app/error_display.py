@@ -12,6 +12,7 @@ from typing import Any
 from geotlm_lm import GeoTLMError
 from geotlm_lm.core.errors import MissingDependency
 
+from .budget import TITLE, Busy
 from .limits import AT_ONCE
 from .turns import LISTENER
 
@@ -63,7 +64,8 @@ def with_errors_shown(function: Callable[..., Any], *, is_page: bool = True) -> 
 def _shown(error: GeoTLMError, is_page: bool) -> Exception:
     # A recording's name is part of the sentence, and anybody may have chosen it.
     sentence = escape(str(error), quote=False) if is_page else str(error)
-    return gradio().Error(sentence, print_exception=False)
+    title = {"title": TITLE} if isinstance(error, Busy) else {}
+    return gradio().Error(sentence, print_exception=False, **title)
 
 
 MARKUP = re.compile(r"[!-,./:-@\[-`{-~]")

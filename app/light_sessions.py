@@ -12,6 +12,10 @@ from typing import Any
 
 from gradio.state_holder import SessionState, StateHolder
 
+from .budget import WORKING
+from .clip_loading import LoadedClip
+from .live_session import LiveSession
+
 
 class LightSessions(StateHolder):
     """Holds the sessions of a page.
@@ -23,6 +27,19 @@ class LightSessions(StateHolder):
     def __init__(self, page: Any) -> None:
         super().__init__()
         self.set_blocks(page)
+        WORKING.may_let_go(self)
+
+    def let_go(self) -> bool:
+        """Close what the visitor has open who was away longest; tell whether anybody had."""
+        for session in list(self.session_data.values()):
+            for key, value in list(session.state_data.items()):
+                if isinstance(value, LoadedClip):
+                    session.state_data.pop(key, None)
+                    return True
+                if isinstance(value, LiveSession) and value.stream is not None:
+                    value.stream = None
+                    return True
+        return False
 
     def __getitem__(self, session_id: str) -> SessionState:
         """Return a session; one that is not known yet is begun."""

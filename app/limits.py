@@ -25,6 +25,10 @@ TOPIC_CHARACTERS = 200
 LISTED = 1000
 """Recordings of the folder that are listed."""
 
+BUDGET_BYTES = 2048 * MIB
+"""Of all recordings and messages that are in memory at once: those that are worked on, those that
+visitors have open, and those that stay open; what is only kept goes first."""
+
 EVENTS, ROWS = 200, 500
 """Events and frames that a tool tells of a track at most."""
 
@@ -45,6 +49,7 @@ SENTENCE = (
     f"{UPLOAD_BYTES // MIB} MiB, a recording inside a message {INLINE_BYTES // MIB} MiB; "
     f"of a recording as many frames are read as fit {UPLOAD_BYTES // MIB} MiB (2,300 of 320 x 240 "
     f"pixels), evenly spread if it has more; a tool tells {EVENTS} events and {ROWS} frames at "
-    f"most; {AT_ONCE} requests are worked on at once and {QUEUE} wait."
+    f"most; {AT_ONCE} requests are worked on at once and {QUEUE} wait, as far as their recordings "
+    f"fit into {BUDGET_BYTES // MIB} MiB together; one more is refused (HTTP status 429)."
 )
 """The limits as people read them, on the page, by the tools and in the documentation."""

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from geotlm_lm import FrameSpec, GeoTLMError, open_source
+from geotlm_lm import FrameSpec, GeoTLMError, declared_bytes, is_streamed, open_source
 
+from .budget import WORKING
 from .clip_loading import Image, with_clip_name
 from .facts import frame_preview
 from .filling import COMPLAINT, Filled
@@ -79,7 +80,9 @@ def watch_recording(answerer: Answerer, path: str | None, live: LiveSession) -> 
         raise GeoTLMError("No recording was given; upload one first.")
     live.stream = None
     yield NOTHING  # what was said of the stream before
-    with with_clip_name(Path(path).parent):
+    # A video or a bag is decoded as it is watched, anything else is read whole before.
+    size_bytes = 0 if is_streamed(path) else 2 * declared_bytes(Path(path))
+    with WORKING.held(size_bytes), with_clip_name(Path(path).parent):
         source = iter(open_source(path))
         first = next(source)
         stream = LiveStream(answerer, Path(path).name, first.image.shape)

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm import Clip, GeoTLMError, Units, camera_size, change_map
+from geotlm_lm import Clip, GeoTLMError, StuckPicture, Units, camera_size, change_map
 
+from .budget import WORKING
 from .clip_loading import Image, LoadedClip, perceive
 from .stage import jpeg_address
 from .timeline import Axis, now_at, timeline_of
@@ -58,11 +59,12 @@ class LiveStream:
     def __init__(
         self, answerer: Answerer, name: str, shape: Sequence[int], *, is_camera: bool = False
     ) -> None:
+        WORKING.take(KEPT_BYTES).keep_with(self)
         self.name, self.shape, self.is_camera = name, tuple(shape), is_camera
         self.key, self.count, self.is_over = secrets.token_hex(4), 0, False
         self._answerer, self._tracker = answerer, answerer.tracker()
         self._kept: list[tuple[int, Image]] = []
-        self._apart = 1
+        self._apart, self._stuck = 1, StuckPicture()
         self._now_s = self._idle_sent_s = -np.inf
         self._shown: tuple[tuple[int, bool], LoadedClip] | None = None
         self._talk: LoadedClip | None = None
@@ -71,6 +73,8 @@ class LiveStream:
         """Take in the next frame, as `Tracker.feed`, and return the events that are over."""
         number = self.count if number is None else number
         events = self._tracker.feed(frame, time_s, number)
+        if self.is_camera:
+            self._stuck.after(frame, time_s)
         if self.count % self._apart == 0:
             self._kept.append((number, frame))
             if len(self._kept) > LEAST_KEPT and len(self._kept) * frame.nbytes > KEPT_BYTES:
@@ -113,7 +117,7 @@ class LiveStream:
             "timeline": timeline,
             "picture": None if frame is None else self._picture(frame, idle),
             "idle": self._idle_to_send(idle),
-            "notes": list(track.notes) if tells_notes else [],
+            "notes": [*filter(None, [self._stuck.note]), *(track.notes if tells_notes else ())],
             "overlays": {
                 "contact": {
                     "corners": [[0, 0], [1, 1]],

@@ -11,7 +11,7 @@ from geotlm_lm import CLIP_SUFFIXES
 from . import conversation, stage
 from .conversation import PRIVATE
 from .error_display import CAMERA, gradio, with_errors_shown
-from .filling import COMPLAINT, filling
+from .filling import COMPLAINT, Filled, filling
 from .live_session import LiveSession, LiveTalk, follow_camera, stop, watch_recording
 from .session_files import remove_seen
 
@@ -67,6 +67,7 @@ def _sources(gr: Any) -> dict[str, Any]:
             streaming=True,
             type="numpy",
             label="Sensor as camera",
+            elem_classes=["live-camera"],
             height=150,
             min_width=200,
             # Mirrored, as people like to see themselves, every direction would be reversed.
@@ -86,12 +87,32 @@ def _sources(gr: Any) -> dict[str, Any]:
     return parts
 
 
+STOP_CAMERA = """(...given) => {
+    for (const one of document.querySelectorAll('.live-camera video'))
+        for (const track of one.srcObject ? one.srcObject.getTracks() : []) track.stop();
+    return given;
+}"""
+"""Turns the camera off in the browser, whatever the server does meanwhile."""
+
+
+def _stop(gr: Any, live: LiveSession) -> Iterator[Filled]:
+    for told in stop(live):
+        yield told | {"camera": gr.Image(value=None, visible=False)}
+
+
 def _connect_sources(parts: dict[str, Any], answerer: Answerer) -> None:
+    gr = gradio()
     watch = filling(parts, partial(watch_recording, answerer))
     parts["go"].click(watch, *_ends(parts, ("path", "live"), EMPTIED), **_hidden(CAMERA))
     emptied = {**PRIVATE, "queue": False, "show_progress": "hidden"}
     parts["path"].change(filling(parts, stop), *_ends(parts, ("live", "path"), EMPTIED), **emptied)
-    parts["clear"].click(filling(parts, stop), *_ends(parts, ("live",), EMPTIED), **emptied)
+    # Taken away and laid out anew, the camera's part lets its browser ask for the camera again.
+    parts["clear"].click(
+        filling(parts, partial(_stop, gr)),
+        *_ends(parts, ("live",), (*EMPTIED, "camera")),
+        js=STOP_CAMERA,
+        **emptied,
+    ).then(lambda: gr.Image(visible=True), None, parts["camera"], **emptied)
 
     # No generator: the toolkit would ask it for more instead of giving it the next frame.
     def follow(*given: Any) -> dict[Any, Any]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
+from .budget import WORKING
 from .clip_loading import LoadedClip, perceive, read_named
 from .limits import KEPT_OPEN_BYTES, KEPT_OPEN_S
 from .sources import Sources
@@ -51,6 +52,7 @@ class OpenedRecordings:
         self._kept: OrderedDict[str, Opened] = OrderedDict()
         self._opening: dict[str, Lock] = {}
         self._lock = Lock()
+        WORKING.may_let_go(self)
 
     def open(
         self, given: str, frames: list[int] | None = None, topic: str | None = None
@@ -93,6 +95,11 @@ class OpenedRecordings:
                 with self._lock:
                     if not opening.locked():
                         self._opening.pop(key, None)
+
+    def let_go(self) -> bool:
+        """Close the recording that was asked about longest ago; tell whether one was open."""
+        with self._lock:
+            return bool(self._kept) and bool(self._kept.popitem(last=False))
 
     def _read(self, given: str, path: Path, topic: str | None) -> Opened:
         recording = read_named(str(path), topic)

@@ -7,6 +7,7 @@ browser for the page itself, and could read and send whatever the page can.
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, MutableMapping
+from dataclasses import dataclass
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -20,8 +21,22 @@ App = Callable[[Message, Receive, Send], Awaitable[None]]
 
 REFUSED = (
     "This page answers to {names} only, and to no page of another site; open it by the address "
-    "that was printed when it was started.\n"
+    "that was printed when it was started."
 )
+
+
+async def refuse(send: Send, status: int, sentence: str, *more: tuple[bytes, bytes]) -> None:
+    """Answer a request whose body was not read: none can follow on the same connection.
+
+    Args:
+        send: Of the request (ASGI).
+        status: Of HTTP.
+        sentence: That says why, and what to do.
+        more: Headers.
+    """
+    headers = [(b"content-type", b"text/plain; charset=utf-8"), (b"connection", b"close"), *more]
+    await send({"type": "http.response.start", "status": status, "headers": headers})
+    await send({"type": "http.response.body", "body": f"{sentence}\n".encode()})
 
 
 class OwnNamesOnly:
@@ -42,22 +57,40 @@ class OwnNamesOnly:
         elif scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 1008})
         else:
-            told = REFUSED.format(names=", ".join(sorted(self._names))).encode()
-            kind = (b"content-type", b"text/plain; charset=utf-8")
-            # The body was not read: the next request cannot follow on the same connection.
-            headers = [kind, (b"connection", b"close")]
-            await send({"type": "http.response.start", "status": 403, "headers": headers})
-            await send({"type": "http.response.body", "body": told})
+            await refuse(send, 403, REFUSED.format(names=", ".join(sorted(self._names))))
 
     def _is_ours(self, headers: list[tuple[bytes, bytes]]) -> bool:
-        hosts = [f"//{value.decode('latin-1')}" for name, value in headers if name == b"host"]
+        hosts = [f"http://{value.decode('latin-1')}" for name, value in headers if name == b"host"]
         origins = [value.decode("latin-1") for name, value in headers if name == b"origin"]
-        return len(hosts) == 1 and all(name_in(one) in self._names for one in hosts + origins)
+        if len(hosts) != 1:
+            return False
+        host = place_of(hosts[0])
+        # The port it was asked for is not always the one it listens on: it may be forwarded.
+        return host.name in self._names and all(place_of(one) == host for one in origins)
 
 
-def name_in(address: str) -> str | None:
-    """Return the name in an address, without its port; None where there is none."""
+@dataclass(frozen=True)
+class Place:
+    """Whom an address leads to.
+
+    Args:
+        name: Without the port; None where there is none.
+        port: None for the scheme's own.
+    """
+
+    name: str | None = None
+    port: int | None = None
+
+
+def place_of(address: str) -> Place:
+    """Return whom an address leads to; nobody where it makes no sense."""
     try:
-        return urlsplit(address).hostname
-    except ValueError:  # brackets that are not closed
-        return None
+        parts = urlsplit(address)
+        port = parts.port
+    except ValueError:  # brackets that are not closed, a port that is no number
+        return Place()
+    return Place(parts.hostname, None if port == USUAL_PORT.get(parts.scheme) else port)
+
+
+USUAL_PORT = {"http": 80, "https": 443}
+"""Of an address that names none."""

@@ -92,7 +92,7 @@ async function showStream(value) {
 
 function endLive(stream) {
   if (!data || data.stream !== stream) return;
-  data = { ...data, live: false };
+  data = { ...data, live: false, notes: [SILENT, ...data.notes] };
   title();
   shownAsPlaying();
 }

@@ -3,6 +3,7 @@
 
 const MOST_PICTURES = 320; // of more every second one is let go of
 const STALE_MS = 3000; // without a picture it is not live any more
+const SILENT = "No picture has come for 3 s: the camera was stopped, or has stalled.";
 
 class Received {
   begin(stream) {

@@ -5,9 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .agents import PATH, AgentServer, require_mcp
+from .budget import keep_messages_counted
+from .busy_status import BusyStatus
 from .error_display import MODEL_LINE, gradio, tell_progress
 from .limits import AT_ONCE, QUEUE, UPLOAD_BYTES
 from .message_limit import MessageLimit
+from .no_addresses import NoAddresses, refuse_addresses
 from .own_names import OWN_NAMES, OwnNamesOnly
 from .session_order import keep_session_order
 from .turns import AnswererInTurns, Turns
@@ -74,6 +77,7 @@ def build(answerer: Answerer, recordings: Path | None = None) -> Any:
             programs_tab.build(tools)
         session_files.connect(page, [one for one in page.blocks.values() if type(one) is gr.File])
         page.load(None, js=NAME_EMPTY, api_visibility="private")
+    refuse_addresses(page)
     page.tools = tools
     return page
 
@@ -114,7 +118,12 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
     from .theme import STYLES, theme
 
     names = (*OWN_NAMES, HOST)
-    guards = [Middleware(OwnNamesOnly, names=names), Middleware(MessageLimit)]
+    guards = [
+        Middleware(OwnNamesOnly, names=names),
+        Middleware(NoAddresses),
+        Middleware(MessageLimit),
+        Middleware(BusyStatus),
+    ]
     served: dict[str, Any] = {"middleware": guards}
     if mcp:
         require_mcp()
@@ -122,6 +131,7 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         served |= {"routes": [Route(f"/{PATH}", agents)], "lifespan": agents.lifespan}
     page.queue(max_size=QUEUE)
     keep_session_order(page._queue, MODEL_LINE)
+    keep_messages_counted(page._queue)
     app, address, _ = page.launch(
         server_name=HOST,
         server_port=port,

@@ -34,6 +34,7 @@ from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.question import check_question
 from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.query.edit import Edit
+from geotlm_lm.recordings.legible import require_any_legible
 from geotlm_lm.recordings.span import frames_inside, require_motion
 from geotlm_lm.track.track import Track
 from geotlm_lm.track.tracker import Tracker
@@ -99,6 +100,7 @@ class Answerer:
         if len(inside) <= FRAME_COUNT:
             inside = inside if span is None else with_idle_of(inside, clip)
             return perceive_clip(self.bundle, inside)
+        require_any_legible(inside)  # before it is followed, which takes long
         clip = with_found_idle(clip)  # once, for the track and for the four frames looked at
         track = self.track(clip, progress=progress) if track is None else track
         return perceive_recording(self.bundle, clip, track, span)

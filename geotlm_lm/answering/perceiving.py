@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -13,7 +12,6 @@ from geotlm_lm.answering.belief_of_clip import belief_of
 from geotlm_lm.answering.encoded import Encoded, with_background
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.motion.belief import Belief
@@ -100,11 +98,11 @@ def perceive_recording(
 
     Raises:
         UnreadableClip: If its frames hold no picture of a gel.
-        UsageError: If the span holds fewer than two of its frames.
+        UsageError: As of `Track.between`.
     """
     started = time.perf_counter()
     clip = with_idle(clip)
-    part = track if span is None else track_of_span(track, span)
+    part = track if span is None else track.between(*span)
     # Not every frame that was tracked need be kept: the nearest shows the same.
     away = np.abs(np.subtract.outer(part.numbers[list(window_of(part))], clip.frame_numbers))
     window = perceive_clip(bundle, clip.select(away.argmin(axis=1).tolist()))
@@ -118,21 +116,6 @@ def perceive_recording(
         recording=clip,
         believe=partial(_belief, bundle, part, window),
     )
-
-
-def track_of_span(track: Track, span: Sequence[float], unit: str = "frames") -> Track:
-    """Return the part of a track between two frames or seconds, both included.
-
-    Raises:
-        UsageError: If it holds fewer than two frames.
-    """
-    try:
-        return track.between(span[0], span[1], unit=unit)
-    except ValueError as error:
-        scale = track.numbers if unit == "frames" else track.times_s
-        raise UsageError(
-            f"{error}; the recording goes from {scale[0]:g} to {scale[-1]:g} {unit}."
-        ) from error
 
 
 def with_idle_of(part: Clip, recording: Clip) -> Clip:

@@ -127,7 +127,9 @@ def _tracked(
             raise
     show("tracking", done, done if is_stopped else total)
     found = tracker.finish()
-    return found if span is None else found.between(*span), is_stopped
+    if span is None:
+        return found, is_stopped
+    return found.between(span[0], min(span[1], int(found.numbers[-1]))), is_stopped
 
 
 def _film(path: Path, exported: Exported, clip: Clip, reading: dict[str, Any]) -> None:

@@ -17,7 +17,7 @@ from geotlm_lm.cli.options import (
     path_of,
 )
 from geotlm_lm.cli.tracked import INTERRUPTED, OutFile, PlotFile, Targets, VideoFile
-from geotlm_lm.core.errors import GeoTLMError
+from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.question import check_question
 
 
@@ -46,9 +46,17 @@ def watch(
     square_pixels: SquarePixels = None,
     topic: TopicName = None,
     fps: FramesPerSecond = None,
+    stalled_after: Annotated[
+        float,
+        typer.Option(
+            help="Seconds without a frame of a camera after which it ends, with exit code 8."
+        ),
+    ] = 10.0,
     answering: Answering,
 ) -> None:
     """Print what touches when and how it moves, until the recording ends or Ctrl-C.
+
+    A camera that gives no frames any more is told after 2 seconds, and ends it after 10.
 
     The gel must be untouched at the start, or for half a second later on. Directions are told as
     seen in the camera image, for the object relative to the sensor.
@@ -59,11 +67,21 @@ def watch(
         check_question(question)
     targets = Targets(out, plot, video)
     targets.require([path_of(source)], is_forced=force)
+    if not stalled_after > 0:
+        raise UsageError(
+            f"--stalled-after {stalled_after:g} was given, expected more than 0 seconds; leave it "
+            f"out for 10, or give inf to wait without end."
+        )
+    from geotlm_lm.recordings.latest_frames import Patience
     from geotlm_lm.recordings.streams import open_source
+
+    def silent(seconds: float) -> None:
+        print(f"note: No frame of {source} for {seconds:g} s.", file=sys.stderr, flush=True)
 
     scale = answering.frame.mm_per_px
     reading = {"fps": fps, "layout": layout, "square_pixels": square_pixels, "topic": topic}
-    stream = open_source(source, at_its_rate=at_its_rate, **reading)
+    patience = Patience(stalled_after, silent)
+    stream = open_source(source, at_its_rate=at_its_rate, patience=patience, **reading)
 
     # Imported only now: a camera that does not open must not wait for the model's libraries.
     from geotlm_lm.cli.watching import Watching

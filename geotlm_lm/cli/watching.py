@@ -18,6 +18,7 @@ from geotlm_lm.core.errors import GeoTLMError, UnreadableClip
 from geotlm_lm.core.interrupts import uninterrupted_step
 from geotlm_lm.recordings.latest_frames import StreamFrame
 from geotlm_lm.recordings.pixel_shape import with_square_pixels
+from geotlm_lm.recordings.stuck import StuckPicture
 from geotlm_lm.track.events import Event, EventKind
 from geotlm_lm.track.export import Exported, Units
 from geotlm_lm.track.film import TOLD_S, caption, captioned, filming
@@ -52,6 +53,7 @@ class Watching:
         self._shown: list[Event] = []
         self._shown_s = -math.inf
         self._frames, self._busy_s = 0, 0.0
+        self._stuck = StuckPicture() if stream.is_live else None
 
     def follow(self, video: Path | None, *, is_square: bool) -> BaseException | None:
         """Track the stream until it ends; return what ended it before, if anything did.
@@ -95,6 +97,9 @@ class Watching:
     def _take(
         self, image: Frames, frame: StreamFrame, write: Callable[[Frames], None] | None
     ) -> list[Event]:
+        stuck = self._stuck and self._stuck.after(image, frame.time_s)
+        if stuck:
+            print(f"note: {stuck}", file=sys.stderr, flush=True)
         started = time.perf_counter()
         events = self.tracker.feed(image, frame.time_s, frame.number)
         self._busy_s += time.perf_counter() - started

@@ -74,6 +74,12 @@ class MissingDependency(GeoTLMError):
     exit_code = 7
 
 
+class Stalled(GeoTLMError):
+    """A camera is there and gives no frames any more."""
+
+    exit_code = 8
+
+
 class IncompatibleWeights(IncompatibleBundle):
     """A released encoder's file is missing, damaged, or not what its name says."""
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.twist import COMPONENT_OF
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query import types as t
@@ -82,7 +83,7 @@ def part_of(
         end = end if span.end is None else _moment_s(span.end, track, recording)
     try:
         part = track.between(min(begin, end) - 1e-9, max(begin, end) + 1e-9, unit="s")
-    except ValueError as error:
+    except UsageError as error:
         raise Missing("span") from error
     return part, belief_of_track(part, belief)
 

@@ -21,7 +21,15 @@ from geotlm_lm.recordings.limits import (
     stride_for,
     stride_note,
 )
-from geotlm_lm.recordings.pixels import Order, layout_of, parts_of, still_to_rgb, to_rgb
+from geotlm_lm.recordings.pixels import (
+    Layout,
+    Order,
+    layout_of,
+    parts_of,
+    require_numbers,
+    still_to_rgb,
+    to_rgb,
+)
 
 
 def read_array(path: Path, layout: str | None = None) -> Clip:
@@ -58,8 +66,15 @@ def read_archive(path: Path, layout: str | None = None) -> Clip:
     with _refusing_damage(name), zipfile.ZipFile(path) as archive:
         keys = sorted(entry.removesuffix(".npy") for entry in archive.namelist())
         key = _key_of_frames(archive, keys, name)
+        # All that can be refused by what is declared is refused before anything is unpacked.
+        shape, _, dtype = _member_header(archive, key, name)
+        _require_frames(shape, dtype, layout, name)
+        stated = [one for one in ("fps", "background") if one in keys]
+        for one in stated:
+            shape, _, dtype = _member_header(archive, one, name)
+            _check_unpacked(shape, dtype, STILL_BYTES, one, name)
         frames, step, count = _read_frames(archive, key, name)
-        others = {k: _read_member(archive, k, name) for k in ("fps", "background") if k in keys}
+        others = {one: _read_member(archive, one, name) for one in stated}
     clip = _to_clip(frames, layout, name, step, count)
     if key != "frames":
         clip = clip.with_note(f"The array '{key}' was taken for the frames.")
@@ -96,6 +111,26 @@ def stated_square_pixels(path: Path) -> bool | None:
     return bool(value.reshape(()))
 
 
+def declared_frames(path: Path) -> int:
+    """Return the bytes that the frames in a .npy or .npz file take; twice as many while read.
+
+    Raises:
+        UnreadableClip: If it is damaged, or declares what is refused.
+    """
+    name = str(path)
+    if path.suffix.lower() == ".npy":
+        return _as_rgb(map_array(path).shape)
+    with _refusing_damage(name), zipfile.ZipFile(path) as archive:
+        keys = sorted(entry.removesuffix(".npy") for entry in archive.namelist())
+        shape, _, dtype = _member_header(archive, _key_of_frames(archive, keys, name), name)
+        packed = min(math.prod(shape) * dtype.itemsize, KEPT_BYTES)
+        return max(_as_rgb(shape), (packed + _as_rgb(shape)) // 2)
+
+
+def _as_rgb(shape: tuple[int, ...]) -> int:
+    return math.prod(shape) * (1 if 3 in shape[1:] else 3)
+
+
 SQUARE_PIXELS = "square_pixels"
 """Key of an archive that tells whether the camera's pixels were square when frames were saved."""
 
@@ -108,7 +143,7 @@ def _key_of_frames(archive: zipfile.ZipFile, keys: list[str], name: str) -> str:
     if "frames" in keys:
         return "frames"
     others = [key for key in keys if key not in BESIDES]
-    if len(others) > 1:
+    if MOST_ARRAYS > len(others) > 1:
         ranks = {key: _picture_rank(archive, key, name) for key in others}
         others = [key for key in others if ranks[key] == max(ranks.values()) > 0]
     if len(others) != 1:
@@ -117,6 +152,10 @@ def _key_of_frames(archive: zipfile.ZipFile, keys: list[str], name: str) -> str:
             f"optionally 'fps', 'background', '{SQUARE_PIXELS}'); save the frames under that key."
         )
     return others[0]
+
+
+MOST_ARRAYS = 100
+"""Of an archive that is looked through for the one that holds frames."""
 
 
 def _picture_rank(archive: zipfile.ZipFile, key: str, name: str) -> int:
@@ -184,10 +223,49 @@ def _read_header(stream: IO[bytes], name: str) -> tuple[tuple[int, ...], bool, n
     return shape, is_fortran, dtype
 
 
+def _member_header(
+    archive: zipfile.ZipFile, key: str, name: str
+) -> tuple[tuple[int, ...], bool, np.dtype]:
+    """Return what an array of an archive declares, refusing what it cannot hold or nobody needs."""
+    stored = archive.getinfo(f"{key}.npy")
+    with archive.open(stored) as stream:
+        shape, is_fortran, dtype = _read_header(stream, name)
+        needed = stream.tell() + math.prod(shape) * dtype.itemsize
+    if stored.file_size < needed <= ARCHIVE_BYTES:  # of more the sentence is another
+        raise zipfile.BadZipFile(f"{stored.file_size} bytes of {needed}")
+    times = stored.file_size / max(stored.compress_size, 1)
+    if stored.file_size > PLAIN_BYTES and times > MOST_PACKED:
+        raise UnreadableClip(
+            f"{name}: '{key}' unpacks to {stored.file_size // 2**20} MiB, {times:.0f} times what "
+            f"it takes, expected at most {MOST_PACKED} times, as a camera's noise cannot be "
+            f"packed; save what was recorded."
+        )
+    return shape, is_fortran, dtype
+
+
+def _require_frames(
+    shape: tuple[int, ...], dtype: np.dtype, layout: str | None, name: str
+) -> tuple[Layout, str]:
+    """Return the layout of frames that are declared, refusing what can be none."""
+    axes, _ = parts_of(layout)
+    found = layout_of(shape, axes, name)
+    if math.prod(shape) == 0:
+        raise UnreadableClip(f"{name}: holds no pixels (shape {shape}); record or export it again.")
+    require_numbers(dtype, name)
+    rows, columns = (shape[found[0].index(axis)] for axis in "HW")
+    stride_for(shape[0], rows, columns, name)
+    return found
+
+
+PLAIN_BYTES, MOST_PACKED = 64 * 2**20, 200
+"""Bytes beyond which an array must not unpack to more than so many times what it takes in the file:
+frames that a sensor recorded pack to a third, and black ones to a thousandth."""
+
+STILL_BYTES = KEPT_BYTES // FEWEST_KEPT
+"""Bytes that an array beside the frames may unpack to: no frame is larger."""
+
+
 def _read_member(archive: zipfile.ZipFile, key: str, name: str) -> NDArray:
-    with archive.open(f"{key}.npy") as stream:
-        shape, _, dtype = _read_header(stream, name)
-        _check_unpacked(shape, dtype, KEPT_BYTES, key, name)
     with archive.open(f"{key}.npy") as stream:
         return np.lib.format.read_array(stream, allow_pickle=False)
 
@@ -239,12 +317,8 @@ def _to_clip(
     stored: NDArray, layout: str | None, name: str, step: int = 1, count: int | None = None
 ) -> Clip:
     """Return stored frames, every `step`-th of a recording of `count`, as a clip that fits."""
-    axes, order = parts_of(layout)
-    found, layout_note = layout_of(stored.shape, axes, name)
-    if stored.shape[0] == 0 or stored.size == 0:
-        raise UnreadableClip(
-            f"{name}: holds no pixels (shape {stored.shape}); record or export it again."
-        )
+    order = parts_of(layout)[1]
+    found, layout_note = _require_frames(stored.shape, stored.dtype, layout, name)
     rows, columns = (stored.shape[found.index(axis)] for axis in "HW")
     more = stride_for(len(stored), rows, columns, name)
     frames, range_note = to_rgb(stored[::more], found, order, name)

@@ -134,11 +134,7 @@ def to_rgb(array: NDArray, layout: Layout, order: Order, name: str) -> tuple[Fra
     Raises:
         UnreadableClip: If the values are no numbers, not finite, or out of range.
     """
-    if array.dtype.kind not in "uif":
-        raise UnreadableClip(
-            f"{name}: found values of type {array.dtype}, expected uint8 or floating point; "
-            f"save the frames as numbers."
-        )
+    require_numbers(array.dtype, name)
     if array.size == 0:
         raise UnreadableClip(
             f"{name}: holds no pixels (shape {array.shape}); record or export it again."
@@ -179,6 +175,19 @@ def to_rgb(array: NDArray, layout: Layout, order: Order, name: str) -> tuple[Fra
     advice = "; pass --layout BGR if OpenCV gave them" if order == "RGB" else ""
     range_note = f"Values ({array.dtype}) were taken for {span}, colours for {order}{advice}."
     return frames, range_note + alpha
+
+
+def require_numbers(dtype: np.dtype, name: str) -> None:
+    """Refuse values that can be no pixels.
+
+    Raises:
+        UnreadableClip: If they are no numbers.
+    """
+    if dtype.kind not in "uif":
+        raise UnreadableClip(
+            f"{name}: found values of type {dtype}, expected uint8 or floating point; "
+            f"save the frames as numbers."
+        )
 
 
 def still_to_rgb(array: NDArray, order: Order, name: str) -> Frames:

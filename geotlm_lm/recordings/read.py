@@ -137,7 +137,7 @@ def _given(path: str | PathLike[str], wanted: str) -> Path:
 
 
 def _read(path: Path, layout: str | None, topic: str | None) -> Clip:
-    if _require_there(path).is_dir():
+    if require_there(path).is_dir():
         return read_bag(path, topic) if is_bag(path) else read_folder(path)
     require_file(path)
     suffix = path.suffix.lower()
@@ -163,7 +163,12 @@ def _read(path: Path, layout: str | None, topic: str | None) -> Clip:
     )
 
 
-def _require_there(path: Path) -> Path:
+def require_there(path: Path) -> Path:
+    """Return a path that leads somewhere.
+
+    Raises:
+        UnreadableClip: If it leads nowhere.
+    """
     try:
         is_there = path.exists()
     except OSError as error:  # no right to look into a folder above it, or too long a name
@@ -179,7 +184,7 @@ def require_file(path: Path, wanted: str = "a recording") -> None:
     Raises:
         UnreadableClip: If it is missing, empty, no regular file, or cannot be opened.
     """
-    if not _require_there(path).is_file():
+    if not require_there(path).is_file():
         raise UnreadableClip(f"{path}: is not a regular file; give {wanted}.")
     if path.stat().st_size == 0:
         raise UnreadableClip(f"{path}: is empty (0 bytes); copy or record it again.")

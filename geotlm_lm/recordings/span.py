@@ -9,6 +9,7 @@ import numpy as np
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.frame_span import require_inside
 
 
 def require_motion(clip: Clip) -> Clip:
@@ -39,11 +40,7 @@ def frames_inside(clip: Clip, span: tuple[int, int]) -> Clip:
     """
     first, last = _two_numbers(span)
     numbers = np.asarray(clip.frame_numbers)
-    if not numbers.min() <= first < last <= numbers.max():
-        raise UsageError(
-            f"Frames {first}:{last} were asked for, expected FIRST < LAST within "
-            f"{numbers.min()}:{numbers.max()}; give frame numbers inside the recording."
-        )
+    require_inside(first, last, int(numbers.min()), int(numbers.max()))
     inside = np.flatnonzero((numbers >= first) & (numbers <= last))
     if len(inside) < 2:
         raise UsageError(

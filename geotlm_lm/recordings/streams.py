@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -11,12 +12,18 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from geotlm_lm.core.errors import MissingDependency, UnreadableClip
+from geotlm_lm.core.errors import MissingDependency
 from geotlm_lm.recordings.bags import bag_images, bag_rate, is_bag, resized
 from geotlm_lm.recordings.containers import declared_end
-from geotlm_lm.recordings.latest_frames import StreamFrame, Unwaiting
+from geotlm_lm.recordings.latest_frames import (
+    STALLED_S,
+    LatestFrames,
+    Patience,
+    StreamFrame,
+    Unwaiting,
+)
 from geotlm_lm.recordings.pixels import check_layout
-from geotlm_lm.recordings.read import read_clip, require_file, require_rate
+from geotlm_lm.recordings.read import read_clip, require_file, require_rate, require_there
 from geotlm_lm.recordings.video import VIDEO_SUFFIXES, rate_ahead, undecoded
 from geotlm_lm.recordings.video_file import quiet_capture, video_file
 
@@ -51,12 +58,12 @@ class Recording:
         topic: str | None = None,
     ) -> None:
         self.name, self.dropped, self._is_rate_given = str(path), 0, fps is not None
+        self.is_live = False
         self._path, self._is_video = path, path.suffix.lower() in VIDEO_SUFFIXES
         self._topic, self._is_bag = topic, is_bag(path)
-        if not path.exists():
-            raise UnreadableClip(f"{path}: no such file or folder; check the path.")
+        require_there(path)
         if self._is_video:
-            require_file(path)
+            require_file(path)  # a pipe of that name would be waited for without end
             with video_file(path) as capture:
                 rated = rate_ahead(capture)
             if rated is None:
@@ -75,9 +82,8 @@ class Recording:
             self.notes = self._clip.notes
             told = self._clip.fps or 0.0
         self._recorded_fps, self.is_rate_assumed = _rate(fps, told)
-        is_streamed = self._is_video or self._is_bag
         # The usual step, as frames may be missing between two.
-        step = 1 if is_streamed else int(np.diff(self._clip.frame_numbers).min())
+        step = 1 if is_streamed(path) else int(np.diff(self._clip.frame_numbers).min())
         self.fps = self._recorded_fps / step
 
     def __iter__(self) -> Iterator[StreamFrame]:
@@ -149,23 +155,39 @@ class Camera(Unwaiting):
     Args:
         device: Its number, or the path of its device file.
         fps: Frames per second; None to take what it says. Each frame has its own time all the same.
+        patience: With a camera that gives no frames; None for the usual.
 
     Raises:
         MissingDependency: If it does not open, with what to do.
+        Stalled: If it opens and gives no frame.
     """
 
     notes: tuple[str, ...] = ()
+    is_live = True
 
-    def __init__(self, device: int | str, fps: float | None = None) -> None:
-        super().__init__(str(device))
-        self._opened = ExitStack()
-        source = Path(device) if isinstance(device, str) else device
-        self._capture = self._opened.enter_context(quiet_capture(source, cv2.CAP_ANY))
-        if not (self._capture.isOpened() and self._capture.grab()):
+    def __init__(
+        self, device: int | str, fps: float | None = None, patience: Patience | None = None
+    ) -> None:
+        patience, told_name = patience or Patience(STALLED_S), f"Camera {device}"
+        super().__init__(str(device), LatestFrames(patience=patience, name=told_name))
+        self._opened, self._is_open = ExitStack(), False
+        first = LatestFrames(patience=patience, name=told_name)
+        threading.Thread(target=self._open, args=(device, first), daemon=True).start()
+        next(iter(first), None)
+        if not self._is_open:
             self._opened.close()
             raise MissingDependency(_advice(device))
         told = float(self._capture.get(cv2.CAP_PROP_FPS))
         self.fps, self.is_rate_assumed = _rate(fps, told)
+
+    def _open(self, device: int | str, first: LatestFrames) -> None:
+        """Wait for the first frame; a driver may do so for ever."""
+        try:
+            source = Path(device) if isinstance(device, str) else device
+            self._capture = self._opened.enter_context(quiet_capture(source, cv2.CAP_ANY))
+            self._is_open = self._capture.isOpened() and self._capture.grab()
+        finally:
+            first.close()
 
     def _bring(self) -> None:
         began, reason = time.monotonic(), ""
@@ -193,6 +215,7 @@ def open_source(
     layout: str | None = None,
     square_pixels: bool | None = None,
     topic: str | None = None,
+    patience: Patience | None = None,
 ) -> Recording | RealTimePlayback | Camera:
     """Return the stream called `name`: a camera's number, a device file, or a recording.
 
@@ -203,20 +226,27 @@ def open_source(
         layout: Axes of an array, its order of colours; see `read_clip`. None to guess.
         square_pixels: Of an array or images; None as in `read_clip`.
         topic: Of a bag's images; None as in `read_clip`.
+        patience: With a camera that gives no frames; None for the usual. A recording may pause.
 
     Raises:
         MissingDependency: If a camera does not open, or a bag and the extra `ros` is not there.
+        Stalled: If a camera opens and gives no frame.
         UnreadableClip: If a file is missing or holds no frames.
         UsageError: If the frame rate or the layout makes no sense.
     """
     require_rate(fps)
     check_layout(layout)
     if name.isdecimal() and len(name) < 4:
-        return Camera(int(name), fps)
+        return Camera(int(name), fps, patience)
     if name.startswith("/dev/"):
-        return Camera(name, fps)
+        return Camera(name, fps, patience)
     recording = Recording(Path(name), fps, layout, square_pixels, topic)
     return RealTimePlayback(recording) if at_its_rate else recording
+
+
+def is_streamed(path: str | Path) -> bool:
+    """Tell whether a recording is decoded frame by frame as it is played, and never held whole."""
+    return Path(path).suffix.lower() in VIDEO_SUFFIXES or is_bag(Path(path))
 
 
 def _rate(given: float | None, told: float) -> tuple[float, bool]:

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.frame_span import require_inside
 from geotlm_lm.core.twist import Component, Twist
 from geotlm_lm.track.amounts import COLUMNS, ENDS, SYSTEMATIC, Span, amount_of
 from geotlm_lm.track.events import Event, EventKind
@@ -81,16 +83,22 @@ class Track:
 
         Args:
             first: Frame number or second.
-            last: Likewise, not before `first`.
+            last: Likewise, after `first`.
             unit: "frames" or "s".
 
         Raises:
-            ValueError: If the span holds no two frames of the recording.
+            UsageError: If frames are asked for that are not inside the recording, or the span holds
+                no two that were followed.
         """
         scale = self.numbers if unit == "frames" else self.times_s
+        if unit == "frames":
+            require_inside(first, last, int(scale[0]), int(scale[-1]))
         inside = np.flatnonzero((scale >= first) & (scale <= last))
         if len(inside) < 2:
-            raise ValueError(f"the span {first:g} to {last:g} {unit} holds fewer than two frames")
+            raise UsageError(
+                f"The span {first:g} to {last:g} {unit} holds fewer than two frames, the recording "
+                f"goes from {scale[0]:g} to {scale[-1]:g}; give a longer span inside it."
+            )
         part = slice(int(inside[0]), int(inside[-1]) + 1)
         arrays = {name: getattr(self, name)[part] for name in _ARRAYS}
         twists, covariances = arrays["twists"].copy(), arrays["covariances"].copy()

@@ -132,6 +132,13 @@ def test_a_message_longer_than_two_recordings_is_refused_unread(agents_address):
         ("evidence", {"recording": CAP, "frames": [0, "b"]}, "evidence: frames.1 was 'b', and "),
         ("evidence", {"recording": CAP, "frames": [0, 99]}, "Frames 0:99 were "),
         ("track", {"recording": "turn.npz", "frames": [900, 950]}, "Frames 900:950 were "),
+        ("track", {"recording": "turn.npz", "frames": [50, 950]}, "Frames 50:950 were "),
+        ("track", {"recording": "turn.npz", "frames": [60, 50]}, "Frames 60:50 were "),
+        (
+            "picture",
+            {"recording": "turn.npz", "frames": [50, 950], "shows": "timeline"},
+            "Frames 50:950 were ",
+        ),
         ("track", {"recording": CAP, "rows": 501}, "track: rows was 501, and "),
         ("track", {"recording": CAP, "turned": 45}, "track: turned was 45, and "),
         ("ask", {"recording": CAP, "question": "a", "mm_per_px": -1}, "ask: mm_per_px was -1, "),

@@ -42,6 +42,43 @@ def test_what_is_left_in_the_camera_is_left_for_the_model(camera_browser, monkey
         assert left.mean() > 200 > 50 > right.mean()
 
 
+def test_the_camera_is_turned_off_with_everything_and_can_be_started_again(camera_browser):
+    browser, page = camera_browser, ui.build(FakeAnswerer())
+    try:
+        browser.open(ui.launch(page))
+        for _ in range(2):
+            start_camera(browser)
+            browser.wait_for(f"/· [1-9][0-9]* frames/.test({TEXT})", seconds=60)
+            browser.run(f"window.tracks = {VIDEO}.srcObject.getTracks(); 1")
+            assert browser.run(f"{STATES} == 'live'")
+            browser.click("Stop and clear")
+            browser.wait_for(f"{STATES} == 'ended'", seconds=20)
+            browser.wait_for(f"{TEXT}.includes('Click to Access Webcam')", seconds=20)
+            assert not browser.run(f"Boolean({VIDEO} && {VIDEO}.srcObject)")
+    finally:
+        page.close()
+
+
+def test_a_camera_that_stalls_is_told(camera_browser):
+    browser, page = camera_browser, ui.build(FakeAnswerer())
+    try:
+        browser.open(ui.launch(page))
+        start_camera(browser)
+        browser.wait_for(f"/· [1-9][0-9]* frames/.test({TEXT})", seconds=60)
+        browser.run(f"{VIDEO}.pause()")  # the last picture is sent over and over
+        browser.wait_for(f"{TEXT}.includes('frames have been all the same for ')", seconds=30)
+        browser.run("HTMLCanvasElement.prototype.toDataURL = () => { throw new Error('none'); }; 1")
+        browser.wait_for(f"{TEXT}.includes('No picture has come for 3 s')", seconds=30)
+        assert browser.run(f"{STAGE}.querySelector('[data-part=live]').hidden")
+    finally:
+        page.close()
+
+
+VIDEO = "document.querySelector('.live-camera video')"
+
+STATES = "String(window.tracks.map((one) => one.readyState))"
+"""Of the camera's tracks, as they were before everything was stopped."""
+
 TEXT = "document.body.innerText"
 COLUMNS = (
     f"(() => {{ const seen = {STAGE}.querySelector('canvas'), at = (x) => seen.getContext('2d')"

@@ -7,6 +7,7 @@ pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)
 from gradio.state_holder import SessionState  # noqa: E402
 
 from app import ui  # noqa: E402
+from app.clip_loading import load_clip  # noqa: E402
 from app.light_sessions import LightSession, LightSessions  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 
@@ -45,3 +46,17 @@ def test_the_served_page_keeps_light_sessions(page):
         assert page.state_holder is page.app.state_holder
     finally:
         page.close()
+
+
+def test_what_the_visitor_has_open_who_was_away_longest_is_closed_first(page, recordings):
+    page.state_session_capacity = 10
+    sessions = LightSessions(page)
+    shown = load_clip(FakeAnswerer(), str(recordings["dark"]))
+    key = next(one for one, block in page.blocks.items() if type(block).__name__ == "State")
+    for name in ("one", "other"):
+        sessions[name][key] = shown
+    sessions["one"]  # comes back
+    assert sessions.let_go()
+    assert [sessions[name][key] for name in ("one", "other")] == [shown, None]
+    assert sessions.let_go()
+    assert not sessions.let_go()

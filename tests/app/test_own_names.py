@@ -82,9 +82,16 @@ def calls():
         {"Host": "127.0.0.1.attacker.example"},
         {"Host": "localhost@attacker.example"},
         {"Host": "[::1"},
+        {"Host": "localhost:{port}", "Origin": "http://localhost:9999"},
+        {"Host": "localhost:{port}", "Origin": "http://localhost"},
+        {"Host": "localhost:{port}", "Origin": "http://127.0.0.1:{port}"},
+        {"Host": "localhost:{port}", "Origin": "http://localhost:none"},
         {},
     ],
-    ids=["host", "both", "origin", "opaque", "longer", "user", "unclosed", "none"],
+    ids=[
+        *("host", "both", "origin", "opaque", "longer", "user", "unclosed"),
+        *("port", "no port", "name", "no number", "none"),
+    ],
 )
 def test_another_site_is_refused_and_leaves_nothing(served, call, named):
     port, folder = served
@@ -104,6 +111,11 @@ def test_the_page_itself_is_served_by_each_of_its_names(served, call, name):
     heard = 500 if call == "run" else 200
     assert status_of(port, call, Host=host) == heard
     assert status_of(port, call, Host=host, Origin=f"http://{host}") == heard
+
+
+def test_the_page_is_served_where_its_port_is_forwarded(served):
+    port, _ = served
+    assert status_of(port, "call", Host="localhost:9999", Origin="http://localhost:9999") == 200
 
 
 def test_an_upload_by_its_own_name_is_kept(served):

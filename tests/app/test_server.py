@@ -93,6 +93,9 @@ def test_a_mistake_is_one_sentence_and_no_trace(client, tmp_path):
     assert "Traceback" not in str(caught.value)
     with pytest.raises(AppError, match="There is no shape 'unicorn'"):
         client.predict("unicorn", 0.6, 0.0, 1.0, 0.0, 0.0, 4.0, 1, api_name="/simulate")
+    for tool in ("/track", "/evidence"):
+        with pytest.raises(AppError, match="Frames 1:9 were asked for, expected FIRST < LAST wit"):
+            client.predict("example:bead_right", frames=[1, 9], api_name=tool)
     with pytest.raises(AppError, match="seed was None, and input should be a valid integer"):
         client.predict("key", 0.6, 0.0, 1.0, 0.0, 0.0, 4.0, None, api_name="/simulate")
 

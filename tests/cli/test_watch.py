@@ -2,13 +2,16 @@
 
 import csv
 import json
+import os
+import threading
+from contextlib import ExitStack
 
 import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.core.errors import MissingDependency, UnreadableClip
-from geotlm_lm.recordings import streams
+from geotlm_lm.core.errors import MissingDependency, Stalled, UnreadableClip
+from geotlm_lm.recordings import latest_frames, streams
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
 from tests.cli.recorded_touch import CLIP, saved_touch
@@ -223,3 +226,101 @@ def test_frames_of_224_pixels_are_taken_as_asked(
     monkeypatch.setattr(Tracker, "feed", fed)
     assert run(capsys, "--source", tmp_path / name, *options)[0] == 0
     assert widths == {columns}
+
+
+class Waiting:
+    """A camera whose driver gives some frames, and then none for as long as it is left alone.
+
+    Args:
+        frames: BGR, that it gives, the first of them when it is opened.
+    """
+
+    def __init__(self, frames):
+        self.left, self.may_go_on = list(frames), threading.Event()
+
+    def isOpened(self):  # noqa: N802
+        return True
+
+    def grab(self):
+        return bool(self.left) or self.may_go_on.wait(60)
+
+    def get(self, name):
+        return 25.0
+
+    def read(self):
+        if not self.left:
+            self.may_go_on.wait(60)
+            return False, None
+        return True, self.left.pop(0)
+
+    def release(self):
+        self.may_go_on.set()
+
+
+@pytest.fixture
+def plugged_in(monkeypatch):
+    """Return a function that plugs a camera in; patience with it is short."""
+    monkeypatch.setattr(latest_frames, "SILENT_S", 0.01)
+    monkeypatch.setattr(latest_frames, "THREAD_END_S", 0.01)
+    with ExitStack() as cameras:
+
+        def plug_in(frames):
+            camera = Waiting(frames)
+            cameras.callback(camera.may_go_on.set)
+            monkeypatch.setattr(cv2, "VideoCapture", lambda *_: camera)
+
+        yield plug_in
+
+
+def test_a_camera_that_stalls_is_told_and_ends_with_what_was_tracked(capsys, tmp_path, plugged_in):
+    plugged_in(CLIP.frames[:20, ..., ::-1])
+    table = tmp_path / "t.csv"
+    given = ("--source", 0, "--stalled-after", 0.2, "--out", table, "--json")
+    code, out, err = run(capsys, *given)
+    assert code == Stalled.exit_code == 8
+    (account,) = map(json.loads, out.splitlines())
+    assert (account["type"], account["frames"]) == ("account", 20)
+    assert len(table.read_text().splitlines()) == 1 + 20
+    _, *silent, last = err.splitlines()
+    assert silent == [f"note: No frame of 0 for {0.01 * 2**k:g} s." for k in range(5)]
+    assert last.startswith("Camera 0 has given no frame for 0.2 s; check its cable, ")
+
+
+def test_a_camera_that_never_gives_a_frame_ends_too(capsys, plugged_in):
+    plugged_in([])
+    code, out, err = run(capsys, "--source", "/dev/video9", "--stalled-after", 0.05)
+    assert (code, out) == (8, "")
+    assert err.startswith("note: No frame of /dev/video9 for 0.01 s.\n")
+
+
+@pytest.mark.parametrize("stalled_after", [0, -1, "nan"])
+def test_patience_that_makes_no_sense_is_told(capsys, stalled_after):
+    code, out, err = run(capsys, "--source", 0, "--stalled-after", stalled_after)
+    assert (code, out) == (2, "")
+    assert err.endswith("expected more than 0 seconds; leave it out for 10, or give inf to wait "
+                        "without end.\n")  # fmt: skip
+
+
+def test_a_recording_may_pause_for_as_long_as_it_likes(capsys, recording, monkeypatch):
+    monkeypatch.setattr(latest_frames, "SILENT_S", 0.001)
+    given = ("--source", recording, "--at-its-rate", "--fps", 1e3, "--stalled-after", 1e-9)
+    code, _, err = run(capsys, *given)
+    assert code == 0
+    assert "No frame" not in err
+
+
+@pytest.mark.parametrize(("level", "kind"), [(0, "black"), (90, "all the same")])
+def test_a_camera_that_shows_nothing_any_more_is_told(capsys, plugged_in, monkeypatch, level, kind):
+    plugged_in([*CLIP.frames[:5], *np.full_like(CLIP.frames[:30], level)])
+    monkeypatch.setattr(latest_frames, "SILENT_S", 1e-9)
+    err = run(capsys, "--source", 0, "--stalled-after", 0.2)[2]
+    assert f"note: The camera's frames have been {kind} for " in err
+
+
+def test_a_pipe_is_not_waited_for(capsys, tmp_path):
+    os.mkfifo(tmp_path / "pipe.mp4")
+    code, _, err = run(capsys, "--source", tmp_path / "pipe.mp4")
+    assert (code, err) == (
+        3,
+        f"{tmp_path / 'pipe.mp4'}: is not a regular file; give a recording.\n",
+    )

@@ -1,9 +1,14 @@
-"""Which array of an archive is taken for the frames."""
+"""Which array of an archive is taken for the frames, and what of it is refused unread."""
 
+import io
+import zipfile
+
+import cv2
 import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.recordings.declared import declared_bytes
 from geotlm_lm.recordings.read import read_clip
 from tests.recordings.test_read import FRAMES
 
@@ -39,3 +44,59 @@ def test_of_two_arrays_shaped_as_pictures_neither_is_taken(tmp_path, beside):
     np.savez(tmp_path / "clip.npz", left=FRAMES, right=beside, names=np.array("ab"))
     with pytest.raises(UnreadableClip, match="found the keys left, names, right, expected"):
         read_clip(tmp_path / "clip.npz")
+
+
+def stored(path, arrays, compression=zipfile.ZIP_DEFLATED):
+    """Write an archive whose arrays are declared by shape and type, with as many zeros as given."""
+    with zipfile.ZipFile(path, "w", compression) as archive:
+        for key, (shape, kind, count) in arrays.items():
+            header = io.BytesIO()
+            about = {"descr": kind, "fortran_order": False, "shape": shape}
+            np.lib.format.write_array_header_1_0(header, about)
+            archive.writestr(f"{key}.npy", header.getvalue() + bytes(count))
+
+
+SHORT = ((6, 48, 64, 3), "|u1", 6 * 48 * 64 * 3)
+LONG = ((400, 240, 320, 3), "|u1", 400 * 240 * 320 * 3)
+
+
+@pytest.mark.parametrize(
+    ("arrays", "said"),
+    [
+        ({"frames": LONG}, "'frames' unpacks to 87 MiB, "),
+        ({"frames": (LONG[0], "|u1", 9)}, "is cut off or is no numpy file"),
+        ({"frames": ((400, 240, 320), "|u1", 400 * 240 * 320)}, "shape (400, 240, 320) has no "),
+        ({"frames": (SHORT[0], "|S1", SHORT[2])}, "found values of type |S1, "),
+        ({"frames": SHORT, "background": LONG}, "'background' unpacks to "),
+        ({"frames": SHORT, "fps": (LONG[0], "<f4", 9)}, "is cut off or is no numpy file"),
+        ({f"a{k}": SHORT for k in range(200)}, "found the keys a0, "),
+    ],
+    ids=["black", "cut", "shape", "type", "background", "fps", "many"],
+)
+def test_what_is_refused_by_what_it_declares_is_never_unpacked(tmp_path, monkeypatch, arrays, said):
+    stored(tmp_path / "clip.npz", arrays)
+    monkeypatch.setattr(np.lib.format, "read_array", lambda *_, **__: pytest.fail("was unpacked"))
+    with pytest.raises(UnreadableClip) as caught:
+        read_clip(tmp_path / "clip.npz")
+    assert str(caught.value).startswith(f"{tmp_path / 'clip.npz'}: {said}")
+
+
+def test_what_a_recording_takes_is_known_before_it_is_read(tmp_path):
+    frames = np.random.default_rng(0).integers(60, 99, (5, 24, 32, 3)).astype(np.uint8)
+    np.save(tmp_path / "clip.npy", frames)
+    np.savez_compressed(tmp_path / "clip.npz", frames=frames / np.float64(255))
+    (tmp_path / "images").mkdir()
+    for number, frame in enumerate(frames):
+        cv2.imwrite(str(tmp_path / "images" / f"{number}.png"), frame)
+    cv2.imwritemulti(str(tmp_path / "clip.tif"), list(frames))
+    writer = cv2.VideoWriter(
+        str(tmp_path / "clip.avi"), cv2.VideoWriter_fourcc(*"FFV1"), 25.0, (32, 24)
+    )
+    for frame in frames:
+        writer.write(frame)
+    writer.release()
+    for name in ("clip.npy", "images", "clip.tif", "clip.avi"):
+        assert declared_bytes(tmp_path / name) == frames.nbytes
+    assert 2 * declared_bytes(tmp_path / "clip.npz") == frames.nbytes * (8 + 1)
+    (tmp_path / "text.npy").write_text("no array")
+    assert declared_bytes(tmp_path / "text.npy") == declared_bytes(tmp_path / "none.avi") == 0

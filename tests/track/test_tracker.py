@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.twist import Component
 from geotlm_lm.track.events import EventKind
 from geotlm_lm.track.tracker import Tracker, track_of
@@ -214,3 +215,10 @@ def test_nothing_seen_of_the_gel_is_said():
     assert events == []
     assert not track.is_touched.any()
     assert "No untouched gel" in track.notes[0]
+
+
+@pytest.mark.parametrize("span", [(-1, 5), (0, 10**6), (5, 5), (9, 3)])
+def test_frames_outside_the_recording_are_refused_and_never_clamped(track, span):
+    said = f"^Frames {span[0]}:{span[1]} were asked for, expected FIRST < LAST within 0:"
+    with pytest.raises(UsageError, match=said):
+        track.between(*span)
