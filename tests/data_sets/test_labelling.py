@@ -4,7 +4,6 @@ A tracker that measures stands in for the model, but where processes start their
 """
 
 import json
-from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -17,7 +16,7 @@ from geotlm_lm.data_sets import labelling as labelling_module
 from geotlm_lm.data_sets.labelling import Labelling, label_data_set
 from geotlm_lm.data_sets.lerobot import read_data_set
 from geotlm_lm.recordings import limits
-from geotlm_lm.track.tracker import Tracker, track_of
+from geotlm_lm.track.tracker import track_of
 from geotlm_lm.workers import Workers
 from tests.data_sets.lerobot_files import CAMERA, FPS, KINDS, turned, write_data_set
 from tests.track import stream as simulated
@@ -32,23 +31,6 @@ NAMES = tuple(
     for name in ("turn_deg_s", "right_px_s", "down_px_s", "contact")
     for suffix in ("", "_deviation")
 )
-
-
-class Measuring:
-    """Tracks by measurement alone: no model is loaded."""
-
-    bundle = SimpleNamespace(digest=lambda: "measured")
-
-    def tracker(self, recording=None):
-        return Tracker(idle=recording.frames[0])
-
-
-@pytest.fixture
-def without_model(monkeypatch):
-    monkeypatch.setattr("geotlm_lm.answering.Answerer.load", lambda *_, **__: Measuring())
-    loaded.cache_clear()
-    yield
-    loaded.cache_clear()
 
 
 @pytest.fixture(scope="module")
@@ -124,7 +106,8 @@ def test_the_new_data_set_is_the_old_one_with_columns(root, tmp_path, without_mo
     data_set, original = read_data_set(out), read_data_set(root)
     assert data_set.episodes == original.episodes
     added = {name: data_set.features[name] for name in NAMES}
-    assert data_set.info == original.info | {"features": original.features | added}
+    content = original.info.content
+    assert data_set.info.content == content | {"features": original.features | added}
     assert set(map(json.dumps, added.values())) == {
         '{"dtype": "float32", "shape": [1], "names": null}'
     }
