@@ -123,7 +123,7 @@ def damage_as_sentence(path: Path) -> Iterator[None]:
         if not os.path.isfile(path):  # a pipe would be waited for
             raise FileNotFoundError("there is no such file")
         yield
-    except (OSError, pyarrow.ArrowException) as error:
+    except (OSError, pyarrow.ArrowException, UnicodeDecodeError) as error:
         raise UnreadableClip(
             f"{path}: cannot be read ({first_line(error)}), expected a table of a LeRobot data "
             f"set; copy it again."

@@ -171,6 +171,12 @@ FRAMES = {
     "episodes as text": (column(DATA, "episode_index", texts), "episode_index holds string"),
     "no table": (lambda root: (root / DATA).unlink(), "cannot be read"),
     "a pipe": (piped(DATA), "cannot be read"),
+    "a column's name no text": (
+        lambda root: written(DATA, (root / DATA).read_bytes().replace(b"task_index", b"\xff" * 10))(
+            root
+        ),
+        "cannot be read",
+    ),
 }
 
 
@@ -258,22 +264,22 @@ def test_nothing_is_written_through_a_link(root, tmp_path, without_model, name):
     assert list((tmp_path / "else").iterdir()) == []
 
 
-def test_a_path_with_detours_within_the_set_is_written_once(root, tmp_path, without_model):
-    info(data_path="data/./chunk-{chunk_index:03d}//file-{file_index:03d}.parquet")(root)
-    before = (root / DATA).read_bytes()
+def test_a_table_is_not_linked_as_a_video_is_and_the_original_stays(root, tmp_path, without_model):
+    info(data_path="data/./chunk-{chunk_index:03d}//file-{file_index:03d}.mp4")(root)
+    table = (root / DATA).rename((root / DATA).with_suffix(".mp4"))
+    before = table.read_bytes()
     label_data_set(Labelling(root, CAMERA), tmp_path / "out")
-    names = parquet.ParquetFile(tmp_path / "out" / DATA).schema_arrow.names
+    names = parquet.ParquetFile(tmp_path / "out" / table.relative_to(root)).schema_arrow.names
     assert len([name for name in names if name.startswith("tactile.")]) == 8
-    assert (root / DATA).read_bytes() == before
+    assert table.read_bytes() == before
 
 
 def test_a_playlist_in_a_videos_place_leads_to_no_other_file(root):
     shutil.move(root / VIDEO, root.parent / "secret.mp4")
-    playlist = f"ffconcat version 1.0\nfile {root.parent / 'secret.mp4'}\n"
-    for text in (playlist, f"#EXTM3U\n#EXTINF:1,\n{root.parent / 'secret.mp4'}\n#EXT-X-ENDLIST\n"):
-        (root / VIDEO).write_text(text)
-        with pytest.raises(UnreadableClip, match="cannot be decoded"):
-            read_first(root, CAMERA)
+    (root / VIDEO).with_name("linked").symlink_to(root.parent)
+    (root / VIDEO).write_text("ffconcat version 1.0\nfile linked/secret.mp4\n")
+    with pytest.raises(UnreadableClip, match="cannot be decoded"):
+        read_first(root, CAMERA)
 
 
 @pytest.mark.parametrize(
