@@ -26,9 +26,11 @@ BEGINNINGS = {
     ".npz": (0, b"PK\x03\x04"),
     ".avi": (8, b"AVI "),
     ".mp4": (4, b"ftyp"),
+    ".gif": (0, b"GIF8"),
     ".mkv": (0, b"\x1a\x45\xdf\xa3"),
     ".mcap": (0, b"\x89MCAP0\r\n"),
     ".db3": (0, b"SQLite format 3\0"),
+    ".bag": (0, b"#ROSBAG V2.0"),
     ".tif": (0, b"II*\0"),
     ".tiff": (0, b"MM\0*"),  # the same with its numbers the other way round
 }

@@ -1,5 +1,6 @@
 """What is costly to make and the same for every test: made once."""
 
+import signal
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,22 @@ BUNDLE = Path(geotlm_lm.__file__).parent / "bundle"
 REAL = Path(__file__).resolve().parents[2] / "shared" / "real"
 EXAMPLES = Path(__file__).resolve().parents[1] / "app" / "examples"
 SHOWN = ("bottle_cap_clockwise", "hex_nut_counterclockwise", "pen_clip_left")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _own_surroundings(tmp_path_factory):
+    """Nothing of the user's is read or written, and Ctrl-C arrives: also in a shell's background.
+
+    There an interactive signal is ignored, and programs that tests start would inherit that.
+    """
+    home = tmp_path_factory.mktemp("home")
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("HOME", str(home))
+        for name in ("XDG_CACHE_HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME"):
+            patch.setenv(name, str(home / name))
+        yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture(scope="session")

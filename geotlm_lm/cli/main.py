@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import sys
+from io import TextIOWrapper
 from typing import Annotated
 
 import typer
@@ -87,6 +88,8 @@ def main(arguments: list[str] | None = None) -> None:
 def _run(arguments: list[str] | None) -> None:
     command = typer.main.get_command(app)
     words = sys.argv[1:] if arguments is None else arguments
+    if isinstance(sys.stdout, TextIOWrapper):  # names that are not UTF-8 are printed as they are
+        sys.stdout.reconfigure(errors="surrogateescape")
     stopped = "Stopped." if words[:1] and words[0] in WITHOUT_FILES else STOPPED
     try:
         code = command.main(args=arguments, prog_name="geotlm-lm", standalone_mode=False)

@@ -35,8 +35,8 @@ ClipPath = Annotated[
     Path,
     path_option(
         "--clip",
-        help="Recording: .npy, .npz, a video, a .tif of several pages, a bag of ROS 2 (.mcap, .db3 "
-        "or its folder), or a folder of images.",
+        help="Recording: .npy, .npz, a video, a .gif, a .tif of several pages, a bag of ROS "
+        "(.mcap, .db3, .bag, or its folder), or a folder of images.",
     ),
 ]
 FrameSpan = Annotated[

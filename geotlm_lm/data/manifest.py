@@ -14,13 +14,9 @@ from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.manifest_rows import SUFFIXES, ManifestRow, rows_of
+from geotlm_lm.recordings.frame_order import natural_order
 from geotlm_lm.recordings.idle import find_idle
-from geotlm_lm.recordings.images import (
-    IMAGE_SUFFIXES,
-    folder_images,
-    natural_key,
-    read_still_image,
-)
+from geotlm_lm.recordings.images import IMAGE_SUFFIXES, folder_images, read_still_image
 from geotlm_lm.recordings.limits import kept_frames
 from geotlm_lm.recordings.read import read_background, read_clip
 from geotlm_lm.recordings.stacks import is_stack
@@ -117,8 +113,10 @@ def _files_of(root: Path, entry: str) -> list[Path]:
     if path.exists() or not any(sign in entry for sign in "*?["):
         return [path]
     # An absolute entry stands for itself; signs of a pattern in the manifest's own folder do not.
-    found = glob.glob(entry if path == Path(entry) else f"{glob.escape(str(root))}/{entry}")
-    return sorted(map(Path, found), key=lambda one: natural_key(one.as_posix()))
+    pattern = entry if path == Path(entry) else f"{glob.escape(str(root))}/{entry}"
+    matches = sorted(map(Path, glob.glob(pattern)))
+    places = natural_order([match.with_suffix("").as_posix() for match in matches])
+    return [matches[place] for place in places]
 
 
 def _stills(paths: Sequence[Path]) -> Frames:

@@ -11,7 +11,8 @@ from pathlib import Path
 
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.data.manifest_rows import ACTIONS, ManifestRow
-from geotlm_lm.recordings.images import IMAGE_SUFFIXES, natural_key
+from geotlm_lm.recordings.frame_order import natural_order
+from geotlm_lm.recordings.images import IMAGE_SUFFIXES
 
 GROUPS = ("object", "sensor", "action", "trial", "frame")
 REQUIRED_GROUPS = ("object", "action")
@@ -142,7 +143,8 @@ def _row_of(
 ) -> ManifestRow:
     object_id, sensor, action, trial = key
     # Where the pattern names no frame, the whole path stands in for its number.
-    ordered = sorted(frames, key=lambda one: natural_key(one[0] or one[1].as_posix()))
+    names = [frame or path.with_suffix("").as_posix() for frame, path in frames]
+    ordered = [frames[place] for place in natural_order(names)]
     idles = [path for frame, path in ordered if frame is not None and frame == background_frame]
     shown = [path for _, path in ordered if path not in idles]
     return ManifestRow(
@@ -163,9 +165,10 @@ def _relative(path: Path, base: Path) -> str:
 def _images(root: Path) -> list[Path]:
     if not root.is_dir():
         raise UnreadableClip(f"{root}: no such folder; give the one the data set lies in.")
-    files = (
+    files = [
         path
         for path in root.rglob("*")
         if path.suffix.lower() in IMAGE_SUFFIXES and not path.name.startswith(".")
-    )
-    return sorted(files, key=lambda path: natural_key(path.relative_to(root).as_posix()))
+    ]
+    stems = [path.relative_to(root).with_suffix("").as_posix() for path in files]
+    return [files[place] for place in natural_order(stems)]

@@ -105,7 +105,8 @@ def _video_frames(path: Path, times_s: NDArray[np.float64], off_s: float) -> Ite
     try:
         if not os.path.isfile(path):  # a pipe would be waited for
             raise FileNotFoundError("there is no such file")
-        with av.open(str(path), options={"format_whitelist": CONTAINERS}) as container:
+        options = {"format_whitelist": CONTAINERS}
+        with av.open(str(path), options=options, metadata_errors="replace") as container:
             stream = container.streams.video[0]
             stream.codec_context.thread_count = 1  # processes share the work instead
             # A frame earlier: rounded up it would lead to the key frame behind.

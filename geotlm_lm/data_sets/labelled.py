@@ -14,6 +14,7 @@ import numpy as np
 
 from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.plain_name import plain_name
 from geotlm_lm.data_sets.layout import EPISODES, INFO, STATISTICS, contained, read_object
 from geotlm_lm.data_sets.lerobot import Episode, LeRobotDataSet
 from geotlm_lm.data_sets.motion_columns import Values, features_of, statistics_of
@@ -144,10 +145,10 @@ def _write_rows(source: Path, target: Path, labels: Labels) -> None:
     from pyarrow import parquet
 
     target.parent.mkdir(parents=True, exist_ok=True)
-    with parquet.ParquetFile(source) as file:
+    with plain_name(source) as plain, parquet.ParquetFile(plain) as file:
         added = [pyarrow.field(name, pyarrow.float32()) for name in labels.names]
         schema = pyarrow.schema([*file.schema_arrow, *added], file.schema_arrow.metadata)
-        with parquet.ParquetWriter(target, schema) as writer:
+        with plain_name(target) as written, parquet.ParquetWriter(written, schema) as writer:
             for group in range(file.num_row_groups):
                 with damage_as_sentence(source):
                     table = file.read_row_group(group)
@@ -182,7 +183,8 @@ def _write_episodes(source: Path, target: Path, labels: Labels) -> None:
                 whole = pyarrow.int64() if kind == "count" else pyarrow.float64()
                 cells = pyarrow.array([each[kind] for each in known], pyarrow.list_(whole))
                 table = table.append_column(f"stats/{name}/{kind}", cells)
-    parquet.write_table(table, target)
+    with plain_name(target) as plain:
+        parquet.write_table(table, plain)
 
 
 def _read_statistics(data_set: LeRobotDataSet) -> dict[str, Any] | None:
@@ -210,4 +212,5 @@ def _write_events(path: Path, labels: Labels) -> None:
     about = {"geotlm_lm": json.dumps(labels.made_by)}
     table = pyarrow.Table.from_pylist(list(labels.events), pyarrow.schema(fields, about))
     path.parent.mkdir(parents=True, exist_ok=True)
-    parquet.write_table(table, path)
+    with plain_name(path) as plain:
+        parquet.write_table(table, plain)

@@ -144,8 +144,9 @@ def _require_version(root: Path, version: object) -> None:
     if version == CONVERTED:
         place = shlex.quote(str(root.absolute()))
         advice = (
-            "convert it in place, with Python 3.12 or newer, by `pip install 'lerobot[dataset]>=0.6'` and "
-            "`python -m lerobot.scripts.convert_dataset_v21_to_v30 --repo-id=local/converted "
+            "convert it in place, with Python 3.12 or newer, by `pip install "
+            "'lerobot[dataset]>=0.6'` and `python -m "
+            "lerobot.scripts.convert_dataset_v21_to_v30 --repo-id=local/converted "
             f"--root={place} --push-to-hub=false`"
         )
     raise UnreadableClip(

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.errors import UnreadableClip, first_line
+from geotlm_lm.core.plain_name import plain_name
 
 if TYPE_CHECKING:
     import pyarrow
@@ -91,10 +92,10 @@ def read_table(path: Path, columns: Sequence[str] | None = None) -> pyarrow.Tabl
     Raises:
         UnreadableClip: If it is missing, damaged, or lacks a column.
     """
-    import pyarrow.parquet
+    from pyarrow.parquet import ParquetFile
 
     # ParquetFile: read_table would look for columns in the names of the folders too.
-    with damage_as_sentence(path), pyarrow.parquet.ParquetFile(path) as file:
+    with damage_as_sentence(path), plain_name(path) as plain, ParquetFile(plain) as file:
         if file.metadata.num_rows > MOST_ROWS:
             raise UnreadableClip(
                 f"{path}: holds {file.metadata.num_rows} rows, expected at most {MOST_ROWS}; write "

@@ -39,6 +39,7 @@ def examine(clip: Clip, frames: Iterable[tuple[int, Frames]] | None = None) -> l
     return [
         timing.frame_rate(clip),
         timing.missing_frames(clip),
+        *timing.file_end(clip),
         timing.repeated_frames(np.array(repeats, bool), is_every=is_every),
         picture.size(clip),
         picture.pixel_shape(clip),

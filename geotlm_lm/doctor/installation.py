@@ -19,7 +19,8 @@ EXTRAS = {
     "mcp": ("mcp", "agents are not served"),
     "eval": ("scipy", "benches and their pictures are not made"),
     "track": ("pyarrow", "no .parquet tables and plots are written"),
-    "ros": ("rosbags", "bags of ROS 2 are not read"),
+    "lerobot": ("av", "data sets of LeRobot and AV1 videos are not read"),
+    "ros": ("rosbags", "bags of ROS are not read"),
 }
 """Extra -> a package that only it brings, and what is missed without."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.doctor.finding import Finding, judged
 from geotlm_lm.recordings.pixel_shape import SQUASHED
+from geotlm_lm.recordings.stated_shape import TURN_NOTES, TURNS
 from geotlm_lm.recordings.touch import COLUMNS
 
 WIDEST = 2.0
@@ -46,8 +47,17 @@ def pixel_shape(clip: Clip) -> Finding:
 
 
 def mount(clip: Clip) -> Finding:
-    """Judge how the picture is turned: frames tell of a quarter turn only, by their shape."""
+    """Judge how the picture is turned: as its file states, else by its shape, a quarter only."""
     rows, columns = clip.frames.shape[1:3]
+    stated = next((turn for turn, note in TURN_NOTES.items() if note in clip.notes), None)
+    if stated is not None:
+        return Finding(
+            "mount",
+            "limit",
+            f"the file states pictures {TURNS[stated]}, and so they were.",
+            "Directions are told as the turned picture shows them.",
+            "Slide something to the right and ask; if the answer is another, record without it.",
+        )
     if rows > columns:
         return Finding(
             "mount",

@@ -1,13 +1,17 @@
-"""When frames were taken: their rate and jitter, frames that are missing and frames that repeat."""
+"""When frames were taken: rate and jitter, frames that repeat, are missing, or were cut off."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.doctor.finding import Finding, judged
+from geotlm_lm.recordings.containers import declared_end
 from geotlm_lm.recordings.frame_times import EVEN_STEP, ROUNDED_S
+from geotlm_lm.recordings.video import VIDEO_SUFFIXES
 from geotlm_lm.track.frame_clock import FrameClock
 
 FEWEST_EVEN = 0.9
@@ -58,26 +62,49 @@ def _untimed_rate(clip: Clip) -> Finding:
 
 
 def missing_frames(clip: Clip) -> Finding:
-    """Judge whether frames were dropped, by the gaps between times."""
-    subject = "dropped frames"
-    if not clip.times_s and clip.fps is None:
-        return Finding(subject, "unknown", "cannot be told without the frames' times.")
-    if not clip.times_s:
-        return Finding(subject, "fine", "none, by the frames' times.")
-    steps, usual = _steps(clip)
+    """Judge whether frames were dropped, by the gaps between times, or between their numbers."""
+    subject, notes = "dropped frames", []
+    if clip.times_s:
+        steps, usual = _steps(clip)
+        clock = FrameClock()
+        for number, time_s in enumerate(clip.times_s):
+            clock.time_of(time_s, number)
+        notes = clock.notes()
+    else:
+        steps = np.diff(clip.frame_numbers)
+        usual = float(steps.min())
+        if usual == steps.max():
+            return _undropped(subject, clip)
     missed = int((np.rint(steps / usual) - 1)[steps > MISSED_STEP * usual].sum())
-    share = missed / (len(clip.times_s) + missed)
-    clock = FrameClock()
-    for number, time_s in enumerate(clip.times_s):
-        clock.time_of(time_s, number)
+    count = len(steps) + 1 + missed
+    share = missed / count
     return judged(
         subject,
-        " ".join([f"{missed} of {len(clip.times_s) + missed} ({share:.1%}).", *clock.notes()]),
+        " ".join([f"{missed} of {count} ({share:.1%}).", *notes]),
         "An object goes farther between two frames than it seems: a turn of more than 45 degrees "
         "in one step is not followed, and slips in a gap are not seen.",
         "Record at a lower rate or size, to a faster disk, or with a larger queue of the recorder.",
         is_fault=share > MOST_MISSED,
     )
+
+
+def file_end(clip: Clip) -> list[Finding]:
+    """Judge whether a video's file is there to its end; nothing of other recordings."""
+    path = Path(clip.name)
+    end = declared_end(path) if path.suffix.lower() in VIDEO_SUFFIXES and path.is_file() else None
+    if end is None:
+        return []
+    note = end.note()
+    measured = note or f"all {end.present_bytes} bytes that the file declares are there."
+    means = "Whatever moves later is not part of any answer, nor of the totals of a track."
+    advice = "Wait until it is written, copy it again, or take the totals for a part's."
+    return [judged("end of the file", measured, means, advice, is_fault=note is not None)]
+
+
+def _undropped(subject: str, clip: Clip) -> Finding:
+    if clip.fps is None:
+        return Finding(subject, "unknown", "cannot be told without the frames' times.")
+    return Finding(subject, "fine", "none, by the frames' times.")
 
 
 def repeated_frames(is_repeat: NDArray[np.bool_], *, is_every: bool) -> Finding:

@@ -109,8 +109,8 @@ def _key_of_frames(archive: zipfile.ZipFile, keys: list[str], name: str) -> str:
         return "frames"
     others = [key for key in keys if key not in BESIDES]
     if len(others) > 1:
-        axes = {key: _picture_axes(archive, key, name) for key in others}
-        others = [key for key in others if axes[key] == max(axes.values()) > 0]
+        ranks = {key: _picture_rank(archive, key, name) for key in others}
+        others = [key for key in others if ranks[key] == max(ranks.values()) > 0]
     if len(others) != 1:
         raise UnreadableClip(
             f"{name}: found the keys {', '.join(keys) or 'none'}, expected 'frames' (and "
@@ -119,15 +119,16 @@ def _key_of_frames(archive: zipfile.ZipFile, keys: list[str], name: str) -> str:
     return others[0]
 
 
-def _picture_axes(archive: zipfile.ZipFile, key: str, name: str) -> int:
-    """Return 4 where an array has the shape of frames in colour, 3 of grey ones, 0 otherwise."""
+def _picture_rank(archive: zipfile.ZipFile, key: str, name: str) -> int:
+    """Return a rank by an array's shape: colour 3, with alpha 2, grey 1; 0 of no frames."""
     try:
         with archive.open(f"{key}.npy") as stream:
             shape, _, _ = _read_header(stream, name)
     except (UnreadableClip, KeyError, ValueError):  # not an array of numbers: no pictures either
         return 0
-    is_colour = len(shape) == 4 and 3 in (shape[1], shape[3])
-    return 4 if is_colour else 3 * (len(shape) == 3)
+    if len(shape) == 4:
+        return 3 if 3 in (shape[1], shape[3]) else 2 * (shape[3] == 4)
+    return int(len(shape) == 3)
 
 
 def read_still_array(path: Path, order: Order = "RGB") -> Frames:

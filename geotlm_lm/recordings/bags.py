@@ -1,4 +1,4 @@
-"""Frames from ROS 2 bags, MCAP and SQLite, without ROS; the extra `ros` reads their messages.
+"""Frames from bags of ROS 2 and ROS 1, without ROS; the extra `ros` reads their messages.
 
 Streamed: of a bag of any length no more is held than the frames that fit.
 """
@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from io import BytesIO
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,7 +22,9 @@ from numpy.typing import NDArray
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import GeoTLMError, MissingDependency, UnreadableClip
 from geotlm_lm.core.image_size import declared_size, is_cut_off
-from geotlm_lm.recordings.decoding import AS_STORED, quiet_decoders, rgb_of_8_bits
+from geotlm_lm.core.plain_name import is_plain, plain_name
+from geotlm_lm.recordings.decoding import AS_STORED, of_8_bits, quiet_decoders, rgb_of_8_bits
+from geotlm_lm.recordings.encodings import ENCODINGS
 from geotlm_lm.recordings.frame_times import rate_by, uneven_times_s
 from geotlm_lm.recordings.limits import (
     DECODED_FRAMES,
@@ -31,29 +34,25 @@ from geotlm_lm.recordings.limits import (
     kept_frames,
     stride_note,
 )
+from geotlm_lm.recordings.stated_shape import StatedShape, image_shape
 
 if TYPE_CHECKING:
+    from rosbags.rosbag1 import Reader as Reader1
     from rosbags.rosbag2 import Reader
 
-BAG_SUFFIXES = (".mcap", ".db3")
+ROS_1 = ".bag"
+"""Ending of the files that ROS 1 writes."""
+
+BAG_SUFFIXES = (".mcap", ".db3", ROS_1)
 
 METADATA = "metadata.yaml"
 """What makes a folder a bag."""
 
 RAW, PACKED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 
-ENCODINGS = {
-    "rgb8": (3, None),
-    "bgr8": (3, cv2.COLOR_BGR2RGB),
-    "8UC3": (3, cv2.COLOR_BGR2RGB),
-    "mono8": (1, cv2.COLOR_GRAY2RGB),
-    "8UC1": (1, cv2.COLOR_GRAY2RGB),
-}
-"""Encoding of an image -> bytes of a pixel, and OpenCV's conversion to RGB."""
-
 UNORDERED = (
-    "The encoding 8UC3 does not tell the order of colours: blue was taken to be first, as OpenCV "
-    "has it."
+    "The encoding {} does not tell the order of colours: blue was taken to be first, as OpenCV has "
+    "it."
 )
 
 
@@ -73,20 +72,29 @@ class BagImage:
     received_s: float
     name: str
 
+    @property
+    def is_packed(self) -> bool:
+        """Whether it is compressed, as JPEG or PNG."""
+        return hasattr(self.message, "format")
+
+    @property
+    def stated_shape(self) -> StatedShape:
+        """What a compressed one states about its pixels and how it is turned."""
+        return image_shape(BytesIO(self.message.data)) if self.is_packed else StatedShape()
+
     def decoded(self) -> Frames:
         """Return it as uint8 RGB, shape (rows, columns, 3).
 
         Raises:
             UnreadableClip: If it is damaged, or of an encoding that is not read.
         """
-        is_packed = hasattr(self.message, "format")
-        return _unpacked(self) if is_packed else _unpadded(self)
+        return _unpacked(self) if self.is_packed else _unpadded(self)
 
 
 def is_bag(path: Path) -> bool:
     """Tell whether a path is a bag by its name: a file of known ending, or a bag's folder."""
     # Unlike the path's own `is_file` it raises nothing where there is no right to look.
-    return path.suffix.lower() in BAG_SUFFIXES or os.path.isfile(path / METADATA)
+    return _is_part(path) or os.path.isfile(path / METADATA)
 
 
 def read_bag(path: Path, topic: str | None = None) -> Clip:
@@ -96,7 +104,7 @@ def read_bag(path: Path, topic: str | None = None) -> Clip:
     when the bag's recorder received them.
 
     Args:
-        path: A .mcap or .db3 file, or a bag's folder.
+        path: A .mcap, .db3 or .bag file, or a bag's folder.
         topic: Name of the topic; None where the bag has images on one only.
 
     Raises:
@@ -105,6 +113,7 @@ def read_bag(path: Path, topic: str | None = None) -> Clip:
         MissingDependency: If the extra `ros` is not installed.
     """
     name, kept, times_s = str(path), [], []
+    shape_notes: tuple[str, ...] = ()
     stride, seen, encoding, until = 1, 0, "", time.monotonic() + DECODING_S
     is_whole = True
     for seen, image in enumerate(bag_images(path, topic)):
@@ -116,6 +125,7 @@ def read_bag(path: Path, topic: str | None = None) -> Clip:
             continue
         encoding = getattr(image.message, "encoding", "")
         frame = image.decoded()
+        shape_notes = shape_notes if kept else image.stated_shape.notes
         if kept and frame.shape != kept[0].shape:
             raise resized(name, seen, frame.shape, kept[0].shape)
         if len(kept) >= kept_frames(*frame.shape[:2], name):
@@ -127,7 +137,7 @@ def read_bag(path: Path, topic: str | None = None) -> Clip:
     seen = len(times_s)
     times_ms, notes = _times_ms(times_s)
     fps, rate_notes = rate_by(times_ms, 0.0)
-    notes = [*notes, *rate_notes, *([UNORDERED] if encoding == "8UC3" else [])]
+    notes = [*shape_notes, *notes, *rate_notes, *_colour_notes(encoding)]
     if stride > 1:
         notes.append(stride_note(stride, seen))
     if not is_whole:
@@ -169,7 +179,7 @@ def bag_rate(path: Path, topic: str | None = None) -> tuple[float | None, tuple[
         raise UnreadableClip(f"{path}: the topic holds no image; record it again.")
     times_ms, notes = _times_ms([(one.stamp_s, one.received_s) for one in first])
     fps, rate_notes = rate_by(times_ms, 0.0)
-    return fps, (*notes, *rate_notes)
+    return fps, (*first[0].stated_shape.notes, *notes, *rate_notes)
 
 
 def bag_images(path: Path, topic: str | None = None) -> Iterator[BagImage]:
@@ -183,19 +193,43 @@ def bag_images(path: Path, topic: str | None = None) -> Iterator[BagImage]:
         UnreadableClip: As of `read_bag`.
         MissingDependency: Likewise.
     """
-    reader_of, typestore = _rosbags(path)
-    with _refusing_damage(path), reader_of(path) as reader:
+    reader_of, deserialize = _rosbags(path)
+    with (
+        _refusing_damage(path),
+        plain_name(_plain_part(path)) as plain,
+        reader_of(Path(plain)) as reader,
+    ):
         chosen = _topic_of(reader, path, topic)
         connections = [one for one in reader.connections if one.topic == chosen]
         for number, (connection, received_ns, raw) in enumerate(reader.messages(connections)):
-            message = typestore.deserialize_cdr(raw, connection.msgtype)
+            message = deserialize(raw, connection.msgtype)
             stamp = message.header.stamp
             stamp_s = stamp.sec + 1e-9 * stamp.nanosec
             yield BagImage(message, stamp_s, 1e-9 * received_ns, f"{path}: image {number}")
 
 
-def _rosbags(path: Path) -> tuple[type[Reader], Any]:
+def _plain_part(path: Path) -> Path:
+    """Return what to open: of a folder whose file has a name that a reader misses, that file."""
+    parts = [part for part in path.iterdir() if _is_part(part)] if path.is_dir() else []
+    misread = [part for part in parts if not is_plain(part.name)]
+    if not misread:
+        return path
+    if len(parts) > 1:
+        raise UnreadableClip(
+            f"{path}: {misread[0].name} is missed by what reads bags, expected names without #, ? "
+            f"and %; give its parts one by one, each as a recording."
+        )
+    return misread[0]
+
+
+def _is_part(path: Path) -> bool:
+    return path.suffix.lower() in BAG_SUFFIXES
+
+
+def _rosbags(path: Path) -> tuple[type[Reader | Reader1], Callable[[bytes, str], Any]]:
+    """Return what reads the messages of a bag, and what reads one of them."""
     try:
+        from rosbags.rosbag1 import Reader as Reader1
         from rosbags.rosbag2 import Reader
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
@@ -204,7 +238,9 @@ def _rosbags(path: Path) -> tuple[type[Reader], Any]:
             f"'geotlm-lm[ros]'`."
         ) from error
     # The two types of image are the same in every release of ROS 2; older bags hold no definitions.
-    return Reader, get_typestore(Stores.LATEST)
+    if path.suffix.lower() != ROS_1:
+        return Reader, get_typestore(Stores.LATEST).deserialize_cdr
+    return Reader1, get_typestore(Stores.ROS1_NOETIC).deserialize_ros1
 
 
 def _topic_of(reader: Reader, path: Path, topic: str | None) -> str:
@@ -239,17 +275,35 @@ def _unpadded(image: BagImage) -> Frames:
             f"{image.name} has the encoding {message.encoding or '(none)'}, expected "
             f"{', '.join(ENCODINGS)}; publish the camera's images in one of these."
         )
-    depth, to_rgb = ENCODINGS[message.encoding]
+    encoding = ENCODINGS[message.encoding]
+    order = ">" if message.is_bigendian else "<"
+    kind = np.dtype(np.uint8 if encoding.bits == 8 else f"{order}u2")
     kept_frames(rows, columns, image.name)  # refused before room is made for it
-    line, step, data = columns * depth, message.step, message.data
+    line = columns * encoding.channels * kind.itemsize
+    step, data = message.step, message.data
     if 0 in (rows, columns) or step < line or len(data) < step * rows:
         raise UnreadableClip(
             f"{image.name} has {len(data)} bytes in rows of {step}, expected {rows} rows of "
             f"{line}; record it again."
         )
-    lines = data[: step * rows].reshape(rows, step)[:, :line]
-    pixels = np.ascontiguousarray(lines.reshape(rows, columns, depth))
-    return pixels if to_rgb is None else cv2.cvtColor(pixels, to_rgb)
+    lines = np.ascontiguousarray(data[: step * rows].reshape(rows, step)[:, :line])
+    pixels = lines.view(kind).astype(kind.newbyteorder("=")).reshape(rows, columns, -1)
+    [pixels] = of_8_bits([pixels], image.name)
+    if encoding.to_rgb is None:
+        return pixels
+    try:
+        return cv2.cvtColor(pixels, encoding.to_rgb)
+    except cv2.error as error:  # an odd number of columns in pairs of pixels
+        raise UnreadableClip(
+            f"{image.name} has {columns} x {rows} pixels, which the encoding {message.encoding} "
+            f"does not divide into its groups; publish the camera's images as rgb8."
+        ) from error
+
+
+def _colour_notes(encoding: str) -> list[str]:
+    """Return a note where an encoding names no order of its colours."""
+    is_unordered = encoding.endswith(("UC3", "UC4"))
+    return [UNORDERED.format(encoding)] if is_unordered else []
 
 
 def _unpacked(image: BagImage) -> Frames:
@@ -264,7 +318,7 @@ def _unpacked(image: BagImage) -> Frames:
             f"{image.name} ({image.message.format or 'of no format'}) is cut off or is no picture, "
             f"expected jpeg or png; record it again."
         )
-    return rgb_of_8_bits([picture], image.name)[0]
+    return image.stated_shape.squared(rgb_of_8_bits([picture], image.name)[0], image.name)
 
 
 def _times_ms(times_s: list[tuple[float, float]]) -> tuple[NDArray[np.float64], list[str]]:
@@ -288,7 +342,13 @@ def _refusing_damage(path: Path) -> Iterator[None]:
     except GeoTLMError:
         raise
     except Exception as error:
+        is_first = path.suffix.lower() == ROS_1
+        kind, writer, repair = (
+            ("ROS 1", "rosbag record", "rosbag reindex")
+            if is_first
+            else ("ROS 2", "ros2 bag record", "mcap recover")
+        )
         raise UnreadableClip(
-            f"{path}: is cut off or is no bag of ROS 2, expected what `ros2 bag record` writes; "
-            f"copy it again, or repair it by `mcap recover`."
+            f"{path}: is cut off or is no bag of {kind}, expected what `{writer}` writes; copy it "
+            f"again, or repair it by `{repair}`."
         ) from error

@@ -29,6 +29,20 @@ def rgb_of_8_bits(decoded: Sequence[NDArray[np.generic]], name: str) -> list[Fra
         name: Of the file, for errors.
 
     Raises:
+        UnreadableClip: As of `of_8_bits`.
+    """
+    # The one place where a decoded image's order of colours is turned around.
+    return [cv2.cvtColor(image, cv2.COLOR_BGR2RGB) for image in of_8_bits(decoded, name)]
+
+
+def of_8_bits(decoded: Sequence[NDArray[np.generic]], name: str) -> list[Frames]:
+    """Return images of one file as uint8: the upper bits, where they have 16.
+
+    Args:
+        decoded: Of any number of channels.
+        name: Of the file, for errors.
+
+    Raises:
         UnreadableClip: If the values are none of 8 bits, and none of 16 that use their range.
     """
     [kind, *others] = {image.dtype for image in decoded}
@@ -38,15 +52,26 @@ def rgb_of_8_bits(decoded: Sequence[NDArray[np.generic]], name: str) -> list[Fra
             f"0..255 and save them in 8 bits."
         )
     if kind == np.uint16:
-        largest = max(int(image.max(initial=0)) for image in decoded)
-        if largest < FULL_RANGE_FROM:
-            raise UnreadableClip(
-                f"{name}: holds 16-bit values up to {largest}, expected 8 bits, or 16 that are "
-                f"used up to {2**16 - 1}; scale the frames to 0..255 and save them in 8 bits."
-            )
-        decoded = [(image >> 8).astype(np.uint8) for image in decoded]
-    # The one place where a decoded image's order of colours is turned around.
-    return [cv2.cvtColor(image, cv2.COLOR_BGR2RGB) for image in decoded]
+        require_full_range(max(int(image.max(initial=0)) for image in decoded), name)
+        return [(image >> 8).astype(np.uint8) for image in decoded]
+    return list(decoded)
+
+
+def require_full_range(largest: int, name: str) -> None:
+    """Refuse 16-bit values that stay too low to use their range, as those of 12-bit cameras do.
+
+    Args:
+        largest: Of the values.
+        name: Of the file, for errors.
+
+    Raises:
+        UnreadableClip: If they do.
+    """
+    if largest < FULL_RANGE_FROM:
+        raise UnreadableClip(
+            f"{name}: holds 16-bit values up to {largest}, expected 8 bits, or 16 that are "
+            f"used up to {2**16 - 1}; scale the frames to 0..255 and save them in 8 bits."
+        )
 
 
 @contextmanager

@@ -6,11 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
+import numpy as np
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.recordings.bags import bag_images, is_bag
 from geotlm_lm.recordings.pixel_shape import with_square_pixels
-from geotlm_lm.recordings.video import VIDEO_SUFFIXES, quiet_capture
+from geotlm_lm.recordings.video import VIDEO_SUFFIXES
+from geotlm_lm.recordings.video_file import video_file
 
 
 def each_frame(
@@ -26,9 +28,9 @@ def each_frame(
         topic: Likewise.
     """
     numbers, path = clip.frame_numbers, Path(clip.name)
-    is_whole = len(numbers) < 2 or numbers[1] - numbers[0] == 1
+    is_whole = len(numbers) < 2 or np.diff(numbers).min() == 1
     if not is_whole and path.suffix.lower() in VIDEO_SUFFIXES:
-        frames = _of_video(clip.name)
+        frames = _of_video(path)
     elif not is_whole and is_bag(path):
         frames = (image.decoded() for image in bag_images(path, topic))
     else:
@@ -38,7 +40,7 @@ def each_frame(
         yield number, with_square_pixels(image) if square_pixels else image
 
 
-def _of_video(name: str) -> Iterator[Frames]:
-    with quiet_capture(name, cv2.CAP_FFMPEG) as capture:
+def _of_video(path: Path) -> Iterator[Frames]:
+    with video_file(path) as capture:
         while (read := capture.read())[0]:
             yield cv2.cvtColor(read[1], cv2.COLOR_BGR2RGB)

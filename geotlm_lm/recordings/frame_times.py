@@ -1,4 +1,4 @@
-"""When a video's frames were taken, by their time stamps: their rate, and whether all are there."""
+"""When a video's frames were taken, by their time stamps: their rate, and how long they last."""
 
 from __future__ import annotations
 
@@ -12,9 +12,6 @@ rounded to milliseconds, and single frames are dropped by any camera."""
 
 SAME_RATE = 0.05
 """Share by which a header's frame rate may be off the time stamps'."""
-
-WHOLE_SHARE = 0.95
-"""Share of the declared length that a whole video has at least."""
 
 
 def rate_by(times_ms: Sequence[float], told: float) -> tuple[float | None, tuple[str, ...]]:
@@ -64,20 +61,12 @@ ROUNDED_S = 0.002
 """Difference that the rounding of stamps to milliseconds makes."""
 
 
-def cut_off_note(times_ms: Sequence[float], declared: float, told: float) -> tuple[str, ...]:
-    """Return a note where frames that the header declares are missing.
+def length_s(times_ms: Sequence[float]) -> float | None:
+    """Return how long frames last, the last one included, s; None without times.
 
     Args:
-        times_ms: When each decoded frame was taken, in order.
-        declared: How many frames the header declares.
-        told: Frames per second by the header; 0 where it does not say.
+        times_ms: When each frame was taken, in order.
     """
-    if len(times_ms) < 2 or told <= 0 or len(times_ms) >= WHOLE_SHARE * declared:
-        return ()
-    length_s = (times_ms[-1] + float(np.median(np.diff(times_ms)))) / 1000
-    if length_s >= WHOLE_SHARE * declared / told:  # a rate too high declares too many frames
-        return ()
-    return (
-        f"Only the first {length_s:.1f} s of {declared / told:.1f} s can be decoded: the file is "
-        f"cut off or damaged; copy or record it again.",
-    )
+    if len(times_ms) < 2 or times_ms[-1] <= times_ms[0]:
+        return None
+    return (times_ms[-1] + float(np.median(np.diff(times_ms)))) / 1000

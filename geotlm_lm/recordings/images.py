@@ -1,10 +1,9 @@
-"""Frames from a folder of images in natural order (frame2 before frame10), and single stills."""
+"""Frames from a folder of images in the order that their names tell, and single stills."""
 
 from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -16,7 +15,9 @@ from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.image_size import declared_size, is_cut_off, page_sizes
 from geotlm_lm.recordings.decoding import AS_STORED, quiet_decoders, rgb_of_8_bits
+from geotlm_lm.recordings.frame_order import FrameOrder, frame_order
 from geotlm_lm.recordings.limits import kept_frames, stride_for, stride_note
+from geotlm_lm.recordings.stated_shape import StatedShape, image_shape
 
 IMAGE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
 
@@ -32,29 +33,31 @@ def read_folder(folder: Path) -> Clip:
     Raises:
         UnreadableClip: If there are none, one is damaged, or their sizes differ.
     """
-    found = folder_images(folder)
-    paths, idle = found.frames, found.idle
+    images = folder_images(folder)
+    paths, idle = images.frames, images.idle
     if not paths:
         raise UnreadableClip(
             f"{folder}: the folder holds {_held_instead(folder)}, expected "
             f"{', '.join(IMAGE_SUFFIXES)}; give the folder the frames lie in, or convert them."
         )
-    first = read_still_image(paths[0])
+    first, shape = _read_image(paths[0])
     stride = stride_for(len(paths), *first.shape[:2], str(paths[0]))
-    frames = [first]
+    frames, stated = [first], dict.fromkeys(shape.notes)
     for path in paths[stride::stride]:
-        frame = read_still_image(path)
+        frame, shape = _read_image(path)
+        stated |= dict.fromkeys(shape.notes)
         if frame.shape != first.shape:
             raise UnreadableClip(
                 f"{path}: is {frame.shape[1]}x{frame.shape[0]} pixels, {paths[0].name} is "
                 f"{first.shape[1]}x{first.shape[0]}; keep frames of one recording in the folder."
             )
         frames.append(frame)
-    notes = (f"{len(paths)} images were read in natural order of their names.",)
+    order_note = f"{len(paths)} images were read in natural order of their names."
+    notes = (order_note, *images.order.notes, *stated)
     if stride > 1:
         notes = (*notes, stride_note(stride, len(paths)))
-    if found.masks:
-        left_out = f"{len(found.masks)} images named as masks ({found.masks[0].name})"
+    if images.masks:
+        left_out = f"{len(images.masks)} images named as masks ({images.masks[0].name})"
         notes = (*notes, f"{left_out} were left out.")
     if idle is not None:
         notes = (*notes, f"Background: {idle.name} of the folder was taken for the idle gel.")
@@ -62,8 +65,8 @@ def read_folder(folder: Path) -> Clip:
         np.stack(frames),
         background=None if idle is None else read_still_image(idle),
         name=str(folder),
-        frame_numbers=tuple(range(0, len(paths), stride)),
-        recorded_frames=len(paths),
+        frame_numbers=images.order.numbers[::stride],
+        recorded_frames=images.order.numbers[-1] + 1,
         notes=notes,
     )
 
@@ -80,15 +83,17 @@ def _held_instead(folder: Path) -> str:
 
 @dataclass(frozen=True)
 class FolderImages:
-    """The images in a folder, each kind in natural order of their names.
+    """The images in a folder.
 
     Args:
-        frames: Of the recording.
+        frames: Of the recording, in order.
+        order: Where they stood in the recording, and what is not plain about it.
         idle: The idle gel, an image named `background`; None if there is none.
         masks: Contact masks beside the frames, named `mask_1` and the like.
     """
 
     frames: list[Path]
+    order: FrameOrder
     idle: Path | None
     masks: list[Path]
 
@@ -97,44 +102,17 @@ def folder_images(folder: Path) -> FolderImages:
     """Return the images in `folder`; hidden files are passed over.
 
     Raises:
-        UnreadableClip: If the folder cannot be opened.
+        UnreadableClip: If the folder cannot be opened, or holds frames of several recordings.
     """
-    found = list(filter(_is_image, listed(folder)))
-    signed = signed_names([path.name for path in found])
-    found.sort(key=lambda path: natural_key(path.name, is_signed=path.name in signed))
-    idle = next((path for path in found if path.stem.lower() == BACKGROUND_STEM), None)
-    found = [path for path in found if path != idle]
-    masks = [path for path in found if _MASK.match(path.stem)]
-    if len(masks) == len(found):  # nothing lies beside them: masks are what was asked for
-        return FolderImages(found, idle, [])
-    return FolderImages([path for path in found if path not in masks], idle, masks)
-
-
-def natural_key(name: str, *, is_signed: bool = False) -> list[tuple[int, int, str]]:
-    """Return what sorts names naturally: frame2 before frame10.
-
-    Args:
-        name: Of a file.
-        is_signed: Whether the minus before its first number is a sign and no separator.
-    """
-    parts = re.split(r"(\d+)", name.lower())
-    if is_signed:
-        parts[:2] = [parts[0].removesuffix("-"), f"-{parts[1]}"]
-    is_number = re.compile(r"-?\d+").fullmatch
-    return [(0, int(part), "") if is_number(part) else (1, 0, part) for part in parts if part]
-
-
-def signed_names(names: Iterable[str]) -> frozenset[str]:
-    """Return those names whose first number is a negative one: t-8 where t7 lies beside it.
-
-    Where no other name has the same text directly before its number, as in frame-1 and frame-2,
-    the minus is a separator; so it is between two numbers, as in 2024-01-02.
-    """
-    first = {name: re.match(r"(\D*?)(-?)\d", name.lower()) for name in names}
-    plain = {found[1] for found in first.values() if found and not found[2]}
-    return frozenset(
-        name for name, found in first.items() if found and found[2] and found[1] in plain
-    )
+    images = sorted(filter(_is_image, listed(folder)))
+    idle = next((path for path in images if path.stem.lower() == BACKGROUND_STEM), None)
+    images = [path for path in images if path != idle]
+    masks = [path for path in images if _MASK.match(path.stem)]
+    if len(masks) == len(images):  # nothing lies beside them: masks are what was asked for
+        masks = []
+    frames = [path.name for path in images if path not in masks]
+    order = frame_order(str(folder), frames) if frames else FrameOrder((), ())
+    return FolderImages([folder / name for name in order.names], order, idle, masks)
 
 
 def read_still_image(path: Path) -> Frames:
@@ -143,6 +121,11 @@ def read_still_image(path: Path) -> Frames:
     Raises:
         UnreadableClip: If it is no image, several, too large a one, or none of 8 or 16 bits.
     """
+    return _read_image(path)[0]
+
+
+def _read_image(path: Path) -> tuple[Frames, StatedShape]:
+    """Return an image with square pixels, and what its file states of their shape."""
     try:
         stored = path.read_bytes()
     except OSError as error:
@@ -154,7 +137,8 @@ def read_still_image(path: Path) -> Frames:
             f"{path}: holds several pages, expected one image; give the file as the recording "
             f"that it is, or save one page."
         )
-    return decoded_image(stored, str(path))
+    image, shape = decoded_image(stored, str(path)), image_shape(BytesIO(stored))
+    return shape.squared(image, str(path)), shape
 
 
 def decoded_image(stored: bytes, name: str) -> Frames:

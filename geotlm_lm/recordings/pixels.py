@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import MIN_SIDE, Frames
 from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.recordings.decoding import require_full_range
 
 Layout = Literal["THWC", "TCHW", "THW"]
 """T frames, H rows, W columns, C colours."""
@@ -18,6 +19,10 @@ Order = Literal["RGB", "BGR"]
 
 COLOURS = (1, 3)
 """Colour counts a frame may have: grey or RGB."""
+
+WITH_ALPHA = (*COLOURS, 4)
+"""Channels a frame may have where they are last or the layout is given: alpha is left out. A second
+axis of 4 is rather a clip of four frames."""
 
 
 def check_layout(layout: str | None) -> str | None:
@@ -63,15 +68,15 @@ def layout_of(shape: tuple[int, ...], layout: Layout | None, name: str) -> tuple
     """
     if layout is not None:
         is_grey = "C" not in layout
-        if len(shape) != len(layout) or not (is_grey or shape[layout.index("C")] in COLOURS):
+        if len(shape) != len(layout) or not (is_grey or shape[layout.index("C")] in WITH_ALPHA):
             raise UnreadableClip(
-                f"{name}: shape {shape} is not of the layout {layout} with 1 or 3 colours; "
+                f"{name}: shape {shape} is not of the layout {layout} with 1, 3 or 4 channels; "
                 f"give the layout the file has, or leave it out."
             )
         return layout, f"Shape {shape} is read as {layout}, as asked."
     if len(shape) == 4:
         return _guess(shape, name)
-    if len(shape) == 3 and shape[-1] in COLOURS:
+    if len(shape) == 3 and shape[-1] in WITH_ALPHA:
         raise UnreadableClip(
             f"{name}: only 1 frame was found (shape {shape}), motion needs 2 or more; "
             f"stack frames to (T,H,W,3)."
@@ -95,7 +100,7 @@ def layout_of(shape: tuple[int, ...], layout: Layout | None, name: str) -> tuple
 
 
 def _guess(shape: tuple[int, ...], name: str) -> tuple[Layout, str]:
-    last, first = shape[3] in COLOURS, shape[1] in COLOURS
+    last, first = shape[3] in WITH_ALPHA, shape[1] in COLOURS
     if last and first:
         return "THWC", (
             f"Shape {shape} fits THWC and TCHW, THWC was assumed; pass --layout TCHW if it is not."
@@ -120,7 +125,8 @@ def to_rgb(array: NDArray, layout: Layout, order: Order, name: str) -> tuple[Fra
     """Return uint8 RGB frames, shape (t, rows, columns, 3), and a note on the range of the values.
 
     Args:
-        array: Numbers in [0, 1] (floating point only) or [0, 255].
+        array: Numbers in [0, 1] (floating point only), [0, 255], or uint16 that uses its range. A
+            fourth channel is left out.
         layout: Of the axes of `array`.
         order: Of its colours.
         name: Of the file, for errors.
@@ -137,6 +143,12 @@ def to_rgb(array: NDArray, layout: Layout, order: Order, name: str) -> tuple[Fra
         raise UnreadableClip(
             f"{name}: holds no pixels (shape {array.shape}); record or export it again."
         )
+    if layout == "TCHW":
+        array = np.moveaxis(array, 1, -1)
+    elif layout == "THW":
+        array = array[..., None]
+    alpha = " The fourth channel was taken for alpha and left out." * (array.shape[-1] == 4)
+    array = array[..., :3]
     low, high = array.min(), array.max()
     if not np.isfinite(low) or not np.isfinite(high):
         raise UnreadableClip(
@@ -145,25 +157,28 @@ def to_rgb(array: NDArray, layout: Layout, order: Order, name: str) -> tuple[Fra
         )
     # A little above 1 is neither: resampled 0..1 frames overshoot, and as 0..255 they are black.
     is_overshoot = array.dtype.kind == "f" and 1 < high < 2
-    if low < 0 or high > 255 or is_overshoot:
+    is_deep = array.dtype.kind == "u" and array.dtype.itemsize == 2 and high > 255
+    if is_deep:
+        require_full_range(int(high), name)
+    elif low < 0 or high > 255 or is_overshoot:
         raise UnreadableClip(
             f"{name}: values run from {low:g} to {high:g}, expected 0..1 or 0..255; "
             f"scale or clip them first."
         )
     is_unit = array.dtype.kind == "f" and high <= 1
-    if layout == "TCHW":
-        array = np.moveaxis(array, 1, -1)
-    elif layout == "THW":
-        array = array[..., None]
     if order == "BGR":
         array = array[..., ::-1]
     frames = np.empty((*array.shape[:3], 3), np.uint8)
     for target, source in zip(frames, array, strict=True):
         # Frame by frame: a floating-point copy of the whole recording would not fit the bound.
-        target[...] = np.rint(source * 255.0) if is_unit else np.rint(source)
-    span = "0..1" if is_unit else "0..255"
+        if is_deep:
+            target[...] = source >> 8
+        else:
+            target[...] = np.rint(source * 255.0) if is_unit else np.rint(source)
+    span = "0..65535" if is_deep else "0..1" if is_unit else "0..255"
     advice = "; pass --layout BGR if OpenCV gave them" if order == "RGB" else ""
-    return frames, f"Values ({array.dtype}) were taken for {span}, colours for {order}{advice}."
+    range_note = f"Values ({array.dtype}) were taken for {span}, colours for {order}{advice}."
+    return frames, range_note + alpha
 
 
 def still_to_rgb(array: NDArray, order: Order, name: str) -> Frames:
@@ -175,7 +190,7 @@ def still_to_rgb(array: NDArray, order: Order, name: str) -> Frames:
     layout: Layout
     if array.ndim == 2:
         layout = "THW"
-    elif array.ndim == 3 and array.shape[-1] in COLOURS:
+    elif array.ndim == 3 and array.shape[-1] in WITH_ALPHA:
         layout = "THWC"
     elif array.ndim == 3 and array.shape[0] in COLOURS:
         layout = "TCHW"

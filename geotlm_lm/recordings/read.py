@@ -16,6 +16,7 @@ from geotlm_lm.recordings.arrays import (
 )
 from geotlm_lm.recordings.bags import BAG_SUFFIXES, is_bag, read_bag
 from geotlm_lm.recordings.images import IMAGE_SUFFIXES, read_folder, read_still_image
+from geotlm_lm.recordings.legible import without_damaged
 from geotlm_lm.recordings.pixel_shape import with_pixel_shape
 from geotlm_lm.recordings.pixels import Order, check_layout, parts_of
 from geotlm_lm.recordings.span import require_motion
@@ -40,8 +41,9 @@ def read_clip(
     """Return the recording at `path`, of any length from 2 frames.
 
     Args:
-        path: A .npy or .npz array, a .mp4, .m4v, .avi, .mov, .mkv or .webm video, a .tif of several
-            pages, a .mcap or .db3 bag of ROS 2 or its folder, or a folder of images.
+        path: A .npy or .npz array, a .mp4, .m4v, .avi, .mov, .mkv, .webm or .gif video, a .tif of
+            several pages, a .mcap or .db3 bag of ROS 2 or its folder, a .bag of ROS 1, or a folder
+            of images.
         layout: Axes of an array: "THWC", "TCHW" or "THW" (grey); "BGR", or "THWC-BGR", where its
             colours are in OpenCV's order, those of a background in an array as well; None to guess
             axes and take colours for RGB. Of anything else it is not used, and a note says so.
@@ -54,7 +56,8 @@ def read_clip(
 
     Raises:
         UnreadableClip: If a file is missing, damaged, or holds no clip, in one sentence.
-        MissingDependency: If it is a bag and the extra `ros` is not installed.
+        MissingDependency: If it is a bag and the extra `ros` is not installed, or AV1 video and the
+            extra `lerobot` is not.
         UsageError: If the layout or the frame rate makes no sense.
         TypeError: If `path` or `background` is none, such as an array, the frame rate is no number,
             or the layout no text.
@@ -73,8 +76,11 @@ def read_clip(
     checked = check_layout(layout)
     require_rate(fps)
     clip = _read(path, checked, topic)
-    if checked is not None and path.suffix.lower() not in ARRAY_SUFFIXES:
-        clip = clip.with_note(f"The layout {checked} is not used: only arrays have one to tell.")
+    if path.suffix.lower() not in ARRAY_SUFFIXES:
+        clip = without_damaged(clip)
+        if checked is not None:
+            note = f"The layout {checked} is not used: only arrays have one to tell."
+            clip = clip.with_note(note)
     if topic is not None and not is_bag(path):
         clip = clip.with_note(f"The topic {topic} is not used: only bags have topics.")
     require_motion(clip)
@@ -113,7 +119,7 @@ def read_background(path: str | Path, order: Order = "RGB") -> Frames:
         UnreadableClip: If the file is missing or holds no single image.
     """
     path = _given(path, "an image's")
-    _require_file(path, "an image")
+    require_file(path, "an image")
     if path.suffix.lower() == ".npy":
         return read_still_array(path, order)
     if path.suffix.lower() in IMAGE_SUFFIXES:
@@ -133,7 +139,7 @@ def _given(path: str | PathLike[str], wanted: str) -> Path:
 def _read(path: Path, layout: str | None, topic: str | None) -> Clip:
     if _require_there(path).is_dir():
         return read_bag(path, topic) if is_bag(path) else read_folder(path)
-    _require_file(path)
+    require_file(path)
     suffix = path.suffix.lower()
     if suffix == ".npy":
         return read_array(path, layout)
@@ -167,7 +173,12 @@ def _require_there(path: Path) -> Path:
     return path
 
 
-def _require_file(path: Path, wanted: str = "a recording") -> None:
+def require_file(path: Path, wanted: str = "a recording") -> None:
+    """Refuse what is no file that can be read.
+
+    Raises:
+        UnreadableClip: If it is missing, empty, no regular file, or cannot be opened.
+    """
     if not _require_there(path).is_file():
         raise UnreadableClip(f"{path}: is not a regular file; give {wanted}.")
     if path.stat().st_size == 0:

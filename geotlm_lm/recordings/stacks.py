@@ -10,8 +10,10 @@ import numpy as np
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.image_size import page_sizes
+from geotlm_lm.core.plain_name import plain_name
 from geotlm_lm.recordings.decoding import AS_STORED, quiet_decoders, rgb_of_8_bits
-from geotlm_lm.recordings.limits import DECODED_FRAMES, stride_for, stride_note
+from geotlm_lm.recordings.limits import DECODED_FRAMES, kept_frames, stride_for, stride_note
+from geotlm_lm.recordings.stated_shape import image_shape
 
 STACK_SUFFIXES = (".tif", ".tiff")
 
@@ -56,9 +58,13 @@ def read_stack(path: Path) -> Clip:
             f"{name}: page {sizes.index(other) + 1} is {other[1]}x{other[0]} pixels, page 1 is "
             f"{sizes[0][1]}x{sizes[0][0]}; keep frames of one recording in the file."
         )
-    stride = stride_for(len(sizes), *sizes[0], name)
-    frames = np.stack(rgb_of_8_bits(_decoded(name, len(sizes), stride), name))
-    notes = [f"{len(sizes)} pages were read as frames."]
+    kept_frames(*sizes[0], name)
+    with path.open("rb") as file:
+        shape = image_shape(file)
+    stride = stride_for(len(sizes), *shape.shown_size(*sizes[0]), name)
+    pages = rgb_of_8_bits(_decoded(path, len(sizes), stride), name)
+    frames = np.stack([shape.squared(page, name) for page in pages])
+    notes = [f"{len(sizes)} pages were read as frames.", *shape.notes]
     if stride > 1:
         notes.append(stride_note(stride, len(sizes)))
     if not is_whole:
@@ -73,17 +79,17 @@ def read_stack(path: Path) -> Clip:
     )
 
 
-def _decoded(name: str, count: int, stride: int) -> list[np.ndarray]:
+def _decoded(path: Path, count: int, stride: int) -> list[np.ndarray]:
     kept: list[np.ndarray] = []
     for start in range(0, count, _AT_ONCE):
         asked = min(_AT_ONCE, count - start)
         try:
-            with quiet_decoders():
-                is_read, pages = cv2.imreadmulti(name, start, asked, flags=AS_STORED)
+            with quiet_decoders(), plain_name(path) as plain:
+                is_read, pages = cv2.imreadmulti(plain, start, asked, flags=AS_STORED)
         except cv2.error:
             is_read, pages = False, ()
         if not is_read or len(pages) < asked or len({page.shape for page in pages}) > 1:
-            raise _damaged(name)
+            raise _damaged(str(path))
         kept += pages[-start % stride :: stride]
     return kept
 

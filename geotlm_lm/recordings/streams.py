@@ -9,13 +9,16 @@ from itertools import count
 from pathlib import Path
 
 import cv2
+import numpy as np
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
 from geotlm_lm.recordings.bags import bag_images, bag_rate, is_bag, resized
+from geotlm_lm.recordings.containers import declared_end
 from geotlm_lm.recordings.latest_frames import StreamFrame, Unwaiting
 from geotlm_lm.recordings.pixels import check_layout
-from geotlm_lm.recordings.read import read_clip, require_rate
-from geotlm_lm.recordings.video import VIDEO_SUFFIXES, quiet_capture, rate_ahead
+from geotlm_lm.recordings.read import read_clip, require_file, require_rate
+from geotlm_lm.recordings.video import VIDEO_SUFFIXES, rate_ahead, undecoded
+from geotlm_lm.recordings.video_file import quiet_capture, video_file
 
 DEFAULT_FPS = 25.0
 """Taken where a source does not say: a GelSight Mini's rate."""
@@ -53,13 +56,17 @@ class Recording:
         if not path.exists():
             raise UnreadableClip(f"{path}: no such file or folder; check the path.")
         if self._is_video:
-            with quiet_capture(str(path), cv2.CAP_FFMPEG) as capture:
+            require_file(path)
+            with video_file(path) as capture:
                 rated = rate_ahead(capture)
             if rated is None:
-                raise UnreadableClip(
-                    f"{path}: no frame of it can be decoded; copy or export it again."
-                )
-            told, self.notes = rated[0] or 0.0, rated[1] if fps is None else ()
+                raise undecoded(path)
+            rate, notes = rated
+            told = rate or 0.0
+            self.notes = (*capture.notes, *(notes if fps is None else ()))
+            end = declared_end(path)
+            if end is not None and (missing := end.note()) is not None:
+                self.notes = (*self.notes, missing)
         elif self._is_bag:
             rate, notes = bag_rate(path, topic)
             told, self.notes = rate or 0.0, notes if fps is None else ()
@@ -69,8 +76,9 @@ class Recording:
             told = self._clip.fps or 0.0
         self._recorded_fps, self.is_rate_assumed = _rate(fps, told)
         is_streamed = self._is_video or self._is_bag
-        kept = (0, 1) if is_streamed else self._clip.frame_numbers
-        self.fps = self._recorded_fps / (kept[1] - kept[0])
+        # The usual step, as frames may be missing between two.
+        step = 1 if is_streamed else int(np.diff(self._clip.frame_numbers).min())
+        self.fps = self._recorded_fps / step
 
     def __iter__(self) -> Iterator[StreamFrame]:
         """Yield every frame; a video or a bag is decoded as it is read, however long it is.
@@ -86,7 +94,7 @@ class Recording:
             return
         step_s = 1 / self._recorded_fps
         time_s, first_s = -step_s, 0.0
-        with quiet_capture(self.name, cv2.CAP_FFMPEG) as capture:
+        with video_file(self._path) as capture:
             for number in count():
                 is_decoded, image = capture.read()
                 if not is_decoded:
@@ -151,7 +159,8 @@ class Camera(Unwaiting):
     def __init__(self, device: int | str, fps: float | None = None) -> None:
         super().__init__(str(device))
         self._opened = ExitStack()
-        self._capture = self._opened.enter_context(quiet_capture(device, cv2.CAP_ANY))
+        source = Path(device) if isinstance(device, str) else device
+        self._capture = self._opened.enter_context(quiet_capture(source, cv2.CAP_ANY))
         if not (self._capture.isOpened() and self._capture.grab()):
             self._opened.close()
             raise MissingDependency(_advice(device))

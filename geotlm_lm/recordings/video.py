@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import cv2
@@ -13,8 +10,8 @@ import numpy as np
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.decoding import quiet_decoders
-from geotlm_lm.recordings.frame_times import cut_off_note, rate_by, uneven_times_s
+from geotlm_lm.recordings.containers import WHOLE_SHARE, cut_off_note, declared_end
+from geotlm_lm.recordings.frame_times import length_s, rate_by, uneven_times_s
 from geotlm_lm.recordings.limits import (
     DECODED_FRAMES,
     DECODING_S,
@@ -23,15 +20,14 @@ from geotlm_lm.recordings.limits import (
     kept_frames,
     stride_note,
 )
+from geotlm_lm.recordings.video_file import GIF, Capture, video_file
 
-VIDEO_SUFFIXES = (".mp4", ".m4v", ".avi", ".mov", ".mkv", ".webm")
+VIDEO_SUFFIXES = (".mp4", ".m4v", ".avi", ".mov", ".mkv", ".webm", GIF)
 
-LOSSY_SUFFIXES = (".mp4", ".m4v", ".webm")
+LOSSY_SUFFIXES = (".mp4", ".m4v", ".webm", GIF)
 """Containers that nearly always hold lossy video: mp4v costs 4.1 grey levels on a gel image, MJPG
-2.1, FFV1 none; VP8 and VP9 2.3, where mp4v costs 2.4 (measured, of another clip)."""
-
-COUNTING_SUFFIXES = (".mp4", ".m4v", ".mov", ".avi")
-"""Containers whose headers say how many frames there are; of .mkv OpenCV guesses it."""
+2.1, FFV1 none; VP8 and VP9 2.3, where mp4v costs 2.4 (measured, of another clip); the 256 colours
+of a GIF 2.3."""
 
 
 def read_video(path: Path) -> Clip:
@@ -39,20 +35,22 @@ def read_video(path: Path) -> Clip:
 
     Raises:
         UnreadableClip: If no frame of it can be decoded, or the frames are too large.
+        MissingDependency: If it is AV1 video, and what decodes it is not installed.
     """
-    with quiet_capture(str(path), cv2.CAP_FFMPEG) as capture:
+    with video_file(path) as capture:
         frames, stride, times_ms, is_whole = _decode(capture, str(path))
         told = float(capture.get(cv2.CAP_PROP_FPS))
         declared = float(capture.get(cv2.CAP_PROP_FRAME_COUNT))
     if not frames:
-        raise UnreadableClip(
-            f"{path}: no frame of it can be decoded, expected a {', '.join(VIDEO_SUFFIXES)} video; "
-            f"copy or export it again."
-        )
+        raise undecoded(path)
     seen, suffix = len(times_ms), path.suffix.lower()
     fps, notes = rate_by(times_ms, told)
-    if is_whole and suffix in COUNTING_SUFFIXES:
-        notes = (*notes, *cut_off_note(times_ms, declared, told))
+    notes = (*capture.notes, *notes)
+    if is_whole:
+        # Of a container that declares no duration OpenCV guesses the count by its size.
+        declared_s = declared / told if told > 0 and seen < WHOLE_SHARE * declared else None
+        cut_off = cut_off_note(path, seen, length_s(times_ms), declared_s)
+        notes = notes if cut_off is None else (*notes, cut_off)
     if suffix in LOSSY_SUFFIXES:
         notes = (
             *notes,
@@ -74,7 +72,22 @@ def read_video(path: Path) -> Clip:
     )
 
 
-def rate_ahead(capture: cv2.VideoCapture) -> tuple[float | None, tuple[str, ...]] | None:
+def undecoded(path: Path) -> UnreadableClip:
+    """Return the error of a video of which no frame can be decoded."""
+    end = declared_end(path)
+    if end is not None and end.declared_bytes is not None and end.note() is not None:
+        share = end.present_bytes / end.declared_bytes
+        return UnreadableClip(
+            f"{path}: only {share:.0%} of the file is there, cut off before its index; copy or "
+            f"record it again."
+        )
+    return UnreadableClip(
+        f"{path}: no frame of it can be decoded, expected a {', '.join(VIDEO_SUFFIXES)} video; "
+        f"copy or export it again."
+    )
+
+
+def rate_ahead(capture: Capture) -> tuple[float | None, tuple[str, ...]] | None:
     """Return the frame rate by the first frames' times, as `rate_by` does; None without a frame.
 
     Args:
@@ -86,27 +99,7 @@ def rate_ahead(capture: cv2.VideoCapture) -> tuple[float | None, tuple[str, ...]
     return rate_by(times_ms, float(capture.get(cv2.CAP_PROP_FPS))) if times_ms else None
 
 
-@contextmanager
-def quiet_capture(source: str | int, backend: int) -> Iterator[cv2.VideoCapture]:
-    """Open a video or a camera while OpenCV's decoders keep silent, and release it afterwards.
-
-    Args:
-        source: Path of a file or device, or a camera's number.
-        backend: One of OpenCV's CAP_ constants.
-    """
-    # Decoders write to stderr on their own; what they say is told in one sentence here instead.
-    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
-    with quiet_decoders():
-        capture = cv2.VideoCapture(source, backend)
-        try:
-            yield capture
-        finally:
-            capture.release()
-
-
-def _decode(
-    capture: cv2.VideoCapture, name: str
-) -> tuple[list[np.ndarray], int, list[float], bool]:
+def _decode(capture: Capture, name: str) -> tuple[list[np.ndarray], int, list[float], bool]:
     """Return RGB frames, their stride, the times of all frames seen, and whether these are all.
 
     The stride doubles whenever the frames kept no longer fit: counts in headers are often wrong.

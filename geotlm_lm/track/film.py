@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import cv2
@@ -14,7 +14,8 @@ import numpy as np
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import filled_size
-from geotlm_lm.recordings.video import quiet_capture
+from geotlm_lm.core.plain_name import plain_name
+from geotlm_lm.recordings.video_file import quiet_capture
 from geotlm_lm.track.amounts import Floats
 from geotlm_lm.track.events import Event
 from geotlm_lm.track.export import Exported, Units, event_name
@@ -154,12 +155,14 @@ def filming(path: Path, fps: float) -> Iterator[Callable[[Frames], None]]:
         nonlocal writer, written
         if writer is None:
             size = (image.shape[1], image.shape[0])
-            writer = cv2.VideoWriter(str(part), cv2.VideoWriter_fourcc(*"mp4v"), fps, size)
+            plain = opened.enter_context(plain_name(part))
+            writer = cv2.VideoWriter(plain, cv2.VideoWriter_fourcc(*"mp4v"), fps, size)
             if not writer.isOpened():
                 raise UsageError(f"{path} cannot be written as video; give another name.")
         writer.write(cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
         written += 1
 
+    opened = ExitStack()
     try:
         yield write
         if writer is None:
@@ -172,12 +175,13 @@ def filming(path: Path, fps: float) -> Iterator[Callable[[Frames], None]]:
             )
         part.replace(path)
     finally:
+        opened.close()
         part.unlink(missing_ok=True)
 
 
 def _is_whole(path: Path, written: int) -> bool:
     """Tell whether a video holds as many frames as were written: the codec says nothing of it."""
-    with quiet_capture(str(path), cv2.CAP_FFMPEG) as capture:
+    with quiet_capture(path, cv2.CAP_FFMPEG) as capture:
         declared = int(capture.get(cv2.CAP_PROP_FRAME_COUNT))
         capture.set(cv2.CAP_PROP_POS_FRAMES, written - 1)
         return declared == written and capture.grab()

@@ -13,6 +13,7 @@ import numpy as np
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.geometry import filled_size
+from geotlm_lm.core.plain_name import plain_name
 from geotlm_lm.recordings.every_frame import each_frame
 from geotlm_lm.track.amounts import SPAN_DEVIATIONS, Floats
 from geotlm_lm.track.events import Event
@@ -47,10 +48,11 @@ def rerun_recording(path: Path) -> Iterator[Any]:
     part = path.with_name(f".{path.stem}.{os.getpid()}-{os.urandom(4).hex()}.rrd")
     stream = rerun.RecordingStream(APPLICATION)
     try:
-        stream.save(part, default_blueprint=_views())
-        yield stream
-        stream.flush()
-        stream.disconnect()
+        with plain_name(part) as plain:
+            stream.save(plain, default_blueprint=_views())
+            yield stream
+            stream.flush()
+            stream.disconnect()
         part.replace(path)
     finally:
         stream.disconnect()

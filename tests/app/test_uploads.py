@@ -77,6 +77,8 @@ def test_a_recording_inside_a_message_is_named_after_its_kind_and_gone_once_read
         ".avi": b"RIFF\0\0\0\0AVI LIST",
         ".mp4": b"\0\0\0\x1cftypisom",
         ".mkv": b"\x1a\x45\xdf\xa3",
+        ".gif": b"GIF89a",
+        ".bag": b"#ROSBAG V2.0\n",
         ".npz": b"PK\x03\x04",
         ".tif": b"II*\0\x08\0\0\0",
         ".tiff": b"MM\0*\0\0\0\x08",

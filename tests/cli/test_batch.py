@@ -53,13 +53,14 @@ def test_rows_are_written_and_counted(invoke, tmp_path):
 def test_what_is_no_recording_is_named(invoke, tmp_path):
     folder = tmp_path / "clips"
     assert "skipped" not in invoke()[2]
-    (folder / "foil.gif").write_bytes(b"GIF89a")
+    (folder / "foil.heic").write_bytes(b"ftyp")
     (folder / ".hidden").write_bytes(b"")
     own = folder / "rows.jsonl"
     for _ in range(2):  # the second time the first one's rows lie there
         assert (
-            "note: skipped as no recording (.npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, .webm, .tif, "
-            ".tiff, .mcap, .db3 or folders of images): foil.gif\n" in invoke("--out", own)[2]
+            "note: skipped as no recording (.npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, .webm, .gif, "
+            ".tif, .tiff, .mcap, .db3, .bag or folders of images): foil.heic\n"
+            in invoke("--out", own)[2]
         )
     for name in "abcdef":
         (folder / f"{name}.txt").write_bytes(b"")

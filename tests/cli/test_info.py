@@ -1,6 +1,7 @@
 """`info` tells what a recording holds without any model."""
 
 import json
+import os
 
 import numpy as np
 import pytest
@@ -35,6 +36,14 @@ def test_a_recording_is_described(capsys, press):
     assert facts["contact"] == "likely"
     assert facts["touched_frames"] == [8, 19]
     assert facts["strongest_imprint_grey_levels"] > 2
+
+
+def test_a_name_that_is_not_utf_8_is_printed_as_it_is(capfdbinary, press):
+    path = press.rename(press.with_name(os.fsdecode(b"m\xe9.npz")))
+    code, out, _ = run(capfdbinary, "info", "--clip", path)
+    assert code == 0
+    assert b"/m\xe9.npz\n" in out
+    assert run(capfdbinary, "doctor", path)[1].endswith(b"\nm\xe9.npz: 1 to repair: size.\n")
 
 
 def test_a_span_is_described_by_its_own_frames(capsys, press):

@@ -9,14 +9,6 @@ import pytest
 from geotlm_lm.core.interrupts import children_killed_on_error, uninterrupted_step
 
 
-@pytest.fixture(autouse=True)
-def _heard():
-    """As in a terminal: what runs in the background may have been started deaf to Ctrl-C."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_waits_until_the_step_is_taken(number):
     done = []

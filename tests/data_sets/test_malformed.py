@@ -310,8 +310,8 @@ def test_a_set_of_version_2_1_is_told_the_command_that_converts_it(tmp_path):
     with pytest.raises(UnreadableClip) as told:
         read_data_set(root)
     assert str(told.value) == (
-        f"{root}: is a LeRobot data set of version 'v2.1', expected v3.x; convert it in place, with "
-        f"Python 3.12 or newer, by `pip install 'lerobot[dataset]>=0.6'` and `python -m "
+        f"{root}: is a LeRobot data set of version 'v2.1', expected v3.x; convert it in place, "
+        f"with Python 3.12 or newer, by `pip install 'lerobot[dataset]>=0.6'` and `python -m "
         f"lerobot.scripts.convert_dataset_v21_to_v30 --repo-id=local/converted --root='{root}' "
         f"--push-to-hub=false`."
     )

@@ -1,4 +1,4 @@
-"""Bags of ROS 2, written by the library that reads them without ROS."""
+"""Bags of ROS 2 and ROS 1, written by the library that reads them without ROS."""
 
 import cv2
 import numpy as np
@@ -6,6 +6,7 @@ import pytest
 
 rosbags = pytest.importorskip("rosbags", reason="needs the extra `ros`")
 
+from rosbags.rosbag1 import Writer as Writer1  # noqa: E402
 from rosbags.rosbag2 import (  # noqa: E402
     CompressionFormat,
     CompressionMode,
@@ -17,6 +18,7 @@ from rosbags.typesys import Stores, get_typestore  # noqa: E402
 MCAP, SQLITE = StoragePlugin.MCAP, StoragePlugin.SQLITE3
 PER_FILE, PER_MESSAGE = CompressionMode.FILE, CompressionMode.MESSAGE
 TYPES = get_typestore(Stores.ROS2_JAZZY)
+TYPES_1 = get_typestore(Stores.ROS1_NOETIC)
 IMAGE, PACKED, TEXT = (
     "sensor_msgs/msg/Image",
     "sensor_msgs/msg/CompressedImage",
@@ -49,6 +51,16 @@ def raw(frame, stamp_ns, encoding="rgb8", padding=0):
     return TYPES.types[IMAGE](
         header(stamp_ns), rows, columns, encoding, is_bigendian, lines.shape[1], lines.reshape(-1)
     )
+
+
+def stored_as(pixels, encoding, stamp_ns=START_NS):
+    """Return an image message of pixels as the encoding stores them, (rows, columns, channels)."""
+    rows, columns = pixels.shape[:2]
+    data = np.frombuffer(pixels.tobytes(), np.uint8)
+    is_bigendian = int(pixels.dtype.byteorder == ">")
+    step = len(data) // rows
+    about = (rows, columns, encoding, is_bigendian, step, data)
+    return TYPES.types[IMAGE](header(stamp_ns), *about)
 
 
 def packed(frame, stamp_ns, ending="png"):
@@ -94,6 +106,22 @@ def raw_bag(folder, frames, encoding="rgb8", **options):
     """Write frames to one topic of a bag, 25 a second."""
     messages = [raw(*one, encoding) for one in zip(frames, even_ns(len(frames)), strict=True)]
     return write_bag(folder, {TOPIC: messages}, **options)
+
+
+def first_bag(path, topics):
+    """Write messages of ROS 2 by topic as ROS 1 does, 25 a second of each topic."""
+    with Writer1(path) as writer:
+        for topic, messages in topics.items():
+            kind = messages[0].__msgtype__
+            connection = writer.add_connection(topic, kind, typestore=TYPES_1)
+            for at, message in zip(even_ns(len(messages)), messages, strict=True):
+                about = TYPES_1.types["std_msgs/msg/Header"](0, message.header.stamp, "gelsight")
+                fields = {**vars(message), "header": about}
+                first = TYPES_1.types[kind](
+                    **{name: value for name, value in fields.items() if name != "__msgtype__"}
+                )
+                writer.write(connection, int(at), TYPES_1.serialize_ros1(first, kind))
+    return path
 
 
 def text(words="hello"):

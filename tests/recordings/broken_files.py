@@ -55,8 +55,8 @@ NUMPY = (
     "copy or record it again."
 )
 VIDEO = (
-    "no frame of it can be decoded, expected a .mp4, .m4v, .avi, .mov, .mkv, .webm video; "
-    "copy or export it again."
+    "no frame of it can be decoded, expected a .mp4, .m4v, .avi, .mov, .mkv, .webm, .gif "
+    "video; copy or export it again."
 )
 CASES = {
     "object_array.npy": (
@@ -118,19 +118,24 @@ CASES = {
         "shape (4, 16, 3, 20) has its 3 colours third, expected them last or second, (T,H,W,3) or "
         "(T,3,H,W); move them by np.moveaxis(frames, 2, -1).",
     ),
-    "three_frames_with_alpha.npy": (
-        npy(np.zeros((3, 16, 20, 4), np.uint8)),
-        "shape (3, 16, 20, 4) has no axis of 1 or 3 colours, expected (T,H,W,3) or (T,3,H,W); "
+    "five_channels.npy": (
+        npy(np.zeros((3, 16, 20, 5), np.uint8)),
+        "shape (3, 16, 20, 5) has no axis of 1 or 3 colours, expected (T,H,W,3) or (T,3,H,W); "
         "keep the colours red, green, blue only.",
     ),
-    "alpha.npy": (
-        npy(np.zeros((4, 16, 20, 4), np.uint8)),
-        "shape (4, 16, 20, 4) has no axis of 1 or 3 colours, expected (T,H,W,3) or (T,3,H,W); "
+    "four_frames_second.npy": (
+        npy(np.zeros((9, 4, 16, 20), np.uint8)),
+        "shape (9, 4, 16, 20) has no axis of 1 or 3 colours, expected (T,H,W,3) or (T,3,H,W); "
         "keep the colours red, green, blue only.",
     ),
     "deep.npy": (
         npy(np.full((4, 16, 20, 3), 1023, np.uint16)),
-        "values run from 1023 to 1023, expected 0..1 or 0..255; scale or clip them first.",
+        "holds 16-bit values up to 1023, expected 8 bits, or 16 that are used up to 65535; scale "
+        "the frames to 0..255 and save them in 8 bits.",
+    ),
+    "deeper.npy": (
+        npy(np.full((4, 16, 20, 3), 65535, np.uint32)),
+        "values run from 65535 to 65535, expected 0..1 or 0..255; scale or clip them first.",
     ),
     "negative.npy": (
         npy(np.full((4, 16, 20, 3), -1.0)),
@@ -200,6 +205,14 @@ CASES = {
     "text.mov": (b"this is a text file, renamed", VIDEO),
     "zeros.mp4": (b"", "is empty (0 bytes); copy or record it again."),
     "rubbish.avi": (bytes(range(256)) * 8, VIDEO),
+    "rubbish.gif": (bytes(range(256)) * 8, VIDEO),
+    "empty.gif": (b"", "is empty (0 bytes); copy or record it again."),
+    "header_only.gif": (b"GIF89a\x20\0\x18\0\0\0\0", VIDEO),
+    "vast.gif": (
+        b"GIF89a\xff\xff\xff\xff\0\0\0,\0\0\0\0\xff\xff\xff\xff\0\2\2\x44\1\0;",
+        "frames are 65535x65535 pixels, expected at most 44 million; export the recording at a "
+        "smaller size.",
+    ),
     "still.png": (
         cv2.imencode(".png", FRAMES[0])[1].tobytes(),
         "only 1 frame was found, motion needs 2 or more; give the folder it lies in.",
@@ -207,13 +220,13 @@ CASES = {
     "clip": (
         b"x",
         "files without an ending are not known, expected .npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, "
-        ".webm, .tif, .tiff, .mcap, .db3 or a folder of images; export the recording as one of "
-        "these.",
+        ".webm, .gif, .tif, .tiff, .mcap, .db3, .bag or a folder of images; export the recording "
+        "as one of these.",
     ),
     "clip.tactile": (
         b"x",
         "files named '.tactile' are not known, expected .npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, "
-        ".webm, .tif, .tiff, .mcap, .db3 or a folder of images; export the recording as one of "
-        "these.",
+        ".webm, .gif, .tif, .tiff, .mcap, .db3, .bag or a folder of images; export the recording "
+        "as one of these.",
     ),
 }

@@ -1,15 +1,18 @@
-"""Bags of ROS 2 come back as any other recording, and what is no such bag is told in a sentence."""
+"""Bags of ROS come back as any other recording, and what is no such bag is told in a sentence."""
 
 import shutil
 import sys
+from io import BytesIO
 
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
 from geotlm_lm.recordings import limits
 from geotlm_lm.recordings.bags import BAG_SUFFIXES
+from geotlm_lm.recordings.encodings import ENCODINGS
 from geotlm_lm.recordings.every_frame import each_frame
 from geotlm_lm.recordings.listing import clips_in
 from geotlm_lm.recordings.read import read_clip
@@ -22,9 +25,11 @@ from tests.recordings.bag_files import (
     STEP_NS,
     TOPIC,
     even_ns,
+    first_bag,
     packed,
     raw,
     raw_bag,
+    stored_as,
     text,
     write_bag,
 )
@@ -82,6 +87,23 @@ def test_compressed_images_are_decoded(tmp_path, ending, most):
     messages = [packed(frame, at, ending) for frame, at in zip(smooth, even_ns(9), strict=True)]
     clip = read_clip(write_bag(tmp_path / "run", {"/gel/compressed": messages}))
     assert np.abs(clip.frames.astype(int) - smooth).max() <= most
+
+
+def test_a_turn_that_they_state_is_applied_and_told(tmp_path):
+    exif = Image.Exif()
+    exif[274] = 3
+    messages = []
+    for frame, at in zip(FRAMES, even_ns(9), strict=True):
+        stored = BytesIO()
+        Image.fromarray(frame).save(stored, "PNG", exif=exif)
+        message = packed(frame, at)
+        message.data = np.frombuffer(stored.getvalue(), np.uint8)
+        messages.append(message)
+    path = write_bag(tmp_path / "run", {TOPIC: messages})
+    clip = read_clip(path)
+    assert np.array_equal(clip.frames, FRAMES[:, ::-1, ::-1])
+    assert clip.notes[0].startswith("Pictures were turned by 180 degrees")
+    assert open_source(str(path)).notes == clip.notes[:1]
 
 
 def test_times_are_those_of_the_headers(tmp_path):
@@ -174,10 +196,10 @@ def test_one_without_images_says_what_it_holds(tmp_path):
 
 
 def test_an_encoding_that_is_not_read_is_told(tmp_path):
-    path = write_bag(tmp_path / "run", {TOPIC: [raw(FRAMES[0], 1, "yuv422")]})
+    path = write_bag(tmp_path / "run", {TOPIC: [raw(FRAMES[0], 1, "nv12")]})
     assert refusal(path) == (
-        f"{path}: image 0 has the encoding yuv422, expected rgb8, bgr8, 8UC3, mono8, 8UC1; publish "
-        f"the camera's images in one of these."
+        f"{path}: image 0 has the encoding nv12, expected {', '.join(ENCODINGS)}; publish the "
+        f"camera's images in one of these."
     )
 
 
@@ -228,7 +250,107 @@ def test_one_that_is_cut_off_is_refused_in_a_sentence(tmp_path, storage, share):
 def test_another_file_of_that_name_is_refused(tmp_path, ending):
     path = tmp_path / f"notes{ending}"
     path.write_text("no bag at all")
-    assert "is no bag of ROS 2" in refusal(path)
+    assert f"is no bag of ROS {1 if ending == '.bag' else 2}" in refusal(path)
+
+
+@pytest.mark.parametrize("make", [raw, packed])
+def test_one_of_ros_1_is_read_as_one_of_ros_2(tmp_path, make):
+    messages = [make(*pair) for pair in zip(FRAMES, even_ns(9), strict=True)]
+    path = first_bag(tmp_path / "run.bag", {TOPIC: messages, "/other": messages[:3]})
+    clip = read_clip(path, topic=TOPIC)
+    assert np.array_equal(clip.frames, FRAMES)
+    assert clip.fps == pytest.approx(25)
+    assert len(list(open_source(str(path), topic=TOPIC))) == 9
+    assert clips_in(tmp_path) == [path]
+    assert "holds images on 2 topics, /gelsight/image_raw (9 images), /other (3" in refusal(path)
+
+
+@pytest.mark.parametrize("share", [0.001, 0.1, 0.5, 0.9])
+def test_one_of_ros_1_that_is_cut_off_is_refused_in_a_sentence(tmp_path, share):
+    messages = [raw(*pair) for pair in zip(FRAMES, even_ns(9), strict=True)]
+    path = first_bag(tmp_path / "run.bag", {TOPIC: messages})
+    path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
+    assert refusal(path) == (
+        f"{path}: is cut off or is no bag of ROS 1, expected what `rosbag record` writes; copy it "
+        f"again, or repair it by `rosbag reindex`."
+    )
+
+
+DEEP = FRAMES.astype(np.uint16) * 257
+ALPHA = np.full((*FRAMES.shape[:3], 1), 9, np.uint8)
+EXACT = {
+    "rgb16": DEEP,
+    "bgr16": DEEP[..., ::-1],
+    "16UC3": DEEP[..., ::-1],
+    "mono16": GREY[..., :1].astype(np.uint16) * 257,
+    "16UC1": GREY[..., :1].astype(np.uint16) * 257,
+    "rgba8": np.concatenate([FRAMES, ALPHA], axis=-1),
+    "bgra8": np.concatenate([FRAMES[..., ::-1], ALPHA], axis=-1),
+    "8UC4": np.concatenate([FRAMES[..., ::-1], ALPHA], axis=-1),
+    "rgba16": np.concatenate([DEEP, ALPHA], axis=-1),
+    "bgra16": np.concatenate([DEEP[..., ::-1], ALPHA], axis=-1),
+}
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+@pytest.mark.parametrize("encoding", EXACT)
+def test_other_orders_and_depths_of_colours_come_back(tmp_path, encoding, order):
+    pixels = EXACT[encoding].astype(EXACT[encoding].dtype.newbyteorder(order))
+    messages = [stored_as(one, encoding, at) for one, at in zip(pixels, even_ns(9), strict=True)]
+    clip = read_clip(write_bag(tmp_path / "run", {TOPIC: messages}))
+    is_grey = encoding in ("mono16", "16UC1")
+    assert np.array_equal(clip.frames, GREY if is_grey else FRAMES)
+    is_open = encoding in ("16UC3", "8UC4")
+    assert any(f"{encoding} does not tell" in note for note in clip.notes) == is_open
+
+
+FLAT = np.array([200, 100, 50])
+
+
+def mosaic(order):
+    """Return a picture of one colour behind a filter whose four upper left pixels are `order`."""
+    tile = [[FLAT["rgb".index(name)] for name in pair] for pair in (order[:2], order[2:])]
+    return np.tile(np.array(tile, np.uint8), (12, 16))[..., None]
+
+
+def luma_chroma(order):
+    """Return a picture of one colour as bytes of pairs of pixels in an order such as `uyvy`."""
+    red, green, blue = FLAT / 255
+    y = 16 + 65.481 * red + 128.553 * green + 24.966 * blue
+    u = 128 - 37.797 * red - 74.203 * green + 112 * blue
+    v = 128 + 112 * red - 93.786 * green - 18.214 * blue
+    pair = [{"y": y, "u": u, "v": v}[name] for name in order]
+    return np.tile(np.rint(pair).astype(np.uint8), (24, 16)).reshape(24, 32, 2)
+
+
+SAMPLED = {
+    **{f"bayer_{order}8": mosaic(order) for order in ("rggb", "bggr", "gbrg", "grbg")},
+    "bayer_rggb16": mosaic("rggb").astype(np.uint16) * 257,
+    "yuv422": luma_chroma("uyvy"),
+    "uyvy": luma_chroma("uyvy"),
+    "yuv422_yuy2": luma_chroma("yuyv"),
+    "yuyv": luma_chroma("yuyv"),
+}
+
+
+@pytest.mark.parametrize("encoding", SAMPLED)
+def test_colours_sampled_sparsely_come_back(tmp_path, encoding):
+    messages = [stored_as(SAMPLED[encoding], encoding, at) for at in even_ns(2)]
+    frames = read_clip(write_bag(tmp_path / "run", {TOPIC: messages})).frames
+    assert np.abs(frames.astype(int) - FLAT).max() <= 2
+
+
+def test_pixels_in_pairs_of_an_odd_width_are_refused(tmp_path):
+    message = stored_as(SAMPLED["uyvy"][:, :31], "yuv422")
+    assert refusal(write_bag(tmp_path / "run", {TOPIC: [message]})).endswith(
+        "image 0 has 31 x 24 pixels, which the encoding yuv422 does not divide into its groups; "
+        "publish the camera's images as rgb8."
+    )
+
+
+def test_16_bits_that_stay_dark_are_refused_as_those_of_a_png(tmp_path):
+    message = stored_as(DEEP[0] // 64, "rgb16")
+    assert "holds 16-bit values up to" in refusal(write_bag(tmp_path / "run", {TOPIC: [message]}))
 
 
 def test_without_the_library_the_extra_is_named(bag, monkeypatch):

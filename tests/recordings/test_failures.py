@@ -131,8 +131,8 @@ def test_a_layout_of_another_number_of_axes_is_refused(tmp_path, layout, shape):
     with pytest.raises(UnreadableClip) as caught:
         read_clip(path, layout=layout)
     assert str(caught.value) == (
-        f"{path}: shape {shape} is not of the layout {layout} with 1 or 3 colours; give the layout "
-        f"the file has, or leave it out."
+        f"{path}: shape {shape} is not of the layout {layout} with 1, 3 or 4 channels; give the "
+        f"layout the file has, or leave it out."
     )
 
 

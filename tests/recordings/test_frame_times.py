@@ -1,13 +1,9 @@
-"""The rate of a video by its frames' times, and what is told of one that is cut off."""
+"""The rate of a video by its frames' times."""
 
-from pathlib import Path
-
-import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.recordings.frame_times import cut_off_note, rate_by, uneven_times_s
-from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.recordings.frame_times import rate_by, uneven_times_s
 
 
 def test_an_even_video_keeps_its_headers_rate() -> None:
@@ -53,19 +49,3 @@ def test_even_times_and_none_are_left_to_the_rate() -> None:
 def test_without_times_the_header_is_believed() -> None:
     assert rate_by([0.0] * 9, 25.0) == (25.0, ())
     assert rate_by([0.0] * 9, 0.0) == (None, ())
-
-
-def test_declared_frames_at_too_high_a_rate_are_not_missed() -> None:
-    assert cut_off_note(list(np.arange(50) * 40.0), 2000, 1000.0) == ()
-
-
-def test_a_video_that_is_cut_off_says_so(tmp_path: Path) -> None:
-    path = tmp_path / "cut.avi"
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 25, (64, 48))
-    for grey in range(60, 120):
-        writer.write(np.full((48, 64, 3), grey, np.uint8))
-    writer.release()
-    assert not any("cut off" in note for note in read_clip(path).notes)
-    stored = path.read_bytes()
-    path.write_bytes(stored[: len(stored) // 2])
-    assert any("of 2.4 s can be decoded" in note for note in read_clip(path).notes)

@@ -33,7 +33,8 @@ def test_a_folder_without_recordings_is_refused(tmp_path):
         clips_in(tmp_path)
     assert str(error.value) == (
         f"{tmp_path}: holds no recording, expected .npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, "
-        f".webm, .tif, .tiff, .mcap, .db3 or folders of images; give the folder they lie in."
+        f".webm, .gif, .tif, .tiff, .mcap, .db3, .bag or folders of images; give the folder they "
+        f"lie in."
     )
 
 
@@ -46,8 +47,8 @@ def test_a_folder_of_images_is_told_to_be_one_recording(tmp_path):
         clips_in(folder)
     assert str(error.value) == (
         f"{folder}: holds images, which are frames of one recording, expected a folder of "
-        f"recordings: .npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, .webm, .tif, .tiff, .mcap, .db3 or "
-        f"folders of images; give the folder that this one lies in."
+        f"recordings: .npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, .webm, .gif, .tif, .tiff, .mcap, "
+        f".db3, .bag or folders of images; give the folder that this one lies in."
     )
     assert [one.name for one in clips_in(tmp_path)] == ["frames"]
 

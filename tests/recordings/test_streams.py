@@ -98,6 +98,7 @@ def test_a_given_rate_stands_for_the_times_of_a_recording(film):
 class StampedCapture:
     """A video whose header takes its time base for its rate, and whose frames slow down."""
 
+    notes = ()
     stamps_ms = (500.0, 540.0, 580.0, 620.0, 660.0, 860.0, 1060.0)
 
     def __init__(self):
@@ -115,7 +116,7 @@ class StampedCapture:
 
 
 def test_frames_of_a_video_have_their_own_times_and_these_its_rate(film, monkeypatch):
-    monkeypatch.setattr(streams, "quiet_capture", lambda *_: nullcontext(StampedCapture()))
+    monkeypatch.setattr(streams, "video_file", lambda *_: nullcontext(StampedCapture()))
     monkeypatch.setattr(video, "RATED_FRAMES", 5)
     source = open_source(str(film))
     assert source.fps == pytest.approx(25)

@@ -14,6 +14,7 @@ from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.simulation import dataset
 from geotlm_lm.simulation.dataset import read_shard, write_dataset
 from geotlm_lm.workers import Workers
+from tests.process_groups import in_proc, members
 
 OBJECTS = ("block", "cloth_coarse")
 
@@ -173,6 +174,7 @@ import sys
 from pathlib import Path
 from geotlm_lm.simulation import dataset
 from geotlm_lm.workers import Workers
+from tests.process_groups import in_proc, members
 
 if __name__ == "__main__":
     dataset.SHARD_CLIPS = 3
@@ -206,10 +208,10 @@ def test_after_kill_9_a_resumed_run_has_lost_and_repeated_nothing(tmp_path):
         assert path.read_bytes() == (whole / path.name).read_bytes()
 
 
-@pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
+@in_proc
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_request_to_end_does_not_wait_for_shards_and_leaves_no_part_of_one(tmp_path, number):
-    # Shards of reference clips with friction take minutes; a worker has begun one after a second.
+    # Shards of reference clips with friction take minutes.
     options = ["--count", "200", "--preset", "reference", "--drift", "--workers", "2"]
     with subprocess.Popen(
         [sys.executable, "-m", "geotlm_lm", "simulate", "--out", str(tmp_path / "set"), *options],
@@ -218,9 +220,9 @@ def test_a_request_to_end_does_not_wait_for_shards_and_leaves_no_part_of_one(tmp
         text=True,
         start_new_session=True,
     ) as run:
-        while not (tmp_path / "set" / "dataset.json").exists():
-            time.sleep(0.05)
-        time.sleep(3.0)
+        while not (tmp_path / "set" / "dataset.json").exists() or members(run.pid) < 4:
+            assert run.poll() is None
+            time.sleep(0.02)
         if number == signal.SIGINT:
             os.killpg(run.pid, number)  # as a terminal does: to every process
         else:

@@ -1,5 +1,6 @@
 """A drawing of a track: whole or not there, its dial and arrow the way the object goes."""
 
+import os
 from pathlib import Path
 
 import cv2
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.track import film
 from geotlm_lm.track.export import Exported
 from geotlm_lm.track.film import DIAL_MARGIN, DIAL_PX, draw_motion, write_film
@@ -49,6 +51,13 @@ def test_one_that_is_cut_off_is_told_and_what_was_there_before_stays(tmp_path, m
     )
     assert [one.name for one in tmp_path.iterdir()] == ["seen.mp4"]
     assert path.read_bytes() == b"an earlier film"
+
+
+def test_one_of_a_name_that_is_not_utf_8_is_written(tmp_path):
+    path = tmp_path / os.fsdecode(b"m\xe9") / os.fsdecode(b"seen\xe9.mp4")
+    write_film(path, exported(), FRAMES, 25.0)
+    assert os.listdir(path.parent) == [path.name]
+    assert len(read_clip(path)) == len(FRAMES)
 
 
 def test_a_film_that_is_broken_off_leaves_nothing(tmp_path):

@@ -1,5 +1,7 @@
 """Recordings for Rerun, read back by its own reader: what is expected is the track."""
 
+import os
+
 import numpy as np
 import pytest
 
@@ -76,9 +78,10 @@ def test_events_and_the_answer_are_texts(logged):
 
 
 def test_a_recording_that_was_not_tracked_is_its_frames(tmp_path):
-    with rerun_recording(tmp_path / "out.rrd") as stream:
+    path = tmp_path / os.fsdecode(b"m\xe9.rrd")
+    with rerun_recording(path) as stream:
         log_clip(stream, CLIP.select([3, 9]))
-    found = read(tmp_path / "out.rrd")
+    found = read(path.rename(tmp_path / "out.rrd"))
     (frames,) = [sorted(row["frame"] for t in found["/camera/image"] for row in t.to_pylist())]
     assert frames == [3, 9]
 

@@ -17,6 +17,10 @@ from tests.training.shared_steps import STEPS, curves
 
 ROOT = Path(__file__).resolve().parents[2]
 STOPPED_AT = 4
+MOST_APART = 1.5e-3
+"""Most that weights may be apart, relative to their size, after six steps. Two ranks sum in another
+order: measured 4e-4 and 5e-4; single weights with next to no gradient move by up to 4e-3.
+Gradients 3 % off come to 2e-3 to 2e-2."""
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -70,8 +74,10 @@ def test_two_ranks_and_then_one_end_at_the_weights_of_one(alone, together):
         wanted, found = (load_checkpoint(folder / name) for folder in (alone[0], together[0]))
         assert found["step"] == wanted["step"]
         part = "vit" if name == "backbone.pt" else "model"
-        for weight, values in wanted[part].items():
-            torch.testing.assert_close(found[part][weight], values, rtol=1e-2, atol=1e-4)
+        pairs = [(found[part][key], values) for key, values in wanted[part].items()]
+        apart = sum(float((ours - theirs).square().sum()) for ours, theirs in pairs) ** 0.5
+        size = sum(float(theirs.square().sum()) for _, theirs in pairs) ** 0.5
+        assert apart <= MOST_APART * size, name
 
 
 def test_shares_are_a_batch_and_nothing_twice():
