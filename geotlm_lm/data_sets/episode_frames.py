@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import itertools
+import os
 from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip, first_line
-from geotlm_lm.data_sets.lerobot import Episode, LeRobotDataSet, read_table
+from geotlm_lm.data_sets.lerobot import Episode, LeRobotDataSet
+from geotlm_lm.data_sets.tables import read_frames, read_table
+from geotlm_lm.recordings.images import decoded_image
 from geotlm_lm.recordings.limits import stride_for, stride_note
 from geotlm_lm.recordings.pixel_shape import with_pixel_shape
 
 OFF_SHARE = 0.5
 """Share of the time between two frames by which a picture may be off its row's time."""
+
+CONTAINERS = "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi"
+"""Forms that hold pictures themselves: a playlist in a video's place would name other files."""
 
 
 def episode_clip(
@@ -74,34 +79,15 @@ def episode_frames(data_set: LeRobotDataSet, episode: Episode, camera: str) -> I
         UnreadableClip: If a file is missing or damaged, or holds fewer frames than rows.
     """
     data_set.require_camera(camera)
-    if data_set.features[camera]["dtype"] == "image":
-        yield from _stored_images(data_set, episode, camera)
-        return
-    path, since_s = data_set.video_of(episode, camera)
-    times_s = since_s + _times_s(data_set, episode)
-    yield from _video_frames(path, times_s, OFF_SHARE / data_set.fps)
-
-
-def rows_of(data_set: LeRobotDataSet, episode: Episode, column: str) -> list:
-    """Return a column of an episode's rows, in order of the frames.
-
-    Raises:
-        UnreadableClip: If there are not as many as the episode is long.
-    """
     path = data_set.table_of(episode)
-    table = read_table(path, ["episode_index", "frame_index", column])
-    where = np.flatnonzero(table["episode_index"].to_numpy() == episode.index)
-    order = np.argsort(table["frame_index"].to_numpy()[where], kind="stable")
-    if len(where) != episode.length:
-        raise UnreadableClip(
-            f"{path}: holds {len(where)} rows of episode {episode.index}, expected "
-            f"{episode.length}; copy the data set again."
-        )
-    return table[column].take(where[order]).to_pylist()
-
-
-def _times_s(data_set: LeRobotDataSet, episode: Episode) -> NDArray[np.float64]:
-    return np.asarray(rows_of(data_set, episode, "timestamp"), np.float64).reshape(-1)
+    table = read_frames(path)
+    rows = table.rows_of(episode.index, episode.length)
+    video = data_set.video_of(episode, camera)
+    if video is None:
+        yield from _stored_images(path, rows, camera)
+        return
+    times_s = episode.videos[camera].since_s + table.times_s[rows]
+    yield from _video_frames(video, times_s, OFF_SHARE / data_set.fps)
 
 
 def _video_frames(path: Path, times_s: NDArray[np.float64], off_s: float) -> Iterator[Frames]:
@@ -117,7 +103,10 @@ def _video_frames(path: Path, times_s: NDArray[np.float64], off_s: float) -> Ite
     wanted = iter(times_s)
     time_s = next(wanted)
     try:
-        with av.open(str(path), metadata_errors="replace") as container:
+        if not os.path.isfile(path):  # a pipe would be waited for
+            raise FileNotFoundError("there is no such file")
+        options = {"format_whitelist": CONTAINERS}
+        with av.open(str(path), options=options, metadata_errors="replace") as container:
             stream = container.streams.video[0]
             stream.codec_context.thread_count = 1  # processes share the work instead
             # A frame earlier: rounded up it would lead to the key frame behind.
@@ -141,15 +130,9 @@ def _video_frames(path: Path, times_s: NDArray[np.float64], off_s: float) -> Ite
     )
 
 
-def _stored_images(data_set: LeRobotDataSet, episode: Episode, camera: str) -> Iterator[Frames]:
-    for number, stored in enumerate(rows_of(data_set, episode, camera)):
-        content = stored.get("bytes") if isinstance(stored, dict) else None
-        image = None
-        if content:
-            image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
-        if image is None:
-            raise UnreadableClip(
-                f"{data_set.table_of(episode)}: the picture of frame {number} of episode "
-                f"{episode.index} cannot be decoded; copy or record the data set again."
-            )
-        yield cv2.cvtColor(image, cv2.COLOR_BGR2RGB)
+def _stored_images(path: Path, rows: NDArray[np.int64], camera: str) -> Iterator[Frames]:
+    for row, stored in zip(rows, read_table(path, [camera])[camera].take(rows), strict=True):
+        cell = stored.as_py()
+        content = cell.get("bytes") if isinstance(cell, dict) else None
+        name = f"{path} column {camera} row {row}"
+        yield decoded_image(content if isinstance(content, bytes) else b"", name)

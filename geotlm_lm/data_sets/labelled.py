@@ -13,9 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geotlm_lm.core.atomic import replacing, write_text_atomically
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.plain_name import plain_name
-from geotlm_lm.data_sets.lerobot import EPISODES, INFO, STATISTICS, LeRobotDataSet
+from geotlm_lm.data_sets.layout import EPISODES, INFO, STATISTICS, contained, read_object
+from geotlm_lm.data_sets.lerobot import Episode, LeRobotDataSet
 from geotlm_lm.data_sets.motion_columns import Values, features_of, statistics_of
+from geotlm_lm.data_sets.tables import damage_as_sentence, read_frames, read_table
 
 if TYPE_CHECKING:
     import pyarrow
@@ -59,6 +62,30 @@ class Labels:
     made_by: dict[str, Any]
 
 
+def require_whole(data_set: LeRobotDataSet) -> None:
+    """Refuse a data set of which no labelled copy can be written.
+
+    Raises:
+        UnreadableClip: If a table of frames is missing, damaged, or not what the episodes say, if
+            the statistics are damaged, or if a folder is a link, which is not followed.
+    """
+    episodes: dict[str, list[Episode]] = {}
+    for episode in data_set.episodes:
+        episodes.setdefault(data_set.data_path(episode), []).append(episode)
+    for name, held in episodes.items():
+        table = read_frames(contained(data_set.root, name))
+        for episode in held:
+            table.rows_of(episode.index, episode.length)
+        others = np.setdiff1d(table.episodes, [episode.index for episode in held])
+        if len(others):
+            raise UnreadableClip(
+                f"{table.path}: holds rows of episode {others[0]}, expected those of the episodes "
+                f"that {EPISODES} places there; copy or record the data set again."
+            )
+    _read_statistics(data_set)
+    _other_files(data_set.root, set())
+
+
 def write_labelled(data_set: LeRobotDataSet, labels: Labels, out: Path) -> None:
     """Write the data set with what is added to it into a new folder.
 
@@ -67,29 +94,44 @@ def write_labelled(data_set: LeRobotDataSet, labels: Labels, out: Path) -> None:
         labels: What is added.
         out: The folder; nothing may be in it.
     """
-    rewritten = {data_set.data_path(one.row) for one in data_set.episodes}
-    tables = {str(path.relative_to(data_set.root)) for path in _episode_tables(data_set)}
+    rewritten = {data_set.data_path(episode) for episode in data_set.episodes}
+    tables = {
+        path.relative_to(data_set.root).as_posix()
+        for path in sorted((data_set.root / EPISODES).glob("*/*.parquet"))
+    }
     _copy_others(data_set.root, out, rewritten | tables | {INFO, STATISTICS})
-    info = data_set.info | {"features": data_set.features | features_of(labels.names)}
+    features = data_set.features | features_of(labels.names)
+    info = data_set.info.content | {"features": features}
     write_text_atomically(out / INFO, json.dumps(info, indent=4) + "\n")
     for name in sorted(rewritten):
         _write_rows(data_set.root / name, out / name, labels)
     for name in sorted(tables):
         _write_episodes(data_set.root / name, out / name, labels)
-    _write_statistics(data_set.root / STATISTICS, out / STATISTICS, labels)
+    _write_statistics(data_set, out / STATISTICS, labels)
     _write_events(out / labels.events_file, labels)
 
 
-def _episode_tables(data_set: LeRobotDataSet) -> list[Path]:
-    return sorted((data_set.root / EPISODES).glob("*/*.parquet"))
+def _other_files(root: Path, but: set[str]) -> list[Path]:
+    """Return the files of a folder but some; what is hidden, such as a cache, is passed over."""
+    files = []
+    for folder, names, file_names in os.walk(root):
+        here = Path(folder)
+        names[:] = sorted(name for name in names if not name.startswith("."))
+        link = next((name for name in names if os.path.islink(here / name)), None)
+        if link is not None:
+            raise UnreadableClip(
+                f"{here / link}: is a link to a folder, which would be missing beside the labels, "
+                f"expected the folder itself; copy the data set with the files that links lead to."
+            )
+        paths = [here / name for name in sorted(file_names) if not name.startswith(".")]
+        files += [path for path in paths if os.path.isfile(path)]
+    return [path for path in files if path.relative_to(root).as_posix() not in but]
 
 
 def _copy_others(root: Path, out: Path, but: set[str]) -> None:
-    """Link videos and copy every other file; what is hidden, such as a cache, stays behind."""
-    for path in sorted(root.rglob("*")):
+    """Link videos and copy every other file."""
+    for path in _other_files(root, but):
         name = path.relative_to(root)
-        if str(name) in but or not path.is_file() or any(one[0] == "." for one in name.parts):
-            continue
         source = path.resolve()  # a downloaded set's files are links into a cache
         if path.suffix == ".mp4":
             try:
@@ -116,7 +158,8 @@ def _write_rows(source: Path, target: Path, labels: Labels) -> None:
         schema = pyarrow.schema([*file.schema_arrow, *added], file.schema_arrow.metadata)
         with parquet.ParquetWriter(stream, schema) as writer:
             for group in range(file.num_row_groups):
-                table = file.read_row_group(group)
+                with damage_as_sentence(source):
+                    table = file.read_row_group(group)
                 for number, name in enumerate(labels.names):
                     column = _of_rows(table, labels.values, number)
                     table = table.append_column(name, pyarrow.array(column))
@@ -138,24 +181,29 @@ def _write_episodes(source: Path, target: Path, labels: Labels) -> None:
     import pyarrow
     from pyarrow import parquet
 
-    with plain_name(source) as plain, parquet.ParquetFile(plain) as file:
-        table = file.read()
+    table = read_table(source)
     if any(name.startswith("stats/") for name in table.column_names):
         episodes = table["episode_index"].to_pylist()
         for number, name in enumerate(labels.names):
-            told = [statistics_of(labels.values[one][:, number]) for one in episodes]
-            for kind in told[0]:
+            known = [statistics_of(labels.values[index][:, number]) for index in episodes]
+            for kind in statistics_of(np.zeros(1, np.float32)):  # of no episode, too
                 whole = pyarrow.int64() if kind == "count" else pyarrow.float64()
-                cells = pyarrow.array([one[kind] for one in told], pyarrow.list_(whole))
+                cells = pyarrow.array([each[kind] for each in known], pyarrow.list_(whole))
                 table = table.append_column(f"stats/{name}/{kind}", cells)
     with replacing(target) as stream:
         parquet.write_table(table, stream)
 
 
-def _write_statistics(source: Path, target: Path, labels: Labels) -> None:
-    if not source.is_file():  # none are kept of the other columns either
+def _read_statistics(data_set: LeRobotDataSet) -> dict[str, Any] | None:
+    """Return what is kept of each column; None where nothing is."""
+    path = data_set.root / STATISTICS
+    return read_object(path) if os.path.lexists(path) else None
+
+
+def _write_statistics(data_set: LeRobotDataSet, target: Path, labels: Labels) -> None:
+    statistics = _read_statistics(data_set)
+    if statistics is None:  # none are kept of the other columns either
         return
-    statistics = json.loads(source.read_text(encoding="utf-8"))
     for number, name in enumerate(labels.names):
         statistics[name] = statistics_of(np.concatenate([one[:, number] for one in labels.values]))
     write_text_atomically(target, json.dumps(statistics, indent=4) + "\n")

@@ -10,7 +10,7 @@ import hashlib
 import json
 import shutil
 import zipfile
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -29,8 +29,9 @@ from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.interrupts import uninterrupted_step
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.data_sets.episode_frames import episode_clip, episode_frames
-from geotlm_lm.data_sets.labelled import Labels, write_labelled
-from geotlm_lm.data_sets.lerobot import INFO, Episode, LeRobotDataSet, read_data_set
+from geotlm_lm.data_sets.labelled import Labels, require_whole, write_labelled
+from geotlm_lm.data_sets.layout import INFO
+from geotlm_lm.data_sets.lerobot import Episode, LeRobotDataSet, read_data_set
 from geotlm_lm.data_sets.motion_columns import (
     CAMERA_PREFIX,
     Values,
@@ -115,8 +116,9 @@ def label_data_set(
     """
     data_set = read_data_set(labelling.root)
     data_set.require_camera(labelling.camera)
-    _require_free(data_set, labelling, out)
     part = out.with_name(f"{out.name}.part")
+    _require_free(data_set, labelling, out, part)
+    require_whole(data_set)
     with only_writer(part) as is_alone:
         if not is_alone:
             raise UsageError(
@@ -152,7 +154,7 @@ class _Part:
     file: Path
 
 
-def _require_free(data_set: LeRobotDataSet, labelling: Labelling, out: Path) -> None:
+def _require_free(data_set: LeRobotDataSet, labelling: Labelling, out: Path, part: Path) -> None:
     there = next((one for one in labelling.names if one in data_set.features), None)
     if there is not None:
         raise UsageError(
@@ -164,6 +166,12 @@ def _require_free(data_set: LeRobotDataSet, labelling: Labelling, out: Path) -> 
             f"--out: {out} lies in the data set that is read, expected a folder beside it; give "
             f"another place."
         )
+    link = next((path for path in (out, part, part / "data_set") if path.is_symlink()), None)
+    if link is not None:
+        raise UsageError(
+            f"--out: {link} is a link, through which something else would be written, expected a "
+            f"new folder; delete it, or give another name."
+        )
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise UsageError(
             f"--out: {out} is there already and would be replaced, expected a new folder; give "
@@ -173,8 +181,8 @@ def _require_free(data_set: LeRobotDataSet, labelling: Labelling, out: Path) -> 
 
 def _settings(data_set: LeRobotDataSet, labelling: Labelling) -> dict[str, Any]:
     """Return what decides the labels, so that no other run's are taken for them."""
-    about = {"info": data_set.info, "rows": [one.row for one in data_set.episodes]}
-    told = json.dumps(about, sort_keys=True, default=str)
+    episodes = [asdict(episode) for episode in data_set.episodes]
+    told = json.dumps({"info": data_set.info.content, "episodes": episodes}, sort_keys=True)
     return {
         "labels": LABELS_VERSION,
         "made_by": f"geotlm-lm {__version__}",

@@ -6,25 +6,16 @@ row for each frame; a video or a table holds several episodes.
 
 from __future__ import annotations
 
-import json
+import os
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from geotlm_lm.core.errors import MissingDependency, UnreadableClip, UsageError, first_line
-from geotlm_lm.core.plain_name import plain_name
-
-if TYPE_CHECKING:
-    import pyarrow
-
-INFO, STATISTICS, EPISODES = "meta/info.json", "meta/stats.json", "meta/episodes"
-
-VERSION = "v3."
-"""What the version of a layout that is read begins with."""
-
-_NEEDED = {"fps", "features", "data_path", "total_episodes"}
-_PLACE = ("data/chunk_index", "data/file_index", "dataset_from_index", "dataset_to_index")
+from geotlm_lm.core.errors import MissingDependency, UnreadableClip, UsageError
+from geotlm_lm.data_sets.layout import EPISODES, INFO, Info, contained, read_info
+from geotlm_lm.data_sets.tables import read_table, seconds, whole_numbers
 
 
 def require_packages() -> None:
@@ -42,18 +33,37 @@ def require_packages() -> None:
 
 
 @dataclass(frozen=True)
+class VideoPlace:
+    """Where the pictures of an episode lie.
+
+    Args:
+        chunk: Number of the folder.
+        file: Number of the file in it.
+        since_s: When the episode begins in the video.
+    """
+
+    chunk: int
+    file: int
+    since_s: float
+
+
+@dataclass(frozen=True)
 class Episode:
     """Where an episode lies.
 
     Args:
         index: Its number.
         length: Frames.
-        row: Its row of the episodes' table: numbers by column, without statistics.
+        chunk: Number of the folder with the table of its frames.
+        file: Number of that table.
+        videos: Of each camera whose pictures are in videos.
     """
 
     index: int
     length: int
-    row: dict[str, Any]
+    chunk: int
+    file: int
+    videos: Mapping[str, VideoPlace]
 
 
 @dataclass(frozen=True)
@@ -62,29 +72,29 @@ class LeRobotDataSet:
 
     Args:
         root: Its folder.
-        info: What `meta/info.json` holds.
-        episodes: By their number.
+        info: What it says of itself.
+        episodes: In order of their numbers, which count from 0.
     """
 
     root: Path
-    info: dict[str, Any]
+    info: Info
     episodes: tuple[Episode, ...]
 
     @property
     def fps(self) -> float:
         """Frames per second."""
-        return float(self.info["fps"])
+        return self.info.fps
 
     @property
     def features(self) -> dict[str, dict[str, Any]]:
         """What each column is, by its name."""
-        return self.info["features"]
+        return self.info.content["features"]
 
     @property
     def cameras(self) -> tuple[str, ...]:
         """Names of the features that are pictures, by name."""
-        kinds = {name: feature.get("dtype") for name, feature in self.features.items()}
-        return tuple(sorted(name for name, kind in kinds.items() if kind in ("video", "image")))
+        kinds = self.info.kinds.items()
+        return tuple(sorted(name for name, kind in kinds if kind in ("video", "image")))
 
     def require_camera(self, camera: str) -> None:
         """Refuse a camera that the data set lacks.
@@ -111,119 +121,91 @@ class LeRobotDataSet:
             )
         return self.episodes[index]
 
+    def data_path(self, episode: Episode) -> str:
+        """Return the path of the table with an episode's frames, from the root on."""
+        return self.info.data_path.filled(episode.chunk, episode.file)
+
     def table_of(self, episode: Episode) -> Path:
-        """Return the file with the rows of an episode's frames."""
-        return self.root / self.data_path(episode.row)
-
-    def data_path(self, row: dict[str, Any]) -> str:
-        """Return the path of an episode's rows, from the root on."""
-        chunk, file = (int(row[name]) for name in _PLACE[:2])
-        return self.info["data_path"].format(chunk_index=chunk, file_index=file)
-
-    def video_of(self, episode: Episode, camera: str) -> tuple[Path, float]:
-        """Return the video in which a camera saw an episode, and the second at which it begins.
+        """Return the file with the rows of an episode's frames.
 
         Raises:
-            UnreadableClip: If the episodes' table does not say.
+            UnreadableClip: If a link leads out of the data set there.
         """
-        try:
-            chunk, file, since = (
-                episode.row[f"videos/{camera}/{name}"]
-                for name in ("chunk_index", "file_index", "from_timestamp")
-            )
-        except KeyError as error:
-            raise UnreadableClip(
-                f"{self.root}: its episodes have no column {error.args[0]}, expected where the "
-                f"camera's video lies; convert the data set to LeRobot's version 3."
-            ) from error
-        pattern = self.info["video_path"]
-        named = pattern.format(video_key=camera, chunk_index=int(chunk), file_index=int(file))
-        return self.root / named, float(since)
+        return contained(self.root, self.data_path(episode))
+
+    def video_of(self, episode: Episode, camera: str) -> Path | None:
+        """Return the video in which a camera saw an episode; None where its table has pictures.
+
+        Raises:
+            UnreadableClip: If a link leads out of the data set there.
+        """
+        if self.info.video_path is None or camera not in episode.videos:
+            return None
+        place = episode.videos[camera]
+        name = self.info.video_path.filled(place.chunk, place.file, camera)
+        return contained(self.root, name)
 
 
 def read_data_set(root: Path) -> LeRobotDataSet:
     """Return the LeRobot data set in a folder; none of its frames is read.
 
     Raises:
-        UnreadableClip: If it is none, of another version, or lacks a file, in one sentence.
+        UnreadableClip: If it is none, of another version, lacks a file, or one says something that
+            cannot be, in one sentence.
         MissingDependency: If a package that reads it is not installed.
     """
     require_packages()
-    info = _info(root)
+    info = read_info(root)
     paths = sorted((root / EPISODES).glob("*/*.parquet"))
     if not paths:
         raise UnreadableClip(
             f"{root / EPISODES}: holds no table of episodes, expected chunk-000/file-000.parquet; "
             f"copy the data set again."
         )
-    rows = [row for path in paths for row in _rows(path)]
-    rows.sort(key=lambda row: row["episode_index"])
-    found = tuple(Episode(int(row["episode_index"]), int(row["length"]), row) for row in rows)
-    if [one.index for one in found] != list(range(int(info["total_episodes"]))):
+    cameras = [name for name, kind in info.kinds.items() if kind == "video"]
+    episodes = [episode for path in paths for episode in _episodes(path, cameras)]
+    episodes.sort(key=lambda episode: episode.index)
+    if [one.index for one in episodes] != list(range(len(episodes))) or (
+        len(episodes) != info.total_episodes
+    ):
         raise UnreadableClip(
-            f"{root}: {len(found)} episodes were found, expected {info['total_episodes']} counted "
+            f"{root}: {len(episodes)} episodes were found, expected {info.total_episodes} counted "
             f"from 0 as {INFO} says; copy the data set again."
         )
-    return LeRobotDataSet(root, info, found)
+    return LeRobotDataSet(root, info, tuple(episodes))
 
 
 def is_data_set(path: Path) -> bool:
     """Tell whether a folder looks like a LeRobot data set."""
-    return (path / INFO).is_file()
+    return os.path.isfile(path / INFO)
 
 
-def read_table(path: Path, columns: list[str] | None = None) -> pyarrow.Table:
-    """Return a table, or some of its columns.
-
-    Raises:
-        UnreadableClip: If it is missing, damaged, or lacks a column.
-    """
-    import pyarrow
-    import pyarrow.parquet
-
-    try:
-        # ParquetFile: read_table would look for columns in the names of the folders too.
-        with plain_name(path) as plain, pyarrow.parquet.ParquetFile(plain) as file:
-            found = file.read(columns=columns)
-    except (OSError, pyarrow.ArrowException) as error:
+def _episodes(path: Path, cameras: list[str]) -> Iterator[Episode]:
+    """Yield the episodes of a table, whose pictures these cameras have in videos."""
+    own = ("episode_index", "length", "data/chunk_index", "data/file_index")
+    counted = {
+        camera: [f"videos/{camera}/{name}" for name in ("chunk_index", "file_index")]
+        for camera in cameras
+    }
+    since = {camera: f"videos/{camera}/from_timestamp" for camera in cameras}
+    table = read_table(path, [*own, *sum(counted.values(), []), *since.values()])
+    columns = [whole_numbers(path, table, name).tolist() for name in own]
+    videos = [
+        [
+            VideoPlace(*place)
+            for place in zip(
+                *(whole_numbers(path, table, name).tolist() for name in counted[camera]),
+                seconds(path, table, since[camera]).tolist(),
+                strict=True,
+            )
+        ]
+        for camera in cameras
+    ]
+    if 0 in columns[1]:
         raise UnreadableClip(
-            f"{path}: cannot be read ({first_line(error)}), expected a table of a LeRobot data "
-            f"set; copy it again."
-        ) from error
-    missing = set(columns or ()) - set(found.column_names)
-    if missing:
-        raise UnreadableClip(
-            f"{path}: has no column {min(missing)}, expected one of a LeRobot data set (v3); "
-            f"convert or copy it again."
+            f"{path}: an episode has a length of 0 frames, expected 1 or more; record the data "
+            f"set again."
         )
-    return found
-
-
-def _info(root: Path) -> dict[str, Any]:
-    path = root / INFO
-    try:
-        info = json.loads(path.read_text(encoding="utf-8"))
-        version, missing = str(info["codebase_version"]), _NEEDED - set(info)
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise UnreadableClip(
-            f"{root}: is no LeRobot data set, expected a readable {INFO}; give the folder that "
-            f"holds meta and data."
-        ) from error
-    if not version.startswith(VERSION) or missing:
-        raise UnreadableClip(
-            f"{root}: is a LeRobot data set of version {version[:20]}, expected {VERSION}x with "
-            f"{', '.join(sorted(_NEEDED))}; convert it with LeRobot's own script."
-        )
-    return info
-
-
-def _rows(path: Path) -> list[dict[str, Any]]:
-    table = read_table(path)
-    plain = [name for name in table.column_names if not name.startswith("stats/")]
-    missing = {"episode_index", "length", *_PLACE} - set(plain)
-    if missing:
-        raise UnreadableClip(
-            f"{path}: has no column {min(missing)}, expected a table of episodes (v3); convert or "
-            f"copy the data set again."
-        )
-    return table.select(plain).to_pylist()
+    for row, numbers in enumerate(zip(*columns, strict=True)):
+        places = {camera: videos[number][row] for number, camera in enumerate(cameras)}
+        yield Episode(*numbers, places)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.data_sets.episode_frames import episode_clip
-from geotlm_lm.data_sets.lerobot import INFO, Episode, LeRobotDataSet
+from geotlm_lm.data_sets.layout import INFO
+from geotlm_lm.data_sets.lerobot import Episode, LeRobotDataSet
 from geotlm_lm.recordings.span import require_motion
 from geotlm_lm.recordings.stored import stamp_of
 
@@ -57,11 +58,13 @@ class StoredEpisode:
 
     def stamp(self) -> list[Any]:
         """Return what changes when its files do or are read otherwise, plain JSON values."""
-        row = {name: str(value) for name, value in self.episode.row.items()}
-        files = [stamp_of(self.data_set.table_of(self.episode))]
-        if self.data_set.features[self.camera]["dtype"] == "video":
-            files.append(stamp_of(self.data_set.video_of(self.episode, self.camera)[0]))
-        return [self.name, self.camera, row, files, self.fps, self.square_pixels]
+        paths = [
+            self.data_set.table_of(self.episode),
+            self.data_set.video_of(self.episode, self.camera),
+        ]
+        files = [stamp_of(path) for path in paths if path is not None]
+        place = asdict(self.episode)
+        return [self.name, self.camera, place, files, self.fps, self.square_pixels]
 
 
 def every_episode(data_set: LeRobotDataSet, camera: str, **reading: Any) -> Iterator[StoredEpisode]:

@@ -137,8 +137,22 @@ def _read_image(path: Path) -> tuple[Frames, StatedShape]:
             f"{path}: holds several pages, expected one image; give the file as the recording "
             f"that it is, or save one page."
         )
+    image, shape = decoded_image(stored, str(path)), image_shape(BytesIO(stored))
+    return shape.squared(image, str(path)), shape
+
+
+def decoded_image(stored: bytes, name: str) -> Frames:
+    """Return the image in a file's content as uint8 RGB, shape (rows, columns, 3).
+
+    Args:
+        stored: The content.
+        name: Of what holds it, for errors.
+
+    Raises:
+        UnreadableClip: If it is no image, too large a one, or none of 8 or 16 bits.
+    """
     if (size := declared_size(stored)) is not None:
-        kept_frames(*size, str(path))  # refused before the decoder makes room for it
+        kept_frames(*size, name)  # refused before the decoder makes room for it
     is_whole = bool(stored) and not is_cut_off(stored)
     try:
         with quiet_decoders():
@@ -147,11 +161,10 @@ def _read_image(path: Path) -> tuple[Frames, StatedShape]:
         image = None
     if image is None:
         raise UnreadableClip(
-            f"{path}: is cut off or is no image, expected {', '.join(IMAGE_SUFFIXES)}; "
+            f"{name}: is cut off or is no image, expected {', '.join(IMAGE_SUFFIXES)}; "
             f"copy or record it again."
         )
-    shape = image_shape(BytesIO(stored))
-    return shape.squared(rgb_of_8_bits([image], str(path))[0], str(path)), shape
+    return rgb_of_8_bits([image], name)[0]
 
 
 def listed(folder: Path) -> list[Path]:

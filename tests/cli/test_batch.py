@@ -185,6 +185,20 @@ def test_each_episode_of_a_data_set_is_asked_about(invoke, tmp_path, robot):
     assert "cannot be decoded" in rows[4]["error"]
 
 
+def test_a_damaged_table_is_an_error_of_its_episodes_and_a_path_outside_one_of_all(
+    invoke, tmp_path, robot
+):
+    (robot / "data/chunk-000/file-000.parquet").write_bytes(b"no table")
+    code, told, _ = invoke("--clips", robot, "--camera", CAMERA)
+    assert (code, told) == (0, f"{tmp_path}/deep/answers.jsonl: 6 rows, 6 of them errors\n")
+    assert "file-000.parquet: cannot be read" in written(tmp_path)[0]["error"]
+    content = json.loads((robot / "meta/info.json").read_text()) | {"data_path": "../evil.parquet"}
+    (robot / "meta/info.json").write_text(json.dumps(content))
+    code, _, err = invoke("--clips", robot, "--camera", CAMERA)
+    assert (code, err.count("\n")) == (3, 1)
+    assert "its data_path, '../evil.parquet', leads out of that folder" in err
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [

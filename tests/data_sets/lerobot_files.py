@@ -170,10 +170,15 @@ def _statistics(values):
 
 def _write_tasks(root):
     """Write the tasks as pandas does: the text is the index of its number."""
-    pandas = {"index_columns": ["task"], "columns": [], "pandas_version": "2.0.0"}
     import pyarrow
     from pyarrow import parquet
 
     table = pyarrow.table({"task_index": [0], "task": ["turn it"]})
+    kinds = {"task_index": ("int64", "int64"), "task": ("unicode", "object")}
+    columns = [
+        {"name": name, "field_name": name, "pandas_type": kind, "numpy_type": stored}
+        for name, (kind, stored) in kinds.items()
+    ]
+    pandas = {"index_columns": ["task"], "columns": columns, "pandas_version": "2.0.0"}
     about = {"pandas": json.dumps(pandas)}
     parquet.write_table(table.replace_schema_metadata(about), root / "meta/tasks.parquet")

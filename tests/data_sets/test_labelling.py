@@ -8,7 +8,6 @@ import multiprocessing
 import os
 import signal
 from dataclasses import fields
-from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -21,7 +20,7 @@ from geotlm_lm.data_sets import labelling as labelling_module
 from geotlm_lm.data_sets.labelling import Labelling, label_data_set
 from geotlm_lm.data_sets.lerobot import LeRobotDataSet, read_data_set
 from geotlm_lm.recordings import limits
-from geotlm_lm.track.tracker import Tracker, track_of
+from geotlm_lm.track.tracker import track_of
 from geotlm_lm.workers import LOST, Workers
 from tests.data_sets.lerobot_files import CAMERA, FPS, KINDS, turned, write_data_set
 from tests.full_disk import full_disk
@@ -37,23 +36,6 @@ NAMES = tuple(
     for name in ("turn_deg_s", "right_px_s", "down_px_s", "contact")
     for suffix in ("", "_deviation")
 )
-
-
-class Measuring:
-    """Tracks by measurement alone: no model is loaded."""
-
-    bundle = SimpleNamespace(digest=lambda: "measured")
-
-    def tracker(self, recording=None):
-        return Tracker(idle=recording.frames[0])
-
-
-@pytest.fixture
-def without_model(monkeypatch):
-    monkeypatch.setattr("geotlm_lm.answering.Answerer.load", lambda *_, **__: Measuring())
-    loaded.cache_clear()
-    yield
-    loaded.cache_clear()
 
 
 @pytest.fixture(scope="module")
@@ -129,7 +111,8 @@ def test_the_new_data_set_is_the_old_one_with_columns(root, tmp_path, without_mo
     data_set, original = read_data_set(out), read_data_set(root)
     assert data_set.episodes == original.episodes
     added = {name: data_set.features[name] for name in NAMES}
-    assert data_set.info == original.info | {"features": original.features | added}
+    content = original.info.content
+    assert data_set.info.content == content | {"features": original.features | added}
     assert set(map(json.dumps, added.values())) == {
         '{"dtype": "float32", "shape": [1], "names": null}'
     }

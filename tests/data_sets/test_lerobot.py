@@ -76,7 +76,7 @@ def test_what_is_no_data_set_of_this_version_is_refused(tmp_path):
     root = write_data_set(tmp_path / "s", CLIPS[:1])
     assert is_data_set(root)
     changed(root, codebase_version="v2.1")
-    with pytest.raises(UnreadableClip, match=r"of version v2\.1, expected v3\.x"):
+    with pytest.raises(UnreadableClip, match=r"of version 'v2\.1', expected v3\.x"):
         read_data_set(root)
     changed(root, codebase_version="v3.0", total_episodes=4)
     with pytest.raises(UnreadableClip, match="1 episodes were found, expected 4 counted from 0"):
