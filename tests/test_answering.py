@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from geotlm_lm.answering import Answerer
-from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.errors import UnreadableClip, UsageError, check_question
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.question import check_question
 from geotlm_lm.recordings import limits
 from geotlm_lm.recordings.read import read_clip
 from tests.answering import scripted

@@ -27,11 +27,11 @@ from geotlm_lm.answering.session import Session, in_pieces
 from geotlm_lm.answering.understanding import understand
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import check_question
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.question import check_question
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.query.edit import Edit
 from geotlm_lm.recordings.legible import require_any_legible

@@ -15,8 +15,8 @@ from geotlm_lm.benchmarks.cases.simulated import MOST_TRIES, TASKS
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT, GRID_SIDE
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.progress import Progress
-from geotlm_lm.core.seeding import seed_for
+from geotlm_lm.core.numbers import seed_for
+from geotlm_lm.core.process import Progress
 from geotlm_lm.probe.curl import curl_features
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.simulation.series import simulate_series

@@ -26,9 +26,9 @@ from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.rows import Listing, Pivot, Row, Run, Section
 from geotlm_lm.benchmarks.statistics import share_row
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.grouping import mean_by_group
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.progress import silent
+from geotlm_lm.core.numbers import mean_by_group
+from geotlm_lm.core.process import silent
 from geotlm_lm.dgr.ablations import DGRParts
 from geotlm_lm.probe.logistic import fit_logistic
 from geotlm_lm.probe.standardise import Standardiser

@@ -17,7 +17,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.data.questions import as_typed, questions_for
 from geotlm_lm.data.templates import load_templates

@@ -27,7 +27,7 @@ from geotlm_lm.cli.tracked import (
     totals_lines,
 )
 from geotlm_lm.cli.viewer import write_or_serve
-from geotlm_lm.core.interrupts import uninterrupted_step
+from geotlm_lm.core.process import uninterrupted_step
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer

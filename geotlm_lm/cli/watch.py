@@ -17,8 +17,7 @@ from geotlm_lm.cli.options import (
     path_of,
 )
 from geotlm_lm.cli.tracked import INTERRUPTED, OutFile, PlotFile, Targets, VideoFile
-from geotlm_lm.core.errors import GeoTLMError, UsageError
-from geotlm_lm.core.question import check_question
+from geotlm_lm.core.errors import GeoTLMError, UsageError, check_question
 
 
 @grouped

@@ -1,4 +1,4 @@
-"""Errors a user can repair: one sentence, and the exit code the command line gives it."""
+"""Errors a user can repair, each one sentence with an exit code; checks of what a user asks for."""
 
 LONGEST_MESSAGE = 3000
 """Characters of a sentence: the longest lawful one names every shape, in 1,800."""
@@ -87,3 +87,45 @@ class IncompatibleWeights(IncompatibleBundle):
 def first_line(error: Exception) -> str:
     """Return the first line of what an error of another library says, or else what it is."""
     return next(iter(str(error).strip().splitlines()), type(error).__name__)
+
+
+def require_inside(first: int, last: int, lowest: int, highest: int) -> None:
+    """Refuse a span of frames that runs backwards or leaves the recording; nothing is clamped.
+
+    Args:
+        first: Number of the first frame that is asked for.
+        last: Of the last one.
+        lowest: Of the recording's first frame.
+        highest: Of its last.
+
+    Raises:
+        UsageError: If it does.
+    """
+    if not lowest <= first < last <= highest:
+        raise UsageError(
+            f"Frames {first}:{last} were asked for, expected FIRST < LAST within "
+            f"{lowest}:{highest}; give frame numbers inside the recording."
+        )
+
+
+OPEN_QUESTION = "Which way is it moving?"
+
+
+def check_question(question: object) -> str:
+    """Return a question without the white space around it.
+
+    Raises:
+        UsageError: If it is empty, or no text.
+        TypeError: If it is no text.
+    """
+    if not isinstance(question, str):
+        raise TypeError(
+            f"a question is a text, found {type(question).__name__}; give one such as "
+            f"'{OPEN_QUESTION}'"
+        )
+    if not question.strip():
+        raise UsageError(f"The question is empty; ask something like '{OPEN_QUESTION}'.")
+    # Bytes that a terminal could not decode arrive as lone surrogates, which no tokenizer takes.
+    if any("\ud800" <= letter <= "\udfff" for letter in question):
+        raise UsageError("The question holds bytes that are no text; give it in UTF-8.")
+    return question.strip()

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from geotlm_lm.core.errors import GeoTLMError
+from geotlm_lm.core.files import resource_dir
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.language.parse_answer import KINDS, AnswerGrammar, Slots
 
 FORMS = ("doing", "naming", "short")

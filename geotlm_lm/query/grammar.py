@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
-from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.core.files import resource_dir
 from geotlm_lm.query.clauses import (
     TWICE,
     Around,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 
-from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.core.files import resource_dir
 from geotlm_lm.query.text import read
 from geotlm_lm.query.types import Query
 

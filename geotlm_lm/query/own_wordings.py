@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from itertools import product
 from typing import Any
 
-from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.core.files import resource_dir
 from geotlm_lm.data.question_contents import OPTION_STYLES
 from geotlm_lm.data.templates import FORMS, Wording, load_templates
 from geotlm_lm.query.clauses import Clause, Family

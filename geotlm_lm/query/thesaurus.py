@@ -12,7 +12,7 @@ import tomllib
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
-from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.core.files import resource_dir
 from geotlm_lm.query.grammar import Pair
 from geotlm_lm.query.quantities import find
 

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import GeoTLMError, MissingDependency, UnreadableClip
+from geotlm_lm.core.files import is_plain, plain_name
 from geotlm_lm.core.image_size import declared_size, is_cut_off
-from geotlm_lm.core.plain_name import is_plain, plain_name
 from geotlm_lm.recordings.decoding import AS_STORED, of_8_bits, quiet_decoders, rgb_of_8_bits
 from geotlm_lm.recordings.encodings import ENCODINGS
 from geotlm_lm.recordings.frame_times import rate_by, uneven_times_s

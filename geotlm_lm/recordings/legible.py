@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.rank_quantile import quantile_by_rank
+from geotlm_lm.core.numbers import quantile_by_rank
 
 Colours = NDArray[np.uint8]
 """Pixels, colour first: (3, frames, rows, columns), or (3, rows, columns) of one image."""

@@ -8,8 +8,7 @@ from numbers import Integral
 import numpy as np
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.errors import UnreadableClip, UsageError
-from geotlm_lm.core.frame_span import require_inside
+from geotlm_lm.core.errors import UnreadableClip, UsageError, require_inside
 
 
 def require_motion(clip: Clip) -> Clip:

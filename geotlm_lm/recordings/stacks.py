@@ -9,8 +9,8 @@ import numpy as np
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.files import plain_name
 from geotlm_lm.core.image_size import page_sizes
-from geotlm_lm.core.plain_name import plain_name
 from geotlm_lm.recordings.decoding import AS_STORED, quiet_decoders, rgb_of_8_bits
 from geotlm_lm.recordings.limits import DECODED_FRAMES, kept_frames, stride_for, stride_note
 from geotlm_lm.recordings.stated_shape import image_shape

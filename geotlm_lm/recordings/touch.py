@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.rank_quantile import quantile_by_rank
+from geotlm_lm.core.numbers import quantile_by_rank
 
 Floats = NDArray[np.float32]
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import MissingDependency
-from geotlm_lm.core.plain_name import plain_name
+from geotlm_lm.core.files import plain_name
 from geotlm_lm.recordings.decoding import quiet_decoders
 from geotlm_lm.recordings.limits import kept_frames
 from geotlm_lm.recordings.stated_shape import DAMAGED, StatedShape, video_shape

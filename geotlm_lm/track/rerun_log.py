@@ -12,8 +12,8 @@ from typing import IO, Any
 
 import numpy as np
 
-from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.files import replacing
 from geotlm_lm.core.geometry import filled_size
 from geotlm_lm.recordings.every_frame import each_frame
 from geotlm_lm.track.amounts import SPAN_DEVIATIONS, Floats

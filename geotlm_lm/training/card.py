@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from geotlm_lm.checkpoint import CARD_FILE, Bundle
-from geotlm_lm.core.atomic import write_text_atomically
+from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.training.config import TrainingPreset

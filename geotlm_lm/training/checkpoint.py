@@ -7,8 +7,8 @@ from typing import Any
 
 import torch
 
-from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.files import replacing
 
 
 def save_checkpoint(path: Path, state: dict[str, Any]) -> None:

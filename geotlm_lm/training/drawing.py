@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.data.questions import askable_types
 
 TYPE_WEIGHTS = {"T1": 6.0, "T2": 4.0, "T3": 8.0, "T17": 2.0}

@@ -21,12 +21,12 @@ from torch import Tensor
 from geotlm_lm.backbone.motions import MOTIONS_SHAPE
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM, measure_clip
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.core.atomic import append_text, reserve, write_text_atomically
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.files import append_text, reserve, write_text_atomically
 from geotlm_lm.core.geometry import GRID_SIDE, TIME_BIN_COUNT
 from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.training.examples import ExampleSet
 from geotlm_lm.training.recording_forms import RecordedForm
 

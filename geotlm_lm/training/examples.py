@@ -15,12 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.interrupts import uninterrupted_step
+from geotlm_lm.core.files import replacing
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
+from geotlm_lm.core.process import Progress, silent, uninterrupted_step
 from geotlm_lm.local_pool import each_done
 from geotlm_lm.training.recording_forms import RecordedForm, as_recorded, bin_means, truth_in_view
 from geotlm_lm.training.stored_rows import StoredPart, StoredRows

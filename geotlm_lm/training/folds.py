@@ -14,7 +14,7 @@ from torch import Tensor, nn
 
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.core.numbers import generator_for, seed_for
 from geotlm_lm.dgr.ablations import AblatedDGR, DGRParts
 from geotlm_lm.dgr.encoder import Geometry
 from geotlm_lm.probe.linear import LinearProbe

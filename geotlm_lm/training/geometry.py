@@ -19,8 +19,8 @@ from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.core.numbers import generator_for, seed_for
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.dgr.encoder import DGR, Geometry
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser

@@ -13,7 +13,7 @@ import torch
 
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.checkpoint import Bundle, Calibration, embedded_reader, reading_of
-from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.measured import Measured, measured

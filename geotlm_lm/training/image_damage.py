@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.core.seeding import log_uniform
+from geotlm_lm.core.numbers import log_uniform
 from geotlm_lm.recordings.damage import drifted, faded, gained, jpeg
 from geotlm_lm.simulation.trace import READABLE_GREY
 

@@ -18,11 +18,10 @@ import torch
 from torch import Tensor
 from torch.nn.functional import cross_entropy
 
-from geotlm_lm.core.interrupts import uninterrupted_step
+from geotlm_lm.core.files import resource_dir
 from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.resources import resource_dir
-from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.core.numbers import generator_for, seed_for
+from geotlm_lm.core.process import Progress, silent, uninterrupted_step
 from geotlm_lm.data.questions import questions_for, training_corpus, with_typo
 from geotlm_lm.language.decoder import LanguageSize, TactileDecoder, initialise
 from geotlm_lm.language.generation import Speaker

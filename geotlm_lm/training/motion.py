@@ -11,7 +11,7 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.tolerance import within_tolerance
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.motion.measured import Measured

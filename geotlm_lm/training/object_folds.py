@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.grouping import Labels, group_codes
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import Labels, generator_for, group_codes
 
 Rows = NDArray[np.intp]
 

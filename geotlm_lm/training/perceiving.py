@@ -6,7 +6,7 @@ import torch
 
 from geotlm_lm.backbone.frozen import ENCODE_BATCH, FrozenBackbone
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.measured import Measured, measured
 from geotlm_lm.training.examples import Examples

@@ -14,9 +14,8 @@ from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.vit import ViT, ViTConfig
-from geotlm_lm.core.interrupts import uninterrupted_step
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.core.numbers import generator_for, seed_for
+from geotlm_lm.core.process import Progress, silent, uninterrupted_step
 from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.config import TrainingPreset
 from geotlm_lm.training.dense_targets import (

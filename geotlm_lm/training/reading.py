@@ -22,9 +22,8 @@ from torch import Tensor
 from torch.nn.functional import cross_entropy, one_hot, pad
 
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.interrupts import uninterrupted_step
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.seeding import seed_for
+from geotlm_lm.core.numbers import seed_for
+from geotlm_lm.core.process import Progress, silent, uninterrupted_step
 from geotlm_lm.language.decoder import LanguageSize, initialise
 from geotlm_lm.language.tokenizer import byte_pairs
 from geotlm_lm.query.grammar import Pair, grammar

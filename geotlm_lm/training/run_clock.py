@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from geotlm_lm.core.atomic import write_text_atomically
+from geotlm_lm.core.files import write_text_atomically
 
 SECONDS_FILE = "seconds.txt"
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
-from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.simulation.series import SERIES_VERSION
 from geotlm_lm.training.config import TrainingPreset

@@ -14,7 +14,7 @@ from torch.nn.functional import pad
 
 from geotlm_lm.checkpoint import Bundle, reading_of
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.data.questions import WORDINGS, QuestionAnswer, questions_for
 from geotlm_lm.motion.measured import Measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS

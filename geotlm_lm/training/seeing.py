@@ -10,7 +10,7 @@ from torch import Tensor
 from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.checkpoint import reading_of
 from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.core.progress import Progress
+from geotlm_lm.core.process import Progress
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.network import MotionNetwork
 from geotlm_lm.training.config import TrainingPreset

@@ -20,7 +20,7 @@ from torch import Tensor
 from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, save_bundle
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.record import commit, machine
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.generation import Speaker

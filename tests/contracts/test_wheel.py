@@ -56,7 +56,7 @@ def test_nothing_but_the_package_lands_at_the_top(wheel):
 def test_every_resource_is_found_inside_the_installed_package(installed, tmp_path, folder):
     if folder == "bundle" and not (ROOT / "geotlm_lm" / "bundle").is_dir():
         pytest.skip("this checkout holds no trained bundle")
-    program = f"from geotlm_lm.core.resources import resource_dir as r; print(r({folder!r}))"
+    program = f"from geotlm_lm.core.files import resource_dir as r; print(r({folder!r}))"
     done = run_in_empty_folder(installed, tmp_path, "-c", program)
     assert done.stdout.strip() == str(installed / "geotlm_lm" / folder), done.stderr
 

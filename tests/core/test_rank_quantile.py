@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.core.rank_quantile import quantile_by_rank
+from geotlm_lm.core.numbers import quantile_by_rank
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.5, 0.99])

@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 
-from geotlm_lm.core.threads import THREAD_VARIABLES, one_thread_in_children
+from geotlm_lm.core.process import THREAD_VARIABLES, one_thread_in_children
 
 
 def test_children_started_inside_use_one_thread_and_nothing_stays_changed(monkeypatch):

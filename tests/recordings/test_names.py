@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.plain_name import plain_name
+from geotlm_lm.core.files import plain_name
 from geotlm_lm.recordings.every_frame import each_frame
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.recordings.streams import open_source

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.simulate import simulate

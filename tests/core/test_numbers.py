@@ -2,7 +2,7 @@
 
 import itertools
 
-from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.core.numbers import generator_for, seed_for
 
 
 def test_the_same_names_give_the_same_numbers():

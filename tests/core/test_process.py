@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from geotlm_lm.core.interrupts import uninterrupted_step
+from geotlm_lm.core.process import uninterrupted_step
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -8,8 +8,8 @@ import sys
 
 import pytest
 
-from geotlm_lm.core.atomic import append_text, only_writer, replacing, write_text_atomically
 from geotlm_lm.core.errors import Unwritten
+from geotlm_lm.core.files import append_text, only_writer, replacing, write_text_atomically
 from tests.full_disk import full_disk
 
 
@@ -108,7 +108,7 @@ def test_one_writer_at_a_time(tmp_path):
 
 def test_another_process_is_told_that_it_is_not_alone(tmp_path):
     code = (
-        "import sys; from pathlib import Path; from geotlm_lm.core.atomic import only_writer\n"
+        "import sys; from pathlib import Path; from geotlm_lm.core.files import only_writer\n"
         "with only_writer(Path(sys.argv[1])) as alone: print(alone)"
     )
     command = [sys.executable, "-c", code, str(tmp_path / "file")]

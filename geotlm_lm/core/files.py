@@ -1,15 +1,57 @@
-"""Files that appear whole or not at all, by one writer; knows nothing of what is in them."""
+"""Files of this package, names that every library opens, and the one writer of files."""
 
 from __future__ import annotations
 
 import io
 import os
+import re
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
 
 from geotlm_lm.core.errors import Unwritten
+
+_PACKAGE = Path(__file__).resolve().parent.parent
+
+
+def resource_dir(name: str) -> Path:
+    """Return the folder `name` (prompts, data_templates, app, bundle).
+
+    A wheel carries the folders inside the package; a checkout keeps the user's layout beside it.
+
+    Raises:
+        FileNotFoundError: If the installation is incomplete.
+    """
+    for parent in (_PACKAGE, _PACKAGE.parent):
+        if (parent / name).is_dir():
+            return parent / name
+    raise FileNotFoundError(f"geotlm_lm was installed without its folder '{name}'")
+
+
+@contextmanager
+def plain_name(path: Path) -> Iterator[str]:
+    """Yield an absolute name of a file or a folder that any library opens.
+
+    A name that is not UTF-8, or that could be read as a part of a URI, is reached by a symbolic
+    link in a temporary folder, which keeps the ending. What is written to it appears at `path`.
+    """
+    # Absolute, as decoders take what is before the colon of `12:30.mp4` for a protocol.
+    absolute = os.path.abspath(path)
+    if is_plain(absolute):
+        yield absolute
+        return
+    with tempfile.TemporaryDirectory(prefix="geotlm-") as home:
+        link = Path(home, f"file{path.suffix if is_plain(path.suffix) else ''}")
+        link.symlink_to(absolute)
+        yield str(link)
+
+
+def is_plain(name: str) -> bool:
+    """Tell whether any library takes a name for what it is."""
+    # Python keeps bytes that are no UTF-8 as surrogates.
+    return re.search("[\ud800-\udfff?#%]", name) is None
 
 
 @contextmanager
