@@ -35,7 +35,7 @@ from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.query.edit import Edit
 from geotlm_lm.recordings.legible import require_any_legible
-from geotlm_lm.recordings.span import frames_inside, require_motion
+from geotlm_lm.recordings.read import frames_inside, require_motion
 from geotlm_lm.track.track import Track
 from geotlm_lm.track.tracker import Tracker
 

@@ -24,8 +24,7 @@ from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.slots import SLOTS
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
-from geotlm_lm.recordings.idle import estimate_background
-from geotlm_lm.recordings.imprints import touched_part
+from geotlm_lm.recordings.idle import estimate_background, touched_part
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answer, Answerer, Encoded

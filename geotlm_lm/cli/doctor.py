@@ -48,8 +48,7 @@ def doctor(
         _tell(INSTALLATION, examine_installation(model), (), as_json=as_json)
         return
     from geotlm_lm.doctor.examine import examine
-    from geotlm_lm.recordings.every_frame import each_frame
-    from geotlm_lm.recordings.read import read_clip
+    from geotlm_lm.recordings.read import each_frame, read_clip
 
     if source.isdecimal() or source.startswith("/dev/"):
         clip, frames = _from_camera(source, reading.fps), None

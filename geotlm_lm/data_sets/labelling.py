@@ -39,7 +39,7 @@ from geotlm_lm.data_sets.motion_columns import (
     unknown_values,
 )
 from geotlm_lm.recordings.legible import require_any_legible
-from geotlm_lm.recordings.pixel_shape import with_square_pixels
+from geotlm_lm.recordings.pixels import with_square_pixels
 from geotlm_lm.track.export import Exported
 from geotlm_lm.workers import ALONE, LOST, Workers
 

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.doctor.finding import Finding, judged
-from geotlm_lm.recordings.idle import find_idle
-from geotlm_lm.recordings.imprints import FAINT_IMPRINT, imprint_strength
+from geotlm_lm.recordings.idle import FAINT_IMPRINT, find_idle, imprint_strength
 
 RED_OVER_BLUE = (0.95, 1.1)
 """Mean red over mean blue of an idle gel: below it colours are in order, above it they are swapped.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.doctor.finding import Finding, judged
-from geotlm_lm.recordings.pixel_shape import SQUASHED
+from geotlm_lm.recordings.pixels import SQUASHED
 from geotlm_lm.recordings.stated_shape import TURN_NOTES, TURNS
 from geotlm_lm.recordings.touch import COLUMNS
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.doctor.finding import Finding, judged
 from geotlm_lm.recordings.containers import declared_end
-from geotlm_lm.recordings.frame_times import EVEN_STEP, ROUNDED_S
+from geotlm_lm.recordings.policy import EVEN_STEP, ROUNDED_S
 from geotlm_lm.recordings.video import VIDEO_SUFFIXES
 from geotlm_lm.track.frame_clock import FrameClock
 

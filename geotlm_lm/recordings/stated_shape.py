@@ -10,7 +10,7 @@ from typing import BinaryIO
 import cv2
 
 from geotlm_lm.core.clip import Frames
-from geotlm_lm.recordings.limits import kept_frames
+from geotlm_lm.recordings.policy import kept_frames
 
 TURNS = {
     2: "mirrored left to right",

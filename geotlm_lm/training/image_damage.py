@@ -10,7 +10,7 @@ import numpy as np
 
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.numbers import log_uniform
-from geotlm_lm.recordings.damage import drifted, faded, gained, jpeg
+from geotlm_lm.recordings.pixels import drifted, faded, gained, jpeg
 from geotlm_lm.simulation.trace import READABLE_GREY
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import pytest
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.doctor.examine import examine
-from geotlm_lm.recordings.damage import as_pixels, drifted, gained
+from geotlm_lm.recordings.pixels import as_pixels, drifted, gained
 from geotlm_lm.simulation.touch import Touch, simulate_touch
 
 TOUCHES = (

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.declared import declared_bytes
+from geotlm_lm.recordings.listing import declared_bytes
 from geotlm_lm.recordings.read import read_clip
 from tests.recordings.test_read import FRAMES
 

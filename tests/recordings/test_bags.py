@@ -10,12 +10,10 @@ import pytest
 from PIL import Image
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
-from geotlm_lm.recordings import limits
-from geotlm_lm.recordings.bags import BAG_SUFFIXES
-from geotlm_lm.recordings.encodings import ENCODINGS
-from geotlm_lm.recordings.every_frame import each_frame
+from geotlm_lm.recordings import policy
+from geotlm_lm.recordings.bags import BAG_SUFFIXES, ENCODINGS
 from geotlm_lm.recordings.listing import clips_in
-from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.recordings.read import each_frame, read_clip
 from geotlm_lm.recordings.streams import open_source
 from tests.recordings.bag_files import (
     MCAP,
@@ -126,7 +124,7 @@ def test_without_them_those_of_the_recorder(tmp_path, stamps_ns, found):
 
 
 def test_a_long_one_is_read_at_a_stride_and_followed_frame_by_frame(tmp_path, monkeypatch):
-    monkeypatch.setattr(limits, "KEPT_BYTES", 4 * FRAMES[0].nbytes)
+    monkeypatch.setattr(policy, "KEPT_BYTES", 4 * FRAMES[0].nbytes)
     clip = read_clip(raw_bag(tmp_path / "run", FRAMES))
     assert clip.frame_numbers == (0, 4, 8)
     assert np.array_equal(clip.frames, FRAMES[::4])
@@ -208,8 +206,8 @@ def test_images_of_changing_sizes_are_refused(tmp_path):
     path = write_bag(tmp_path / "run", {TOPIC: messages})
     rows, columns = FRAMES.shape[1:3]
     sentence = (
-        f"{path}: image 2 is {columns} x {rows - 1} pixels after {columns} x {rows}, expected one "
-        f"size; record it at one size."
+        f"{path}: frame 2 is {columns} x {rows - 1} pixels after {columns} x {rows}, expected one "
+        f"size; record or export it at one size."
     )
     assert refusal(path) == sentence
     with pytest.raises(UnreadableClip) as error:

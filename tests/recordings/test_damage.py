@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.recordings.damage import drifted, faded, gained, jpeg
+from geotlm_lm.recordings.pixels import drifted, faded, gained, jpeg
 
 GRADIENT = np.broadcast_to(np.arange(64, 192, 2, dtype=np.uint8)[:, None], (64, 64, 3)).copy()
 NOISE = np.random.default_rng(0).integers(0, 256, (64, 64, 3)).astype(np.uint8)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.recordings.frame_times import rate_by, uneven_times_s
+from geotlm_lm.recordings.policy import rate_by, uneven_times_s
 
 
 def test_an_even_video_keeps_its_headers_rate() -> None:

@@ -9,8 +9,7 @@ from PIL import Image
 
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.files import plain_name
-from geotlm_lm.recordings.every_frame import each_frame
-from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.recordings.read import each_frame, read_clip
 from geotlm_lm.recordings.streams import open_source
 from tests.recordings.bag_files import MCAP, SQLITE, even_ns, first_bag, raw, raw_bag
 from tests.recordings.test_read import FRAMES, write_images, write_video

@@ -5,7 +5,7 @@ import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import filled_size
-from geotlm_lm.recordings.pixel_shape import SQUASHED, UNSQUASHED
+from geotlm_lm.recordings.pixels import SQUASHED, UNSQUASHED
 from geotlm_lm.recordings.read import read_clip
 
 

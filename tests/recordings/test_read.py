@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings import arrays, limits, video
+from geotlm_lm.recordings import arrays, policy
 from geotlm_lm.recordings.pixels import layout_of
 from geotlm_lm.recordings.read import read_clip
 
@@ -217,7 +217,7 @@ def test_a_background_image_is_read_in_rgb(tmp_path):
 @pytest.fixture
 def room_for_six(monkeypatch):
     frame_bytes = FRAMES[0].nbytes
-    monkeypatch.setattr(limits, "KEPT_BYTES", 6 * frame_bytes)
+    monkeypatch.setattr(policy, "KEPT_BYTES", 6 * frame_bytes)
 
 
 def test_a_long_array_is_read_at_a_stride_and_says_so(tmp_path, room_for_six):
@@ -242,7 +242,7 @@ def test_an_archive_that_unpacks_to_more_than_is_kept_is_never_held_whole(
     kept = 340 * frames[0].nbytes  # one in 3 fits
     monkeypatch.setattr(arrays, "KEPT_BYTES", kept)
     monkeypatch.setattr(arrays, "BLOCK_BYTES", block_bytes)
-    monkeypatch.setattr(limits, "KEPT_BYTES", kept)
+    monkeypatch.setattr(policy, "KEPT_BYTES", kept)
     np.savez_compressed(tmp_path / "clip.npz", frames=frames)
     tracemalloc.start()
     clip = read_clip(tmp_path / "clip.npz")
@@ -263,7 +263,7 @@ def test_an_archive_whose_frames_cannot_be_taken_one_by_one_is_refused(tmp_path,
 
 @pytest.mark.parametrize("room", [5, 6, 7])
 def test_a_long_video_is_read_at_a_stride_and_says_so(tmp_path, monkeypatch, room):
-    monkeypatch.setattr(limits, "KEPT_BYTES", room * 24 * 32 * 3)
+    monkeypatch.setattr(policy, "KEPT_BYTES", room * 24 * 32 * 3)
     clip = read_clip(write_video(tmp_path / "clip.avi", levels(20)))
     assert clip.frame_numbers == (0, 4, 8, 12, 16)
     assert clip.fps == 10
@@ -279,7 +279,7 @@ def test_a_video_that_takes_too_long_is_read_in_part_and_says_so(
     path = write_video(tmp_path / "clip.avi", levels(10))
     assert len(read_clip(path)) == 10
     assert not any("Only the first" in note for note in read_clip(path).notes)
-    monkeypatch.setattr(video, name, limit)
+    monkeypatch.setattr(policy, name, limit)
     clip = read_clip(path)
     assert clip.frame_numbers == tuple(range(read))
     assert clip.notes[-1] == f"Only the first {read} frames were read; cut the recording."

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings import limits, stacks
+from geotlm_lm.recordings import images, policy
 from geotlm_lm.recordings.images import read_still_image
 from geotlm_lm.recordings.listing import clips_in, skipped_in
 from geotlm_lm.recordings.read import read_clip
@@ -30,13 +30,13 @@ def test_its_pages_are_frames_in_rgb(tmp_path, name):
 
 
 def test_more_pages_than_are_decoded_at_once_are_all_read(tmp_path):
-    frames = colourful(count=2 * stacks._AT_ONCE + 3)
+    frames = colourful(count=2 * images.PAGES_AT_ONCE + 3)
     assert np.array_equal(read_clip(write_stack(tmp_path / "a.tif", frames)).frames, frames)
 
 
 @pytest.mark.parametrize("count", [20, 75])
 def test_a_long_one_is_read_at_a_stride_and_says_so(tmp_path, monkeypatch, count):
-    monkeypatch.setattr(limits, "KEPT_BYTES", 6 * FRAMES[0].nbytes)
+    monkeypatch.setattr(policy, "KEPT_BYTES", 6 * FRAMES[0].nbytes)
     frames = colourful(count=count)
     clip = read_clip(write_stack(tmp_path / "a.tif", frames))
     stride = -(-count // 6)
@@ -118,8 +118,8 @@ def test_one_that_is_cut_off_is_refused_and_nothing_is_printed(tmp_path, capfd, 
 
 
 def test_vast_pages_are_refused_before_they_are_decoded(tmp_path, monkeypatch):
-    monkeypatch.setattr(limits, "KEPT_BYTES", 2 * FRAMES[0].nbytes)
-    monkeypatch.setattr(stacks.cv2, "imreadmulti", lambda *_, **__: pytest.fail("it was decoded"))
+    monkeypatch.setattr(policy, "KEPT_BYTES", 2 * FRAMES[0].nbytes)
+    monkeypatch.setattr(images.cv2, "imreadmulti", lambda *_, **__: pytest.fail("it was decoded"))
     with pytest.raises(UnreadableClip, match="frames are 32x24 pixels, expected at most 0 million"):
         read_clip(write_stack(tmp_path / "a.tif", FRAMES))
 

@@ -10,10 +10,9 @@ from PIL import Image
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
 from geotlm_lm.doctor.picture import mount
-from geotlm_lm.recordings import limits
-from geotlm_lm.recordings.every_frame import each_frame
+from geotlm_lm.recordings import policy
 from geotlm_lm.recordings.listing import clips_in
-from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.recordings.read import each_frame, read_clip
 from geotlm_lm.recordings.streams import open_source
 from tests.recordings.test_read import FRAMES, write_video
 
@@ -41,7 +40,7 @@ def every_way(path, monkeypatch):
     """Return a recording read at once, as a stream, and anew frame by frame."""
     clip = read_clip(path)
     streamed = np.stack([frame.image for frame in open_source(str(path))])
-    monkeypatch.setattr(limits, "KEPT_BYTES", 4 * clip.frames[0].nbytes)
+    monkeypatch.setattr(policy, "KEPT_BYTES", 4 * clip.frames[0].nbytes)
     strided = read_clip(path)
     assert len(strided) < len(clip)
     return clip, streamed, np.stack([image for _, image in each_frame(strided)])
