@@ -145,9 +145,7 @@ def test_a_background_of_another_size_is_refused(tmp_path):
 
 
 def test_frames_of_changing_sizes_are_refused_in_one_sentence():
-    pictures = [
-        np.zeros((48, 64, 3) if number < 2 else (24, 32, 3), np.uint8) for number in range(4)
-    ]
+    sizes = [(48, 64, 3)] * 2 + [(24, 32, 3)] * 2
     source = Source("clip.mkv", lambda _: (SourceFrame(partial(np.zeros, size)) for size in sizes))
     with pytest.raises(UnreadableClip, match=r"frame 2 is 32 x 24 pixels after 64 x 48"):
         read_source(source)
