@@ -13,7 +13,7 @@ from geotlm_lm.cli.options import AsJson, BundleFolder, path_of
 
 if TYPE_CHECKING:
     from geotlm_lm.core.clip import Clip
-    from geotlm_lm.doctor.finding import Finding
+    from geotlm_lm.doctor.examine import Finding
 
 CAMERA_FRAMES = 75
 """Frames of a camera that are looked at: three seconds of most."""

@@ -10,7 +10,7 @@ from pathlib import Path
 from geotlm_lm import __version__
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.files import resource_dir
-from geotlm_lm.doctor.finding import Finding
+from geotlm_lm.doctor.examine import Finding
 
 PACKAGES = ("numpy", "torch", "transformers", "tokenizers", "opencv-contrib-python-headless")
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.doctor.timing import missing_frames
+from geotlm_lm.doctor.examine import missing_frames
 from geotlm_lm.recordings.frame_order import frame_order, natural_order
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.recordings.streams import open_source

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
-from geotlm_lm.doctor.picture import mount
+from geotlm_lm.doctor.examine import mount
 from geotlm_lm.recordings import policy
 from geotlm_lm.recordings.listing import clips_in
 from geotlm_lm.recordings.read import each_frame, read_clip
