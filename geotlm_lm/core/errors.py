@@ -9,9 +9,6 @@ class GeoTLMError(Exception):
 
     Names and values that a file or a person chose stand in the sentence, so it is kept to one line
     of printable characters whatever these hold, and to a length; its end says what to do.
-
-    Args:
-        message: The sentence.
     """
 
     exit_code = 1
@@ -90,17 +87,7 @@ def first_line(error: Exception) -> str:
 
 
 def require_inside(first: int, last: int, lowest: int, highest: int) -> None:
-    """Refuse a span of frames that runs backwards or leaves the recording; nothing is clamped.
-
-    Args:
-        first: Number of the first frame that is asked for.
-        last: Of the last one.
-        lowest: Of the recording's first frame.
-        highest: Of its last.
-
-    Raises:
-        UsageError: If it does.
-    """
+    """Refuse a span that runs backwards or leaves the recording; nothing is clamped."""
     if not lowest <= first < last <= highest:
         raise UsageError(
             f"Frames {first}:{last} were asked for, expected FIRST < LAST within "
@@ -112,12 +99,7 @@ OPEN_QUESTION = "Which way is it moving?"
 
 
 def check_question(question: object) -> str:
-    """Return a question without the white space around it.
-
-    Raises:
-        UsageError: If it is empty, or no text.
-        TypeError: If it is no text.
-    """
+    """Return a question without the white space around it; refuse an empty one, and no text."""
     if not isinstance(question, str):
         raise TypeError(
             f"a question is a text, found {type(question).__name__}; give one such as "

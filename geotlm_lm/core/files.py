@@ -20,9 +20,6 @@ def resource_dir(name: str) -> Path:
     """Return the folder `name` (prompts, data_templates, app, bundle).
 
     A wheel carries the folders inside the package; a checkout keeps the user's layout beside it.
-
-    Raises:
-        FileNotFoundError: If the installation is incomplete.
     """
     for parent in (_PACKAGE, _PACKAGE.parent):
         if (parent / name).is_dir():
@@ -109,11 +106,7 @@ def move_into_place(temporary: Path, path: Path) -> None:
 
 
 def append_text(path: Path, text: str) -> None:
-    """Add `text` in UTF-8 to the end of a file, all of it or, on an error, nothing.
-
-    Raises:
-        Unwritten: If it cannot be written.
-    """
+    """Add `text` in UTF-8 to the end of a file, all of it or, on an error, nothing."""
     with _told_of(path), path.open("ab", buffering=0) as stream:
         end, rest = stream.tell(), memoryview(text.encode())
         try:
@@ -125,11 +118,7 @@ def append_text(path: Path, text: str) -> None:
 
 
 def reserve(path: Path) -> None:
-    """Have the disk keep room for all of a file, before a part that is mapped is written.
-
-    Raises:
-        Unwritten: If it has not so much.
-    """
+    """Have the disk keep room for all of a file, before a part that is mapped is written."""
     with _told_of(path), path.open("r+b") as stream:
         if hasattr(os, "posix_fallocate"):  # elsewhere a full disk ends the process
             os.posix_fallocate(stream.fileno(), 0, os.fstat(stream.fileno()).st_size)

@@ -28,18 +28,11 @@ def log_uniform(rng: np.random.Generator, span: tuple[float, float]) -> float:
 
 
 def quantile_by_rank(values: NDArray[Any], share: float = 0.5) -> Any:
-    """Return the value that stands at `share` of the way when they are sorted.
+    """Return the value at a share, 0 to below 1, of the sorted ones; half is the upper median.
 
     numpy vectorises the selection over contiguous numbers. Of 19,200 float32 ones it takes 0.013 ms
     where `numpy.median` takes 0.03 and `numpy.quantile` 0.05, which average two neighbours and look
     for numbers that are none; of 28,400 int16 ones 0.008 for 0.16.
-
-    Args:
-        values: Any shape, not empty, no NaN.
-        share: At least 0, less than 1; half is the (upper) median.
-
-    Raises:
-        ValueError: If there is no value, or the share is out of range.
     """
     flat = np.array(values).reshape(-1)
     if not flat.size or not 0 <= share < 1:

@@ -14,12 +14,9 @@ class Progress(Protocol):
     """Called whenever a part of a run is done."""
 
     def __call__(self, what: str, done: int, total: int) -> None:
-        """Take in that `done` of `total` units of a stage are done.
+        """Take in that `done` of `total` units of a stage are done, those of an earlier run included.
 
-        Args:
-            what: The stage, and after a comma what may change within it, such as the loss.
-            done: Units done, those of an earlier, interrupted run among them.
-            total: Units of the stage.
+        After a comma `what` may hold what changes within the stage, such as the loss.
         """
 
 

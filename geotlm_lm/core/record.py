@@ -51,11 +51,7 @@ class RunRecord:
 
     @classmethod
     def load(cls, path: Path) -> RunRecord:
-        """Read a record written by `save`.
-
-        Raises:
-            UnreadableRecord: If it is no such file.
-        """
+        """Read a record written by `save`."""
         try:
             return cls(**json.loads(path.read_text(encoding="utf-8")))
         except (OSError, ValueError, TypeError, RecursionError) as error:

@@ -228,10 +228,7 @@ def file_end(clip: Clip) -> list[Finding]:
 
 
 def repeated_frames(is_repeat: NDArray[np.bool_], *, is_every: bool) -> Finding:
-    """Judge whether frames were written twice: each but the first may equal the one before it.
-
-    Only of frames that are neighbours in the recording, `is_every`.
-    """
+    """Judge whether frames equal the one before; unknown unless these are neighbours."""
     subject = "repeated frames"
     if not is_every or not len(is_repeat):
         measured = "cannot be told: the recording was read at a stride."

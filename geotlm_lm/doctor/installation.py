@@ -28,11 +28,7 @@ EXAMPLE, QUESTION, EXPECTED = "hex_nut_counterclockwise", "Which way is it turni
 
 
 def examine_installation(model: Path | None = None) -> list[Finding]:
-    """Return what was found.
-
-    Args:
-        model: Folder of a bundle; None for the one shipped.
-    """
+    """Return every finding; of the shipped bundle, or of one in a folder."""
     return [_versions(), *map(_extra, EXTRAS), _cameras(), _answers(model)]
 
 

@@ -59,11 +59,7 @@ BLOCK_BYTES = 16 * 2**20
 
 
 def read_array(path: Path, layout: str | None = None) -> Clip:
-    """Return the clip in a .npy file, of a checked layout, None to guess it.
-
-    Raises:
-        UnreadableClip: If it holds no frames this can read.
-    """
+    """Return the clip in a .npy file, of a checked layout, None to guess it."""
     stored = map_array(path)
     return _clip_of(lambda stride: stored[::stride], stored.shape, stored.dtype, layout, str(path))
 
@@ -78,9 +74,6 @@ def read_archive(path: Path, layout: str | None = None) -> Clip:
     Args:
         path: Of the file.
         layout: Of `frames`, checked; None to guess. The background has the same order of colours.
-
-    Raises:
-        UnreadableClip: If it holds no frames this can read.
     """
     name = str(path)
     with _refusing_damage(name), zipfile.ZipFile(path) as archive:
@@ -115,11 +108,7 @@ def read_archive(path: Path, layout: str | None = None) -> Clip:
 
 
 def stated_square_pixels(path: Path) -> bool | None:
-    """Return whether a .npz file states by `square_pixels` that they are; None where it does not.
-
-    Raises:
-        UnreadableClip: If what it holds under that name is not one truth value.
-    """
+    """Return whether a .npz states by `square_pixels` that they are; None where it does not."""
     with _refusing_damage(str(path)), zipfile.ZipFile(path) as archive:
         if f"{SQUARE_PIXELS}.npy" not in archive.namelist():
             return None
@@ -135,11 +124,7 @@ def stated_square_pixels(path: Path) -> bool | None:
 
 
 def declared_frames(path: Path) -> int:
-    """Return the bytes that the frames in a .npy or .npz file take; twice as many while read.
-
-    Raises:
-        UnreadableClip: If it is damaged, or declares what is refused.
-    """
+    """Return the bytes that the frames in a .npy or .npz file take; twice as many while read."""
     name = str(path)
     if path.suffix.lower() == ".npy":
         return _as_rgb(map_array(path).shape)

@@ -39,13 +39,7 @@ RAW, PACKED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 
 @dataclass(frozen=True)
 class _Encoding:
-    """How an image message holds a pixel.
-
-    Args:
-        channels: Values of one, as they are stored.
-        to_rgb: OpenCV's conversion of them to RGB; None where they are RGB.
-        bits: Of a value, 8 or 16.
-    """
+    """How an image message holds a pixel."""
 
     channels: int
     to_rgb: int | None

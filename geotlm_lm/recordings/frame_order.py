@@ -62,25 +62,13 @@ class _Name:
 
 
 def natural_order(stems: Sequence[str]) -> list[int]:
-    """Return the places of names in natural order: frame2, frame10; t-8, t7; 0.19, 0.2.
-
-    Args:
-        stems: The names without their endings.
-    """
+    """Return the places of stems in natural order: frame2, frame10; t-8, t7; 0.19, 0.2."""
     keys = [name.key for name in _parsed(stems, stems)]
     return sorted(range(len(stems)), key=keys.__getitem__)
 
 
 def frame_order(folder: str, names: Sequence[str]) -> FrameOrder:
-    """Return the order of the images of a folder.
-
-    Args:
-        folder: Its name, for errors.
-        names: Of its images, in any order.
-
-    Raises:
-        UnreadableClip: If they are the frames of several recordings, or of one in two formats.
-    """
+    """Return the order of the images of a folder, which is named in errors."""
     _refuse_two_formats(folder, names)
     stems = [PurePath(name).stem for name in names]
     parsed = sorted(_parsed(names, stems), key=lambda name: name.key)
@@ -104,12 +92,7 @@ def frame_order(folder: str, names: Sequence[str]) -> FrameOrder:
 
 
 def _ordered(folder: str, natural: list[_Name]) -> tuple[list[_Name], tuple[int, ...], list[str]]:
-    """Return names in order, where each stood in the recording, and notes.
-
-    Args:
-        folder: For errors.
-        natural: Names with the same count of numbers, in natural order.
-    """
+    """Return names in order, where each stood in the recording, and notes."""
     columns = list(zip(*(name.numbers for name in natural), strict=True))
     varying = [place for place, column in enumerate(columns) if len(set(column)) > 1]
     counting = [place for place in varying if _is_counting(columns[place])]

@@ -35,16 +35,10 @@ Measured on 111 real recordings: idle found in 78 %, in 3 % of their in-contact 
 
 
 def estimate_background(frames: Frames) -> Frames:
-    """Guess the idle gel from frames that may all be in contact.
+    """Guess the idle gel, (rows, columns, 3), from frames that may all be in contact.
 
     A smooth shading (a polynomial per channel) is fitted to all frames together, and pixels off the
     fit lose their weight, so that most of an imprint drops out. Fine dirt does not come back.
-
-    Args:
-        frames: uint8, shape (t, rows, columns, 3).
-
-    Returns:
-        uint8, shape (rows, columns, 3).
     """
     rows, columns = frames.shape[1:3]
     chosen = np.unique(np.linspace(0, len(frames) - 1, FIT_FRAMES).round().astype(int))
@@ -77,18 +71,11 @@ RIDGE = 1e-6
 
 
 def find_idle(clip: Clip, grey: NDArray[np.float32] | None = None) -> Frames | None:
-    """Return the idle gel when the recording starts, or else ends, untouched.
+    """Return the idle gel when the recording starts, or else ends, untouched; else None.
 
     Leading frames that agree with each other while later ones differ clearly, and lose none of what
-    the leading ones showed, are idle; their median is the background.
-
-    Args:
-        clip: A recording of any length.
-        grey: Its `activity_grey`, if that is known already: most of the time this takes.
-
-    Returns:
-        uint8, shape (rows, columns, 3); None when the recording is in contact at both ends, or when
-        nothing in it changes.
+    the leading ones showed, are idle; their median is the background. Most of the time goes into
+    `grey`, the frames' `activity_grey`, where it is not known already.
     """
     grey = activity_grey(clip.frames) if grey is None else grey
     for order in (slice(None), slice(None, None, -1)):
@@ -127,15 +114,10 @@ def _leading_idle(grey: NDArray[np.float32]) -> int:
 
 
 def lost_share(reference: NDArray[np.float32], later: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return which share of a change is structure of the reference that is gone, one per image.
+    """Return which share of each image's change is structure of the reference that is gone.
 
-    Args:
-        reference: Grey image, as of `activity_grey`, shape (rows, columns).
-        later: Images that differ from it, shape (t, rows, columns).
-
-    Returns:
-        About 0 where something touches what was idle, 1 where what touched was lifted, 1/2 where
-        it moved.
+    About 0 where something touches what was idle, 1 where what touched was lifted, 1/2 where it
+    moved. All are of `activity_grey`.
     """
     before = _structure(reference[None])[0]
     added = _structure(later) - before
@@ -212,11 +194,7 @@ def imprint_strength(clip: Clip) -> NDArray[np.float32]:
 
 
 def touched_part(clip: Clip) -> Clip:
-    """Return a recording from the first frame to the last that something touches; else all of it.
-
-    Args:
-        clip: Beside its idle gel.
-    """
+    """Return a recording from the first frame to the last that something touches; else all of it."""
     places = np.flatnonzero(imprint_strength(clip) >= FAINT_IMPRINT)
     if len(places) < 2:
         return clip
@@ -224,12 +202,7 @@ def touched_part(clip: Clip) -> Clip:
 
 
 def imprints_of(grey: NDArray[np.float32], background: Frames | None) -> NDArray[np.float32]:
-    """Return each frame's grey change against the gel, smoothed and free of slow shading.
-
-    Args:
-        grey: `activity_grey` of the frames.
-        background: The gel, in colour; None guesses it.
-    """
+    """Return each `activity_grey` frame's change against the gel, which is guessed where unknown."""
     if background is not None:
         gel = activity_grey(background[None])[0]
     else:

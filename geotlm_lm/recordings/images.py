@@ -42,11 +42,7 @@ _MASK = re.compile(r"(?:contact[_-]?)?masks?(?:$|[_\-. \d])", re.IGNORECASE)
 
 
 def read_folder(folder: Path) -> Clip:
-    """Return the clip of the images in `folder`; hidden files are passed over.
-
-    Raises:
-        UnreadableClip: If there are none, one is damaged, or their sizes differ.
-    """
+    """Return the clip of the images in `folder`; hidden files are passed over."""
     images = folder_images(folder)
     paths, idle = images.frames, images.idle
     if not paths:
@@ -113,11 +109,7 @@ class FolderImages:
 
 
 def folder_images(folder: Path) -> FolderImages:
-    """Return the images in `folder`; hidden files are passed over.
-
-    Raises:
-        UnreadableClip: If the folder cannot be opened, or holds frames of several recordings.
-    """
+    """Return the images in `folder`; hidden files are passed over."""
     # Copies made on a Mac bring a hidden `._frame1.png`, which is no image, beside every frame.
     images = sorted(
         path
@@ -137,11 +129,7 @@ def folder_images(folder: Path) -> FolderImages:
 
 
 def listed(folder: Path) -> list[Path]:
-    """Return what lies in a folder, in no order.
-
-    Raises:
-        UnreadableClip: If the folder cannot be opened.
-    """
+    """Return what lies in a folder, in no order."""
     try:
         return list(folder.iterdir())
     except OSError as error:
@@ -151,11 +139,7 @@ def listed(folder: Path) -> list[Path]:
 
 
 def read_still_image(path: Path) -> Frames:
-    """Return one image file as uint8 RGB, shape (rows, columns, 3).
-
-    Raises:
-        UnreadableClip: If it is no image, several, too large a one, or none of 8 or 16 bits.
-    """
+    """Return one image file as uint8 RGB, shape (rows, columns, 3); refuse any other."""
     return _read_image(path)[0]
 
 
@@ -182,10 +166,7 @@ def decoded_image(stored: bytes, name: str, refusal: str | None = None) -> Frame
     Args:
         stored: The content.
         name: Of what holds it, for errors.
-        refusal: What is said of content that is no whole image; None for that of a file.
-
-    Raises:
-        UnreadableClip: If it is no image, too large a one, or none of 8 or 16 bits.
+        refusal: Sentence for content that is no whole image; None for that of a file.
     """
     if (size := declared_size(stored)) is not None:
         kept_frames(*size, name)  # refused before the decoder makes room for it
@@ -205,10 +186,7 @@ def decoded_image(stored: bytes, name: str, refusal: str | None = None) -> Frame
 
 
 def is_stack(path: Path) -> bool:
-    """Tell whether a file is a TIFF of two pages or more; only its directories are read.
-
-    False of a file that cannot be opened.
-    """
+    """Tell whether a path is a readable TIFF of two pages or more; only directories are read."""
     if path.suffix.lower() not in STACK_SUFFIXES:
         return False
     try:
@@ -219,11 +197,7 @@ def is_stack(path: Path) -> bool:
 
 
 def read_stack(path: Path) -> Clip:
-    """Return the clip of the pages of a TIFF, as programs of microscopes and cameras save them.
-
-    Raises:
-        UnreadableClip: If it has fewer than two pages, one is damaged, or their sizes differ.
-    """
+    """Return the clip of the pages of a TIFF, as programs of microscopes and cameras save them."""
     name = str(path)
     with path.open("rb") as file:
         sizes = page_sizes(file, most=DECODED_FRAMES + 1)

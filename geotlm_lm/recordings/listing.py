@@ -43,8 +43,7 @@ def clips_in(folder: Path) -> list[Path]:
     A TIFF counts as one where it has several pages.
 
     Raises:
-        UnreadableClip: If there is no such folder, it cannot be opened, or nothing in it looks like
-            a recording.
+        UnreadableClip: If there is no such folder, or no recording in it.
     """
     seen = _seen_in(folder)
     recordings = [path for path in seen if _is_recording(path)]
@@ -62,11 +61,7 @@ def clips_in(folder: Path) -> list[Path]:
 
 
 def skipped_in(folder: Path) -> list[Path]:
-    """Return what `clips_in` leaves out, by name; hidden files are passed over.
-
-    Raises:
-        UnreadableClip: If there is no such folder, or it cannot be opened.
-    """
+    """Return what `clips_in` leaves out, by name; hidden files are passed over."""
     return [path for path in _seen_in(folder) if not _is_recording(path)]
 
 
@@ -92,11 +87,7 @@ def _is_recording(path: Path) -> bool:
 def declared_bytes(path: Path) -> int:
     """Return the bytes of frames that reading a recording will hold; nothing is decoded.
 
-    Args:
-        path: Of a file or a folder.
-
-    Returns:
-        As many as are ever kept at most; 0 of what cannot be read, as reading it will say.
+    No more than are ever kept; 0 of what cannot be read, as reading it will say.
     """
     try:
         return min(_declared(path), KEPT_BYTES)
@@ -135,12 +126,7 @@ def _declared(path: Path) -> int:
 
 @dataclass(frozen=True)
 class StoredRecording:
-    """A recording on disk.
-
-    Args:
-        path: Where it lies.
-        reading: Options of `read_clip`; those left out are as each file says.
-    """
+    """A recording on disk, and the options of `read_clip` to read it with."""
 
     path: Path
     reading: Mapping[str, Any] = field(default_factory=dict)

@@ -48,12 +48,7 @@ UNSQUASHED = (
 
 
 def check_layout(layout: str | None) -> str | None:
-    """Return `layout` in capitals, None for a guess; `parts_of` splits it.
-
-    Raises:
-        UsageError: If it names no layout.
-        TypeError: If it is no text.
-    """
+    """Return `layout` in capitals, None for a guess; `parts_of` splits it."""
     if layout is None:
         return None
     if not isinstance(layout, str):
@@ -77,11 +72,7 @@ def parts_of(layout: str | None) -> tuple[Layout | None, Order]:
 
 
 def layout_of(shape: tuple[int, ...], layout: Layout | None, name: str) -> tuple[Layout, str]:
-    """Return the layout of an array of `shape`, guessed unless it is given, and a note on it.
-
-    Raises:
-        UnreadableClip: If the shape fits no layout, or not the one given.
-    """
+    """Return the layout of an array of `shape`, guessed unless it is given, and a note on it."""
     if layout is not None:
         is_grey = "C" not in layout
         if len(shape) != len(layout) or not (is_grey or shape[layout.index("C")] in WITH_ALPHA):
@@ -150,9 +141,6 @@ def rgb_frames(
         layout: Of the axes of `array`.
         order: Of its colours.
         name: Of the file, for errors.
-
-    Raises:
-        UnreadableClip: If the values are no numbers, not finite, or out of range.
     """
     require_numbers(array.dtype, name)
     if array.size == 0:
@@ -209,11 +197,7 @@ def require_numbers(dtype: np.dtype, name: str) -> None:
 
 
 def still_to_rgb(array: NDArray, order: Order, name: str) -> Frames:
-    """Return one still image, shape (rows, columns, 3), from (H,W), (H,W,C) or (C,H,W) numbers.
-
-    Raises:
-        UnreadableClip: If it is no single image.
-    """
+    """Return one still image, shape (rows, columns, 3), from (H,W), (H,W,C) or (C,H,W) numbers."""
     layout: Layout
     if array.ndim == 2:
         layout = "THW"
@@ -236,11 +220,7 @@ def rgb_of_8_bits(decoded: Sequence[NDArray[np.generic]], name: str) -> list[Fra
 
 
 def of_8_bits(decoded: Sequence[NDArray[np.generic]], name: str) -> list[Frames]:
-    """Return images of one file, of any number of channels, as uint8: the upper bits of 16.
-
-    Raises:
-        UnreadableClip: If the values are none of 8 bits, and none of 16 that use their range.
-    """
+    """Return images of one file, of any number of channels, as uint8: the upper bits of 16."""
     [kind, *others] = {image.dtype for image in decoded}
     if others or kind not in (np.uint8, np.uint16):
         raise UnreadableClip(
@@ -277,13 +257,9 @@ def with_pixel_shape(clip: Clip, *, is_square: bool | None) -> Clip:
     """Return a clip of the size that stands for the shape of its pixels, with a note on it.
 
     Frames of our square's size are read as a squashed 4:3 picture, those of every other size as
-    they are (`core.geometry.camera_size`). Of square pixels a column is left out: frames are then
-    of another size, and lengths in pixels stay what they were, as they would not if resized.
-
-    Args:
-        clip: As it was read.
-        is_square: Whether the user or the file says that its pixels are as wide as high; None
-            where neither does.
+    they are (`core.geometry.camera_size`). Of square pixels, where the user or the file says so, a
+    column is left out: frames are then of another size, and lengths in pixels stay what they were,
+    as they would not if resized.
     """
     if clip.frames.shape[1:3] != (IMAGE_SIDE, IMAGE_SIDE):
         return clip
@@ -319,13 +295,7 @@ def gained(gain: float, image: Frames) -> Frames:
 
 
 def drifted(offset_grey: float, gain: float, frames: Frames) -> Frames:
-    """Return frames growing brighter, evenly from the first one to the last.
-
-    Args:
-        offset_grey: Added to the last frame, grey levels.
-        gain: Share by which the last frame is brighter besides.
-        frames: uint8 (t, rows, columns, 3).
-    """
+    """Return frames growing brighter evenly, up to `offset_grey` levels and a share `gain`."""
     share = np.linspace(0, 1, len(frames))[:, None, None, None]
     return as_pixels(frames * (1 + gain * share) + offset_grey * share)
 

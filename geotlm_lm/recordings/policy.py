@@ -168,11 +168,7 @@ def require_same_size(source: Source, number: int, image: Frames, first: Frames)
 
 
 def kept_frames(rows: int, columns: int, name: str) -> int:
-    """Return how many RGB frames of this size fit.
-
-    Raises:
-        UnreadableClip: If not even `FEWEST_KEPT` do.
-    """
+    """Return how many RGB frames of this size fit."""
     fitting = KEPT_BYTES // max(3 * rows * columns, 1)
     if fitting < FEWEST_KEPT:
         limit = KEPT_BYTES // (3 * FEWEST_KEPT) // 10**6
@@ -184,11 +180,7 @@ def kept_frames(rows: int, columns: int, name: str) -> int:
 
 
 def stride_for(frame_count: int, rows: int, columns: int, name: str, stored_bytes: int = 0) -> int:
-    """Return the smallest stride at which frames fit, `stored_bytes` of each beside them.
-
-    Raises:
-        UnreadableClip: If the frames are too large.
-    """
+    """Return the smallest stride at which frames fit, `stored_bytes` of each beside them."""
     fitting = kept_frames(rows, columns, name)
     if stored_bytes:
         fitting = min(fitting, KEPT_BYTES // stored_bytes)
@@ -204,11 +196,7 @@ def stride_note(stride: int, frame_count: int) -> str:
 
 
 def rate_ahead(source: Source) -> tuple[float | None, tuple[str, ...]]:
-    """Return the frame rate by the first frames' times, and notes, as `rate_by` does.
-
-    Raises:
-        UnreadableClip: If there is no frame.
-    """
+    """Return the frame rate by the first frames' times, and notes, as `rate_by` does."""
     with closing(source.frames(1)) as frames:
         times = [(frame.stamp_ms, frame.received_ms) for frame in islice(frames, RATED_FRAMES)]
     if not times:
@@ -221,14 +209,7 @@ def rate_ahead(source: Source) -> tuple[float | None, tuple[str, ...]]:
 def one_clock(
     times: Sequence[tuple[float | None, float | None]],
 ) -> tuple[Sequence[float], tuple[str, ...]]:
-    """Return frames' times by one clock, ms, and a note where it is not the stamps'.
-
-    Args:
-        times: Stamp and time of receipt of each frame, ms.
-
-    Returns:
-        No times where there are neither.
-    """
+    """Return frames' times by one clock, ms, and a note where it is not the stamps'; () without any."""
     stamps_ms, received_ms = zip(*times, strict=True)
     is_stamped = None not in stamps_ms
     if received_ms[0] is None:

@@ -108,12 +108,7 @@ def read_clip(
 
 
 def require_rate(fps: float | None) -> None:
-    """Refuse a frame rate that no camera has; None is none.
-
-    Raises:
-        UsageError: If it makes no sense.
-        TypeError: If it is no number.
-    """
+    """Refuse a frame rate that no camera has; None is none."""
     require_number(fps)
     if fps is not None and not 0 < fps < MOST_FPS:
         raise UsageError(
@@ -219,12 +214,8 @@ def each_frame(
 ) -> Iterator[tuple[int, Frames]]:
     """Yield the number of every frame of a recording, and the frame, uint8 RGB.
 
-    A video or a bag of which only a part fits into memory is decoded anew, frame by frame.
-
-    Args:
-        clip: As it was read.
-        square_pixels: As it was read with.
-        topic: Likewise.
+    A video or a bag of which only a part fits into memory is decoded anew, frame by frame, with the
+    options that the clip was read with.
     """
     numbers, path = clip.frame_numbers, Path(clip.name)
     is_whole = len(numbers) < 2 or np.diff(numbers).min() == 1

@@ -59,13 +59,7 @@ STUCK_EVERY_PX = 8
 
 @dataclass(frozen=True, eq=False)
 class StreamFrame:
-    """One frame of a stream.
-
-    Args:
-        image: uint8 RGB, shape (rows, columns, 3).
-        time_s: When it was taken, seconds into the stream.
-        number: Of the frame in the recording, or of those that the camera gave, from 0.
-    """
+    """One frame of a stream, uint8 RGB, seconds into the stream, counted from 0."""
 
     image: Frames
     time_s: float
@@ -94,10 +88,7 @@ def rising_s() -> Iterator[float]:
 class LatestFrames:
     """A buffer between a source that does not wait and a reader that may be slow.
 
-    Args:
-        capacity: Frames that may wait; beyond it the oldest is dropped.
-        patience: With the source.
-        name: Of the source.
+    Beyond its capacity the oldest frame is dropped.
     """
 
     def __init__(
@@ -130,11 +121,7 @@ class LatestFrames:
             self._changed.notify()
 
     def __iter__(self) -> Iterator[StreamFrame]:
-        """Yield frames in order, waiting for each, until the stream is closed.
-
-        Raises:
-            Stalled: If nothing comes for as long as the patience lasts.
-        """
+        """Yield frames in order, waiting for each, until the stream is closed."""
         while True:
             self._wait()
             with self._changed:
@@ -170,12 +157,7 @@ class LatestFrames:
 
 
 class Unwaiting(ABC):
-    """A source that does not wait for its reader: a thread brings the frames into a buffer.
-
-    Args:
-        name: What errors call it.
-        buffer: That it fills; None for one that waits without end.
-    """
+    """A source that does not wait for its reader: a thread brings the frames into a buffer."""
 
     is_live = False
     """Whether its frames are taken now, so that one that does not come is missing."""
@@ -212,17 +194,10 @@ class Unwaiting(ABC):
 
 
 class Recording:
-    """A file played frame by frame; nothing is dropped.
+    """A file played frame by frame, with the options of `open_source`; nothing is dropped.
 
     `fps` is the rate of the frames it gives: less than the recording's own where a long array is
     read at a stride.
-
-    Args:
-        path: A video, an array, a bag, or a folder of images.
-        fps: Frames per second of the whole recording; None to take what the file says.
-        layout: Axes of an array; None to guess.
-        square_pixels: Whether an array's or images' pixels are square; None as in `read_clip`.
-        topic: Of a bag's images; None where it has images on one topic only.
     """
 
     is_live, dropped = False, 0
@@ -306,14 +281,7 @@ class RealTimePlayback(Unwaiting):
 
 
 class Camera(Unwaiting):
-    """A camera, read as fast as it gives frames; nothing about it is guessed but its rate.
-
-    Args:
-        device: Its number, or the path of its device file.
-        fps: Frames per second; None to take what it says. Each frame has its own time all the same.
-        patience: With a camera that gives no frames; None for the usual.
-
-    """
+    """A camera, read as fast as it gives frames; each has its own time, whatever the rate."""
 
     notes: tuple[str, ...] = ()
     is_live = True
@@ -413,11 +381,7 @@ def _advice(device: int | str) -> str:
 
 
 class StuckPicture:
-    """Notices that frames are all the same, or black, for some time.
-
-    Attributes:
-        note: What was last reported; empty once there is something to be seen again.
-    """
+    """Notices that frames are all the same, or black, for some time; `note` says so until then."""
 
     def __init__(self) -> None:
         self._before: Frames | None = None
@@ -426,12 +390,7 @@ class StuckPicture:
         self._due_s = next(self._moments_s)
 
     def after(self, image: Frames, time_s: float) -> str:
-        """Take in the next frame, and return a sentence where it is time for one, at rising times.
-
-        Args:
-            image: uint8 RGB.
-            time_s: When it was taken.
-        """
+        """Take in the next frame, and return a sentence where it is time for one, at rising times."""
         seen = image[::STUCK_EVERY_PX, ::STUCK_EVERY_PX].copy()
         is_same = self._before is not None and np.array_equal(seen, self._before)
         kind = "black" if seen.max() <= DARK_GREY else "all the same" if is_same else ""

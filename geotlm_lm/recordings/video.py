@@ -89,12 +89,7 @@ class VideoSource(Source):
 
 @contextmanager
 def quiet_capture(source: Path | int, backend: int) -> Iterator[cv2.VideoCapture]:
-    """Open a video or a camera while OpenCV's decoders keep silent, and release it afterwards.
-
-    Args:
-        source: Path of a file or device, or a camera's number.
-        backend: One of OpenCV's CAP_ constants.
-    """
+    """Open a video or a camera while OpenCV's decoders keep silent, and release it afterwards."""
     # Decoders write to stderr on their own; readers raise one sentence instead.
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     with ExitStack() as opened:
