@@ -14,7 +14,7 @@ class Progress(Protocol):
     """Called whenever a part of a run is done."""
 
     def __call__(self, what: str, done: int, total: int) -> None:
-        """Take in that `done` of `total` units of a stage are done, those of an earlier run included.
+        """Take in that `done` of `total` units of a stage are done, also in an earlier run.
 
         After a comma `what` may hold what changes within the stage, such as the loss.
         """

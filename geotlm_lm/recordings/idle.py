@@ -194,7 +194,7 @@ def imprint_strength(clip: Clip) -> NDArray[np.float32]:
 
 
 def touched_part(clip: Clip) -> Clip:
-    """Return a recording from the first frame to the last that something touches; else all of it."""
+    """Return the part from the first touched frame to the last; all of it without a touch."""
     places = np.flatnonzero(imprint_strength(clip) >= FAINT_IMPRINT)
     if len(places) < 2:
         return clip
@@ -202,7 +202,7 @@ def touched_part(clip: Clip) -> Clip:
 
 
 def imprints_of(grey: NDArray[np.float32], background: Frames | None) -> NDArray[np.float32]:
-    """Return each `activity_grey` frame's change against the gel, which is guessed where unknown."""
+    """Return each grey frame's change against the gel, which is guessed where unknown."""
     if background is not None:
         gel = activity_grey(background[None])[0]
     else:

@@ -88,9 +88,9 @@ def require_legible(clip: Clip) -> Clip:
 
 
 def require_any_legible(clip: Clip) -> Clip:
-    """Return a recording, unless none of the frames looked at holds a picture: a flash is no harm."""
+    """Return a recording, unless no frame looked at holds a picture: a flash is no harm."""
     refusals = []
-    for place in sorted({round(one) for one in np.linspace(0, len(clip) - 1, LOOKED_AT)}):
+    for place in sorted({round(place) for place in np.linspace(0, len(clip) - 1, LOOKED_AT)}):
         try:
             require_legible(replace(clip.select([place]), background=None))
         except UnreadableClip as error:

@@ -209,7 +209,7 @@ def rate_ahead(source: Source) -> tuple[float | None, tuple[str, ...]]:
 def one_clock(
     times: Sequence[tuple[float | None, float | None]],
 ) -> tuple[Sequence[float], tuple[str, ...]]:
-    """Return frames' times by one clock, ms, and a note where it is not the stamps'; () without any."""
+    """Return frames' times by one clock, ms, () without any; a note if these are not the stamps."""
     stamps_ms, received_ms = zip(*times, strict=True)
     is_stamped = None not in stamps_ms
     if received_ms[0] is None:

@@ -62,7 +62,7 @@ class StatedShape:
         return (*turned, f"{ratio}: pictures were stretched until their pixels are square.")
 
     def squared(self, image: Frames, name: str) -> Frames:
-        """Return a turned picture whose pixels are square: the narrower side of them is stretched."""
+        """Return a turned picture with the narrower side of its pixels stretched."""
         if self._is_square or self._is_senseless:
             return image
         rows, columns = self._squared_size(*image.shape[:2])
@@ -91,7 +91,7 @@ class StatedShape:
 
 
 def video_shape(degrees: float, wide: float, high: float) -> StatedShape:
-    """Return what a video states: degrees clockwise, a pixel's width and height in any unit, or 0."""
+    """Return what a video states: degrees clockwise, width and height of a pixel or 0."""
     orientation = {90: 6, 180: 3, 270: 8}.get(round(degrees) % 360, 1)
     return StatedShape(orientation, _turned_aspect(orientation, wide, high))
 

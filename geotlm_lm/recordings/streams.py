@@ -390,7 +390,7 @@ class StuckPicture:
         self._due_s = next(self._moments_s)
 
     def after(self, image: Frames, time_s: float) -> str:
-        """Take in the next frame, and return a sentence where it is time for one, at rising times."""
+        """Take in the next frame, and return a sentence, at rising times, or ""."""
         seen = image[::STUCK_EVERY_PX, ::STUCK_EVERY_PX].copy()
         is_same = self._before is not None and np.array_equal(seen, self._before)
         kind = "black" if seen.max() <= DARK_GREY else "all the same" if is_same else ""

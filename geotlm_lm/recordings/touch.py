@@ -120,7 +120,7 @@ def change_from_idle(clip: Clip) -> Change:
 
 
 def change_map(frame: Frames, idle: Frames) -> Floats:
-    """Return where a frame is imprinted, `MAP_SIZE`: from 0, as an idle gel, to 1, clearly touched."""
+    """Return where a frame is imprinted, `MAP_SIZE`: 0 as an idle gel, 1 clearly touched."""
     change = np.abs(_smooth(_small(frame) - _small(idle)))
     few = cv2.resize(change, MAP_SIZE[::-1], interpolation=cv2.INTER_AREA)
     return np.clip((few - UNTOUCHED_GREY) / (CLEAR_GREY - UNTOUCHED_GREY), 0, 1)
