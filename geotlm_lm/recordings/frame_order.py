@@ -36,13 +36,11 @@ class FrameOrder:
     Args:
         names: Of the images, in order.
         numbers: Where each stood in the recording, from 0; a frame that is missing leaves a gap.
-        left_out: Images without a number beside numbered frames.
         notes: What is not plain about the order, a sentence each.
     """
 
     names: tuple[str, ...]
     numbers: tuple[int, ...]
-    left_out: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
 
@@ -80,15 +78,14 @@ def frame_order(folder: str, names: Sequence[str]) -> FrameOrder:
     if any(count > 1 for count in Counter(name.texts for name in others).values()):
         raise _several(folder, [*parsed, *others], lambda name: name.texts)
     order, numbers, notes = _ordered(folder, parsed)
-    left_out = tuple(name.name for name in others)
-    if left_out:
-        notes.append(f"Left out: {len(left_out)} named unlike the other images ({left_out[0]}).")
+    if others:
+        notes.append(f"Left out: {len(others)} named unlike the other images ({others[0].name}).")
     if (missing := numbers[-1] + 1 - len(numbers)) > 0:
         notes.append(
             f"The frames' numbers leave out {missing} of {numbers[-1] + 1}: these are missing; "
             f"times count them."
         )
-    return FrameOrder(tuple(name.name for name in order), numbers, left_out, tuple(notes))
+    return FrameOrder(tuple(name.name for name in order), numbers, tuple(notes))
 
 
 def _ordered(folder: str, natural: list[_Name]) -> tuple[list[_Name], tuple[int, ...], list[str]]:

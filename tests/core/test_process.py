@@ -1,10 +1,13 @@
-"""A step is taken whole, whatever asks for an end meanwhile."""
+"""A step is taken whole, and children run in one thread without interrupts."""
 
+import os
 import signal
+import subprocess
+import sys
 
 import pytest
 
-from geotlm_lm.core.process import uninterrupted_step
+from geotlm_lm.core.process import THREAD_VARIABLES, one_thread_in_children, uninterrupted_step
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -27,14 +30,12 @@ def test_an_interrupt_waits_until_the_step_is_taken(number):
     assert done == ["step"]
 
 
-def test_outside_a_step_interrupts_arrive_as_ever():
-    with uninterrupted_step():
-        pass
-    with pytest.raises(KeyboardInterrupt):
-        signal.raise_signal(signal.SIGINT)
-
-
-def test_an_error_in_a_step_is_told_as_it_is():
-    with pytest.raises(ZeroDivisionError), uninterrupted_step():
-        raise ZeroDivisionError
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+def test_children_started_inside_use_one_thread_and_nothing_stays_changed(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "7")
+    monkeypatch.delenv("MKL_NUM_THREADS", raising=False)
+    before = dict(os.environ)
+    program = f"import os; print([os.environ[name] for name in {THREAD_VARIABLES}])"
+    with one_thread_in_children():
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.strip() == "['1', '1', '1']"
+    assert dict(os.environ) == before

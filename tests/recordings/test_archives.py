@@ -39,13 +39,6 @@ def test_of_several_arrays_the_only_one_shaped_as_pictures_is_taken(tmp_path, na
     assert f"The array '{name}' was taken for the frames." in clip.notes
 
 
-@pytest.mark.parametrize("beside", [FRAMES[:3], FRAMES[::-1]])
-def test_of_two_arrays_shaped_as_pictures_neither_is_taken(tmp_path, beside):
-    np.savez(tmp_path / "clip.npz", left=FRAMES, right=beside, names=np.array("ab"))
-    with pytest.raises(UnreadableClip, match="found the keys left, names, right, expected"):
-        read_clip(tmp_path / "clip.npz")
-
-
 def stored(path, arrays, compression=zipfile.ZIP_DEFLATED):
     """Write an archive whose arrays are declared by shape and type, with as many zeros as given."""
     with zipfile.ZipFile(path, "w", compression) as archive:

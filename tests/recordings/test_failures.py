@@ -137,13 +137,6 @@ def test_a_layout_of_another_number_of_axes_is_refused(tmp_path, layout, shape):
     )
 
 
-def test_a_background_of_another_size_is_refused(tmp_path):
-    np.save(tmp_path / "clip.npy", FRAMES)
-    np.save(tmp_path / "idle.npy", np.zeros((9, 9, 3), np.uint8))
-    with pytest.raises(UnreadableClip, match="the background has shape"):
-        read_clip(tmp_path / "clip.npy", background=tmp_path / "idle.npy")
-
-
 def test_frames_of_changing_sizes_are_refused_in_one_sentence():
     sizes = [(48, 64, 3)] * 2 + [(24, 32, 3)] * 2
     source = Source("clip.mkv", lambda _: (SourceFrame(partial(np.zeros, size)) for size in sizes))

@@ -1,4 +1,4 @@
-"""The rate of a video by its frames' times."""
+"""The rate of a recording by the times of its frames, and what a changing size is."""
 
 import numpy as np
 import pytest
