@@ -141,5 +141,5 @@ def _trained_on(
     released = load_encoder(weights, encoder, heads=heads)
     released.to("cuda" if torch.cuda.is_available() else "cpu")
     bundle = train_heads(released, preset, folder, seed, progress_on_stderr())
-    name = f"{released.adapter.title} ({weights.name})"
+    name = f"{released.row.title} ({weights.name})"
     return Answerer(bundle), name, {"encoder": bundle.provenance}

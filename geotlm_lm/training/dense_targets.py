@@ -17,8 +17,13 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
-from geotlm_lm.backbone.mirror import Mirror, mirrored_field, mirrored_inputs
-from geotlm_lm.backbone.stem import ALIGNED_AT, MAGNIFICATION_AT
+from geotlm_lm.backbone.stem import (
+    ALIGNED_AT,
+    MAGNIFICATION_AT,
+    Mirror,
+    mirrored_field,
+    mirrored_inputs,
+)
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.twist import Component

@@ -126,7 +126,7 @@ def _write(
     patches = tokens.patches.half()
     if not bool(torch.isfinite(patches).all() and torch.isfinite(tokens.global_token).all()):
         raise UsageError(
-            f"{encoder.adapter.title}: tokens up to {float(tokens.patches.abs().max()):.3g} were "
+            f"{encoder.row.title}: tokens up to {float(tokens.patches.abs().max()):.3g} were "
             f"found, expected below 65504; the file's weights are not those of a trained encoder."
         )
     looks = [measure_clip(one.clip) for _, one in batch]

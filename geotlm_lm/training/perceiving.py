@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import torch
 
-from geotlm_lm.backbone.frozen import ENCODE_BATCH, FrozenBackbone
 from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.backbone.vit import ENCODE_BATCH, FrozenBackbone
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.measured import Measured, measured

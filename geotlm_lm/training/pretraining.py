@@ -10,10 +10,9 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.backbone.vit import ViT, ViTConfig
+from geotlm_lm.backbone.vit import FrozenBackbone, ViT, ViTConfig
 from geotlm_lm.core.interrupts import uninterrupted_step
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.seeding import generator_for, seed_for

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from torch import Tensor
 
-from geotlm_lm.backbone.frozen import FrozenBackbone
+from geotlm_lm.backbone.vit import FrozenBackbone
 from geotlm_lm.checkpoint import reading_of
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.progress import Progress

@@ -17,7 +17,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from geotlm_lm.backbone.frozen import FrozenBackbone
+from geotlm_lm.backbone.vit import FrozenBackbone
 from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, save_bundle
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.progress import Progress, silent

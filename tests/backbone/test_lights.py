@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.backbone.lights import (
+from geotlm_lm.backbone.relief import (
+    RELIEF_SIDE,
     SHADE_GREY,
     SHADE_X,
     SHADE_Y,
@@ -12,7 +13,6 @@ from geotlm_lm.backbone.lights import (
     lights_of,
     turned_by_a_quarter,
 )
-from geotlm_lm.backbone.relief import RELIEF_SIDE
 
 SIDE = RELIEF_SIDE
 

@@ -3,7 +3,8 @@
 import pytest
 import torch
 
-from geotlm_lm.backbone.released import ENCODERS, load_encoder
+from geotlm_lm.backbone.encoders import ENCODERS
+from geotlm_lm.backbone.released import load_encoder
 from geotlm_lm.core.errors import IncompatibleWeights, UsageError
 from tests.backbone.small_files import write_small
 

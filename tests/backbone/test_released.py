@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 import torch
 
-from geotlm_lm.backbone.adapters.adapter import LoadOptions, fitted
-from geotlm_lm.backbone.released import ENCODERS, ReleasedEncoder, adapter_named, load_encoder
+from geotlm_lm.backbone.encoders import ENCODERS
+from geotlm_lm.backbone.released import ReleasedEncoder, encoder_row, fitted, load_encoder
 from geotlm_lm.core.errors import IncompatibleWeights, UsageError
 from tests.backbone.full_size import FILES
 from tests.backbone.small_files import write_small
@@ -34,7 +34,7 @@ def test_a_released_file_has_the_names_shapes_and_numbers_it_is_known_for(name):
     numbers, tensors, width, patches, size = TABLE[name]
     file = FILES[name]()
     assert (sum(value.numel() for value in file.values()), len(file)) == (numbers, tensors)
-    module, image, parts = fitted(ENCODERS[name], file, LoadOptions(Path("released")))
+    module, image, parts = fitted(ENCODERS[name], file, Path("released"))
     encoder = ReleasedEncoder(ENCODERS[name], module, image)
     assert encoder.parameter_count == numbers - CONSTANTS.get(name, 0)
     assert sum(len(pairs) for pairs in parts.values()) == tensors - (name in CONSTANTS)
@@ -55,7 +55,7 @@ def test_a_file_is_recognised_by_its_names_alone(name, tmp_path):
     path = write_small(name, tmp_path)
     options = {} if name == "unit" else {"heads": 2}
     encoder = load_encoder(path, **options)
-    assert encoder.adapter.name == name
+    assert encoder.row.name == name
     assert load_encoder(path, name, **options).digest() == encoder.digest()
 
 
@@ -68,11 +68,11 @@ def test_a_file_of_another_encoder_is_refused_with_names(name, other, tmp_path):
     with pytest.raises(IncompatibleWeights) as caught:
         load_encoder(path, name, heads=2)
     text = str(caught.value)
-    adapter = ENCODERS[name]
-    assert text.startswith(f"{path}: is not {adapter.title}: missing ")
-    assert text.endswith(f"; get the file from {adapter.source}.")
+    row = ENCODERS[name]
+    assert text.startswith(f"{path}: is not {row.title}: missing ")
+    assert text.endswith(f"; get the file from {row.source}.")
     missing, unexpected = text.split(": missing ")[1].split(", unexpected ", 1)
-    assert missing.split(",")[0] in adapter.anchors
+    assert missing.split(",")[0] in row.anchors
     assert unexpected
     assert "\n" not in text
 
@@ -113,14 +113,14 @@ def test_the_vision_part_of_a_chat_model_is_found_beside_its_language_part(tmp_p
         tensors["language_model.layers.0.weight"] = torch.ones(2)
 
     path = write_small("internvit", tmp_path, embed)
-    assert load_encoder(path, heads=2).adapter.name == "internvit"
+    assert load_encoder(path, heads=2).row.name == "internvit"
 
 
 def test_an_unknown_name_is_answered_with_the_nearest_or_all():
     with pytest.raises(UsageError, match="there is no encoder 'anytuch2'; did you mean anytouch2?"):
-        adapter_named("anytuch2")
+        encoder_row("anytuch2")
     with pytest.raises(UsageError, match="choose one of anytouch2, anytouch1, sparsh, t3"):
-        adapter_named("resnet")
+        encoder_row("resnet")
 
 
 def test_the_trunk_of_t3_is_told_from_the_encoder_of_a_sensor(tmp_path):

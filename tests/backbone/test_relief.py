@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.backbone.lights import SHADE_X, SHADE_Y
-from geotlm_lm.backbone.relief import RELIEF_SIDE, is_inside_out, reliefs
+from geotlm_lm.backbone.relief import RELIEF_SIDE, SHADE_X, SHADE_Y, is_inside_out, reliefs
 
 MIDDLE = (RELIEF_SIDE - 1) / 2
 

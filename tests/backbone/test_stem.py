@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from geotlm_lm.backbone import imprint
-from geotlm_lm.backbone.lights import SHADE_X, SHADE_Y
 from geotlm_lm.backbone.motions import MEASURED, MOTION_NUMBERS
+from geotlm_lm.backbone.relief import SHADE_X, SHADE_Y
 from geotlm_lm.backbone.stem import (
     ALIGNED_AT,
     ALIGNED_DIM,
