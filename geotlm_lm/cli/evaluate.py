@@ -133,10 +133,10 @@ def _trained_on(
 
     from geotlm_lm.answering import Answerer
     from geotlm_lm.backbone.released import load_encoder
-    from geotlm_lm.training.config import heads_preset_named
+    from geotlm_lm.training.config import HEADS_PRESETS, preset_named
     from geotlm_lm.training.heads import train_heads
 
-    heads_preset_named(preset)  # told before gigabytes are read
+    preset_named(preset, HEADS_PRESETS)  # refused before gigabytes are read
     require_writable(folder, "--run-folder")
     released = load_encoder(weights, encoder, heads=heads)
     released.to("cuda" if torch.cuda.is_available() else "cpu")

@@ -11,7 +11,7 @@ import torch
 
 from geotlm_lm.core.errors import MissingDependency, UsageError
 from geotlm_lm.training import reading
-from geotlm_lm.training.checkpoint import load_checkpoint
+from geotlm_lm.training.fit import load_checkpoint
 from geotlm_lm.training.ranks import ALONE, Ranks, device_named
 from tests.training.shared_steps import STEPS, curves
 
