@@ -18,26 +18,21 @@ from geotlm_lm.backbone.vit import Block
 
 @dataclass(frozen=True)
 class ImageViTConfig:
-    """Sizes and parts of a transformer.
+    """Sizes and parts of a transformer; parts named as in `encoders.EncoderRow` are the same.
 
     Args:
         width: Width d of a token.
-        heads: Attention heads; no file tells them.
+        heads: Attention heads.
         mlp_width: Width of the hidden layer of a block's MLP.
         block_eps: Norm epsilon of each block, first block first.
         patch: Kernel and stride of the stem: (rows, columns), or with its depth before them.
         grid: Patches along (time, row, column) that the positions were made for.
-        has_patch_bias: Whether the stem adds a bias.
-        has_layer_scale: Whether the blocks scale what they add.
         has_global: Whether a global token leads; it has a position of its own.
         sensor_rows: Sensors that have tokens of their own; 0 for none.
         sensor_tokens: Tokens of each sensor, after the global token, without position.
         registers: Tokens that belong to no patch, before the patches, without position.
         has_sinusoids: Whether positions are computed, and not learned.
-        resizes_positions: Whether learned positions are resized to images of another size.
-        pre_norm_eps: Epsilon of a norm before the blocks; None for no norm.
-        norm_eps: Epsilon of a norm after the blocks; None for no norm.
-        projection: Width of a projection after that norm; 0 for none.
+        projection: Width of a projection after the last norm; 0 for none.
     """
 
     width: int

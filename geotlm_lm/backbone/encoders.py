@@ -167,6 +167,14 @@ def _sensor_rows(images: Tensor) -> Tensor:
     return torch.full((len(images),), GELSIGHT_MINI, device=images.device)
 
 
+TOUCH = {
+    "blocks": ((TOUCH_BLOCKS, 1e-5),),
+    "block_layers": CLIP_BLOCK,
+    "has_patch_bias": False,
+    "pre_norm_eps": 1e-5,
+    "norm_eps": 1e-5,
+}
+
 ANYTOUCH2 = EncoderRow(
     name="anytouch2",
     title="AnyTouch 2",
@@ -180,12 +188,8 @@ ANYTOUCH2 = EncoderRow(
     dropped=("decoder", "mask_token", "position_ids"),
     released_heads={768: 12},
     weights=TOUCH_WEIGHTS | {"patch": STEM},
-    blocks=((TOUCH_BLOCKS, 1e-5),),
-    block_layers=CLIP_BLOCK,
     time_bins=TIME_BIN_COUNT,
-    has_patch_bias=False,
-    pre_norm_eps=1e-5,
-    norm_eps=1e-5,
+    **TOUCH,
 )
 """The backbone of the paper: tubes of two frames. A file of two frames has one bin: refused."""
 
@@ -202,11 +206,7 @@ ANYTOUCH1 = EncoderRow(
     dropped=(f"{STEM}.weight", "position_ids"),
     released_heads={1024: 16},
     weights=TOUCH_WEIGHTS | {"patch": VIDEO_STEM},
-    blocks=((TOUCH_BLOCKS, 1e-5),),
-    block_layers=CLIP_BLOCK,
-    has_patch_bias=False,
-    pre_norm_eps=1e-5,
-    norm_eps=1e-5,
+    **TOUCH,
 )
 """The first AnyTouch: a tube of three frames, so that a clip is encoded once per time-bin."""
 

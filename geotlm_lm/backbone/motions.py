@@ -80,18 +80,11 @@ class Motions:
 
 @dataclass(frozen=True, eq=False)
 class FoundMotions:
-    """What `motions_of` finds for each distinct frame.
+    """What `motions_of` measures of each distinct frame, and the motions to the last one."""
 
-    Args:
-        displacement: (frames, 14, 14, 8), pixels of the view, of each of `MEASURED`, x before y.
-        local: (frames, 14, 14, LOCAL_CHANNELS).
-        sureness: (frames, MOTION_NUMBERS).
-        motions: To the last frame.
-    """
-
-    displacement: Floats
-    local: Floats
-    sureness: Floats
+    displacement: Floats  # (frames, 14, 14, 8), pixels of the view, of each of MEASURED, x before y
+    local: Floats  # (frames, 14, 14, LOCAL_CHANNELS)
+    sureness: Floats  # (frames, MOTION_NUMBERS)
     motions: Motions
 
 

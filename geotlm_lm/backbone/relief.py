@@ -86,12 +86,9 @@ class Lights:
 def slopes(residuals: Sequence[Floats], aspect: float = 1.0) -> tuple[Floats, Floats]:
     """Return the slopes towards right and down that the shading tells under the usual lights.
 
-    Args:
-        residuals: Frames less the idle gel, float32 (side, side, 3), RGB grey levels.
-        aspect: Width of a pixel over its height.
-
-    Returns:
-        Each (frames, side, side), per pixel in the measure of `SHADE_X` and `SHADE_Y`.
+    Residuals are frames less the idle gel, (side, side, 3), RGB grey levels; `aspect` is the width
+    of a pixel over its height. Slopes are (frames, side, side) each, per pixel in the measure of
+    `SHADE_X` and `SHADE_Y`.
     """
     to_right = np.stack([frame[..., 1] for frame in residuals]) / np.float32(SHADE_X / aspect**0.5)
     down = np.stack([frame[..., 2] - frame[..., 0] for frame in residuals])
@@ -99,12 +96,7 @@ def slopes(residuals: Sequence[Floats], aspect: float = 1.0) -> tuple[Floats, Fl
 
 
 def lights_of(residuals: Sequence[Floats], aspect: float = 1.0) -> Lights:
-    """Tell how the lights stand by what leaves the slopes the least curl.
-
-    Args:
-        residuals: Frames less the idle gel, float32 (56, 56, 3), RGB grey levels.
-        aspect: Width of a pixel over its height.
-    """
+    """Tell how the lights stand by what leaves the `slopes` of residuals the least curl."""
     shaded = slopes(residuals, aspect)
     green, blue_less_red = (float(np.vdot(slope, slope)) for slope in shaded)
     if (SHADE_Y * aspect) ** 2 * blue_less_red < GREY_SHARE * SHADE_X**2 * green:
@@ -193,14 +185,8 @@ def reliefs(
 ) -> Floats:
     """Integrate the shading of each frame under the usual lights, or in their mirror image.
 
-    Args:
-        residuals: Frames less the idle gel, float32 (56, 56, 3), RGB grey levels.
-        aspect: Width of a pixel over its height: the shade tells the slope on the gel, and a wide
-            pixel climbs farther on it.
-        are_lights_mirrored: Whether left and right are swapped, as `lights.lights_of` finds.
-
-    Returns:
-        Indentation, float32 (frames, 56, 56), in grey levels times pixels.
+    Residuals are as in `slopes`, 56 pixels square: the shade tells the slope on the gel, and a wide
+    pixel climbs farther on it. Indentations are (frames, 56, 56), in grey levels times pixels.
     """
     slope_x, slope_y = slopes(residuals, aspect)
     slope_x = -slope_x if are_lights_mirrored else slope_x
@@ -212,9 +198,6 @@ def is_inside_out(relief: Floats) -> bool:
     """Tell whether dents came out as bumps, as under lights on the other side of the pad.
 
     Dents are deep and few in a gel that lies flat elsewhere.
-
-    Args:
-        relief: As `reliefs` returns it, (frames, 56, 56).
     """
     about_mean = relief - relief.mean(axis=(1, 2), keepdims=True)
     squares = np.square(about_mean)

@@ -41,9 +41,7 @@ def fit_contact_threshold(
     Midway between the untouched clips' upper and the touched clips' lower end where these are
     apart; otherwise the touched clips' lower end, so that contact is not missed.
 
-    Args:
-        contact_share: Mean contact mask of each clip, in [0, 1].
-        is_touched: Whether the clip has contact.
+    Shares are the mean contact mask of each clip, in [0, 1].
     """
     lowest_touched = float(np.quantile(contact_share[is_touched], CONTACT_QUANTILE))
     if is_touched.all():

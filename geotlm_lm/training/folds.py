@@ -50,13 +50,9 @@ Rows = NDArray[np.intp]
 
 @dataclass(frozen=True, eq=False)
 class Fold:
-    """Row numbers of one fold.
+    """Row numbers of one fold: to fit on, to choose the epoch on, and to report.
 
-    Args:
-        train: Rows to fit on.
-        val: Rows to choose the epoch on.
-        test: Rows to report; their objects are in neither of the others.
-        held_out: The objects of `test`.
+    The objects of `test`, `held_out`, are in neither of the others.
     """
 
     train: Rows
@@ -133,14 +129,7 @@ class Recipe:
 
 @dataclass(frozen=True)
 class FoldOutcome:
-    """What one recipe came to on one fold.
-
-    Args:
-        predictions: The motion named for each test row.
-        best_epoch: The epoch that was kept, counted from 1.
-        validation_accuracy: Accuracy of that epoch on the validation rows.
-        parameters: How many numbers were trained.
-    """
+    """What one recipe came to on one fold: the motions of its test rows, by the epoch kept."""
 
     predictions: tuple[Motion, ...]
     best_epoch: int

@@ -363,10 +363,7 @@ def felt_words(labels: Sequence[MotionLabel]) -> Tensor:
 def felt_loss(speaker: Speaker, token: Tensor, words: Tensor) -> Tensor:
     """Return the mean cross entropy of what is felt, summed over the slots, in nats.
 
-    Args:
-        speaker: Model and vocabulary.
-        token: Standardised readings, (b, fused width).
-        words: As `felt_words` gives them, (b, 4).
+    Readings are standardised, (b, fused width); words are as in `felt_words`.
     """
     model, prompts = speaker.model, speaker.prompts
     prefix = model.projector.from_standardised(token)

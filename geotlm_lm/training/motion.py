@@ -29,23 +29,14 @@ WEIGHT_DECAY = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Truths:
-    """What is true of n clips, NaN where nothing is asked.
+    """What is true of n clips, NaN where nothing is asked."""
 
-    Args:
-        turn_rad: Turn, clockwise positive, (n,).
-        slide_px: Travel to the right and down, (n, 2).
-        inward_mm: Approach, (n,).
-        counts: Whether turn, slide and press count, (n, 3).
-        readable: Whether they can be read, (n, 3).
-        contact: Whether anything touches, (n,).
-    """
-
-    turn_rad: Tensor
-    slide_px: Tensor
-    inward_mm: Tensor
-    counts: Tensor
-    readable: Tensor
-    contact: Tensor
+    turn_rad: Tensor  # (n,), clockwise positive
+    slide_px: Tensor  # (n, 2), to the right and down
+    inward_mm: Tensor  # (n,)
+    counts: Tensor  # (n, 3), whether turn, slide and press count
+    readable: Tensor  # (n, 3), whether they can be read
+    contact: Tensor  # (n,), whether anything touches
 
     @classmethod
     def of(cls, labels: Sequence[MotionLabel]) -> Truths:

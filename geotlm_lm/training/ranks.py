@@ -146,11 +146,9 @@ def joined(device: str | None = None) -> Iterator[Ranks]:
 
 
 def device_named(name: str | None, local: int = 0) -> str:
-    """Return the torch device of this machine's process number `local`.
+    """Return the torch device of this machine's process number `local`, from 0.
 
-    Args:
-        name: cpu or cuda; None for cuda where there is one.
-        local: Number of the process on this machine, from 0; each has a GPU of its own.
+    Each has a GPU of its own; None is cuda where there is one.
 
     Raises:
         UsageError: If it is neither.

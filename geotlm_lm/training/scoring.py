@@ -75,11 +75,7 @@ class ClipSet:
 def true_option_likelihoods(
     bundle: Bundle, clips: ClipSet, seed: int
 ) -> tuple[NDArray[np.floating], NDArray[np.integer]]:
-    """Return the likelihood of every answer to an open question, and which is true.
-
-    Returns:
-        Log-likelihoods, shape (n, options), and the index of the true option, shape (n,).
-    """
+    """Return log-likelihoods (n, options) of the answers to an open question, and the true ones."""
     rows, truths = [], []
     readings = clips.readings(bundle)
     for row in clips.readable():
@@ -95,10 +91,8 @@ def felt_likelihoods(
 ) -> tuple[NDArray[np.floating], NDArray[np.integer]]:
     """Return the likelihoods of the words at all slots of which something is asked, and the truth.
 
-    Slots have different numbers of words: what a slot lacks has likelihood 0.
-
-    Returns:
-        Log-likelihoods, shape (n, words), and the index of the true word, shape (n,).
+    Slots have different numbers of words: what a slot lacks has likelihood 0. Log-likelihoods are
+    (n, words), true words (n,).
     """
     felt, wanted = bundle.speaker.feel(clips.readings(bundle)), felt_words(clips.labels)
     most = max(logits.shape[1] for logits in felt.values())
@@ -114,10 +108,7 @@ def felt_likelihoods(
 def felt_scores(bundle: Bundle, clips: ClipSet, *, is_silent: bool = False) -> dict[str, float]:
     """Return the share of right words at each slot, of those of which something is asked.
 
-    Args:
-        bundle: The model.
-        clips: Perceived clips.
-        is_silent: Whether the model reads the fused token alone.
+    A silent model reads the fused token alone.
     """
     readings = clips.readings(bundle)
     if is_silent:

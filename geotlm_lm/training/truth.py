@@ -92,11 +92,8 @@ def motion_loss(stated_px: Tensor, true_px: Tensor, weight: Tensor, ranks: Ranks
     whose flow feigns motion counts no more than a large turn. One loss for the backbone's
     pretraining and for the grounded DGR.
 
-    Args:
-        stated_px: Displacement, shape (b, ..., 2), px.
-        true_px: True displacement, same shape.
-        weight: Contact of each patch, shape (b, ...); 0 throughout for a clip that does not count.
-        ranks: Among which the batch is shared.
+    Displacements are (b, ..., 2); `weight`, (b, ...), is the contact of each patch, 0 throughout
+    for a clip that does not count.
     """
     places = tuple(range(1, weight.ndim))
     mass = weight.sum(dim=places)

@@ -20,6 +20,8 @@ from geotlm_lm.training.heads import BATCH, encode_examples, train_heads
 from geotlm_lm.training.language import LanguageTraining
 from tests.backbone.small_files import write_small
 
+pytestmark = pytest.mark.slow
+
 TINY = HeadsPreset(
     name="tiny",
     head_clips=12,

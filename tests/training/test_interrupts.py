@@ -10,6 +10,8 @@ import pytest
 
 from tests.process_groups import in_proc, members
 
+pytestmark = pytest.mark.slow
+
 WITH_WORKERS = 4
 """The command, what tracks its resources, and two workers."""
 

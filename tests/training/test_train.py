@@ -27,6 +27,8 @@ from geotlm_lm.training.examples import read_examples
 from geotlm_lm.training.language import LanguageTraining
 from geotlm_lm.training.reading import ReadingTraining
 
+pytestmark = pytest.mark.slow
+
 TINY = replace(
     config.SMOKE,
     name="tiny",
