@@ -47,7 +47,7 @@ DAMAGED_SHARE = 0.2
 quality 20 nine were told wrong, of as many that grow 5 % brighter on the way six, and of as many a
 fifth as bright five; of undamaged ones none."""
 
-EXAMPLES_VERSION = 8
+EXAMPLES_VERSION = 9
 """Raised when what is stored of the same clips changes: the stem's inputs, its rigid motions, the
 truth or the labels."""
 
