@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
 
-from geotlm_lm.core.errors import Unwritten
+from geotlm_lm.core.errors import MissingDependency, Unwritten
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -25,6 +25,20 @@ def resource_dir(name: str) -> Path:
         if (parent / name).is_dir():
             return parent / name
     raise FileNotFoundError(f"geotlm_lm was installed without its folder '{name}'")
+
+
+def training_templates() -> Path:
+    """Return the folder of wordings that language models are trained and judged on.
+
+    An installed package holds only what answering reads.
+    """
+    folder = resource_dir("data_templates")
+    if not (folder / "slots.toml").is_file():
+        raise MissingDependency(
+            "The wordings that training reads are part of the repository, not of the installed "
+            "package; run this from a checkout."
+        )
+    return folder
 
 
 @contextmanager
