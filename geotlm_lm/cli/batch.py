@@ -22,7 +22,7 @@ from geotlm_lm.cli.options import (
 )
 from geotlm_lm.cli.recording import CameraName, touch_camera
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.workers import Workers
+from geotlm_lm.runs.run import Workers
 
 if TYPE_CHECKING:
     from geotlm_lm.answering.batch import Source
@@ -85,7 +85,6 @@ def batch(
     from geotlm_lm.answering.loaded import loaded
     from geotlm_lm.cli.progress import progress_on_stderr
 
-    report = progress_on_stderr()
     result = answer_all(
         partial(loaded, answering.model, answering.precision),
         found,
@@ -93,7 +92,7 @@ def batch(
         out,
         frame=answering.frame,
         workers=by,
-        progress=lambda done, total: report("answered", done, total),
+        progress=progress_on_stderr(),
     )
     if result.continued:
         print(f"note: {result.continued} rows were there from a stopped run", file=sys.stderr)
@@ -136,8 +135,7 @@ def _episodes(
     reading: dict[str, Any],
 ) -> list[Source]:
     """Return the episodes of a data set; refuse what is said of other recordings."""
-    from geotlm_lm.data_sets.lerobot import read_data_set
-    from geotlm_lm.data_sets.stored_episode import every_episode
+    from geotlm_lm.data_sets.lerobot import every_episode, read_data_set
 
     for name, value in of_files.items():
         if value is not None:

@@ -9,19 +9,18 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import IO, TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.interrupts import uninterrupted_step
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.seeding import generator_for
-from geotlm_lm.local_pool import each_done
+from geotlm_lm.runs.run import Workers, do_parts
 from geotlm_lm.training.recording_forms import RecordedForm, as_recorded, bin_means, truth_in_view
 from geotlm_lm.training.stored_rows import StoredPart, StoredRows
 
@@ -143,18 +142,19 @@ def simulate_examples(
         workers: Processes; the examples do not depend on it.
         progress: Told how far it is.
     """
-    jobs, chunk_count = [], 0
-    for one in sets:
-        paths = one.chunk_paths(folder)
-        chunk_count += len(paths)
-        jobs += [(path, one, index, seed) for index, path in enumerate(paths) if not path.exists()]
-    if not jobs:
-        return
-    folder.mkdir(parents=True, exist_ok=True)
-    done = chunk_count - len(jobs)
-    for _ in each_done(_write_chunk, jobs, workers):
-        done += 1
-        progress(f"simulate chunks of {CHUNK_CLIPS}", done, chunk_count)
+    jobs = [
+        ((wanted, chunk), path)
+        for wanted in sets
+        for chunk, path in enumerate(wanted.chunk_paths(folder))
+    ]
+    do_parts(
+        f"simulate chunks of {CHUNK_CLIPS}",
+        partial(_simulate_chunk, seed),
+        jobs,
+        _save_chunk,
+        workers=Workers(workers),
+        progress=progress,
+    )
 
 
 def read_examples(folder: Path, *wanted: ExampleSet) -> Examples:
@@ -189,9 +189,10 @@ def _refuse_strangers(folder: Path, wanted: ExampleSet, objects: Sequence[str]) 
         )
 
 
-def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
-    path, wanted, chunk, seed = job
-    first = chunk * CHUNK_CLIPS
+def _simulate_chunk(seed: int, chunk: tuple[ExampleSet, int]) -> dict[str, NDArray]:
+    """Return the arrays of a chunk by name, and `about`: object and label of each clip, as JSON."""
+    wanted, number = chunk
+    first = number * CHUNK_CLIPS
     stage_seed = int(generator_for(seed, "examples", wanted.stage).integers(2**62))
     arrays: dict[str, list] = {name: [] for name in _ARRAYS}
     about = []
@@ -203,11 +204,11 @@ def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
             arrays[name].append(values)
         about.append([simulated.object_name, recorded.label.to_dict()])
     stacked = {name: np.stack(values).astype(np.float16) for name, values in arrays.items()}
-    with (
-        uninterrupted_step(),
-        replacing(path) as stream,
-    ):  # a worker ended here leaves no part of a file
-        np.savez(stream, about=np.array(json.dumps(about)), **stacked)
+    return {"about": np.array(json.dumps(about))} | stacked
+
+
+def _save_chunk(stream: IO[bytes], arrays: dict[str, NDArray]) -> None:
+    np.savez(stream, **arrays)
 
 
 def _example(recorded: RecordedForm) -> tuple[NDArray, ...]:

@@ -20,8 +20,8 @@ from geotlm_lm.data_sets import labelling as labelling_module
 from geotlm_lm.data_sets.labelling import Labelling, label_data_set
 from geotlm_lm.data_sets.lerobot import LeRobotDataSet, read_data_set
 from geotlm_lm.recordings import limits
+from geotlm_lm.runs.run import LOST, Workers
 from geotlm_lm.track.tracker import track_of
-from geotlm_lm.workers import LOST, Workers
 from tests.data_sets.lerobot_files import CAMERA, FPS, KINDS, turned, write_data_set
 from tests.full_disk import full_disk
 from tests.track import stream as simulated
@@ -182,7 +182,7 @@ def test_a_stopped_run_keeps_what_is_done_and_ends_with_the_same_bytes(
 ):
     whole, out = tmp_path / "whole", tmp_path / "out"
     label_data_set(Labelling(root, CAMERA), whole)
-    tracked, track = [], labelling_module._tracked
+    tracked, track = [], labelling_module._track
 
     def stopping(data_set, episode, labelling):
         if len(tracked) == 2:
@@ -190,7 +190,7 @@ def test_a_stopped_run_keeps_what_is_done_and_ends_with_the_same_bytes(
         tracked.append(episode.index)
         return track(data_set, episode, labelling)
 
-    monkeypatch.setattr(labelling_module, "_tracked", stopping)
+    monkeypatch.setattr(labelling_module, "_track", stopping)
     with pytest.raises(KeyboardInterrupt):
         label_data_set(Labelling(root, CAMERA), out)
     assert not out.exists()
@@ -206,10 +206,10 @@ def test_what_another_run_left_is_not_continued(root, tmp_path, monkeypatch, wit
     def stopped(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(labelling_module, "_tracked", stopped)
+    monkeypatch.setattr(labelling_module, "_track", stopped)
     with pytest.raises(KeyboardInterrupt):
         label_data_set(Labelling(root, CAMERA), tmp_path / "out")
-    with pytest.raises(UsageError, match="belongs to a run of another data set, camera, model"):
+    with pytest.raises(UsageError, match="belongs to a run of other data set, camera or facts"):
         label_data_set(Labelling(root, CAMERA, mm_per_px=0.1), tmp_path / "out")
 
 

@@ -7,8 +7,7 @@ import pytest
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip, UsageError
 from geotlm_lm.data_sets import lerobot
-from geotlm_lm.data_sets.episode_frames import episode_clip
-from geotlm_lm.data_sets.lerobot import is_data_set, read_data_set
+from geotlm_lm.data_sets.lerobot import episode_clip, is_data_set, read_data_set
 from geotlm_lm.recordings import limits
 from tests.data_sets.lerobot_files import CAMERA, FPS, OTHER, turned, write_data_set
 

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import GeoTLMError, UsageError
+from geotlm_lm.runs.run import Workers
 from geotlm_lm.simulation import dataset
 from geotlm_lm.simulation.dataset import read_shard, write_dataset
-from geotlm_lm.workers import Workers
 from tests.process_groups import in_proc, members
 
 OBJECTS = ("block", "cloth_coarse")
@@ -124,7 +124,7 @@ def _die(options, shard):
 
 @pytest.mark.slow
 def test_a_killed_worker_is_told_instead_of_waited_for(tmp_path, monkeypatch):
-    monkeypatch.setattr(dataset, "_write_shard", _die)
+    monkeypatch.setattr(dataset, "_shard_arrays", _die)
     with pytest.raises(GeoTLMError, match="^A worker was ended from outside"):
         write_dataset(tmp_path, 6, seed=1, objects=OBJECTS, workers=Workers(2))
 
@@ -173,7 +173,7 @@ WRITER = """
 import sys
 from pathlib import Path
 from geotlm_lm.simulation import dataset
-from geotlm_lm.workers import Workers
+from geotlm_lm.runs.run import Workers
 from tests.process_groups import in_proc, members
 
 if __name__ == "__main__":
@@ -235,20 +235,3 @@ def test_a_request_to_end_does_not_wait_for_shards_and_leaves_no_part_of_one(tmp
     assert run.returncode == (130 if number == signal.SIGINT else -number)
     assert told == "Stopped; files already complete are kept.\n"
     assert [path.name for path in (tmp_path / "set").iterdir()] == ["dataset.json"]
-
-
-@pytest.mark.skipif(os.name == "nt", reason="a process is ended there without being asked")
-def test_a_worker_asked_to_end_while_it_writes_leaves_the_whole_shard(tmp_path, monkeypatch):
-    def asked(*arguments):
-        signal.raise_signal(signal.SIGTERM)
-        return save(*arguments)
-
-    save = dataset._save
-    monkeypatch.setattr(dataset, "_save", asked)
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            write_dataset(tmp_path, 1, seed=1, objects=OBJECTS, preset="draft")
-    finally:
-        signal.signal(signal.SIGTERM, before)
-    assert read_shard(tmp_path / "shard-00000.npz")[0]["index"].tolist() == [0]
