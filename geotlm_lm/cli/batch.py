@@ -86,7 +86,7 @@ def batch(
     from geotlm_lm.cli.progress import progress_on_stderr
 
     result = answer_all(
-        partial(loaded, answering.model, answering.precision),
+        partial(loaded, answering.model),
         found,
         asked,
         out,
