@@ -81,14 +81,9 @@ class Labelling:
 
 @dataclass(frozen=True)
 class LabelResult:
-    """What a run wrote.
+    """How many episodes, frames and events a run wrote, and why some have no labels, by number.
 
-    Args:
-        episodes: How many the data set has.
-        frames: Of all of them.
-        events: Rows of the events' table.
-        continued: Episodes that an earlier, stopped run had tracked.
-        refused: What was amiss with those that could not be tracked, by their number.
+    `continued` are the episodes that an earlier, stopped run had tracked.
     """
 
     episodes: int

@@ -6,7 +6,7 @@ import json
 import os
 import re
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
@@ -42,25 +42,14 @@ where they are alike."""
 LONGEST_S = 1e8
 """Seconds of a recording at most, 3 years: times beyond are damaged."""
 
-
 _NUMBER_FORM = re.compile(r"0?[0-9]{0,2}d?")
 """How a number may be filled in: `03d`. A width of many digits would fill the memory."""
 
 
-@dataclass(frozen=True)
-class PathTemplate:
-    """A path from the root on that stays below it, whatever numbers are filled in.
-
-    Args:
-        text: Names in braces stand for numbers, and for a camera.
-    """
-
-    text: str
-
-    def filled(self, chunk: int, file: int, camera: str = "") -> str:
-        """Return the path of a file, without `.` and doubled slashes."""
-        numbers = dict(zip(PLACE_FIELDS, (chunk, file), strict=True))
-        return str(PurePosixPath(self.text.format(video_key=camera, **numbers)))
+def filled(template: str, chunk: int, file: int, camera: str = "") -> str:
+    """Return a path from the root on that stays below it, whatever is filled in."""
+    numbers = dict(zip(PLACE_FIELDS, (chunk, file), strict=True))
+    return str(PurePosixPath(template.format(video_key=camera, **numbers)))
 
 
 @dataclass(frozen=True)
@@ -70,26 +59,22 @@ class Info:
     Args:
         fps: Frames per second, as a camera may have.
         kinds: The type of each column by its name; a camera's name is one part of a path.
-        data_path: Of the tables of frames.
-        video_path: Of the videos; None where no column is one.
+        data_path: Template of the tables of frames, checked to stay below the root.
+        video_path: Likewise of the videos; None where no column is one.
         total_episodes: How many there are.
         content: All that the file holds.
     """
 
     fps: float
     kinds: Mapping[str, str]
-    data_path: PathTemplate
-    video_path: PathTemplate | None
+    data_path: str
+    video_path: str | None
     total_episodes: int
     content: dict[str, Any]
 
 
 def read_info(root: Path) -> Info:
-    """Return what the data set in a folder says of itself.
-
-    Raises:
-        UnreadableClip: If it is none, of another version, or says something that cannot be.
-    """
+    """Return what the data set in a folder says of itself."""
     path = root / INFO
     if not os.path.isfile(path):
         raise UnreadableClip(
@@ -118,11 +103,7 @@ def read_info(root: Path) -> Info:
 
 
 def read_object(path: Path) -> dict[str, Any]:
-    """Return the JSON object in a file.
-
-    Raises:
-        UnreadableClip: If it cannot be read or holds something else.
-    """
+    """Return the JSON object in a file."""
     try:
         content = json.loads(path.read_text(encoding="utf-8")) if os.path.isfile(path) else None
         reason = "it is no file that holds one"
@@ -140,9 +121,6 @@ def contained(root: Path, name: str) -> Path:
     """Return the path of a file that a data set names; no link of a folder leads out of it.
 
     The file itself may be a link: a set that was downloaded consists of links into a cache.
-
-    Raises:
-        UnreadableClip: If the folder that the file lies in is elsewhere.
     """
     path = root / name
     if not Path(os.path.realpath(path.parent)).is_relative_to(os.path.realpath(root)):
@@ -179,15 +157,14 @@ def _kinds(path: Path, features: object) -> dict[str, str]:
         kind = feature.get("dtype") if isinstance(feature, dict) else None
         if not isinstance(kind, str):
             raise _senseless(path, f"the dtype of {_shown(name)}", kind, "a text")
-        if kind in ("video", "image") and not _is_part_of_a_path(name):
+        is_part = name == PureWindowsPath(name).name and name != ".." and name.isprintable()
+        if kind in ("video", "image") and not is_part:
             raise _senseless(path, "a camera's name", name, "one without slashes")
         kinds[name] = kind
     return kinds
 
 
-def _template(
-    path: Path, content: dict[str, Any], name: str, fields: tuple[str, ...]
-) -> PathTemplate:
+def _template(path: Path, content: dict[str, Any], name: str, fields: tuple[str, ...]) -> str:
     text = content.get(name)
     fault = _fault(text, fields) if isinstance(text, str) else "is no text"
     if fault is not None:
@@ -195,7 +172,7 @@ def _template(
             f"{path}: its {name}, {_shown(text)}, {fault}, expected a path below the data set's "
             f"folder such as {USUAL_PATHS[name]}; correct it, or copy the data set again."
         )
-    return PathTemplate(text)
+    return text
 
 
 def _fault(text: str, fields: tuple[str, ...]) -> str | None:
@@ -218,10 +195,6 @@ def _fault(text: str, fields: tuple[str, ...]) -> str | None:
     if as_windows.anchor or not as_windows.parts or ".." in as_windows.parts:
         return "leads out of that folder"
     return None if tried.isprintable() else "holds characters that no path has"
-
-
-def _is_part_of_a_path(name: str) -> bool:
-    return name == PureWindowsPath(name).name and name != ".." and name.isprintable()
 
 
 def _is_number(value: object) -> bool:
@@ -259,12 +232,7 @@ class FrameTable:
     times_s: NDArray[np.float64]
 
     def rows_of(self, episode: int, length: int) -> NDArray[np.int64]:
-        """Return the rows of an episode in order of its frames, (length,).
-
-        Raises:
-            UnreadableClip: If these are not its frames from the first to the last, or their times
-                do not rise.
-        """
+        """Return the rows of an episode in order of its frames, (length,)."""
         rows = np.flatnonzero(self.episodes == episode)
         rows = rows[np.argsort(self.frames[rows], kind="stable")]
         if len(rows) != length:
@@ -288,11 +256,7 @@ class FrameTable:
 
 
 def read_frames(path: Path) -> FrameTable:
-    """Return what the rows of a table are.
-
-    Raises:
-        UnreadableClip: If it cannot be read, or a column is missing or of another type.
-    """
+    """Return what the rows of a table are."""
     table = read_table(path, ["episode_index", "frame_index", "timestamp"])
     return FrameTable(
         path,
@@ -303,11 +267,7 @@ def read_frames(path: Path) -> FrameTable:
 
 
 def read_table(path: Path, columns: Sequence[str] | None = None) -> pyarrow.Table:
-    """Return a table, or some of its columns.
-
-    Raises:
-        UnreadableClip: If it is missing, damaged, or lacks a column.
-    """
+    """Return a table, or some of its columns."""
     from pyarrow.parquet import ParquetFile
 
     # ParquetFile: read_table would look for columns in the names of the folders too.
@@ -329,11 +289,7 @@ def read_table(path: Path, columns: Sequence[str] | None = None) -> pyarrow.Tabl
 
 @contextmanager
 def damage_as_sentence(path: Path) -> Iterator[None]:
-    """Turn what reading a table raises into one sentence; nothing is written in the block.
-
-    Raises:
-        UnreadableClip: If the table is missing or damaged.
-    """
+    """Turn what reading a table raises into one sentence; nothing is written in the block."""
     import pyarrow
 
     try:
@@ -348,42 +304,40 @@ def damage_as_sentence(path: Path) -> Iterator[None]:
 
 
 def whole_numbers(path: Path, table: pyarrow.Table, name: str) -> NDArray[np.int64]:
-    """Return a column of numbers that count, (rows,).
-
-    Raises:
-        UnreadableClip: If it holds something else.
-    """
+    """Return a column of numbers that count, (rows,)."""
     from pyarrow import types
 
-    column = table[name]
-    if types.is_integer(column.type) and not column.null_count:
-        values = column.to_numpy()
-        if len(values) == 0 or (values.min() >= 0 and values.max() < 2**63):
-            return values.astype(np.int64)
-    raise _wrong_column(path, table, name, "whole numbers from 0 on")
+    return _numbers(path, table, name, types.is_integer, 2**63, "whole numbers from 0 on").astype(
+        np.int64
+    )
 
 
 def seconds(path: Path, table: pyarrow.Table, name: str) -> NDArray[np.float64]:
-    """Return a column of times, (rows,).
-
-    Raises:
-        UnreadableClip: If it holds something else.
-    """
+    """Return a column of times, (rows,)."""
     from pyarrow import types
 
+    def is_number(kind: pyarrow.DataType) -> bool:
+        return types.is_floating(kind) or types.is_integer(kind)
+
+    expected = f"seconds from 0 to {LONGEST_S:g}"
+    return _numbers(path, table, name, is_number, LONGEST_S, expected).astype(np.float64)
+
+
+def _numbers(
+    path: Path,
+    table: pyarrow.Table,
+    name: str,
+    is_kind: Callable[[pyarrow.DataType], bool],
+    most: float,
+    expected: str,
+) -> NDArray[Any]:
     column = table[name]
-    is_number = types.is_floating(column.type) or types.is_integer(column.type)
-    if is_number and not column.null_count:
-        values = column.to_numpy().astype(np.float64)
-        if ((values >= 0) & (values < LONGEST_S)).all():
+    if is_kind(column.type) and not column.null_count:
+        values = column.to_numpy()
+        if ((values >= 0) & (values < most)).all():
             return values
-    raise _wrong_column(path, table, name, f"seconds from 0 to {LONGEST_S:g}")
-
-
-def _wrong_column(path: Path, table: pyarrow.Table, name: str, expected: str) -> UnreadableClip:
-    column = table[name]
     held = f"{column.null_count} empty cells" if column.null_count else f"{column.type} values"
-    return UnreadableClip(
+    raise UnreadableClip(
         f"{path}: its column {name} holds {held} that cannot be, expected {expected}; copy or "
         f"record the data set again."
     )

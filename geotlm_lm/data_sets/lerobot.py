@@ -25,6 +25,7 @@ from geotlm_lm.data_sets.layout import (
     INFO,
     Info,
     contained,
+    filled,
     read_frames,
     read_info,
     read_table,
@@ -44,29 +45,9 @@ CONTAINERS = "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi"
 """Forms that hold pictures themselves: a playlist in a video's place would name other files."""
 
 
-def require_packages() -> None:
-    """Refuse to go on where what reads tables and videos is not installed.
-
-    Raises:
-        MissingDependency: If a package is not there.
-    """
-    for package in ("pyarrow", "av"):
-        if find_spec(package) is None:
-            raise MissingDependency(
-                f"A LeRobot data set is read with {package}, which is not installed; run "
-                f"`pip install 'geotlm-lm[lerobot]'`."
-            )
-
-
 @dataclass(frozen=True)
 class VideoPlace:
-    """Where the pictures of an episode lie.
-
-    Args:
-        chunk: Number of the folder.
-        file: Number of the file in it.
-        since_s: When the episode begins in the video.
-    """
+    """Where the pictures of an episode lie."""
 
     chunk: int
     file: int
@@ -75,15 +56,7 @@ class VideoPlace:
 
 @dataclass(frozen=True)
 class Episode:
-    """Where an episode lies.
-
-    Args:
-        index: Its number.
-        length: Frames.
-        chunk: Number of the folder with the table of its frames.
-        file: Number of that table.
-        videos: Of each camera whose pictures are in videos.
-    """
+    """Where an episode of `length` frames lies: its table, and the video of each camera."""
 
     index: int
     length: int
@@ -94,13 +67,7 @@ class Episode:
 
 @dataclass(frozen=True)
 class LeRobotDataSet:
-    """A data set that is read where it lies.
-
-    Args:
-        root: Its folder.
-        info: What it says of itself.
-        episodes: In order of their numbers, which count from 0.
-    """
+    """A data set that is read where it lies; its episodes are numbered from 0 in order."""
 
     root: Path
     info: Info
@@ -123,11 +90,7 @@ class LeRobotDataSet:
         return tuple(sorted(name for name, kind in kinds if kind in ("video", "image")))
 
     def require_camera(self, camera: str) -> None:
-        """Refuse a camera that the data set lacks.
-
-        Raises:
-            UsageError: If it does.
-        """
+        """Refuse a camera that the data set lacks."""
         if camera not in self.cameras:
             raise UsageError(
                 f"{self.root}: has no camera {camera[:80]}, expected one of "
@@ -135,11 +98,7 @@ class LeRobotDataSet:
             )
 
     def episode(self, index: int) -> Episode:
-        """Return an episode.
-
-        Raises:
-            UsageError: If there is none of this number.
-        """
+        """Return an episode."""
         if not 0 <= index < len(self.episodes):
             raise UsageError(
                 f"{self.root}: has no episode {index}, expected 0 to {len(self.episodes) - 1}; "
@@ -149,26 +108,18 @@ class LeRobotDataSet:
 
     def data_path(self, episode: Episode) -> str:
         """Return the path of the table with an episode's frames, from the root on."""
-        return self.info.data_path.filled(episode.chunk, episode.file)
+        return filled(self.info.data_path, episode.chunk, episode.file)
 
     def table_of(self, episode: Episode) -> Path:
-        """Return the file with the rows of an episode's frames.
-
-        Raises:
-            UnreadableClip: If a link leads out of the data set there.
-        """
+        """Return the file with the rows of an episode's frames."""
         return contained(self.root, self.data_path(episode))
 
     def video_of(self, episode: Episode, camera: str) -> Path | None:
-        """Return the video in which a camera saw an episode; None where its table has pictures.
-
-        Raises:
-            UnreadableClip: If a link leads out of the data set there.
-        """
+        """Return the video in which a camera saw an episode; None where its table has pictures."""
         if self.info.video_path is None or camera not in episode.videos:
             return None
         place = episode.videos[camera]
-        name = self.info.video_path.filled(place.chunk, place.file, camera)
+        name = filled(self.info.video_path, place.chunk, place.file, camera)
         return contained(self.root, name)
 
 
@@ -180,7 +131,12 @@ def read_data_set(root: Path) -> LeRobotDataSet:
             cannot be, in one sentence.
         MissingDependency: If a package that reads it is not installed.
     """
-    require_packages()
+    for package in ("pyarrow", "av"):
+        if find_spec(package) is None:
+            raise MissingDependency(
+                f"A LeRobot data set is read with {package}, which is not installed; run "
+                f"`pip install 'geotlm-lm[lerobot]'`."
+            )
     info = read_info(root)
     paths = sorted((root / EPISODES).glob("*/*.parquet"))
     if not paths:
@@ -191,7 +147,7 @@ def read_data_set(root: Path) -> LeRobotDataSet:
     cameras = [name for name, kind in info.kinds.items() if kind == "video"]
     episodes = [episode for path in paths for episode in _episodes(path, cameras)]
     episodes.sort(key=lambda episode: episode.index)
-    if [one.index for one in episodes] != list(range(len(episodes))) or (
+    if [episode.index for episode in episodes] != list(range(len(episodes))) or (
         len(episodes) != info.total_episodes
     ):
         raise UnreadableClip(
@@ -246,12 +202,6 @@ def episode_clip(
 ) -> Clip:
     """Return what a camera saw in an episode; of one too long for memory, frames at a stride.
 
-    Args:
-        data_set: That it is of.
-        episode: Which.
-        camera: Name of a feature that is pictures.
-        square_pixels: As of `read_clip`.
-
     Raises:
         UsageError: If there is no such camera.
         UnreadableClip: If a file is missing or damaged, or holds fewer frames than rows.
@@ -278,17 +228,7 @@ def episode_clip(
 
 
 def episode_frames(data_set: LeRobotDataSet, episode: Episode, camera: str) -> Iterator[Frames]:
-    """Yield the frame of each row of an episode, in order, uint8 RGB.
-
-    Args:
-        data_set: That it is of.
-        episode: Which.
-        camera: Name of a feature that is pictures.
-
-    Raises:
-        UsageError: If there is no such camera.
-        UnreadableClip: If a file is missing or damaged, or holds fewer frames than rows.
-    """
+    """Yield the frame of each row of an episode, in order, uint8 RGB."""
     data_set.require_camera(camera)
     path = data_set.table_of(episode)
     table = read_frames(path)
@@ -302,13 +242,7 @@ def episode_frames(data_set: LeRobotDataSet, episode: Episode, camera: str) -> I
 
 
 def _video_frames(path: Path, times_s: NDArray[np.float64], off_s: float) -> Iterator[Frames]:
-    """Yield the picture that a video shows at each time; times rise.
-
-    Args:
-        path: Of the video.
-        times_s: Since its begin.
-        off_s: How far a picture's own time may be off.
-    """
+    """Yield the picture that a video shows at each time; times rise."""
     import av
 
     wanted = iter(times_s)
@@ -351,15 +285,7 @@ def _stored_images(path: Path, rows: NDArray[np.int64], camera: str) -> Iterator
 
 @dataclass(frozen=True)
 class StoredEpisode:
-    """What a camera saw in an episode.
-
-    Args:
-        data_set: That it is of.
-        episode: Which.
-        camera: Name of a feature that is pictures.
-        fps: Frames per second; None for the data set's.
-        square_pixels: As of `read_clip`.
-    """
+    """What a camera saw in an episode."""
 
     data_set: LeRobotDataSet
     episode: Episode
@@ -402,13 +328,7 @@ class StoredEpisode:
 
 
 def every_episode(data_set: LeRobotDataSet, camera: str, **reading: Any) -> Iterator[StoredEpisode]:
-    """Yield the episodes of a data set in order.
-
-    Args:
-        data_set: That they are of.
-        camera: Name of a feature that is pictures.
-        reading: Further fields of `StoredEpisode`.
-    """
+    """Yield the episodes of a data set in order."""
     alone = replace(data_set, episodes=())  # each has its own: processes are sent it
     for episode in data_set.episodes:
         yield StoredEpisode(alone, episode, camera, **reading)

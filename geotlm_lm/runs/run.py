@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import shutil
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from importlib.util import find_spec
@@ -182,9 +182,11 @@ def do_parts(
     done = total - sum(size(part) for part, _ in missing)
     keep_lost = None if lost is None else partial(_keep, lost, save, None)
     keep = partial(_keep, work, save, is_kept)
-    for (part, _), _ in workers.map(keep, missing, seen=seen, lost=keep_lost):
-        done += size(part)
-        progress(what, done, total)
+    # Closed at once: an error of `progress` must not leave workers to the end of its traceback.
+    with closing(workers.map(keep, missing, seen=seen, lost=keep_lost)) as results:
+        for (part, _), _ in results:
+            done += size(part)
+            progress(what, done, total)
     return len(jobs) - len(missing)
 
 

@@ -40,7 +40,6 @@ DATASET_FORMAT = 2
 
 @dataclass(frozen=True)
 class _Shard:
-    path: str
     first_index: int
     count: int
     form: FormName
@@ -102,11 +101,17 @@ def write_dataset(
     out.mkdir(parents=True, exist_ok=True)
     asked = out / ASKED_FILE
     write_text_atomically(asked, json.dumps(wanted | {"count": count}) + "\n")
-    shards = _shards(out, count, form)
+    jobs = [
+        (
+            _Shard(start, min(SHARD_CLIPS, count - start), form),
+            out / f"shard-{number:05d}{FORMS[form].suffix}",
+        )
+        for number, start in enumerate(range(0, count, SHARD_CLIPS))
+    ]
     do_parts(
         "simulated",
         partial(_shard_arrays, options),
-        [(shard, Path(shard.path)) for shard in shards],
+        jobs,
         FORMS[form].write,
         is_kept=_is_whole,
         size=lambda shard: shard.count,
@@ -155,19 +160,6 @@ def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
             f"{out} was made for {found_count} clips, {count} were asked for; ask for at least as "
             f"many, or choose an empty folder."
         )
-
-
-def _shards(out: Path, count: int, form: FormName) -> list[_Shard]:
-    suffix = FORMS[form].suffix
-    return [
-        _Shard(
-            path=str(out / f"shard-{number:05d}{suffix}"),
-            first_index=start,
-            count=min(SHARD_CLIPS, count - start),
-            form=form,
-        )
-        for number, start in enumerate(range(0, count, SHARD_CLIPS))
-    ]
 
 
 def _is_whole(shard: _Shard, path: Path) -> bool:

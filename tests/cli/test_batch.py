@@ -1,3 +1,5 @@
+"""`geotlm-lm batch`: what is read, written and refused; the rows: tests/answering."""
+
 import json
 
 import numpy as np

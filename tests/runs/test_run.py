@@ -6,6 +6,7 @@ import pickle
 import shutil
 import signal
 import socket
+import time
 
 import pytest
 
@@ -75,6 +76,24 @@ def test_a_part_that_ends_its_process_is_lost_alone_though_only_one_works(tmp_pa
 def test_a_part_that_was_only_beside_another_is_done_again(tmp_path):
     parts = [tmp_path / "a", tmp_path / "b"]
     assert dict(Workers(2).map(end_once, parts)) == {path: path.name for path in parts}
+
+
+def test_a_run_that_is_broken_off_ends_its_workers_and_not_its_callers_processes(tmp_path):
+    mine = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(60,))
+
+    def start_and_fail(what, done, total):
+        mine.start()
+        raise ZeroDivisionError
+
+    jobs = [(number, tmp_path / str(number)) for number in range(60)]
+    with pytest.raises(ZeroDivisionError) as error:  # whose traceback holds the run's frames
+        do_parts("", abs, jobs, save_json, workers=Workers(2), progress=start_and_fail)
+    try:
+        assert error is not None
+        assert multiprocessing.active_children() == [mine]
+    finally:
+        mine.kill()
+        mine.join()
 
 
 class Stopped(BaseException):

@@ -1,6 +1,5 @@
 import contextlib
 import json
-import multiprocessing
 import os
 import signal
 import subprocess
@@ -10,7 +9,7 @@ import time
 import numpy as np
 import pytest
 
-from geotlm_lm.core.errors import GeoTLMError, UsageError
+from geotlm_lm.core.errors import UsageError
 from geotlm_lm.runs.run import Workers
 from geotlm_lm.simulation import dataset
 from geotlm_lm.simulation.dataset import read_shard, write_dataset
@@ -116,34 +115,6 @@ def test_the_number_of_workers_does_not_change_a_byte(tmp_path):
     for folder, workers in ((one, 1), (two, 2)):
         write_dataset(folder, 6, seed=1, objects=OBJECTS, preset="draft", workers=Workers(workers))
     assert contents(one) == contents(two)
-
-
-def _die(options, shard):
-    os._exit(9)
-
-
-@pytest.mark.slow
-def test_a_killed_worker_is_told_instead_of_waited_for(tmp_path, monkeypatch):
-    monkeypatch.setattr(dataset, "_shard_arrays", _die)
-    with pytest.raises(GeoTLMError, match="^A worker was ended from outside"):
-        write_dataset(tmp_path, 6, seed=1, objects=OBJECTS, workers=Workers(2))
-
-
-def test_a_run_that_is_broken_off_ends_its_workers_and_not_its_callers_processes(tmp_path):
-    mine = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(60,))
-
-    def start_and_fail(what, done, total):
-        mine.start()
-        raise ZeroDivisionError
-
-    options = {"preset": "draft", "workers": Workers(2), "progress": start_and_fail}
-    with pytest.raises(ZeroDivisionError):
-        write_dataset(tmp_path, 60, seed=1, objects=OBJECTS, **options)
-    try:
-        assert multiprocessing.active_children() == [mine]
-    finally:
-        mine.kill()
-        mine.join()
 
 
 def test_drift_is_kept_where_it_was_asked_for(tmp_path):
