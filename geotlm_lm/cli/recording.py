@@ -54,8 +54,7 @@ def read_recording(path: Path, episode: int | None, camera: str | None, reading:
 
 
 def _episode(root: Path, episode: int, camera: str | None, reading: Reading) -> Clip:
-    from geotlm_lm.data_sets.lerobot import read_data_set
-    from geotlm_lm.data_sets.stored_episode import StoredEpisode
+    from geotlm_lm.data_sets.lerobot import StoredEpisode, read_data_set
     from geotlm_lm.recordings.pixels import check_layout
     from geotlm_lm.recordings.read import read_background, require_rate
 

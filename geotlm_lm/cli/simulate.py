@@ -26,7 +26,7 @@ from geotlm_lm.cli.simulate_clip import (
 )
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.workers import Workers
+from geotlm_lm.runs.run import Workers
 
 MotionName = Literal[tuple(motion.value for motion in Motion)]
 

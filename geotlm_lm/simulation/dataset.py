@@ -19,16 +19,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.files import replacing, write_text_atomically
+from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.core.process import Progress, silent, uninterrupted_step
+from geotlm_lm.core.process import Progress, silent
+from geotlm_lm.runs.run import ALONE, Workers, do_parts
 from geotlm_lm.simulation.card import card_of
 from geotlm_lm.simulation.presets import PresetName, preset_named
 from geotlm_lm.simulation.randomise import MARKER_SHARE, MIXED_SHARE
 from geotlm_lm.simulation.series import SERIES_VERSION, simulate_series
 from geotlm_lm.simulation.shard_forms import FORMS, FormName, require_packages, told_by
 from geotlm_lm.simulation.simulate import SimulatedClip
-from geotlm_lm.workers import ALONE, Workers
 
 SHARD_CLIPS = 64
 """Clips per shard: about 50 MB of frames, a few seconds of work to lose in a kill."""
@@ -40,7 +40,6 @@ DATASET_FORMAT = 2
 
 @dataclass(frozen=True)
 class _Shard:
-    path: str
     first_index: int
     count: int
     form: FormName
@@ -102,12 +101,24 @@ def write_dataset(
     out.mkdir(parents=True, exist_ok=True)
     asked = out / ASKED_FILE
     write_text_atomically(asked, json.dumps(wanted | {"count": count}) + "\n")
-    shards = _shards(out, count, form)
-    missing = [shard for shard in shards if not _is_whole(shard)]
-    done = count - sum(shard.count for shard in missing)
-    for written in workers.each_done(partial(_write_shard, options), missing, seen=[asked]):
-        done += written
-        progress("simulated", done, count)
+    jobs = [
+        (
+            _Shard(start, min(SHARD_CLIPS, count - start), form),
+            out / f"shard-{number:05d}{FORMS[form].suffix}",
+        )
+        for number, start in enumerate(range(0, count, SHARD_CLIPS))
+    ]
+    do_parts(
+        "simulated",
+        partial(_shard_arrays, options),
+        jobs,
+        FORMS[form].write,
+        is_kept=_is_whole,
+        size=lambda shard: shard.count,
+        workers=workers,
+        seen=[asked],
+        progress=progress,
+    )
     write_text_atomically(out / CARD_FILE, card_of(out, count, wanted))
     return out
 
@@ -151,50 +162,28 @@ def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
         )
 
 
-def _shards(out: Path, count: int, form: FormName) -> list[_Shard]:
-    suffix = FORMS[form].suffix
-    return [
-        _Shard(
-            path=str(out / f"shard-{number:05d}{suffix}"),
-            first_index=start,
-            count=min(SHARD_CLIPS, count - start),
-            form=form,
-        )
-        for number, start in enumerate(range(0, count, SHARD_CLIPS))
-    ]
-
-
-def _is_whole(shard: _Shard) -> bool:
-    told = told_by(Path(shard.path), shard.form)
+def _is_whole(shard: _Shard, path: Path) -> bool:
+    told = told_by(path, shard.form)
     return told is not None and len(told.labels) == shard.count
 
 
-def _write_shard(options: dict[str, Any], shard: _Shard) -> int:
-    """Write a shard, if it is not there; `options` are those of `simulate_series`."""
-    if _is_whole(shard):
-        return shard.count
-    made: dict[str, NDArray[Any]] = {}
+def _shard_arrays(options: dict[str, Any], shard: _Shard) -> dict[str, NDArray[Any]]:
+    """Return the arrays of a shard by name; `options` are those of `simulate_series`."""
+    arrays: dict[str, NDArray[Any]] = {}
     labels, names = [], []
     series = simulate_series(count=shard.count, first_index=shard.first_index, **options)
     for number, clip in enumerate(series):
         # Copied to where the shard is kept: the next clip takes the memory of this one.
         for name, value in _stored(clip).items():
             if number == 0:
-                made[name] = np.empty((shard.count, *value.shape), value.dtype)
-            made[name][number] = value
+                arrays[name] = np.empty((shard.count, *value.shape), value.dtype)
+            arrays[name][number] = value
         labels.append(clip.label.to_dict())
         names.append(clip.object_name)
-    made["object_names"] = np.array(names)
-    made["index"] = np.arange(shard.first_index, shard.first_index + shard.count)
-    made["labels"] = np.array(json.dumps(labels))
-    with uninterrupted_step():  # a worker that is ended here leaves its shard, not a part of it
-        _save(shard, made)
-    return shard.count
-
-
-def _save(shard: _Shard, arrays: dict[str, NDArray[Any]]) -> None:
-    with replacing(Path(shard.path)) as stream:
-        FORMS[shard.form].write(stream, arrays)
+    arrays["object_names"] = np.array(names)
+    arrays["index"] = np.arange(shard.first_index, shard.first_index + shard.count)
+    arrays["labels"] = np.array(json.dumps(labels))
+    return arrays
 
 
 def _stored(clip: SimulatedClip) -> dict[str, NDArray[Any]]:

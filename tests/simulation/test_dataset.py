@@ -1,6 +1,5 @@
 import contextlib
 import json
-import multiprocessing
 import os
 import signal
 import subprocess
@@ -10,10 +9,10 @@ import time
 import numpy as np
 import pytest
 
-from geotlm_lm.core.errors import GeoTLMError, UsageError
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.runs.run import Workers
 from geotlm_lm.simulation import dataset
 from geotlm_lm.simulation.dataset import read_shard, write_dataset
-from geotlm_lm.workers import Workers
 from tests.process_groups import in_proc, members
 
 OBJECTS = ("block", "cloth_coarse")
@@ -118,34 +117,6 @@ def test_the_number_of_workers_does_not_change_a_byte(tmp_path):
     assert contents(one) == contents(two)
 
 
-def _die(options, shard):
-    os._exit(9)
-
-
-@pytest.mark.slow
-def test_a_killed_worker_is_told_instead_of_waited_for(tmp_path, monkeypatch):
-    monkeypatch.setattr(dataset, "_write_shard", _die)
-    with pytest.raises(GeoTLMError, match="^A worker was ended from outside"):
-        write_dataset(tmp_path, 6, seed=1, objects=OBJECTS, workers=Workers(2))
-
-
-def test_a_run_that_is_broken_off_ends_its_workers_and_not_its_callers_processes(tmp_path):
-    mine = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(60,))
-
-    def start_and_fail(what, done, total):
-        mine.start()
-        raise ZeroDivisionError
-
-    options = {"preset": "draft", "workers": Workers(2), "progress": start_and_fail}
-    with pytest.raises(ZeroDivisionError):
-        write_dataset(tmp_path, 60, seed=1, objects=OBJECTS, **options)
-    try:
-        assert multiprocessing.active_children() == [mine]
-    finally:
-        mine.kill()
-        mine.join()
-
-
 def test_drift_is_kept_where_it_was_asked_for(tmp_path):
     write_dataset(tmp_path, 2, seed=1, objects=OBJECTS, preset="draft", with_drift=True)
     arrays, _ = read_shard(tmp_path / "shard-00000.npz")
@@ -173,7 +144,7 @@ WRITER = """
 import sys
 from pathlib import Path
 from geotlm_lm.simulation import dataset
-from geotlm_lm.workers import Workers
+from geotlm_lm.runs.run import Workers
 from tests.process_groups import in_proc, members
 
 if __name__ == "__main__":
@@ -235,20 +206,3 @@ def test_a_request_to_end_does_not_wait_for_shards_and_leaves_no_part_of_one(tmp
     assert run.returncode == (130 if number == signal.SIGINT else -number)
     assert told == "Stopped; files already complete are kept.\n"
     assert [path.name for path in (tmp_path / "set").iterdir()] == ["dataset.json"]
-
-
-@pytest.mark.skipif(os.name == "nt", reason="a process is ended there without being asked")
-def test_a_worker_asked_to_end_while_it_writes_leaves_the_whole_shard(tmp_path, monkeypatch):
-    def asked(*arguments):
-        signal.raise_signal(signal.SIGTERM)
-        return save(*arguments)
-
-    save = dataset._save
-    monkeypatch.setattr(dataset, "_save", asked)
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            write_dataset(tmp_path, 1, seed=1, objects=OBJECTS, preset="draft")
-    finally:
-        signal.signal(signal.SIGTERM, before)
-    assert read_shard(tmp_path / "shard-00000.npz")[0]["index"].tolist() == [0]
