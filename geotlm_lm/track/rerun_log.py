@@ -1,4 +1,4 @@
-"""A track, and what was asked about it, as a Rerun recording: frames, arrows, curves, events."""
+"""A track, and a question about it, as a Rerun recording: frames, arrows, curves, events."""
 
 from __future__ import annotations
 
@@ -14,11 +14,9 @@ import numpy as np
 
 from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.geometry import filled_size
 from geotlm_lm.recordings.every_frame import each_frame
-from geotlm_lm.track.amounts import SPAN_DEVIATIONS, Floats
-from geotlm_lm.track.events import Event
-from geotlm_lm.track.export import Exported, Units, event_name, require_packages
+from geotlm_lm.track.drawing import Band, Drawing, Mark, drawing_of
+from geotlm_lm.track.export import Exported, require_packages
 from geotlm_lm.track.tracker import ASSUMED_FPS
 
 APPLICATION = "geotlm_lm"
@@ -40,9 +38,6 @@ COLOURS = {"travel": (255, 140, 0), "turn": (70, 150, 255)}
 @contextmanager
 def rerun_recording(path: Path) -> Iterator[Any]:
     """Yield a stream of Rerun's, which takes the place of `path` once the block ends without error.
-
-    Args:
-        path: Of the .rrd file; its folder is made if missing.
 
     Raises:
         MissingDependency: If Rerun is not installed.
@@ -113,27 +108,26 @@ def log_track(stream: Any, exported: Exported, clip: Clip, **reading: Any) -> No
         clip: The recording it is of.
         reading: Options of `each_frame`: as it was read with.
     """
-    track = exported.track
-    places = {int(number): place for place, number in enumerate(track.numbers)}
+    drawing = drawing_of(exported.track, exported.units)
+    places = {int(number): place for place, number in enumerate(drawing.numbers)}
     for number, frame in each_frame(clip, **reading):
         if number in places:
             place = places[number]
-            _at(stream, number, float(track.times_s[place]))
+            _at(stream, number, float(drawing.times_s[place]))
             _log_frame(stream, frame)
-            _log_arrows(stream, frame, exported.path[place], exported.units)
+            _log_mark(stream, frame, drawing.mark(place))
         if number >= max(places, default=-1):
             break
-    _log_curves(stream, exported)
-    for event in track.events:
-        _log_event(stream, event, exported.units)
+    _log_curves(stream, drawing)
+    for band in drawing.bands:
+        _log_band(stream, band)
 
 
 def log_answer(stream: Any, question: str, answer: str, notes: Iterable[str] = ()) -> None:
     """Log what was asked and answered as one document."""
     import rerun
 
-    told = [f"**{question}**", answer, *(f"*{note}*" for note in notes)]
-    text = "\n\n".join(told)
+    text = "\n\n".join([f"**{question}**", answer, *(f"*{note}*" for note in notes)])
     document = rerun.TextDocument(text, media_type=rerun.MediaType.MARKDOWN)
     stream.log("answer", document, static=True)
 
@@ -145,11 +139,11 @@ def _views() -> Any:
         blueprint.TimeSeriesView(origin=name, name=name)
         for name in ("turn", "travel", "depth", "contact")
     ]
-    told = blueprint.Horizontal(
+    texts = blueprint.Horizontal(
         blueprint.TextDocumentView(origin="answer", name="answer"),
         blueprint.TextLogView(origin="events", name="events"),
     )
-    left = blueprint.Vertical(blueprint.Spatial2DView(origin="camera", name="camera"), told)
+    left = blueprint.Vertical(blueprint.Spatial2DView(origin="camera", name="camera"), texts)
     return blueprint.Blueprint(blueprint.Horizontal(left, blueprint.Vertical(*curves)))
 
 
@@ -165,59 +159,49 @@ def _log_frame(stream: Any, frame: Frames) -> None:
     stream.log("camera/image", image)
 
 
-def _log_arrows(stream: Any, frame: Frames, way: Floats, units: Units) -> None:
-    """Log how far it travelled since the first frame, in pixels of the frame, and its turn."""
+def _log_mark(stream: Any, frame: Frames, mark: Mark) -> None:
+    """Log the travel and the turn since the first frame as vectors in pixels of the frame."""
     import rerun
 
     rows, columns = frame.shape[:2]
-    filled = filled_size(*units.frame_size)
-    middle = (columns / 2, rows / 2)
-    hand = HAND_SHARE * rows
-    angle = math.radians(way[0])
+    hand, angle = HAND_SHARE * rows, math.radians(mark.hand_deg)
     vectors = {
-        "travel": (way[1] * columns / filled[1], way[2] * rows / filled[0]),
+        "travel": mark.arrow * (columns, rows),
         "turn": (hand * math.sin(angle), -hand * math.cos(angle)),
     }
     for name, vector in vectors.items():
-        arrow = rerun.Arrows2D(origins=[middle], vectors=[vector], colors=[COLOURS[name]])
+        middle, colour = (columns / 2, rows / 2), COLOURS[name]
+        arrow = rerun.Arrows2D(origins=[middle], vectors=[vector], colors=[colour])
         stream.log(f"camera/{name}", arrow)
 
 
-def _log_curves(stream: Any, exported: Exported) -> None:
+def _log_curves(stream: Any, drawing: Drawing) -> None:
     """Log each curve with the ends of the span that holds nine tenths."""
     import rerun
 
-    track, units = exported.track, exported.units
-    path, spread = exported.path, SPAN_DEVIATIONS * track.path_deviations
-    travelled = [units.travelled(one[:, 1], one[:, 2]) for one in (path, spread)]
-    curves = {
-        "turn/deg": (path[:, 0], spread[:, 0]),
-        f"travel/right_{units.name}": (travelled[0][0], travelled[1][0]),
-        f"travel/down_{units.name}": (travelled[0][1], travelled[1][1]),
-        "depth/mm": (path[:, 3], spread[:, 3]),
-    }
     times = [
-        rerun.TimeColumn("frame", sequence=track.numbers),
-        rerun.TimeColumn("time", duration=track.times_s),
+        rerun.TimeColumn("frame", sequence=drawing.numbers),
+        rerun.TimeColumn("time", duration=drawing.times_s),
     ]
-    for name, (mean, off) in curves.items():
+    for curve in drawing.curves:
+        if curve.spread is None:
+            values = rerun.Scalars.columns(scalars=curve.mean)
+            stream.send_columns(curve.panel, times, values)
+            continue
+        part = "" if curve.name == curve.panel else f"{curve.name}_"
+        entity = f"{curve.panel}/{part}{curve.unit}"
         lines = rerun.SeriesLines(names=["likely", "low", "high"], widths=[2, 1, 1])
-        stream.log(name, lines, static=True)
-        values = np.stack([mean, mean - off, mean + off], axis=1)
-        stream.send_columns(name, times, rerun.Scalars.columns(scalars=values))
-    stream.send_columns("contact", times, rerun.Scalars.columns(scalars=track.contact))
+        stream.log(entity, lines, static=True)
+        ends = (curve.mean, curve.mean - curve.spread, curve.mean + curve.spread)
+        stream.send_columns(entity, times, rerun.Scalars.columns(scalars=np.stack(ends, axis=1)))
 
 
-def _log_event(stream: Any, event: Event, units: Units) -> None:
+def _log_band(stream: Any, band: Band) -> None:
     import rerun
 
+    event, far = band.event, ""
     _at(stream, event.begin, event.begin_s)
-    found = units.amount(event)
-    far = ""
-    if found is not None:
-        span, unit = found
-        low, high = sorted((abs(span.low), abs(span.high)))
-        low = 0.0 if span.low < 0 < span.high else low
-        far = f" {abs(span.mean):.3g} {unit} ({low:.3g} to {high:.3g})"
-    text = f"{event_name(event)}{far}, until {event.end_s:.2f} s, sure {event.probability:.2f}"
+    if band.unit:
+        far = f" {band.amount:.3g} {band.unit} ({band.low:.3g} to {band.high:.3g})"
+    text = f"{band.name}{far}, until {event.end_s:.2f} s, sure {event.probability:.2f}"
     stream.log("events", rerun.TextLog(text, level=rerun.TextLogLevel.INFO))

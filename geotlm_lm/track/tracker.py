@@ -16,14 +16,11 @@ from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.recordings.idle import activity_grey, estimate_background, find_idle
 from geotlm_lm.recordings.imprints import FAINT_IMPRINT, imprints_of, strength_of
-from geotlm_lm.track.believing import Believe
-from geotlm_lm.track.block import Block, Row
+from geotlm_lm.track.block import Believe, Block, Row
 from geotlm_lm.track.events import Event, EventFinder, Moment
 from geotlm_lm.track.frame_clock import FrameClock
 from geotlm_lm.track.idle_tracker import IdleTracker
-from geotlm_lm.track.keyframes import KeyFrames, Step
-from geotlm_lm.track.pictures import Floats, small_green
-from geotlm_lm.track.table import Table
+from geotlm_lm.track.keyframes import Floats, KeyFrames, Step, small_green
 from geotlm_lm.track.track import Track
 
 LET_GO = 0.8
@@ -34,15 +31,58 @@ STRENGTH_SPREAD = 0.15
 
 ASSUMED_FPS = 25.0
 
+END_FRAMES, TOUCHED_SHARE = 5, 0.8
+"""Frames at either end, and their share of the usual imprint from which on they are touched too."""
+
 NO_IDLE = "No untouched gel was seen, so nothing could be tracked; start while nothing touches."
+
+_ROW = np.dtype(
+    [
+        ("numbers", np.int64),
+        ("times_s", np.float64),
+        ("contact", np.float32),
+        ("strength_grey", np.float32),
+        ("twists", np.float32, 4),
+        ("covariances", np.float32, (4, 4)),
+        ("radius_px", np.float32),
+    ]
+)
+"""What is kept of a frame, 108 bytes, under the names of `Track`."""
+
+
+class Table:
+    """Rows of frames, in an array that doubles."""
+
+    def __init__(self) -> None:
+        self._count, self._rows = 0, np.zeros(1024, _ROW)
+        self.way, self.doubt = np.zeros(4), np.zeros((4, 4))
+        """Sums of all twists and covariances so far."""
+
+    def add(self, row: Row, twist: NDArray, covariance: NDArray, contact: float) -> int:
+        """Keep a frame and return its place."""
+        if self._count == len(self._rows):
+            self._rows = np.concatenate([self._rows, np.zeros_like(self._rows)])
+        self._rows[self._count] = (
+            row.number, row.time_s, contact, row.strength_grey, twist, covariance, row.radius_px
+        )  # fmt: skip
+        self.way, self.doubt = self.way + twist, self.doubt + covariance
+        self._count += 1
+        return self._count - 1
+
+    def arrays(self) -> dict[str, NDArray]:
+        """Return the columns, as of `Track`."""
+        return {
+            name: self._rows[name][: self._count].astype(np.int64 if name == "numbers" else float)
+            for name in _ROW.names
+        }
 
 
 class Tracker:
     """Follows one recording or stream.
 
     Args:
-        believe: What the model believes of four frames (`believing.believer`); None measures only:
-            the depth is not known then.
+        believe: The model's belief of four frames (`block.believer`); None measures only: the depth
+            is not known then.
         idle: The untouched gel, uint8 RGB; None learns it while nothing touches.
     """
 
@@ -75,7 +115,7 @@ class Tracker:
     def so_far(self) -> Track:
         """The track as far as it is settled: to the end of the last event, or half a second ago."""
         shape = (0, 0) if self._before is None else self._before.shape[:2]
-        events = sorted(self._events, key=lambda one: (one.begin, one.end))
+        events = sorted(self._events, key=lambda event: (event.begin, event.end))
         return Track(**self._table.arrays(), events=tuple(events), frame_size=shape,
                      notes=self._notes())  # fmt: skip
 
@@ -115,7 +155,7 @@ class Tracker:
     def finish(self) -> Track:
         """Return the track of all frames; the last events are those that the end cuts off."""
         self._settled()
-        self._keep(self._finder.finish())
+        self._events += self._finder.finish()
         return self.so_far
 
     def _follow_exposure(self, frame: Frames) -> None:
@@ -168,9 +208,6 @@ class Tracker:
             moment = Moment(place, row.number, row.time_s, sure, row.is_touched, way, doubt,
                             row.radius_px)  # fmt: skip
             events += self._finder.push(moment)
-        return self._keep(events)
-
-    def _keep(self, events: list[Event]) -> list[Event]:
         self._events += events
         return events
 
@@ -234,17 +271,13 @@ def _gel_of(clip: Clip) -> Frames | None:
     None where it can be learnt from the first frames: they show less of an imprint than others.
     """
     grey = activity_grey(clip.frames)
-    found = find_idle(clip, grey)
-    if found is not None:
-        return found
+    idle = find_idle(clip, grey)
+    if idle is not None:
+        return idle
     guess = estimate_background(clip.frames)
     strength = strength_of(imprints_of(grey, guess))
     at_ends = min(np.median(strength[:END_FRAMES]), np.median(strength[-END_FRAMES:]))
     return guess if at_ends > TOUCHED_SHARE * np.median(strength) else None
-
-
-END_FRAMES, TOUCHED_SHARE = 5, 0.8
-"""Frames at either end, and their share of the usual imprint from which on they are touched too."""
 
 
 def _contact(strength: float) -> float:
