@@ -10,12 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from geotlm_lm.cli.grouped import Encoder, grouped
 from geotlm_lm.cli.options import (
     BundleFolder,
     DataSets,
-    EncoderHeads,
-    EncoderName,
-    EncoderWeights,
     HeadsPresetName,
     HeadsRunFolder,
     Precision,
@@ -50,7 +48,9 @@ MinAccuracy = Annotated[
 ]
 
 
+@grouped
 def evaluate(
+    *,
     real: Real = None,
     data: DataSets = None,
     clips: Clips = 120,
@@ -60,9 +60,7 @@ def evaluate(
     out: RecordOut = None,
     as_json: RecordAsJson = False,
     min_accuracy: MinAccuracy = None,
-    encoder: EncoderName = None,
-    weights: EncoderWeights = None,
-    heads: EncoderHeads = None,
+    encoder: Encoder,
     run_folder: HeadsRunFolder = None,
     preset: HeadsPresetName = None,
 ) -> None:
@@ -73,7 +71,8 @@ def evaluate(
     """
     if clips == 0 and real is None and not data:
         raise UsageError("nothing to judge: give --clips above 0, --real with a folder, or --data.")
-    require_one_model(model, weights, encoder, heads)
+    weights = encoder.weights
+    require_one_model(model, weights, encoder.encoder, encoder.heads)
     if weights is not None and precision != "float32":
         raise UsageError("--precision and --weights exclude each other: give one of them.")
     if weights is None and (preset is not None or run_folder is not None):
@@ -85,7 +84,7 @@ def evaluate(
     else:
         folder = run_folder or Path("runs/encoder")
         chosen = "default" if preset is None else preset
-        answerer, name, about = _trained_on(weights, encoder, heads, chosen, folder, seed)
+        answerer, name, about = _trained_on(encoder, chosen, folder, seed)
     from geotlm_lm.benchmarks.accuracy import EVALUATION
     from geotlm_lm.benchmarks.rendering import page
     from geotlm_lm.benchmarks.rows import Run, rows_of
@@ -126,7 +125,7 @@ def _embedded(model: Path | None, precision: str) -> tuple[Answerer, str, dict[s
 
 
 def _trained_on(
-    weights: Path, encoder: str | None, heads: int | None, preset: str, folder: Path, seed: int
+    encoder: Encoder, preset: str, folder: Path, seed: int
 ) -> tuple[Answerer, str, dict[str, Any]]:
     """Train heads on a released encoder; return as `_embedded` does."""
     import torch
@@ -136,10 +135,10 @@ def _trained_on(
     from geotlm_lm.training.config import heads_preset_named
     from geotlm_lm.training.heads import train_heads
 
-    heads_preset_named(preset)  # told before gigabytes are read
+    heads_preset_named(preset)  # refused before gigabytes are read
     require_writable(folder, "--run-folder")
-    released = load_encoder(weights, encoder, heads=heads)
+    released = load_encoder(encoder.weights, encoder.encoder, heads=encoder.heads)
     released.to("cuda" if torch.cuda.is_available() else "cpu")
     bundle = train_heads(released, preset, folder, seed, progress_on_stderr())
-    name = f"{released.adapter.title} ({weights.name})"
+    name = f"{released.adapter.title} ({encoder.weights.name})"
     return Answerer(bundle), name, {"encoder": bundle.provenance}

@@ -1,4 +1,4 @@
-"""Options that several commands share; imports nothing heavy."""
+"""Options that several commands share, and the checks of what they name; imports nothing heavy."""
 
 from __future__ import annotations
 
@@ -31,14 +31,6 @@ def path_option(*names: str, help: str) -> OptionInfo:
     return typer.Option(*names, parser=path_of, metavar="<path>", help=help)
 
 
-ClipPath = Annotated[
-    Path,
-    path_option(
-        "--clip",
-        help="Recording: .npy, .npz, a video, a .gif, a .tif of several pages, a bag of ROS "
-        "(.mcap, .db3, .bag, or its folder), or a folder of images.",
-    ),
-]
 FrameSpan = Annotated[
     str | None,
     typer.Option(
@@ -113,6 +105,33 @@ Precision = Annotated[
         "processor has instructions for them.",
     ),
 ]
+EpisodeNumber = Annotated[
+    int | None,
+    typer.Option("--episode", min=0, help="Of a LeRobot data set: which one. [default: 0]"),
+]
+CameraName = Annotated[
+    str | None,
+    typer.Option(
+        "--camera", help="Of a LeRobot data set: the touch sensor's. [default: the only one]"
+    ),
+]
+OutFile = Annotated[
+    Path | None,
+    path_option(help="Write a row for every frame to this .csv, .parquet or .json file."),
+]
+PlotFile = Annotated[
+    Path | None, path_option(help="Draw turn, travel and contact over time to this .png.")
+]
+VideoFile = Annotated[
+    Path | None, path_option(help="Write the frames, with what was tracked, to this .mp4.")
+]
+RerunFile = Annotated[
+    Path | None,
+    path_option(
+        help="Write frames, arrows, curves and events for the Rerun viewer to this .rrd; `serve` "
+        "shows them in a browser instead."
+    ),
+]
 ClusterAddress = Annotated[
     str | None,
     typer.Option(
@@ -181,20 +200,6 @@ def require_one_model(
         raise UsageError("--model and --weights exclude each other: give one of them.")
 
 
-def span_of(frames: str | None) -> tuple[int, int] | None:
-    """Return FIRST and LAST of `frames`, None when not given.
-
-    Raises:
-        UsageError: If it is not two numbers.
-    """
-    if frames is None:
-        return None
-    first, _, last = frames.partition(":")
-    if not all(number.isdecimal() and len(number) < 10 for number in (first, last)):
-        raise UsageError(f"--frames '{frames[:40]}' was given, expected FIRST:LAST such as 40:60.")
-    return int(first), int(last)
-
-
 def require_writable(folder: Path, option: str) -> None:
     """Try to write in `folder`, so that a place where it fails is told before the work is done.
 
@@ -214,12 +219,12 @@ def require_writable(folder: Path, option: str) -> None:
 
 
 def _nearest_there(folder: Path) -> Path:
-    for one in (folder, *folder.parents):
+    for part in (folder, *folder.parents):
         try:
-            one.lstat()
+            part.lstat()
         except FileNotFoundError:
             continue
-        return one
+        return part
     return folder
 
 
@@ -228,7 +233,7 @@ def require_writable_file(path: Path, option: str, *, inputs: Iterable[Path] = (
 
     Args:
         path: Of the file to write.
-        option: That names it.
+        option: Its option.
         inputs: Files, and folders of images, that the command reads.
 
     Raises:
@@ -238,8 +243,8 @@ def require_writable_file(path: Path, option: str, *, inputs: Iterable[Path] = (
         raise UsageError(f"{option}: {path} is a folder, expected the name of a file.")
     if path.exists() and not path.is_file():  # as /dev/null, which root could replace
         raise UsageError(f"{option}: {path} is no regular file, expected the name of one.")
-    for one in inputs:
-        if _is_of(path, one):
+    for source in inputs:
+        if _is_of(path, source):
             raise UsageError(
                 f"{option}: {path} is read by this command and would be replaced, expected the "
                 f"name of another file; give one."
@@ -254,7 +259,7 @@ def require_new_file(
 
     Args:
         path: Of the file to write.
-        option: That names it.
+        option: Its option.
         is_forced: Whether --force was given.
         inputs: Files that the command reads, which --force does not let it replace.
 

@@ -31,16 +31,21 @@ _PACKAGES = {
 """What writes a file, by its ending, and the extra that installs it."""
 
 
+SERVE = Path("serve")
+"""In place of a Rerun file's name: what would be written is shown in a browser."""
+
+
 def require_packages(path: Path) -> None:
     """Refuse a file whose package is not installed, before any work is done for it.
 
     Raises:
         MissingDependency: If it is not there.
     """
-    package, extra = _PACKAGES.get(path.suffix, (None, ""))
+    ending = ".rrd" if path == SERVE else path.suffix
+    package, extra = _PACKAGES.get(ending, (None, ""))
     if package is not None and find_spec(package) is None:
         raise MissingDependency(
-            f"{path}: a {path.suffix} file is written with {package}, which is not installed; run "
+            f"{path}: a {ending} file is written with {package}, which is not installed; run "
             f"`pip install 'geotlm-lm[{extra}]'`."
         )
 

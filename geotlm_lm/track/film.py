@@ -18,7 +18,7 @@ from geotlm_lm.core.plain_name import plain_name
 from geotlm_lm.recordings.video_file import quiet_capture
 from geotlm_lm.track.drawing import Mark, drawing_of
 from geotlm_lm.track.export import Exported
-from geotlm_lm.views.pictures import ARROW_COLOUR, ARROW_THICKNESS, magnified
+from geotlm_lm.views import ARROW_COLOUR, ARROW_THICKNESS, magnified
 
 CAPTION_ROWS = 56
 """Pixels of the strip below the frame that holds two lines."""

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import math
 import os
+import socket
+import subprocess
+import sys
 import threading
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from importlib.util import find_spec
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import IO, Any
+from urllib.parse import quote
 
 import numpy as np
 
@@ -16,10 +22,10 @@ from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.recordings.every_frame import each_frame
 from geotlm_lm.track.drawing import Band, Drawing, Mark, drawing_of
-from geotlm_lm.track.export import Exported, require_packages
+from geotlm_lm.track.export import SERVE, Exported, require_packages
 from geotlm_lm.track.tracker import ASSUMED_FPS
 
-APPLICATION = "geotlm_lm"
+APPLICATION, HOST = "geotlm_lm", "127.0.0.1"
 
 JPEG_QUALITY = 95
 """Of the frames: a recording of a minute then takes 20 MB instead of 300."""
@@ -205,3 +211,46 @@ def _log_band(stream: Any, band: Band) -> None:
         far = f" {band.amount:.3g} {band.unit} ({band.low:.3g} to {band.high:.3g})"
     text = f"{band.name}{far}, until {event.end_s:.2f} s, sure {event.probability:.2f}"
     stream.log("events", rerun.TextLog(text, level=rerun.TextLogLevel.INFO))
+
+
+def write_or_serve(target: Path, write: Callable[[Path], None]) -> None:
+    """Write a Rerun recording to a file; of `SERVE` show it in a browser until Ctrl-C."""
+    if target != SERVE:
+        write(target)
+        return
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "seen.rrd"
+        write(path)
+        sys.stdout.flush()  # what was answered is read while the viewer runs
+        with suppress(KeyboardInterrupt), viewer(path) as (address, running):
+            print(f"Rerun's viewer is at {address} until Ctrl-C.", file=sys.stderr)
+            running.wait()
+
+
+@contextmanager
+def viewer(path: Path) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """Yield the address of a viewer of an .rrd file, for this machine alone, and its process."""
+    data_port, page_port = _free_ports()
+    command = [str(_program()), str(path), "--serve-web", "--bind", HOST]
+    command += ["--port", str(data_port), "--web-viewer-port", str(page_port)]
+    running = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    try:
+        source = quote(f"rerun+http://{HOST}:{data_port}/proxy", safe="")
+        yield f"http://{HOST}:{page_port}/?url={source}", running
+    finally:
+        running.terminate()
+        running.wait()
+
+
+def _program() -> Path:
+    """Return the viewer's own program: the wrapper that Python runs would leave it behind."""
+    folder = Path(find_spec("rerun_cli").origin).parent
+    names = ("Rerun.app/Contents/MacOS/Rerun", "rerun.exe", "rerun")  # macOS, Windows, others
+    return next(folder / name for name in names if (folder / name).is_file())
+
+
+def _free_ports() -> list[int]:
+    with socket.socket() as first, socket.socket() as second:
+        for free in (first, second):
+            free.bind((HOST, 0))
+        return [free.getsockname()[1] for free in (first, second)]

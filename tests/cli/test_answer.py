@@ -32,9 +32,7 @@ def clip_path(tmp_path):
 @pytest.fixture
 def ask(capsys, answerer, clip_path):
     """Ask which way, with some options."""
-    return lambda *options: run(
-        capsys, "answer", "--clip", clip_path, "--q", "Which way?", *options
-    )
+    return lambda *options: run(capsys, "answer", clip_path, "--q", "Which way?", *options)
 
 
 def test_the_sentence_goes_to_stdout_and_notes_to_stderr(ask, answerer):
@@ -89,7 +87,7 @@ def test_an_abstention_fails_only_when_asked_to(ask, answerer, clip_path):
     code, out, err = ask("--fail-on-abstain")
     assert (code, out) == (5, "Clockwise.\n")
     assert err.splitlines()[-1] == (
-        f"{clip_path}: the model would not answer; see `geotlm-lm info --clip {clip_path}` for "
+        f"{clip_path}: the model would not answer; see `geotlm-lm info {clip_path}` for "
         f"contact, or give a part with more motion by --frames."
     )
 
@@ -101,7 +99,7 @@ def test_a_bad_clip_ends_with_its_sentence_and_code_3(capsys, answerer, tmp_path
     path = tmp_path / name
     path.write_bytes(content)
     question = ["--q", "Which way?"] if command == "answer" else []
-    done = run(capsys, command, "--clip", path, *question)
+    done = run(capsys, command, path, *question)
     assert done == (3, "", f"{path}: {sentence}\n")
     assert answerer.clips == []
 
@@ -125,7 +123,7 @@ def test_the_number_format_reaches_the_loader(ask, answerer):
 def test_square_pixels_are_told_to_the_reader(capsys, answerer, tmp_path):
     path = tmp_path / "square.npy"
     np.save(path, np.random.default_rng(0).integers(0, 255, (4, 224, 224, 3)).astype(np.uint8))
-    asked = ("answer", "--clip", path, "--q", "Which way?")
+    asked = ("answer", path, "--q", "Which way?")
     run(capsys, *asked)
     run(capsys, *asked, "--square-pixels")
     assert [clip.frames.shape[1:3] for clip in answerer.clips] == [(224, 224), (224, 223)]

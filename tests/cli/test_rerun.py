@@ -9,8 +9,7 @@ from urllib.request import urlopen
 import numpy as np
 import pytest
 
-from geotlm_lm.cli.viewer import viewer
-from geotlm_lm.track.rerun_log import log_clip, rerun_recording
+from geotlm_lm.track.rerun_log import log_clip, rerun_recording, viewer
 from tests.cli import running
 from tests.cli.recorded_touch import CLIP, Measuring, saved_touch
 
@@ -48,14 +47,14 @@ def test_a_track_is_written_for_the_viewer(capsys, path, tmp_path, monkeypatch):
 def test_an_answer_is_written_with_what_it_rests_on(capsys, path, tmp_path, answerer, monkeypatch):
     monkeypatch.setattr("geotlm_lm.answering.Answerer.load", lambda *_, **__: answerer)
     asked = ("--q", "Which way is it turning?")
-    code, *_ = running.run(capsys, "answer", "--clip", path, *asked, "--rerun", tmp_path / "a.rrd")
+    code, *_ = running.run(capsys, "answer", path, *asked, "--rerun", tmp_path / "a.rrd")
     found = logged(tmp_path / "a.rrd")
     assert code == 0
     assert (found["/camera/image"], found["/answer"]) == (len(CLIP), 1)
     assert found["/events"] > 3
     np.savez(tmp_path / "four.npz", frames=CLIP.frames[[0, 30, 36, 42]], fps=CLIP.fps)
     target = tmp_path / "four.rrd"
-    running.run(capsys, "answer", "--clip", tmp_path / "four.npz", *asked, "--rerun", target)
+    running.run(capsys, "answer", tmp_path / "four.npz", *asked, "--rerun", target)
     found = logged(target)
     assert (found["/camera/image"], found["/answer"]) == (4, 1)
     assert "/turn/deg" not in found
@@ -96,7 +95,7 @@ def test_serve_shows_what_would_be_written(capsys, path, tmp_path, monkeypatch):
         seen.append(logged(file))
         yield "http://there", SimpleNamespace(wait=lambda: None)
 
-    monkeypatch.setattr("geotlm_lm.cli.viewer.viewer", watched)
+    monkeypatch.setattr("geotlm_lm.track.rerun_log.viewer", watched)
     code, out, err = running.run(capsys, "track", path, "--rerun", "serve")
     assert (code, seen[0]["/camera/image"]) == (0, len(CLIP))
     assert "degrees clockwise" in out

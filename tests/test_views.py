@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.backbone.view import View
-from geotlm_lm.views.pictures import (
+from geotlm_lm.views import (
     ARROW_COLOUR,
     LEARNED_SHEAR,
     PICTURE_SIDE,
