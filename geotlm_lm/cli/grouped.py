@@ -12,26 +12,16 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args, get_type_hints
 import typer
 
 from geotlm_lm.cli.options import (
-    Background,
     BundleFolder,
     CameraName,
     EncoderHeads,
     EncoderName,
     EncoderWeights,
-    EpisodeNumber,
     Force,
-    FrameSpan,
-    FramesPerSecond,
-    LayoutName,
-    MmPerPixel,
-    OutFile,
-    PlotFile,
     Precision,
-    RerunFile,
     SquarePixels,
-    TopicName,
-    VideoFile,
     path_of,
+    path_option,
     require_new_file,
 )
 from geotlm_lm.core.errors import UsageError
@@ -59,61 +49,75 @@ class Positional:
     help: str
 
 
-File = Annotated[
-    Path | None,
-    Positional(
-        "--clip",
-        "FILE",
-        help="Recording: .npy, .npz, a video, a .gif, a .tif of several pages, a bag of ROS "
-        "(.mcap, .db3, .bag, or its folder), a folder of images, or a LeRobot data set.",
-    ),
-]
-
-
 @dataclass(frozen=True)
 class Pixels:
     """How the frames of a recording or a camera are read."""
 
-    layout: LayoutName = None
-    fps: FramesPerSecond = None
+    layout: Annotated[
+        str | None,
+        typer.Option(
+            help="Axes of an array, THWC, TCHW or THW (grey); BGR, or THWC-BGR, where OpenCV gave "
+            "its colours. [default: guessed, stated]"
+        ),
+    ] = None
+    fps: Annotated[
+        float | None, typer.Option(help="Frames per second. [default: what the file says]")
+    ] = None
     square_pixels: SquarePixels = None
-    topic: TopicName = None
+    topic: Annotated[
+        str | None,
+        typer.Option(help="Topic of a bag's images. [default: the only one that has images]"),
+    ] = None
 
 
 @dataclass(frozen=True)
 class Reading(Pixels):
     """How a recording is read: options of `read_clip`, by their names."""
 
-    background: Background = None
+    background: Annotated[
+        Path | None,
+        path_option(
+            help="Image or .npy of the untouched gel. [default: from the recording, else estimated]"
+        ),
+    ] = None
 
 
 @dataclass(frozen=True)
 class Recording(Reading):
     """A recording, or an episode of a LeRobot data set."""
 
-    file: File = None
-    frames: FrameSpan = None
-    episode: EpisodeNumber = None
+    file: Annotated[
+        Path | None,
+        Positional(
+            "--clip",
+            "FILE",
+            help="Recording: .npy, .npz, a video, a .gif, a .tif of several pages, a bag of ROS "
+            "(.mcap, .db3, .bag, or its folder), a folder of images, or a LeRobot data set.",
+        ),
+    ] = None
+    frames: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FIRST:LAST",
+            help="Frames to track inside, both included, counted from 0. [default: the whole "
+            "recording]",
+        ),
+    ] = None
+    episode: Annotated[
+        int | None, typer.Option(min=0, help="Of a LeRobot data set: which one. [default: 0]")
+    ] = None
     camera: CameraName = None
 
     @property
     def path(self) -> Path:
-        """The file or folder.
-
-        Raises:
-            UsageError: If none was given.
-        """
+        """The file or folder, which must be given."""
         if self.file is None:
             raise missing("FILE")
         return self.file
 
     @property
     def span(self) -> tuple[int, int] | None:
-        """FIRST and LAST of --frames; None when not given.
-
-        Raises:
-            UsageError: If it is not two numbers.
-        """
+        """FIRST and LAST of --frames; None when not given."""
         if self.frames is None:
             return None
         first, _, last = self.frames.partition(":")
@@ -171,11 +175,7 @@ class Recording(Reading):
 
 
 def touch_camera(data_set: LeRobotDataSet, camera: str | None) -> str:
-    """Return the camera that was named; the only one where none was.
-
-    Raises:
-        UsageError: If there is no such camera, or none was named of several.
-    """
+    """Return the camera that was named, which must be there; the only one where none was."""
     if camera is None:
         if len(data_set.cameras) != 1:
             raise UsageError(
@@ -191,17 +191,19 @@ def touch_camera(data_set: LeRobotDataSet, camera: str | None) -> str:
 class Answering:
     """Which model answers, and in which unit of length."""
 
-    mm_per_px: MmPerPixel = None
+    mm_per_px: Annotated[
+        float | None,
+        typer.Option(
+            help="Width on the gel of a pixel of the recording, in mm: slides are then told in mm. "
+            "[default: told in pixels]"
+        ),
+    ] = None
     model: BundleFolder = None
     precision: Precision = "float32"
 
     @property
     def frame(self) -> FrameSpec:
-        """The frame that answers are told in.
-
-        Raises:
-            UsageError: If no pixel is of that size.
-        """
+        """The frame that answers are told in."""
         return FrameSpec(mm_per_px=self.mm_per_px)
 
     def load(self) -> Answerer:
@@ -259,16 +261,29 @@ class Outputs:
 class RerunOutput(Outputs):
     """A file for the Rerun viewer."""
 
-    rerun: RerunFile = None
+    rerun: Annotated[
+        Path | None,
+        path_option(
+            help="Write frames, arrows, curves and events for the Rerun viewer to this .rrd; "
+            "`serve` shows them in a browser instead."
+        ),
+    ] = None
 
 
 @dataclass(frozen=True)
 class TrackOutputs(Outputs):
     """Files of a track."""
 
-    out: OutFile = None
-    plot: PlotFile = None
-    video: VideoFile = None
+    out: Annotated[
+        Path | None,
+        path_option(help="Write a row for every frame to this .csv, .parquet or .json file."),
+    ] = None
+    plot: Annotated[
+        Path | None, path_option(help="Draw turn, travel and contact over time to this .png.")
+    ] = None
+    video: Annotated[
+        Path | None, path_option(help="Write the frames, with what was tracked, to this .mp4.")
+    ] = None
 
 
 @dataclass(frozen=True)
@@ -279,10 +294,8 @@ class AllOutputs(TrackOutputs, RerunOutput):
 def grouped(command: Callable[..., None]) -> Callable[..., None]:
     """Return a command with the fields of its dataclasses as options in their place.
 
-    A parameter marked `Positional` is given without an option, or by its alias.
-
-    Args:
-        command: Takes all by keyword; what is annotated with a dataclass is given whole.
+    A parameter marked `Positional` is given without an option, or by its alias. The command takes
+    all by keyword; what is annotated with a dataclass is given whole.
     """
     groups, aliases, parameters = {}, {}, []
     hints = get_type_hints(command, include_extras=True)
@@ -334,5 +347,5 @@ def missing(metavar: str) -> UsageError:
 
 def given_of(group: Any) -> dict[str, Any]:
     """Return which options of a group were given, by their names on the command line."""
-    given = ((name, value) for name, value in vars(group).items() if value is not None)
-    return {f"--{name.replace('_', '-')}": value for name, value in given}
+    values = {f"--{name.replace('_', '-')}": value for name, value in vars(group).items()}
+    return {name: value for name, value in values.items() if value is not None}

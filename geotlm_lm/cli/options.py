@@ -15,11 +15,9 @@ from geotlm_lm.core.number_formats import require_offered
 
 
 def path_of(text: str) -> Path:
-    """Return the path that was typed.
+    """Return the path that was typed; none is empty, as an unset variable of a script is.
 
-    Raises:
-        UsageError: If it is empty, as an unset variable of a script is: `Path` takes that for the
-            current folder.
+    `Path` takes that for the current folder.
     """
     if not text:
         raise UsageError("An empty path was given, expected a file's or a folder's; give it.")
@@ -31,55 +29,12 @@ def path_option(*names: str, help: str) -> OptionInfo:
     return typer.Option(*names, parser=path_of, metavar="<path>", help=help)
 
 
-FrameSpan = Annotated[
-    str | None,
-    typer.Option(
-        "--frames",
-        metavar="FIRST:LAST",
-        help="Frames to track inside, both included, counted from 0. [default: the whole "
-        "recording]",
-    ),
-]
-LayoutName = Annotated[
-    str | None,
-    typer.Option(
-        "--layout",
-        help="Axes of an array, THWC, TCHW or THW (grey); BGR, or THWC-BGR, where OpenCV gave its "
-        "colours. [default: guessed, stated]",
-    ),
-]
 SquarePixels = Annotated[
     bool | None,
     typer.Option(
         "--square-pixels",
         help="The camera's picture is square: frames of 224x224 are else taken for a 4:3 picture "
         "squashed to a square.",
-    ),
-]
-TopicName = Annotated[
-    str | None,
-    typer.Option(
-        "--topic",
-        help="Topic of a bag's images. [default: the only one that has images]",
-    ),
-]
-Background = Annotated[
-    Path | None,
-    path_option(
-        "--background",
-        help="Image or .npy of the untouched gel. [default: from the recording, else estimated]",
-    ),
-]
-FramesPerSecond = Annotated[
-    float | None,
-    typer.Option("--fps", help="Frames per second. [default: what the file says]"),
-]
-MmPerPixel = Annotated[
-    float | None,
-    typer.Option(
-        "--mm-per-px",
-        help="Width on the gel of a pixel of the recording, in mm: slides are then told in mm. "
-        "[default: told in pixels]",
     ),
 ]
 BundleFolder = Annotated[
@@ -105,31 +60,10 @@ Precision = Annotated[
         "processor has instructions for them.",
     ),
 ]
-EpisodeNumber = Annotated[
-    int | None,
-    typer.Option("--episode", min=0, help="Of a LeRobot data set: which one. [default: 0]"),
-]
 CameraName = Annotated[
     str | None,
     typer.Option(
         "--camera", help="Of a LeRobot data set: the touch sensor's. [default: the only one]"
-    ),
-]
-OutFile = Annotated[
-    Path | None,
-    path_option(help="Write a row for every frame to this .csv, .parquet or .json file."),
-]
-PlotFile = Annotated[
-    Path | None, path_option(help="Draw turn, travel and contact over time to this .png.")
-]
-VideoFile = Annotated[
-    Path | None, path_option(help="Write the frames, with what was tracked, to this .mp4.")
-]
-RerunFile = Annotated[
-    Path | None,
-    path_option(
-        help="Write frames, arrows, curves and events for the Rerun viewer to this .rrd; `serve` "
-        "shows them in a browser instead."
     ),
 ]
 ClusterAddress = Annotated[
@@ -189,11 +123,7 @@ Seed = Annotated[
 def require_one_model(
     model: Path | None, weights: Path | None, encoder: str | None, heads: int | None
 ) -> None:
-    """Refuse options of a released encoder that do not go together.
-
-    Raises:
-        UsageError: If an encoder has no file, or is given beside a bundle.
-    """
+    """Refuse an encoder without a file, or beside a bundle."""
     if weights is None and (encoder is not None or heads is not None):
         raise UsageError("--encoder and --heads need --weights with the encoder's file.")
     if weights is not None and model is not None:
@@ -231,13 +161,9 @@ def _nearest_there(folder: Path) -> Path:
 def require_writable_file(path: Path, option: str, *, inputs: Iterable[Path] = ()) -> None:
     """Try to write in the folder of `path`, for the same reason and as `require_writable`.
 
-    Args:
-        path: Of the file to write.
-        option: Its option.
-        inputs: Files, and folders of images, that the command reads.
-
     Raises:
-        UsageError: If the file cannot be written there, or is one of the inputs.
+        UsageError: If the file cannot be written there, or is one of the inputs (files, and
+            folders of images, that the command reads).
     """
     if path.is_dir():
         raise UsageError(f"{option}: {path} is a folder, expected the name of a file.")
@@ -255,17 +181,7 @@ def require_writable_file(path: Path, option: str, *, inputs: Iterable[Path] = (
 def require_new_file(
     path: Path, option: str, *, is_forced: bool, inputs: Iterable[Path] = ()
 ) -> None:
-    """Refuse to replace a file unless that is asked for; else as `require_writable_file`.
-
-    Args:
-        path: Of the file to write.
-        option: Its option.
-        is_forced: Whether --force was given.
-        inputs: Files that the command reads, which --force does not let it replace.
-
-    Raises:
-        UsageError: If it is there already, or cannot be written.
-    """
+    """Refuse to replace a file unless --force was given; else as `require_writable_file`."""
     require_writable_file(path, option, inputs=inputs)
     # A link that leads nowhere would be replaced, or followed, as well.
     if not is_forced and (path.exists() or path.is_symlink()):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -66,7 +67,8 @@ def track(
     tracked, is_stopped = _tracked(answerer, clip, span, again)
     exported, in_frames = Exported(tracked, scale), not clip.is_timed
     write_table_and_plot(outputs, exported, clip.name, clip.fps, in_frames=in_frames)
-    _write_film(outputs, exported, clip, again)
+    if outputs.video is not None:
+        _write_film(outputs.video, exported, clip, again)
     for note in (*clip.notes, *tracked.notes):
         print(f"note: {note}", file=sys.stderr)
     if as_json:
@@ -76,7 +78,10 @@ def track(
     else:
         lines = [event_line(event, exported.units, in_frames=in_frames) for event in tracked.events]
         print("\n".join([aligned(HEAD), *lines, "", *totals_lines(exported)]))
-    _write_rerun(outputs, exported, clip, again)
+    if outputs.rerun is not None:
+        from geotlm_lm.track.rerun_log import write_or_serve
+
+        write_or_serve(outputs.rerun, lambda path: _log(path, exported, clip, again))
     if is_stopped:
         print(f"note: Tracked as far as frame {tracked.numbers[-1]}.", file=sys.stderr)
         raise typer.Exit(INTERRUPTED)
@@ -119,15 +124,7 @@ def _tracked(
 def write_table_and_plot(
     outputs: TrackOutputs, exported: Exported, name: str, fps: float | None, *, in_frames: bool
 ) -> None:
-    """Write the table and the plot of a track, where they are asked for.
-
-    Args:
-        outputs: The files.
-        exported: The track.
-        name: Of the recording.
-        fps: Its frames per second.
-        in_frames: Whether the plot is over frame numbers instead of seconds.
-    """
+    """Write the table and the plot of the track of a recording, where they are asked for."""
     if outputs.out is not None:
         made_by = {"command": command_line(), "recording": name, "fps": fps}
         exported.save(outputs.out, made_by)
@@ -137,42 +134,25 @@ def write_table_and_plot(
         write_plot(outputs.plot, exported, in_frames=in_frames)
 
 
-def _write_film(
-    outputs: AllOutputs, exported: Exported, clip: Clip, reading: dict[str, Any]
-) -> None:
-    if outputs.video is None:
-        return
+def _write_film(path: Path, exported: Exported, clip: Clip, reading: dict[str, Any]) -> None:
     from geotlm_lm.recordings.every_frame import each_frame
     from geotlm_lm.track.film import write_film
     from geotlm_lm.track.tracker import ASSUMED_FPS
 
     first, second = exported.track.numbers[:2]
     rate = (clip.fps or ASSUMED_FPS) / int(second - first)
-    write_film(outputs.video, exported, each_frame(clip, **reading), rate)
+    write_film(path, exported, each_frame(clip, **reading), rate)
 
 
-def _write_rerun(
-    outputs: AllOutputs, exported: Exported, clip: Clip, reading: dict[str, Any]
-) -> None:
-    if outputs.rerun is None:
-        return
-    from geotlm_lm.track.rerun_log import log_track, rerun_recording, write_or_serve
+def _log(path: Path, exported: Exported, clip: Clip, reading: dict[str, Any]) -> None:
+    from geotlm_lm.track.rerun_log import log_track, rerun_recording
 
-    def log(path: Any) -> None:
-        with rerun_recording(path) as stream:
-            log_track(stream, exported, clip, **reading)
-
-    write_or_serve(outputs.rerun, log)
+    with rerun_recording(path) as stream:
+        log_track(stream, exported, clip, **reading)
 
 
 def event_line(event: Event, units: Units, *, in_frames: bool = False) -> str:
-    """Return an event as a line of a table whose first is `aligned(HEAD)`.
-
-    Args:
-        event: What happened.
-        units: Of the recording.
-        in_frames: Whether to print frame numbers instead of seconds.
-    """
+    """Return an event as a line of a table whose first is `aligned(HEAD)`."""
     from geotlm_lm.track.drawing import band_of
 
     ends = (event.begin, event.end) if in_frames else (event.begin_s, event.end_s)

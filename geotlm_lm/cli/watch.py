@@ -117,12 +117,7 @@ def watch(
 class Watching:
     """Follows one stream to its end and prints what happens as it is over.
 
-    Args:
-        answerer: The model.
-        stream: Frames with their times and numbers.
-        question: Asked about every motion that ends; None asks none.
-        mm_per_px: As of `Units`.
-        as_json: Whether lines are JSON objects.
+    The question is asked about every motion that ends; None asks none.
     """
 
     def __init__(
@@ -147,11 +142,11 @@ class Watching:
         self._stuck = StuckPicture() if stream.is_live else None
 
     def follow(self, video: Path | None, *, is_square: bool) -> BaseException | None:
-        """Track the stream until it ends; return what ended it before, if anything did.
+        """Track the stream, and draw it to a video; return what ended it early, if anything did.
 
         Args:
-            video: Where each frame is drawn to as it comes, if anywhere.
-            is_square: Whether the camera's pixels are square though its frames are of 224 x 224.
+            video: The file, if any.
+            is_square: Whether the camera's picture is square where its frames are of 224 x 224.
         """
         from geotlm_lm.recordings.pixel_shape import with_square_pixels
         from geotlm_lm.track.export import Units

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import math
-import os
 import socket
 import subprocess
 import sys
-import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import IO, Any
+from typing import Any
 from urllib.parse import quote
 
 import numpy as np
@@ -29,11 +27,6 @@ APPLICATION, HOST = "geotlm_lm", "127.0.0.1"
 
 JPEG_QUALITY = 95
 """Of the frames: a recording of a minute then takes 20 MB instead of 300."""
-
-DESCRIPTORS = Path("/dev/fd")
-"""Where a pipe has a name; on Windows, which has none, a recording is kept in memory."""
-
-PIPE_BYTES = 2**20
 
 HAND_SHARE = 0.2
 """Length of the hand that shows the turn, of the image's height."""
@@ -54,48 +47,11 @@ def rerun_recording(path: Path) -> Iterator[Any]:
 
     stream = rerun.RecordingStream(APPLICATION)
     with replacing(path) as file:
-        if not DESCRIPTORS.is_dir():
-            memory = stream.memory_recording()
-            stream.send_blueprint(_views())
-            yield stream
-            file.write(memory.drain_as_bytes())
-            return
-        with _drained_into(file) as name:
-            stream.save(name, default_blueprint=_views())
-            try:
-                yield stream
-            finally:
-                stream.disconnect()
-
-
-@contextmanager
-def _drained_into(file: IO[bytes]) -> Iterator[str]:
-    """Yield the name of a pipe whose content goes into a file; it takes all, whatever that takes.
-
-    Rerun's own thread, once its file cannot be written, has whoever flushes it wait for ever.
-    """
-    reads, writes = os.pipe()
-    failures: list[OSError] = []
-
-    def drain() -> None:
-        while content := os.read(reads, PIPE_BYTES):
-            if failures:
-                continue
-            try:
-                file.write(content)
-            except OSError as error:
-                failures.append(error)
-
-    draining = threading.Thread(target=drain, daemon=True)
-    draining.start()
-    try:
-        yield str(DESCRIPTORS / str(writes))
-    finally:
-        os.close(writes)  # Rerun has opened its own end, and closed it
-        draining.join()
-        os.close(reads)
-    if failures:
-        raise failures[0]
+        # Rerun's own file sink waits for ever on a full disk.
+        memory = stream.memory_recording()
+        stream.send_blueprint(_views())
+        yield stream
+        file.write(memory.drain_as_bytes())
 
 
 def log_clip(stream: Any, clip: Clip) -> None:
