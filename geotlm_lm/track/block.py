@@ -51,37 +51,24 @@ UNKNOWN_MM = 0.1
 
 @dataclass(frozen=True)
 class Row:
-    """A frame as it is kept.
+    """A frame as it is kept."""
 
-    Args:
-        number: Of the frame in the recording.
-        time_s: When it was taken.
-        strength_grey: Strength of its imprint.
-        contact: Probability of contact by that strength.
-        is_touched: Whether it counts as touched.
-        step: From the frame before; None where none was measured.
-        radius_px: Of the contact; 0 without one.
-    """
-
-    number: int
-    time_s: float
-    strength_grey: float
-    contact: float
-    is_touched: bool
-    step: Step | None = None
-    radius_px: float = 0.0
+    number: int  # of the frame in the recording
+    time_s: float  # when it was taken
+    strength_grey: float  # strength of its imprint
+    contact: float  # probability of contact by that strength
+    is_touched: bool  # whether it counts as touched
+    step: Step | None = None  # from the frame before; None where none was measured
+    radius_px: float = 0.0  # of the contact; 0 without one
 
 
 @dataclass
 class Block:
-    """Rows that are settled together.
+    """Rows that are settled together."""
 
-    Args:
-        rows: The frames, the first of them measured against the end of the block before.
-        frames: Some of their pictures with their places, from the last frame of that block on.
-    """
-
+    # the frames, the first of them measured against the end of the block before
     rows: list[Row] = field(default_factory=list)
+    # some of their pictures with their places, from the last frame of that block on
     frames: list[tuple[float, Frames]] = field(default_factory=list)
 
     def add(self, row: Row, frame: Frames) -> None:

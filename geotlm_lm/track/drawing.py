@@ -24,20 +24,13 @@ CAPTION_S = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A number of each frame over time.
+    """A number of each frame over time."""
 
-    Args:
-        panel: "turn", "travel", "depth" or "contact"; curves of one panel share an axis.
-        name: The panel's, or "right" and "down" of the travel.
-        unit: "deg", "px" or "mm"; empty for a probability.
-        mean: (n,).
-        spread: Half the width of the span that holds nine tenths, (n,); None for a probability.
-    """
-
-    panel: str
-    name: str
-    unit: str
-    mean: Floats
+    panel: str  # "turn", "travel", "depth" or "contact"; curves of one panel share an axis
+    name: str  # the panel's, or "right" and "down" of the travel
+    unit: str  # "deg", "px" or "mm"; empty for a probability
+    mean: Floats  # (n,)
+    # half the width of the span that holds nine tenths, (n,); None for a probability
     spread: Floats | None = None
 
 
@@ -58,40 +51,24 @@ class Band:
 
 @dataclass(frozen=True, eq=False)
 class Mark:
-    """What is drawn over one frame: the motion since the first frame.
+    """What is drawn over one frame: the motion since the first frame."""
 
-    Args:
-        hand_deg: Turn, clockwise.
-        arrow: Travel right and down, shares of the picture's width and height, (2,).
-        lines: The time and the way in words; what happens.
-    """
-
-    hand_deg: float
-    arrow: Floats
-    lines: tuple[str, str]
+    hand_deg: float  # turn, clockwise
+    arrow: Floats  # travel right and down, shares of the picture's width and height, (2,)
+    lines: tuple[str, str]  # the time and the way in words; what happens
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A track as a list of things to draw.
+    """A track as a list of things to draw."""
 
-    Args:
-        units: Of the recording.
-        numbers: Of the frames, (n,).
-        times_s: When they were taken, (n,).
-        way: Turn (deg), right, down (pixels of the 224-pixel square) and inward (mm), (n, 4).
-        arrows: Travel as of `Mark`, (n, 2).
-        curves: Of all frames.
-        bands: By when they begin.
-    """
-
-    units: Units
-    numbers: NDArray[np.int64]
-    times_s: Floats
-    way: Floats
-    arrows: Floats
-    curves: tuple[Curve, ...]
-    bands: tuple[Band, ...]
+    units: Units  # of the recording
+    numbers: NDArray[np.int64]  # of the frames, (n,)
+    times_s: Floats  # when they were taken, (n,)
+    way: Floats  # turn (deg), right, down (pixels of the 224-pixel square) and inward (mm), (n, 4)
+    arrows: Floats  # travel as of `Mark`, (n, 2)
+    curves: tuple[Curve, ...]  # of all frames
+    bands: tuple[Band, ...]  # by when they begin
 
     def mark(self, place: int) -> Mark:
         """Return what is drawn over the frame at a place of the track."""

@@ -257,27 +257,17 @@ JERK_S = 0.13
 
 @dataclass(frozen=True)
 class Event:
-    """Something that happened.
+    """Something that happened."""
 
-    Args:
-        kind: What.
-        begin: Frame number of its beginning, and likewise `end`.
-        begin_s: In seconds, and likewise `end_s`.
-        twist: The whole motion in this time, all components of it.
-        amount: Of its own component, signed: degrees, pixels, mm; zero of a touch or a stick.
-        probability: That it happened.
-        component: What of the motion it is of; None of a touch or a stick.
-    """
-
-    kind: EventKind
-    begin: int
+    kind: EventKind  # what
+    begin: int  # frame number of its beginning, and likewise `end`
     end: int
-    begin_s: float
+    begin_s: float  # in seconds, and likewise `end_s`
     end_s: float
-    twist: Twist
-    amount: Span
-    probability: float
-    component: Component | None = None
+    twist: Twist  # the whole motion in this time, all components of it
+    amount: Span  # of its own component, signed: degrees, pixels, mm; zero of a touch or a stick
+    probability: float  # that it happened
+    component: Component | None = None  # what of the motion it is of; None of a touch or a stick
 
     @property
     def motion(self) -> Motion:
@@ -296,27 +286,16 @@ class Event:
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """A frame as events are found in it.
+    """A frame as events are found in it."""
 
-    Args:
-        place: Of the frame among those tracked, from 0.
-        number: Of the frame in the recording.
-        time_s: When it was taken.
-        contact: Probability that something touches.
-        is_touched: Whether something does; hysteresis keeps it from flickering.
-        way: Integrated motion since the first frame, (4,).
-        doubt: Sum of the steps' covariances, (4, 4).
-        radius_px: Of the contact.
-    """
-
-    place: int
-    number: int
-    time_s: float
-    contact: float
-    is_touched: bool
-    way: Floats
-    doubt: Floats
-    radius_px: float
+    place: int  # of the frame among those tracked, from 0
+    number: int  # of the frame in the recording
+    time_s: float  # when it was taken
+    contact: float  # probability that something touches
+    is_touched: bool  # whether something does; hysteresis keeps it from flickering
+    way: Floats  # integrated motion since the first frame, (4,)
+    doubt: Floats  # sum of the steps' covariances, (4, 4)
+    radius_px: float  # of the contact
 
 
 class EventFinder:

@@ -52,14 +52,10 @@ def require_packages(path: Path) -> None:
 
 @dataclass(frozen=True)
 class Units:
-    """The units of a recording, and what its events come to in them.
+    """The units of a recording, and what its events come to in them."""
 
-    Args:
-        frame_size: Rows and columns of the recording's frames.
-        mm_per_px: Width on the gel of a pixel of these frames, mm; None keeps travel in pixels.
-    """
-
-    frame_size: tuple[int, int]
+    frame_size: tuple[int, int]  # rows and columns of the recording's frames
+    # width on the gel of a pixel of these frames, mm; None keeps travel in pixels
     mm_per_px: float | None = None
 
     @property

@@ -41,15 +41,10 @@ CLIPPED_GREY = 230.0
 
 @dataclass(frozen=True, eq=False)
 class Exposure:
-    """How grey levels change with a new exposure.
+    """How grey levels change with a new exposure."""
 
-    Args:
-        gain: Of red, green and blue, (3,).
-        offset_grey: Likewise, added afterwards, (3,).
-    """
-
-    gain: Floats
-    offset_grey: Floats
+    gain: Floats  # of red, green and blue, (3,)
+    offset_grey: Floats  # likewise, added afterwards, (3,)
 
     def applied(self, image: NDArray[np.generic]) -> Floats:
         """Return an image (rows, columns, 3) as it would be seen, float32, cut to 0..255."""

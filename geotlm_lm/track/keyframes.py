@@ -139,19 +139,12 @@ class Place:
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """How the contact moved from the frame before to this one.
+    """How the contact moved from the frame before to this one."""
 
-    Args:
-        twist: Turn (degrees), right and down (pixels of the 224-pixel square), (3,).
-        covariance: Of the same, (3, 3): what this step adds to the doubt of the whole way.
-        correlation: How alike the frame and the one it was laid on are.
-        is_lost: Whether nothing was found: the motion is unknown.
-    """
-
-    twist: Matrix
-    covariance: Matrix
-    correlation: float
-    is_lost: bool = False
+    twist: Matrix  # turn (degrees), right and down (pixels of the 224-pixel square), (3,)
+    covariance: Matrix  # of the same, (3, 3): what this step adds to the doubt of the whole way
+    correlation: float  # how alike the frame and the one it was laid on are
+    is_lost: bool = False  # whether nothing was found: the motion is unknown
 
 
 class KeyFrames:

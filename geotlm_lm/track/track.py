@@ -49,32 +49,20 @@ _WAYS = ("turn_deg", "right_px", "down_px", "inward_mm")
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """What touched when and how it moved, frame by frame.
+    """What touched when and how it moved, frame by frame."""
 
-    Args:
-        numbers: Where each frame stood in the recording, from 0, int64 (n,).
-        times_s: When it was taken, seconds, (n,), rising.
-        contact: Probability that something touches, (n,).
-        strength_grey: Strength of the imprint, grey levels (rms), (n,).
-        twists: Motion from the frame before to each frame: turn, right, down, inward, (n, 4); zeros
-            in the first and wherever nothing touches.
-        covariances: What each step adds to the doubt of the way, (n, 4, 4).
-        radius_px: Radius of the contact, (n,); 0 where nothing touches.
-        events: What happened, by when it began.
-        frame_size: Rows and columns of the recording's frames.
-        notes: What was amiss, one sentence each.
-    """
-
-    numbers: NDArray[np.int64]
-    times_s: Floats
-    contact: Floats
-    strength_grey: Floats
+    numbers: NDArray[np.int64]  # where each frame stood in the recording, from 0, int64 (n,)
+    times_s: Floats  # when it was taken, seconds, (n,), rising
+    contact: Floats  # probability that something touches, (n,)
+    strength_grey: Floats  # strength of the imprint, grey levels (rms), (n,)
+    # motion from the frame before to each frame: turn, right, down, inward, (n, 4); zeros in the
+    # first and wherever nothing touches
     twists: Floats
-    covariances: Floats
-    radius_px: Floats
-    events: tuple[Event, ...]
-    frame_size: tuple[int, int]
-    notes: tuple[str, ...] = ()
+    covariances: Floats  # what each step adds to the doubt of the way, (n, 4, 4)
+    radius_px: Floats  # radius of the contact, (n,); 0 where nothing touches
+    events: tuple[Event, ...]  # what happened, by when it began
+    frame_size: tuple[int, int]  # rows and columns of the recording's frames
+    notes: tuple[str, ...] = ()  # what was amiss, one sentence each
 
     def __len__(self) -> int:
         return len(self.numbers)
