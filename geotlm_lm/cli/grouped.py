@@ -18,7 +18,6 @@ from geotlm_lm.cli.options import (
     EncoderName,
     EncoderWeights,
     Force,
-    Precision,
     SquarePixels,
     path_of,
     path_option,
@@ -199,7 +198,6 @@ class Answering:
         ),
     ] = None
     model: BundleFolder = None
-    precision: Precision = "float32"
 
     @property
     def frame(self) -> FrameSpec:
@@ -210,7 +208,7 @@ class Answering:
         """Load the model; its libraries only now, so that a wrong path need not wait for them."""
         from geotlm_lm.answering import Answerer
 
-        return Answerer.load(self.model, precision=self.precision)
+        return Answerer.load(self.model)
 
 
 @dataclass(frozen=True)

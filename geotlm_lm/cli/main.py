@@ -25,7 +25,7 @@ from geotlm_lm.cli.evaluate import evaluate
 from geotlm_lm.cli.info import doctor, info
 from geotlm_lm.cli.label import label
 from geotlm_lm.cli.manifest import manifest
-from geotlm_lm.cli.options import Precision, path_option
+from geotlm_lm.cli.options import path_option
 from geotlm_lm.cli.simulate import simulate
 from geotlm_lm.cli.track import INTERRUPTED, track
 from geotlm_lm.cli.train import train
@@ -72,15 +72,12 @@ def serve(
         Path | None,
         path_option(help="Folder of recordings that programs and agents may name; only read."),
     ] = None,
-    precision: Precision = "float32",
 ) -> None:
     """Serve a page to look at clips and ask about them, on this machine only (127.0.0.1).
 
     Example: geotlm-lm app --port 7860
     """
-    import_module(f"{_page_package()}.__main__").serve(
-        port, mcp=mcp, recordings=recordings, precision=precision
-    )
+    import_module(f"{_page_package()}.__main__").serve(port, mcp=mcp, recordings=recordings)
 
 
 def _page_package() -> str:

@@ -33,7 +33,7 @@ def judged(monkeypatch):
     view = (Pivot(lambda row: f"{row.error:g}"), every)
     bench = Bench("evaluate", "Mine", "", (Section("clips", "Clips", "", rows, {"": view}),))
     bundle = SimpleNamespace(digest=lambda: "0123456789ab")
-    load = classmethod(lambda cls, folder, precision: SimpleNamespace(bundle=bundle))
+    load = classmethod(lambda cls, folder: SimpleNamespace(bundle=bundle))
     monkeypatch.setattr(answering.Answerer, "load", load)
     monkeypatch.setattr(accuracy, "EVALUATION", bench)
     return given
@@ -172,10 +172,6 @@ def test_an_encoder_is_evaluated_from_its_file_to_the_record(
         (
             ["--weights", "a.pth", "--model", "b"],
             "--model and --weights exclude each other: give one of them.\n",
-        ),
-        (
-            ["--weights", "a.pth", "--precision", "int8"],
-            "--precision and --weights exclude each other: give one of them.\n",
         ),
         (
             ["--preset", "smoke"],

@@ -317,10 +317,9 @@ def options_of(command):
     yield from command.params
 
 
-@pytest.mark.parametrize("name", ["model", "precision"])
-def test_an_option_says_the_same_in_every_command(name):
+def test_an_option_says_the_same_in_every_command():
     every = options_of(typer.main.get_command(main_module.app))
-    helps = [one.help for one in every if one.name == name]
+    helps = [one.help for one in every if one.name == "model"]
     assert len(helps) > 4
     assert len(set(helps)) == 1
 
@@ -373,13 +372,13 @@ def test_port_number_format_and_the_wish_to_serve_agents_are_handed_on(
 ):
     served = []
 
-    def serve(port, *, mcp, recordings, precision):
-        served.append((port, mcp, recordings, precision))
+    def serve(port, *, mcp, recordings):
+        served.append((port, mcp, recordings))
 
     monkeypatch.setattr("app.__main__.serve", serve)
-    options = ("--port", "7999", "--precision", "int8", "--recordings", "here")
+    options = ("--port", "7999", "--recordings", "here")
     run(capsys, "app", *options, *["--mcp"] * is_served)
-    assert served == [(7999, is_served, Path("here"), "int8")]
+    assert served == [(7999, is_served, Path("here"))]
 
 
 def test_a_port_that_cannot_be_is_a_wrong_call(capsys):
