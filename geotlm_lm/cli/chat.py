@@ -120,11 +120,7 @@ class Conversation:
         print(f"Frame: {self.session.frame.summary()}.")
 
     def _stated(self, facts: str) -> FrameSpec:
-        """Return the frame in which some facts hold as well.
-
-        Raises:
-            UsageError: If they are none, or not understood.
-        """
+        """Return the frame in which some facts hold as well."""
         from geotlm_lm.answering.understanding import understand
         from geotlm_lm.query.facts import with_facts
 

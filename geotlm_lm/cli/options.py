@@ -83,22 +83,6 @@ EncoderHeads = Annotated[
         "--heads", min=1, help="Attention heads of the encoder. [default: those of its width]"
     ),
 ]
-HeadsRunFolder = Annotated[
-    Path | None,
-    path_option(
-        "--run-folder",
-        help="With --weights: tokens and heads are kept here, to continue from. [default: "
-        "runs/encoder]",
-    ),
-]
-HeadsPresetName = Annotated[
-    str | None,
-    typer.Option(
-        "--preset",
-        help="With --weights: smoke or default, how long the encoder's heads learn. [default: "
-        "default]",
-    ),
-]
 Force = Annotated[
     bool, typer.Option("--force", help="Replace the file, if there is one of its name already.")
 ]

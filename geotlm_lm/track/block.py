@@ -140,10 +140,8 @@ class Block:
         return twists
 
     def _covariances(self) -> Floats:
-        covariances, logs = (
-            np.zeros((len(self.rows), 4, 4)),
-            np.log(self._strengths().clip(min=0.1)),
-        )
+        covariances = np.zeros((len(self.rows), 4, 4))
+        logs = np.log(self._strengths().clip(min=0.1))
         grown = GROWING**2 * np.abs(np.diff(logs, prepend=logs[0]))
         for k, row in enumerate(self.rows):
             if row.step is not None:
@@ -165,13 +163,9 @@ def believer(model: GeoTLM, motion: MotionNetwork) -> Believe:
 def believed(
     motion: MotionNetwork, clip: Clip, perception: Perception, doubt: float = 1.0
 ) -> Belief:
-    """Return the motion network's belief of four frames with their idle gel.
+    """Return the network's belief of four frames with their idle gel, perceived in a batch of one.
 
-    Args:
-        motion: The network.
-        clip: The frames.
-        perception: Of the clip, batch of one.
-        doubt: Factor that widens the spread and flattens the probabilities.
+    The doubt is a factor that widens the spread and flattens the probabilities.
     """
     inputs, motions = perception.inputs, perception.motions
     if inputs is None or not motions:  # a released encoder has no stem of its own

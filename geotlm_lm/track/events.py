@@ -167,10 +167,7 @@ class Legs:
         return leg
 
     def _trimmed(self) -> Leg:
-        """Return the leg without the creeping before and after it.
-
-        Where it is a tenth and a quarter under way, in a line, tells where it began and ended.
-        """
+        """Return the leg without the creeping before and after it, by its way in between."""
         first, last = self._leg[0], self._leg[-1]
         way = last.at - first.at
         done = np.array([float((past.at - first.at) @ way) for past in self._leg])
@@ -316,7 +313,10 @@ class EventFinder:
         if moment.is_touched:
             if self._touched is None:
                 self._touch(moment)
-            self._waiting += self._moved(moment)
+            for component, legs in self._legs.items():
+                point = Point(moment.place, moment.time_s, moment.way[COLUMNS[component]])
+                for leg in legs.push(point):
+                    self._waiting += self._over(component, leg)
             if moment.time_s - self._touched.time_s >= TOUCH_S:
                 events, self._waiting = self._waiting, []
         elif self._touched is not None:
@@ -340,30 +340,24 @@ class EventFinder:
         }
         self._waiting = [self._event(EventKind.TOUCH, moment, moment)]
 
-    def _moved(self, moment: Moment) -> list[Event]:
-        events = []
-        for component, legs in self._legs.items():
-            point = Point(moment.place, moment.time_s, moment.way[COLUMNS[component]])
-            closed = legs.push(point)
-            events += [event for leg in closed for event in self._over(component, leg)]
-        return events
-
     def _stick(self, until: int) -> list[Event]:
-        since, end = self._at(self._free_since), self._at(until)
+        since, end = self._moments.get(self._free_since), self._moments.get(until)
         if since is None or end is None or end.time_s - since.time_s < STICK_S:
             return []
         self._free_since = until
         return [self._event(EventKind.STICK, since, end)]
 
     def _over(self, component: Component, leg: Leg) -> list[Event]:
-        begin, end = self._at(leg.begin), self._at(leg.end)
+        begin, end = self._moments[leg.begin], self._moments[leg.end]
         way = float((end.way - begin.way)[3])
         kinds = {Component.TURN: EventKind.TURN, Component.SLIDE: EventKind.SLIDE}
         kind = kinds.get(component, EventKind.PRESS if way > 0 else EventKind.RELEASE)
         moved = self._event(kind, begin, end, component)
         if kind is EventKind.TURN and not self._is_sure(moved, end.radius_px):
             return []
-        stick = [] if component is Component.PRESS else self._stick(self._resting_until(leg.begin))
+        # A rest ends where the leg begins, or one that is not over yet.
+        until = min([leg.begin, *self._moving_since()])
+        stick = [] if component is Component.PRESS else self._stick(until)
         is_slip = stick and stick[0].end == begin.number
         slip = [self._event(EventKind.SLIP, begin, end, component)] if is_slip else []
         self._free_since = max(self._free_since, leg.end)
@@ -376,15 +370,13 @@ class EventFinder:
         least = self._least_deg * (2 if turn.seconds < JERK_S else 1)
         return abs(turn.amount.mean) > max(doubt, least)
 
-    def _resting_until(self, begin: int) -> int:
-        """Return when a rest ended: at the beginning of a leg, or of one that is not over yet."""
-        others = (self._legs[component].begun for component in (Component.TURN, Component.SLIDE))
-        return min([begin, *(other for other in others if other is not None)])
+    def _moving_since(self) -> list[int]:
+        """Return where the turn and the slide that are not over yet began."""
+        legs = (self._legs[component].begun for component in (Component.TURN, Component.SLIDE))
+        return [begun for begun in legs if begun is not None]
 
     def _closed(self, last: Moment, *, is_let_go: bool = False) -> list[Event]:
-        events, lifting = [], None
-        moves = (Component.TURN, Component.SLIDE)
-        moving = any(self._legs[component].begun is not None for component in moves)
+        events, lifting, moving = [], None, self._moving_since()
         for component, legs in self._legs.items():
             for leg in legs.finish():
                 over = self._over(component, leg)
@@ -395,32 +387,21 @@ class EventFinder:
         if not moving:
             events += self._stick(last.place)
         if is_let_go:
-            begin = last if lifting is None else self._at(lifting)
+            begin = last if lifting is None else self._moments[lifting]
             events.append(self._event(EventKind.RELEASE, begin, last, Component.PRESS))
         is_touch = last.time_s - self._touched.time_s >= TOUCH_S
         events, self._waiting = [*self._waiting, *events], []
         self._touched, self._legs = None, {}
         return events if is_touch else []
 
-    def _at(self, place: int) -> Moment | None:
-        return self._moments.get(place)
-
     def _event(
         self, kind: EventKind, begin: Moment, end: Moment, component: Component | None = None
     ) -> Event:
-        twist, own = end.way - begin.way, end.doubt - begin.doubt
-        amount = Span(0.0, 0.0) if component is None else amount_of(component, twist, own)
-        return Event(
-            kind,
-            begin.number,
-            end.number,
-            begin.time_s,
-            end.time_s,
-            Twist(*map(float, twist)),
-            amount,
-            self._probability(kind, amount, begin, end),
-            component,
-        )
+        way, own = end.way - begin.way, end.doubt - begin.doubt
+        amount = Span(0.0, 0.0) if component is None else amount_of(component, way, own)
+        ends = (begin.number, end.number, begin.time_s, end.time_s)
+        sure = self._probability(kind, amount, begin, end)
+        return Event(kind, *ends, Twist(*map(float, way)), amount, sure, component)
 
     def _probability(self, kind: EventKind, amount: Span, begin: Moment, end: Moment) -> float:
         contact = max(begin.contact, end.contact)

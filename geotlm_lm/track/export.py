@@ -165,9 +165,7 @@ class Exported:
     def save(self, path: Path, made_by: dict[str, Any]) -> None:
         """Write the table of frames; of .json also events, totals, notes and what made it.
 
-        Args:
-            path: Its ending, .csv, .parquet or .json, says how.
-            made_by: Plain values that say what made it; a .parquet file keeps them as well.
+        The ending, .csv, .parquet or .json, says how; a .parquet file keeps what made it as well.
 
         Raises:
             MissingDependency: If the package that writes it is not installed.

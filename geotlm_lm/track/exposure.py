@@ -65,16 +65,14 @@ def shift_grey(before: Floats, after: Floats) -> float:
 def exposure_step(before: Floats, after: Floats) -> Exposure | None:
     """Return the new exposure of the later of two pictures; None where it is that of the earlier.
 
-    Args:
-        before: As `small_colours` returns it.
-        after: Likewise.
+    Both are as of `small_colours`.
     """
     if shift_grey(before, after) < LEAST_GREY or np.median(after.max(axis=-1)) < DIM_GREY:
         return None
-    is_told = (np.maximum(before, after) < CLIPPED_GREY).all(axis=-1)
-    if is_told.sum() < is_told.size / 4:
+    is_known = (np.maximum(before, after) < CLIPPED_GREY).all(axis=-1)
+    if is_known.sum() < is_known.size / 4:
         return None
-    earlier, later = before[is_told], after[is_told]
+    earlier, later = before[is_known], after[is_known]
     gain, offset = _compared(earlier, later)
     # What touches may move meanwhile: half of the picture tells the exposure as well.
     left = np.square(later - gain * earlier - offset).sum(axis=1)

@@ -54,12 +54,7 @@ def write_film(
 
 
 def draw_mark(frame: Frames, mark: Mark) -> Frames:
-    """Return a frame, magnified, with its arrow and its dial, on a strip with two lines of text.
-
-    Args:
-        frame: uint8 RGB.
-        mark: What is drawn over it.
-    """
+    """Return a frame, magnified, with its arrow and its dial, on a strip with two lines of text."""
     image = magnified(frame)
     rows, columns = image.shape[:2]
     middle = np.array([columns / 2, rows / 2])
@@ -78,12 +73,9 @@ def draw_mark(frame: Frames, mark: Mark) -> Frames:
 
 def _draw_dial(image: Frames, turn_deg: float) -> None:
     """Draw a circle whose hand points up at the begin and turns as the object has."""
-    middle = (DIAL_MARGIN + DIAL_PX, DIAL_MARGIN + DIAL_PX)
-    angle = math.radians(turn_deg)
-    hand = (
-        round(middle[0] + DIAL_PX * math.sin(angle)),
-        round(middle[1] - DIAL_PX * math.cos(angle)),
-    )
+    middle, angle = (DIAL_MARGIN + DIAL_PX, DIAL_MARGIN + DIAL_PX), math.radians(turn_deg)
+    right, up = DIAL_PX * math.sin(angle), DIAL_PX * math.cos(angle)
+    hand = (round(middle[0] + right), round(middle[1] - up))
     cv2.circle(image, middle, DIAL_PX, WHITE, 1, cv2.LINE_AA)
     cv2.line(image, middle, (middle[0], DIAL_MARGIN), GREY, 1, cv2.LINE_AA)
     cv2.line(image, middle, hand, ARROW_COLOUR, ARROW_THICKNESS, cv2.LINE_AA)

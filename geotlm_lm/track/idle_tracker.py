@@ -44,8 +44,7 @@ FOLLOWING = 0.02
 class IdleTracker:
     """Learns the idle gel and measures every frame against it.
 
-    Args:
-        idle: The gel, uint8 RGB, if it is known already; it is followed as the light drifts.
+    A gel that is known already is followed as the light drifts.
     """
 
     def __init__(self, idle: Frames | None = None) -> None:
@@ -96,13 +95,9 @@ class IdleTracker:
         return abs(float(np.median(frame[few] - self._idle[few]))) <= MOST_OFFSET_GREY
 
     def strength(self, frame: Frames) -> float | None:
-        """Take in the next frame and return its imprint.
+        """Take in the next frame and return its imprint; None while the gel is being learnt.
 
-        Args:
-            frame: uint8, shape (rows, columns, 3), RGB.
-
-        Returns:
-            Grey levels (rms) between the frame and the idle gel; None while it is being learnt.
+        It is the grey levels (rms) between the frame and the idle gel.
 
         Raises:
             UnreadableClip: If it is of another size than the frames before.

@@ -150,10 +150,8 @@ class Step:
 class KeyFrames:
     """Follows one contact from its first frame to its last.
 
-    Args:
-        residual: First frame, as `small_green` has it, less the idle gel.
-        rows: Of the frame itself, likewise `columns`.
-        columns: See `rows`.
+    A residual is a frame less the idle gel, both as of `small_green`; rows and columns are those
+    of the frame itself.
     """
 
     def __init__(self, residual: Floats, rows: int, columns: int) -> None:
@@ -177,7 +175,11 @@ class KeyFrames:
         on_key = align(self._key, picture, pose, levels=2)
         is_seen = on_key.correlation > LOST
         if is_seen:
-            pose, covariance = _fused(pose, covariance, self._on_even(picture, on_key.motion))
+            faint = (FAINT_GREY / max(self._key.levels[-1].contrast, 1e-6)) ** 4
+            weight = LEAST_WEIGHT + min(faint, ALL_ALIKE)
+            how = {"still_grey": STILL_EVEN, "least_weight": weight, "levels": 1}
+            on_even = align(self._even, picture.even(), on_key.motion, **how)
+            pose, covariance = _fused(pose, covariance, on_even)
         taken = pose.after(self._pose.inverse())
         result = Step(
             self._place.travel(taken),
@@ -198,13 +200,6 @@ class KeyFrames:
         self._pose, self._covariance = Rigid(), np.zeros((3, 3))
         # The picture's pixels may be others now: the last step is no start any more.
         self._before = Rigid(self._before.turn_rad)
-
-    def _on_even(self, picture: Picture, start: Rigid) -> Aligned:
-        faint = (FAINT_GREY / max(self._key.levels[-1].contrast, 1e-6)) ** 4
-        least = LEAST_WEIGHT + min(faint, ALL_ALIKE)
-        return align(
-            self._even, picture.even(), start, still_grey=STILL_EVEN, least_weight=least, levels=1
-        )
 
     def _is_far(self, on_key: Aligned, picture: Picture) -> bool:
         pose, side = self._pose, max(picture.image.shape)

@@ -91,10 +91,7 @@ class Track:
     def between(self, first: float, last: float, *, unit: str = "frames") -> Track:
         """Return the track of a span, both ends included; its motion starts at rest at `first`.
 
-        Args:
-            first: Frame number or second, likewise `last` after it.
-            last: See `first`.
-            unit: "frames" or "s".
+        The ends are frame numbers, or seconds where `unit` is "s".
 
         Raises:
             UsageError: If frames are asked for that are not inside the recording, or the span holds
@@ -157,9 +154,7 @@ class Track:
     def rates(self) -> tuple[Floats, Floats]:
         """Return how fast it turns, goes right, down and inward around each frame, (n, 4).
 
-        Returns:
-            Degrees, pixels and mm a second, and their deviations, which are zero where nothing
-            touches: what does not touch does not move.
+        Degrees, pixels and mm a second, and their deviations; both are zero where nothing touches.
         """
         if len(self) < 2:
             return np.zeros((len(self), 4)), np.zeros((len(self), 4))
@@ -227,9 +222,7 @@ class Track:
 def belief_of_track(track: Track, window: Belief) -> Belief:
     """Return the belief of the motion from a track's first frame to its last.
 
-    Args:
-        track: Of a recording, or of a span of it.
-        window: The belief of the four frames of `window_of`, which the language model reads.
+    `window` is the belief of the four frames of `window_of`, which the language model reads.
     """
     mean, contact = track.net_twist, float(track.contact.max(initial=0.0))
     radii = track.radius_px[track.radius_px > 0]

@@ -137,7 +137,12 @@ class Tracker:
         if taken_s is None:
             return []
         self._time_s = taken_s
-        self._follow_exposure(frame)
+        exposure = self._idle.follow_exposure(frame)
+        if exposure is not None:
+            self._stepped.append(self._number)
+            self._block.expose(exposure)
+            if self._keys is not None:
+                self._gel = small_green(self._idle.background)
         if not self._idle.is_exposed_alike(frame):
             self._flashed += 1
             return []
@@ -158,26 +163,14 @@ class Tracker:
         self._events += self._finder.finish()
         return self.so_far
 
-    def _follow_exposure(self, frame: Frames) -> None:
-        """Take what is kept of earlier frames to be exposed as a frame is."""
-        exposure = self._idle.follow_exposure(frame)
-        if exposure is None:
-            return
-        self._stepped.append(self._number)
-        self._block.expose(exposure)
-        if self._keys is not None:
-            self._gel = small_green(self._idle.background)
-
     def _measured(self, frame: Frames) -> Row:
         strength = self._idle.strength(frame)
-        was_touched = self._keys is not None
-        if strength is None or strength < FAINT_IMPRINT * (LET_GO if was_touched else 1):
+        least = FAINT_IMPRINT * (1 if self._keys is None else LET_GO)
+        contact = 0.0 if strength is None else _contact(strength)
+        if strength is None or strength < least:
             self._keys = None
-            contact = 0.0 if strength is None else _contact(strength)
             return Row(self._number, self._time_s, strength or 0.0, contact, False)
-        step = self._step(frame)
-        radius = self._keys.place.radius_px
-        contact = _contact(strength)
+        step, radius = self._step(frame), self._keys.place.radius_px
         return Row(self._number, self._time_s, strength, contact, True, step, radius)
 
     def _step(self, frame: Frames) -> Step | None:
@@ -239,16 +232,10 @@ def track_of(
     idle: Frames | None = None,
     progress: Progress = silent,
 ) -> Track:
-    """Return the track of a recording.
+    """Return the track of a recording; arguments and errors as of `Tracker`.
 
-    Args:
-        source: A clip, whose idle gel is looked for first, or frames with their times.
-        believe: As of `Tracker`.
-        idle: The untouched gel, if known.
-        progress: Called after each frame of a clip.
-
-    Raises:
-        UnreadableClip: As of `Tracker.feed`.
+    The source is a clip, whose idle gel is looked for first, or frames with their times. Progress
+    is told after each frame of a clip.
     """
     if not isinstance(source, Clip):
         tracker = Tracker(believe, idle=idle)

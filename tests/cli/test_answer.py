@@ -2,19 +2,56 @@
 
 import json
 import sys
+from dataclasses import dataclass
 from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
 
-from tests.cli import fakes
+from geotlm_lm.recordings.span import frames_inside
 from tests.cli.running import run
 from tests.recordings import broken_files
 
 
+class FakeAnswerer:
+    abstained = False
+
+    def __init__(self):
+        self.clips, self.spans, self.questions, self.folders = [], [], [], []
+        self.frames = []
+
+    def load(self, folder=None):
+        self.folders.append(folder)
+        return self
+
+    def encode(self, clip, span=None):
+        self.clips.append(clip)
+        self.spans.append(span)
+        return clip if span is None else frames_inside(clip, span)
+
+    def ask(self, encoded, question, *, frame):
+        self.questions.append(question)
+        self.frames.append(frame)
+        return SimpleNamespace(
+            text="Clockwise.",
+            abstained=self.abstained,
+            notes=("Frames 0, 1, 2, 3 are used.",),
+            to_dict=lambda: {"text": "Clockwise.", "direction": "clockwise"},
+        )
+
+    def why(self, encoded, answer):
+        return Why(("Contact fills the gel.", f"Therefore: {answer.text}"), "by rule")
+
+
+@dataclass(frozen=True)
+class Why:
+    steps: tuple
+    source: str
+
+
 @pytest.fixture
 def answerer(monkeypatch):
-    fake = fakes.FakeAnswerer()
+    fake = FakeAnswerer()
     module = ModuleType("geotlm_lm.answering")
     module.Answerer = SimpleNamespace(load=fake.load)
     monkeypatch.setitem(sys.modules, "geotlm_lm.answering", module)

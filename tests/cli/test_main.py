@@ -310,20 +310,6 @@ def test_a_wrong_path_is_told_before_the_model_is_loaded():
     assert done.stderr == "gone.npy: no such file or folder; check the path.\n"
 
 
-def options_of(command):
-    """Yield every option of a command, and of those below it."""
-    for below in getattr(command, "commands", {}).values():
-        yield from options_of(below)
-    yield from command.params
-
-
-def test_an_option_says_the_same_in_every_command():
-    every = options_of(typer.main.get_command(main_module.app))
-    helps = [one.help for one in every if one.name == "model"]
-    assert len(helps) > 4
-    assert len(set(helps)) == 1
-
-
 ENDLESS = """
 import sys, time
 from geotlm_lm.cli import main

@@ -15,7 +15,6 @@ from geotlm_lm.recordings import latest_frames, streams
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
 from tests.cli.recorded_touch import CLIP, saved_touch
-from tests.track.test_idle_tracker import gel, touched
 
 
 class Asked:
@@ -125,15 +124,6 @@ def test_a_question_is_asked_about_each_motion_that_ends(capsys, recording):
     still = [one for one in events if one["event"] in ("touch", "stick", "slip")]
     assert still
     assert not any("answer" in one for one in still)
-
-
-def test_a_recording_without_an_untouched_gel_says_so(capsys, tmp_path):
-    frames = gel()
-    turning = [np.roll(touched(next(frames)), 2 * number, axis=1) for number in range(30)]
-    np.savez(tmp_path / "turning.npz", frames=np.stack(turning), fps=25.0)
-    code, out, err = run(capsys, tmp_path / "turning.npz")
-    assert (code, out) == (0, "Nothing touches in the recording.\n")
-    assert "note: No untouched gel was seen, so nothing could be tracked; start while " in err
 
 
 def test_a_rate_that_is_assumed_is_told_and_can_be_given(capsys, tmp_path):

@@ -127,7 +127,6 @@ def test_a_film_that_is_cut_off_is_an_error_and_what_was_there_before_stays(tmp_
 def test_a_film_of_a_name_that_is_not_utf_8_is_written(tmp_path):
     path = tmp_path / os.fsdecode(b"m\xe9") / os.fsdecode(b"seen\xe9.mp4")
     write_film(path, exported(), FRAMES, 25.0)
-    assert os.listdir(path.parent) == [path.name]
     assert len(read_clip(path)) == len(FRAMES)
 
 
