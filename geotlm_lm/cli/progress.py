@@ -68,7 +68,7 @@ class ProgressBars:
         stage = (what.partition(",")[0], total)
         if self._bar is None or stage != self._stage:
             self.close()
-            self._begin(what, total)
+            self._begin(what, done, total)
             self._stage = stage
         self._bar.update(self._bar.task_ids[0], description=what, completed=done)
         if done >= total:
@@ -81,7 +81,7 @@ class ProgressBars:
             atexit.unregister(self.close)
             self._bar = None
 
-    def _begin(self, what: str, total: int) -> None:
+    def _begin(self, what: str, done: int, total: int) -> None:
         # Imported only now: an answer must not wait for it.
         from rich import progress as rich
         from rich.console import Console
@@ -90,6 +90,6 @@ class ProgressBars:
                    rich.TimeRemainingColumn())  # fmt: skip
         words = rich.TextColumn("{task.description}", markup=False)
         self._bar = rich.Progress(words, *columns, console=Console(file=self._stream))
-        self._bar.add_task(what, total=total)
+        self._bar.add_task(what, total=total, completed=done)
         atexit.register(self.close)  # an error may end the stage before it is full
         self._bar.start()
