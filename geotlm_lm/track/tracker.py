@@ -18,8 +18,8 @@ from geotlm_lm.recordings.idle import activity_grey, estimate_background, find_i
 from geotlm_lm.recordings.imprints import FAINT_IMPRINT, imprints_of, strength_of
 from geotlm_lm.track.block import Believe, Block, Row
 from geotlm_lm.track.events import Event, EventFinder, Moment
+from geotlm_lm.track.exposure import IdleTracker
 from geotlm_lm.track.frame_clock import FrameClock
-from geotlm_lm.track.idle_tracker import IdleTracker
 from geotlm_lm.track.keyframes import Floats, KeyFrames, Step, small_green
 from geotlm_lm.track.track import Track
 
