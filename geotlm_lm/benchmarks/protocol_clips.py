@@ -22,8 +22,8 @@ from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.simulation.series import simulate_series
 from geotlm_lm.simulation.simulate import SimulatedClip
 from geotlm_lm.training.geometry import ALL_MOTIONS, TokenSet
-from geotlm_lm.training.motion_loss import counts_motion
 from geotlm_lm.training.recording_forms import bin_means, truth_in_view
+from geotlm_lm.training.truth import counts_motion
 
 ORDERS = {FRAME_COUNT: (0, 1, 2, 3), 2: (0, 0, 3, 3)}
 """Frames the backbone is given: all of them, or the first and the last, fed as a, a, b, b."""

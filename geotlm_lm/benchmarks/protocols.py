@@ -30,11 +30,17 @@ from geotlm_lm.core.grouping import mean_by_group
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.progress import silent
 from geotlm_lm.dgr.ablations import DGRParts
-from geotlm_lm.probe.logistic import fit_logistic
+from geotlm_lm.probe.linear import fit_logistic
 from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
-from geotlm_lm.training.folds import Recipe, standardise_fold, train_on_fold
-from geotlm_lm.training.object_folds import Fold, leave_one_object_out, object_folds
+from geotlm_lm.training.folds import (
+    Fold,
+    Recipe,
+    leave_one_object_out,
+    object_folds,
+    standardise_fold,
+    train_on_fold,
+)
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.tokens import Backbone

@@ -120,12 +120,12 @@ def _trained_on(encoder: Encoder, preset: str, folder: Path, seed: int) -> tuple
     import torch
 
     from geotlm_lm.backbone.released import load_encoder
-    from geotlm_lm.training.config import heads_preset_named
+    from geotlm_lm.training.config import HEADS_PRESETS, preset_named
     from geotlm_lm.training.heads import train_heads
 
-    heads_preset_named(preset)  # refused before gigabytes are read
+    preset_named(preset, HEADS_PRESETS)  # refused before gigabytes are read
     require_writable(folder, "--run-folder")
     released = load_encoder(encoder.weights, encoder.encoder, heads=encoder.heads)
     released.to("cuda" if torch.cuda.is_available() else "cpu")
     bundle = train_heads(released, preset, folder, seed, progress_on_stderr())
-    return f"{released.adapter.title} ({encoder.weights.name})", bundle
+    return f"{released.row.title} ({encoder.weights.name})", bundle

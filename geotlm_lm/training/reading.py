@@ -31,7 +31,7 @@ from geotlm_lm.query.grammar import Pair, grammar
 from geotlm_lm.query.lexicon import Lexicon
 from geotlm_lm.query.reader import SIZE, QuestionDecoder, Reader
 from geotlm_lm.query.spelling import Spelling, plain_parts
-from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
+from geotlm_lm.training.fit import load_checkpoint, save_checkpoint
 from geotlm_lm.training.language import parameter_groups
 from geotlm_lm.training.muon import Muon, orthogonal_groups
 from geotlm_lm.training.ranks import ALONE, Ranks

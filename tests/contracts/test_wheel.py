@@ -62,6 +62,20 @@ def test_every_resource_is_found_inside_the_installed_package(installed, tmp_pat
 
 
 @CHECKOUT
+def test_training_data_stays_behind_and_training_says_so(wheel, installed, tmp_path):
+    with zipfile.ZipFile(wheel) as archive:
+        names = [name for name in archive.namelist() if "/data_templates/" in name]
+    assert {Path(name).name for name in names} == {"quantities.toml", "replies.toml"}
+    command = ["-m", "geotlm_lm", "train", "--preset", "smoke", "--out", "run"]
+    done = run_in_empty_folder(installed, tmp_path, *command)
+    assert (done.returncode, done.stderr.splitlines()[-1]) == (
+        7,
+        "The wordings that training reads are part of the repository, not of the installed "
+        "package; run this from a checkout.",
+    )
+
+
+@CHECKOUT
 def test_the_installed_command_describes_a_clip_in_an_empty_folder(installed, tmp_path):
     frames = np.random.default_rng(0).integers(0, 255, (6, 48, 64, 3)).astype(np.uint8)
     np.save(tmp_path / "clip.npy", frames)

@@ -1,7 +1,7 @@
-"""One vision transformer over pixels that every released transformer is a special case of.
+"""Modules of released encoders: one vision transformer for all of them, and one convolutional.
 
-Same blocks as the embedded backbone; stem, extra tokens, positions and outer norms differ by
-configuration. Knows nothing of files or of how pixels were prepared.
+The transformer has the blocks of the embedded backbone; stem, extra tokens, positions and outer
+norms differ by configuration. Nothing here knows of files or of how pixels were prepared.
 """
 
 from __future__ import annotations
@@ -18,26 +18,21 @@ from geotlm_lm.backbone.vit import Block
 
 @dataclass(frozen=True)
 class ImageViTConfig:
-    """Sizes and parts of a transformer.
+    """Sizes and parts of a transformer; parts named as in `encoders.EncoderRow` are the same.
 
     Args:
         width: Width d of a token.
-        heads: Attention heads; no file tells them.
+        heads: Attention heads.
         mlp_width: Width of the hidden layer of a block's MLP.
         block_eps: Norm epsilon of each block, first block first.
         patch: Kernel and stride of the stem: (rows, columns), or with its depth before them.
         grid: Patches along (time, row, column) that the positions were made for.
-        has_patch_bias: Whether the stem adds a bias.
-        has_layer_scale: Whether the blocks scale what they add.
         has_global: Whether a global token leads; it has a position of its own.
         sensor_rows: Sensors that have tokens of their own; 0 for none.
         sensor_tokens: Tokens of each sensor, after the global token, without position.
         registers: Tokens that belong to no patch, before the patches, without position.
         has_sinusoids: Whether positions are computed, and not learned.
-        resizes_positions: Whether learned positions are resized to images of another size.
-        pre_norm_eps: Epsilon of a norm before the blocks; None for no norm.
-        norm_eps: Epsilon of a norm after the blocks; None for no norm.
-        projection: Width of a projection after that norm; 0 for none.
+        projection: Width of a projection after the last norm; 0 for none.
     """
 
     width: int
@@ -70,11 +65,7 @@ class ImageViTConfig:
 
 
 class ImageViT(nn.Module):
-    """Turn pixels into tokens.
-
-    Args:
-        config: Sizes and parts.
-    """
+    """Turn pixels into tokens."""
 
     def __init__(self, config: ImageViTConfig) -> None:
         super().__init__()
@@ -89,7 +80,13 @@ class ImageViT(nn.Module):
         self.positions = _weights(rows, width)
         self.pre_norm = _norm(width, config.pre_norm_eps)
         self.blocks = nn.ModuleList(
-            Block(config, norm_eps=eps, has_layer_scale=config.has_layer_scale)
+            Block(
+                width,
+                config.heads,
+                config.mlp_width,
+                norm_eps=eps,
+                has_layer_scale=config.has_layer_scale,
+            )
             for eps in config.block_eps
         )
         self.norm = _norm(width, config.norm_eps)
@@ -130,11 +127,7 @@ class ImageViT(nn.Module):
     def positions_for(self, grid: tuple[int, ...]) -> tuple[Tensor, Tensor]:
         """Return the position of the global token, (1, d), and of every patch, (n, d).
 
-        Args:
-            grid: Patches along (row, column) or (time, row, column).
-
-        Raises:
-            ValueError: If learned positions are of another grid and may not be resized.
+        `grid` counts the patches along (row, column) or (time, row, column).
         """
         grid = (1,) * (3 - len(grid)) + grid
         if self.config.has_sinusoids:
@@ -196,3 +189,133 @@ def _weights(*sizes: int) -> nn.Parameter | None:
 
 def _norm(width: int, eps: float | None) -> nn.LayerNorm | None:
     return None if eps is None else nn.LayerNorm(width, eps=eps)
+
+
+GROUPS, GROUP_EPS = 32, 1e-6
+
+
+@dataclass(frozen=True)
+class ConvEncoderConfig:
+    """Channels of each level, residual blocks in a level, and levels with attention after each."""
+
+    base_width: int
+    widths: tuple[int, ...]
+    blocks: int
+    attention_levels: tuple[int, ...]
+    latent_width: int
+    code_width: int
+
+
+class ConvEncoder(nn.Module):
+    """The encoder of a VQGAN: images to their latent before quantisation.
+
+    Levels of residual blocks, halved in between; parts are named as released files name them.
+    """
+
+    def __init__(self, config: ConvEncoderConfig) -> None:
+        super().__init__()
+        self.config = config
+        self.encoder = _Encoder(config)
+        self.quant_conv = nn.Conv2d(config.latent_width, config.code_width, 1)
+
+    def forward(self, images: Tensor) -> Tensor:
+        """Return the latent (b, code_width, rows / 8, columns / 8) of four levels.
+
+        Images are (b, 3, rows, columns), in [0, 1].
+        """
+        return self.quant_conv(self.encoder(images))
+
+
+class _Encoder(nn.Module):
+    def __init__(self, config: ConvEncoderConfig) -> None:
+        super().__init__()
+        self.conv_in = nn.Conv2d(3, config.base_width, 3, padding=1)
+        befores = (config.base_width, *config.widths[:-1])
+        self.down = nn.ModuleList(
+            _Level(
+                before,
+                width,
+                config.blocks,
+                has_attention=level in config.attention_levels,
+                halves=level < len(config.widths) - 1,
+            )
+            for level, (before, width) in enumerate(zip(befores, config.widths, strict=True))
+        )
+        width = config.widths[-1]
+        self.mid = nn.ModuleDict(
+            {
+                "block_1": ResidualBlock(width, width),
+                "attn_1": GridAttention(width),
+                "block_2": ResidualBlock(width, width),
+            }
+        )
+        self.norm_out = nn.GroupNorm(GROUPS, width, eps=GROUP_EPS)
+        self.conv_out = nn.Conv2d(width, config.latent_width, 3, padding=1)
+
+    def forward(self, images: Tensor) -> Tensor:
+        x = self.conv_in(images)
+        for part in (*self.down, *self.mid.values()):
+            x = part(x)
+        return self.conv_out(F.silu(self.norm_out(x)))
+
+
+class _Level(nn.Module):
+    def __init__(
+        self, before: int, width: int, blocks: int, *, has_attention: bool, halves: bool
+    ) -> None:
+        super().__init__()
+        self.block = nn.ModuleList(
+            ResidualBlock(width if index else before, width) for index in range(blocks)
+        )
+        attentions = blocks if has_attention else 0
+        self.attn = nn.ModuleList(GridAttention(width) for _ in range(attentions))
+        conv = nn.Conv2d(width, width, 3, stride=2) if halves else None
+        self.downsample = nn.ModuleDict({"conv": conv}) if halves else None
+
+    def forward(self, x: Tensor) -> Tensor:
+        for index, block in enumerate(self.block):
+            x = block(x)
+            x = self.attn[index](x) if len(self.attn) else x
+        if self.downsample is None:
+            return x
+        # Padded at the right and at the bottom only.
+        return self.downsample["conv"](F.pad(x, (0, 1, 0, 1)))
+
+
+class ResidualBlock(nn.Module):
+    """Twice norm, x * sigmoid(x) and a 3 x 3 convolution, added to the input."""
+
+    def __init__(self, before: int, width: int) -> None:
+        super().__init__()
+        self.norm1 = nn.GroupNorm(GROUPS, before, eps=GROUP_EPS)
+        self.conv1 = nn.Conv2d(before, width, 3, padding=1)
+        self.norm2 = nn.GroupNorm(GROUPS, width, eps=GROUP_EPS)
+        self.conv2 = nn.Conv2d(width, width, 3, padding=1)
+        self.nin_shortcut = nn.Conv2d(before, width, 1) if before != width else None
+
+    def forward(self, x: Tensor) -> Tensor:
+        """Return the image at the block's width."""
+        inner = self.conv1(F.silu(self.norm1(x)))
+        inner = self.conv2(F.silu(self.norm2(inner)))
+        return inner + (x if self.nin_shortcut is None else self.nin_shortcut(x))
+
+
+class GridAttention(nn.Module):
+    """One head of attention between all places of the grid, added to the input."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.norm = nn.GroupNorm(GROUPS, width, eps=GROUP_EPS)
+        self.q = nn.Conv2d(width, width, 1)
+        self.k = nn.Conv2d(width, width, 1)
+        self.v = nn.Conv2d(width, width, 1)
+        self.proj_out = nn.Conv2d(width, width, 1)
+
+    def forward(self, x: Tensor) -> Tensor:
+        """Return the image with what each place has read from the others."""
+        normed = self.norm(x)
+        query, key, value = (
+            layer(normed).flatten(2).transpose(1, 2) for layer in (self.q, self.k, self.v)
+        )  # (b, places, d)
+        mixed = F.scaled_dot_product_attention(query, key, value)
+        return x + self.proj_out(mixed.transpose(1, 2).unflatten(2, x.shape[2:]))
