@@ -10,17 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from geotlm_lm.cli.grouped import Answering, grouped
+from geotlm_lm.cli.grouped import Answering, Pixels, Positional, grouped, touch_camera
 from geotlm_lm.cli.options import (
+    CameraName,
     ClusterAddress,
-    FramesPerSecond,
-    LayoutName,
-    SquarePixels,
-    TopicName,
     path_option,
     require_writable_file,
 )
-from geotlm_lm.cli.recording import CameraName, touch_camera
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.runs.run import Workers
 
@@ -42,9 +38,11 @@ def batch(
     *,
     clips: Annotated[
         Path,
-        path_option(
-            help="Folder of recordings (files, folders of images, bags), or a LeRobot data set, "
-            "each of whose episodes is one."
+        Positional(
+            "--clips",
+            "FOLDER",
+            "Of recordings (files, folders of images, bags), or a LeRobot data set, each of whose "
+            "episodes is one.",
         ),
     ],
     questions: Annotated[
@@ -56,10 +54,7 @@ def batch(
         typer.Option(min=1, help="Processes that answer. [default: one per usable core]"),
     ] = None,
     cluster: ClusterAddress = None,
-    layout: LayoutName = None,
-    fps: FramesPerSecond = None,
-    square_pixels: SquarePixels = None,
-    topic: TopicName = None,
+    pixels: Pixels,
     camera: CameraName = None,
     answering: Answering,
 ) -> None:
@@ -68,16 +63,16 @@ def batch(
     A clip is encoded once. A stopped run continues where it was when it is started again; the file
     appears when all of it is there. It may take the place of an earlier batch's, and of no other.
 
-    Example: geotlm-lm batch --clips recordings --questions questions.txt --out answers.jsonl
+    Example: geotlm-lm batch recordings --questions questions.txt --out answers.jsonl
     """
     from geotlm_lm.data_sets.lerobot import is_data_set
     from geotlm_lm.recordings.pixels import check_layout
     from geotlm_lm.recordings.read import require_rate
 
     by = Workers(workers, cluster)
-    require_rate(fps)
-    reading = {"fps": fps, "square_pixels": square_pixels}
-    of_files = {"layout": check_layout(layout), "topic": topic}
+    require_rate(pixels.fps)
+    reading = {"fps": pixels.fps, "square_pixels": pixels.square_pixels}
+    of_files = {"layout": check_layout(pixels.layout), "topic": pixels.topic}
     asked = read_questions(questions)
     if is_data_set(clips):
         sources = _episodes(clips, camera, out, of_files, reading)
