@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from geotlm_lm.benchmarks.rows import QUICK, Bench, Listing, Pivot, Row, Section, rows_of
+from geotlm_lm.benchmarks.harness import QUICK, Bench, Listing, Pivot, Row, Section, rows_of
 from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.record import RunRecord
@@ -65,14 +65,14 @@ def table(view: Listing | Pivot, rows: Sequence[Row]) -> str:
             list(view.columns), [[cell(row) for cell in view.columns.values()] for row in rows]
         )
     variants = list(dict.fromkeys(row.variant for row in rows))
-    found: dict[str, dict[str, Row]] = {}
+    by_case: dict[str, dict[str, Row]] = {}
     for row in rows:
-        found.setdefault(row.case, {})[row.variant] = row
+        by_case.setdefault(row.case, {})[row.variant] = row
     lines = [
         [case]
         + [str(max(row.count for row in own.values()))] * view.with_count
         + [view.cell(own[name]) if name in own else "-" for name in variants]
-        for case, own in found.items()
+        for case, own in by_case.items()
     ]
     return markdown([view.corner] + ["n"] * view.with_count + variants, lines)
 
@@ -125,11 +125,6 @@ def save_results(bench: Bench, record: RunRecord, folder: Path) -> None:
     redraw_figures([bench], folder)
 
 
-def figure_path(folder: Path, bench: Bench, section: Section) -> Path:
-    """Return where the picture of a section lies."""
-    return folder / f"{bench.name}_{section.name}.png"
-
-
 def save_figure(figure: Any, rows: Sequence[Row], path: Path) -> None:
     """Write a matplotlib figure as PNG that tells which rows it shows, for `check_results`."""
     with replacing(path) as stream:
@@ -138,8 +133,8 @@ def save_figure(figure: Any, rows: Sequence[Row], path: Path) -> None:
 
 def digest(rows: Sequence[Row]) -> str:
     """Return a digest of what rows say."""
-    told = json.dumps([row.to_dict() for row in rows], sort_keys=True)
-    return hashlib.sha256(told.encode()).hexdigest()[:16]
+    text = json.dumps([row.to_dict() for row in rows], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def render_results(benches: Sequence[Bench], folder: Path, readme: Path) -> list[Path]:
@@ -188,7 +183,7 @@ def _figures(benches: Sequence[Bench], folder: Path) -> Iterator[tuple[Draw, lis
         for section in bench.sections if record else ():
             rows = rows_of(record, section.name)
             if section.figure is not None and rows:
-                yield section.figure, rows, figure_path(folder, bench, section)
+                yield section.figure, rows, folder / f"{bench.name}_{section.name}.png"
 
 
 def _wanted(benches: Sequence[Bench], folder: Path, readme: Path) -> dict[Path, str]:
@@ -231,8 +226,8 @@ def _fill_blocks(
                 f"block '{name}' has no record; write it with `geotlm-lm bench {bench} --out "
                 f"docs/results`."
             )
-        told = f"{headlines[name](rows)}\n\n{provenance(record, section)}"
-        parts += [text[position : begin.end()], "\n\n", told, "\n\n"]
+        block = f"{headlines[name](rows)}\n\n{provenance(record, section)}"
+        parts += [text[position : begin.end()], "\n\n", block, "\n\n"]
         position = end
     return "".join([*parts, text[position:]])
 

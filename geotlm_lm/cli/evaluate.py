@@ -86,10 +86,9 @@ def evaluate(
         folder = run_folder or Path("runs/encoder")
         chosen = "default" if preset is None else preset
         answerer, name, about = _trained_on(weights, encoder, heads, chosen, folder, seed)
-    from geotlm_lm.benchmarks.accuracy import EVALUATION
+    from geotlm_lm.benchmarks.benches import EVALUATION
+    from geotlm_lm.benchmarks.harness import Run, rows_of, run_bench
     from geotlm_lm.benchmarks.rendering import page
-    from geotlm_lm.benchmarks.rows import Run, rows_of
-    from geotlm_lm.benchmarks.running import run_bench
     from geotlm_lm.benchmarks.variants import GENERATED
 
     what = {"seed": seed, "clips": clips, "real": real, "data": tuple(data or ())}

@@ -1,15 +1,15 @@
 """What is left out is timed both ways and costs what it cannot tell; laws of physics and timing."""
 
+from geotlm_lm.benchmarks.harness import Run
 from geotlm_lm.benchmarks.omissions import (
-    OMISSIONS,
+    SAVED,
     Omission,
     model_omissions,
     omission_rows,
     scene_omissions,
 )
-from geotlm_lm.benchmarks.pareto_simulator import DRIFT, HEIGHT
+from geotlm_lm.benchmarks.pareto import DRIFT, HEIGHT
 from geotlm_lm.benchmarks.rendering import tables
-from geotlm_lm.benchmarks.rows import Run
 from geotlm_lm.simulation.presets import PRESETS
 
 
@@ -27,7 +27,7 @@ def test_both_ways_take_turns_and_are_told_with_their_difference():
     assert (row.case, row.count, row.detail["costs"]) == ("all of it", 2, {"um": 2.0, "grey": 0.0})
     low, middle, high = row.detail["saved_ms"]
     assert low <= middle <= high
-    assert "2 um; 0 grey" in tables(OMISSIONS.section("saved"), [row])[0]
+    assert "2 um; 0 grey" in tables(SAVED, [row])[0]
 
 
 def test_what_the_model_leaves_out_changes_no_answer(tiny_answerer):

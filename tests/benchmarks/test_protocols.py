@@ -10,19 +10,20 @@ import pytest
 import torch
 
 from geotlm_lm.benchmarks import protocols
-from geotlm_lm.benchmarks.cases.simulated import TASKS
-from geotlm_lm.benchmarks.protocol_clips import TaskClips, task_clips
+from geotlm_lm.benchmarks.cases import TASKS
+from geotlm_lm.benchmarks.harness import EncoderFile, Row, Run
 from geotlm_lm.benchmarks.protocols import (
     GROUNDED,
     PAPER,
     PROTOCOLS,
+    TaskClips,
     fold_scores,
     methods_of,
     protocol_rows,
     published_rows,
+    task_clips,
 )
 from geotlm_lm.benchmarks.rendering import tables
-from geotlm_lm.benchmarks.rows import EncoderFile, Row, Run
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import ROTATIONS, Motion
 from geotlm_lm.core.progress import silent
@@ -45,6 +46,7 @@ def finished():
     return protocol_rows(run_on(PlainBackbone()))
 
 
+@pytest.mark.slow
 def test_every_method_is_scored_in_both_protocols(finished):
     ours = [row for row in finished if row.count]
     for task in ("rotation", "sliding"):
@@ -56,6 +58,7 @@ def test_every_method_is_scored_in_both_protocols(finished):
     assert one.interval[0] <= one.error <= one.interval[1]
 
 
+@pytest.mark.slow
 def test_the_pages_tables_hold_ours_and_the_published_ones(finished):
     rows = [Row.from_dict(row.to_dict()) for row in finished]
     text = "\n".join(tables(PROTOCOLS, rows))
@@ -63,6 +66,7 @@ def test_the_pages_tables_hold_ours_and_the_published_ones(finished):
     assert "0.952 ± 0.016" in text  # the paper's Table I, GeoTLM
 
 
+@pytest.mark.slow
 def test_a_released_encoder_takes_the_backbones_place(tmp_path):
     path = write_small("anytouch2", tmp_path / "file")
     rows = protocol_rows(run_on(None, encoder=EncoderFile(path, heads=2)))

@@ -36,7 +36,7 @@ def test_words_may_name_any_motion_and_all_others_keep_to_the_task():
 
 def test_the_slots_tell_the_way_of_the_task_whatever_else_is_asked():
     for motion in ALL:
-        assert said(FakeAnswerer(mute=motion), motion, ALL)[variants.SLOTS_FELT] == motion
+        assert said(FakeAnswerer(mute=motion), motion, ALL)[variants.SLOTS_OWN] == motion
 
 
 def test_the_global_probe_reads_the_global_token():

@@ -5,7 +5,7 @@ from functools import partial
 
 import pytest
 
-from geotlm_lm.benchmarks.rows import rows_of
+from geotlm_lm.benchmarks.harness import rows_of
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.language.decoder import LanguageSize
 from geotlm_lm.training import config, train

@@ -3,7 +3,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from geotlm_lm.benchmarks.rows import Bench, Pivot, Row, Section, every
+from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Section, every
 from geotlm_lm.cli.recorded import command_line
 from geotlm_lm.core.record import RunRecord
 from tests.cli.running import run
@@ -13,7 +13,7 @@ from tests.cli.running import run
 def judged(monkeypatch):
     """Replaces the model and the bench; returns the runs that the bench was given."""
     from geotlm_lm import answering
-    from geotlm_lm.benchmarks import accuracy
+    from geotlm_lm.benchmarks import benches
 
     given = []
 
@@ -27,7 +27,7 @@ def judged(monkeypatch):
     bundle = SimpleNamespace(digest=lambda: "0123456789ab")
     load = classmethod(lambda cls, folder, precision: SimpleNamespace(bundle=bundle))
     monkeypatch.setattr(answering.Answerer, "load", load)
-    monkeypatch.setattr(accuracy, "EVALUATION", bench)
+    monkeypatch.setattr(benches, "EVALUATION", bench)
     return given
 
 

@@ -24,7 +24,7 @@ from geotlm_lm.answering.belief_of_clip import reading
 from geotlm_lm.backbone import imprint
 from geotlm_lm.backbone.lights import Lights
 from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, measure_clip
-from geotlm_lm.benchmarks.cases.recordings import turned_by_quarter
+from geotlm_lm.benchmarks.cases import turned_by_quarter
 from geotlm_lm.checkpoint import embedded_bundle_dir
 from geotlm_lm.cli.simulate import simulate_one
 from geotlm_lm.core.clip import Clip

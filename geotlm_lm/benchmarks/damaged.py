@@ -168,21 +168,21 @@ def extreme_clips(
 
 def _constant_clips(idle: Frames) -> dict[str, Extreme]:
     """Return constant images with and without an idle gel, and that gel with one bright pixel."""
-    found = {}
+    clips = {}
     for name, grey in (("black", 0), ("grey 128", 128), ("white", 255)):
         flat = np.full((FRAME_COUNT, *idle.shape), grey, np.uint8)
         # A constant image without a background might be an idle gel, unless it is no image.
-        found[name] = Extreme(UNTOUCHED if 0 < grey < 255 else UNKNOWABLE, partial(Clip, flat))
-        found[f"{name}, idle gel given"] = Extreme(UNKNOWABLE, partial(Clip, flat, background=idle))
+        clips[name] = Extreme(UNTOUCHED if 0 < grey < 255 else UNKNOWABLE, partial(Clip, flat))
+        clips[f"{name}, idle gel given"] = Extreme(UNKNOWABLE, partial(Clip, flat, background=idle))
     flicker = np.zeros((FRAME_COUNT, *idle.shape), np.uint8)
     flicker[1::2] = 255
-    found["black and white in turn"] = Extreme(UNKNOWABLE, partial(Clip, flicker, background=idle))
+    clips["black and white in turn"] = Extreme(UNKNOWABLE, partial(Clip, flicker, background=idle))
     for name, step in (("a hot pixel", 0), ("a moving pixel", 5)):
         frames = np.repeat(idle[None], FRAME_COUNT, axis=0)
         for number, frame in enumerate(frames):
             frame[len(frame) // 2, frame.shape[1] // 2 + step * number] = 255
-        found[name] = Extreme(UNTOUCHED, partial(Clip, frames, background=idle))
-    return found
+        clips[name] = Extreme(UNTOUCHED, partial(Clip, frames, background=idle))
+    return clips
 
 
 def _still(frame: Frames, idle: Frames) -> Clip:

@@ -1,0 +1,340 @@
+"""What every benchmark is made of, and how it is run: `Variant x Case -> Row`. Knows no model.
+
+A bench has sections; a section gives rows and says how they are shown.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field, replace
+from datetime import UTC, datetime
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from geotlm_lm.core.atomic import write_text_atomically
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.core.record import RunRecord, commit, machine
+from geotlm_lm.workers import ALONE, Workers
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering import Answerer
+
+Size = TypeVar("Size")
+
+Share = Callable[[], Iterable["Row"]]
+"""Gives some of a section's rows."""
+
+Part = tuple[str, str]
+"""Names of a section and of a share of it: what one worker runs at a time."""
+
+WHOLE, QUICK = "whole", "quick"
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one variant made of one case.
+
+    Args:
+        case: What was asked about: a set of clips or a scene.
+        variant: What was asked: a method, a model, a preset.
+        count: How many clips, questions or runs the numbers are of.
+        error: Share of wrong answers, or a distance in `unit`; None where nothing is graded.
+        unit: Of the error: "share", "deg", "px", "um", ...
+        interval: 95 % interval of the error, clips of one object resampled together.
+        ms_p50: Median wall time, milliseconds; None where nothing is timed.
+        ms_p95: 95th percentile.
+        memory_mib: Peak memory of the process.
+        outcome: The result in a word or a sentence; "" where the numbers say it.
+        detail: Further numbers that this section shows, plain JSON values.
+    """
+
+    case: str
+    variant: str
+    count: int = 1
+    error: float | None = None
+    unit: str = "share"
+    interval: tuple[float, float] | None = None
+    ms_p50: float | None = None
+    ms_p95: float | None = None
+    memory_mib: float | None = None
+    outcome: str = ""
+    detail: Mapping[str, Any] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields that say something, as plain JSON values."""
+        empty = (None, "", {})
+        return {name: value for name, value in asdict(self).items() if value not in empty}
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> Row:
+        """Read what `to_dict` gave."""
+        row = dict(values)
+        if "interval" in row:
+            row["interval"] = tuple(row["interval"])
+        return cls(**row)
+
+    @property
+    def right(self) -> float | None:
+        """Share of right answers; None where no share is graded."""
+        return None if self.error is None or self.unit != "share" else 1 - self.error
+
+
+@dataclass(frozen=True)
+class EncoderFile:
+    """File of a released encoder, its adapter (None: told by the file) and its attention heads."""
+
+    weights: Path
+    name: str | None = None
+    heads: int | None = None
+
+
+@dataclass(frozen=True)
+class Run:
+    """How a bench is run, and what it is run on.
+
+    Args:
+        seed: Root of clips, questions and resampling.
+        clips: Simulated clips of each task where a section judges motions; None for its own number.
+        is_quick: Whether to see in under two minutes that everything runs; proves nothing.
+        real: Folder of labelled recordings; None leaves them out.
+        data: Public data sets judged in addition.
+        model: A bundle's folder; None for the one that ships.
+        encoder: Whose tokens the paper's protocols are run on; None for the embedded backbone.
+        folder: Keeps what a stopped run need not do again.
+        progress: Told how far the run is.
+        answerer_given: A model that is loaded already.
+        workers: Who runs sections and shares of them; numbers but times do not depend on it.
+    """
+
+    seed: int = 0
+    clips: int | None = None
+    is_quick: bool = False
+    real: Path | None = None
+    data: Sequence[Path] = ()
+    model: Path | None = None
+    encoder: EncoderFile | None = None
+    folder: Path = Path("runs/bench")
+    progress: Progress = silent
+    answerer_given: Answerer | None = None
+    workers: Workers = ALONE
+
+    @cached_property
+    def answerer(self) -> Answerer:
+        """The model, loaded once and only if a section asks for it."""
+        if self.answerer_given is not None:
+            return self.answerer_given
+        from geotlm_lm.answering.loaded import loaded
+
+        return loaded(self.model, "float32")
+
+    def size(self, whole: Size, quick: Size) -> Size:
+        """Return how much of something is done: `whole`, or `quick` of a quick run."""
+        return quick if self.is_quick else whole
+
+
+@dataclass(frozen=True)
+class Listing:
+    """One line per row; `columns` gives the text of a cell by the column's title."""
+
+    columns: Mapping[str, Callable[[Row], str]]
+
+
+@dataclass(frozen=True)
+class Pivot:
+    """One line per case and one column per variant, in order of appearance.
+
+    Args:
+        cell: The text of a row's cell.
+        corner: Title of the column of cases.
+        with_count: Whether a column says how many clips a case has.
+    """
+
+    cell: Callable[[Row], str]
+    corner: str = "clips"
+    with_count: bool = True
+
+
+@dataclass(frozen=True)
+class Section:
+    """One part of a bench.
+
+    Args:
+        name: For the command line and the record.
+        title: For people.
+        about: What is measured and how to read it, Markdown.
+        run: Gives the rows.
+        views: How they are shown, one table each; title -> (view, which rows it shows).
+        figure: Draws the rows into a file, where a picture shows more than a table.
+        headline: Tells the rows in a few lines of Markdown, for the page and the README.
+        shares: Gives the same rows, in order, in independent shares by name: workers take one
+            each, and a stopped run keeps them. None where all is one share.
+    """
+
+    name: str
+    title: str
+    about: str
+    run: Callable[[Run], Iterable[Row]]
+    views: Mapping[str, tuple[Listing | Pivot, Callable[[Row], bool]]]
+    figure: Callable[[Sequence[Row], Path], None] | None = None
+    headline: Callable[[Sequence[Row]], str] | None = None
+    shares: Callable[[Run], Mapping[str, Share]] | None = None
+
+
+@dataclass(frozen=True)
+class Bench:
+    """One table of the benchmarks, with what it answers in Markdown, and its sections in order."""
+
+    name: str
+    title: str
+    about: str
+    sections: tuple[Section, ...]
+
+    def section(self, name: str) -> Section:
+        """Return a section by name."""
+        return next(section for section in self.sections if section.name == name)
+
+
+def every(row: Row) -> bool:
+    """Show all rows of a section in one table."""
+    return True
+
+
+def rows_of(record: RunRecord, section: str) -> list[Row]:
+    """Return the rows of a recorded section; none where it was not run."""
+    recorded = record.numbers["sections"].get(section, {"rows": []})
+    return [Row.from_dict(row) for row in recorded["rows"]]
+
+
+@contextmanager
+def threads(count: int) -> Iterator[None]:
+    """Let torch and OpenCV use `count` threads each while inside: timings are those of one."""
+    import cv2
+    import torch
+
+    torch_before, cv2_before = torch.get_num_threads(), cv2.getNumThreads()
+    torch.set_num_threads(count)
+    cv2.setNumThreads(count)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(torch_before)
+        cv2.setNumThreads(cv2_before)
+
+
+def run_bench(
+    bench: Bench,
+    run: Run,
+    *,
+    only: Sequence[str] = (),
+    command: str = "",
+    before: RunRecord | None = None,
+) -> RunRecord:
+    """Run the sections of a bench on one thread and return the record of them all.
+
+    Args:
+        bench: What is measured.
+        run: How much, and on what.
+        only: Names of sections; the others are taken from `before`. All by default.
+        command: The command line, for the record.
+        before: An earlier record of this bench, whose other sections are kept.
+
+    Raises:
+        UsageError: If a section is unknown.
+    """
+    names = [section.name for section in bench.sections]
+    if unknown := [name for name in only if name not in names]:
+        raise UsageError(
+            f"--only '{unknown[0][:40]}' is unknown, expected one of {', '.join(names)}."
+        )
+    started = time.perf_counter()
+    sections = dict(before.numbers["sections"]) if before is not None and only else {}
+    with threads(1):
+        for name, done in _measured(bench, run, only or names).items():
+            sections[name] = done | {"command": command}
+    folders = run.real.iterdir() if run.real else ()
+    return RunRecord(
+        name=bench.name,
+        command=command,
+        seed=run.seed,
+        seconds=time.perf_counter() - started,
+        numbers={"sections": {name: sections[name] for name in names if name in sections}},
+        config={
+            "size": QUICK if run.is_quick else WHOLE,
+            "real": sorted(folder.name for folder in folders if folder.is_dir()),
+            "data": [path.name for path in run.data],
+            "encoder": None if run.encoder is None else run.encoder.weights.name,
+            "model": "embedded" if run.model is None else run.model.name,
+            "threads": 1,
+        }
+        | ({} if run.workers == ALONE else {"workers": run.workers.count}),
+    )
+
+
+def _measured(bench: Bench, run: Run, asked: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Return sections by name; parts that a stopped run of this very commit had are kept."""
+    sections = [section for section in bench.sections if section.name in asked]
+    parts = [(section.name, share) for section in sections for share in _shares(section, run)]
+    folder, is_alone = _folder(bench, run), run.workers == ALONE
+    files: dict[Part, Path] = {}
+    if folder is not None:
+        names = {part: " ".join(part).strip().replace("/", "-") for part in parts}
+        files = {part: folder / f"{name}.json" for part, name in names.items()}
+    done = {part: json.loads(path.read_text()) for part, path in files.items() if path.exists()}
+    # Others are sent the name: tables hold functions that no process can be sent.
+    sent = (bench, run) if is_alone else (bench.name, replace(run, progress=silent, workers=ALONE))
+    paths = [path for path in (run.real, run.model, *run.data) if path is not None]
+    missing = [part for part in parts if part not in done]
+    for part, result in run.workers.each_done(partial(_run_part, *sent), missing, seen=paths):
+        done[part] = result
+        if part in files:
+            files[part].parent.mkdir(parents=True, exist_ok=True)
+            write_text_atomically(files[part], json.dumps(result))
+        if not is_alone:
+            run.progress(bench.name, len(done), len(parts))
+    measured = {}
+    for section in sections:
+        own = [done[part] for part in parts if part[0] == section.name]
+        measured[section.name] = own[0] | {
+            "rows": [row for result in own for row in result["rows"]],
+            "seconds": round(sum(result["seconds"] for result in own), 1),
+        }
+    return measured
+
+
+def _shares(section: Section, run: Run) -> Mapping[str, Share]:
+    return {"": partial(section.run, run)} if section.shares is None else section.shares(run)
+
+
+def _run_part(bench: Bench | str, run: Run, part: Part) -> tuple[Part, dict[str, Any]]:
+    """Return a part and its result; a bench that was sent is looked up by its name."""
+    if isinstance(bench, str):
+        from geotlm_lm.benchmarks.benches import BENCHES
+
+        bench = BENCHES[bench]
+    section = bench.section(part[0])
+    run.progress(f"{bench.name}: {section.title}", 0, 1)
+    started = time.perf_counter()
+    rows = [row.to_dict() for row in _shares(section, run)[part[1]]()]
+    return part, {
+        "rows": rows,
+        "seconds": round(time.perf_counter() - started, 1),
+        "commit": commit(),
+        "date": f"{datetime.now(UTC):%Y-%m-%d}",
+        "processor": machine()["processor"],
+    }
+
+
+def _folder(bench: Bench, run: Run) -> Path | None:
+    """Return where finished parts are kept; None where the code is not that of a commit."""
+    revision = commit()
+    kept = {"seed": run.seed, "real": run.real, "folder": run.folder}
+    plain = Run(**kept, progress=run.progress, workers=run.workers)
+    if not revision or revision.endswith("+") or run != plain:
+        return None
+    source = "real" if run.real else "simulated"
+    return run.folder / f"{bench.name}-{revision}-{run.seed}-{source}"
