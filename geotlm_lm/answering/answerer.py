@@ -54,24 +54,16 @@ class Answerer:
         self.bundle = bundle
 
     @classmethod
-    def load(cls, folder: str | Path | None = None, *, precision: str = "float32") -> Answerer:
+    def load(cls, folder: str | Path | None = None) -> Answerer:
         """Load a bundle from `folder`, or the one that ships with the package.
 
         Args:
             folder: Of the bundle.
-            precision: Number format of its weights and sums: float32, bfloat16 or int8. The latter
-                two answer sooner where the processor has instructions for them.
 
         Raises:
             IncompatibleBundle: If there is no bundle of this format.
-            UsageError: If the precision is unknown, or this machine cannot run it.
         """
-        bundle = load_bundle(None if folder is None else Path(folder))
-        if precision != "float32":
-            from geotlm_lm.precision import in_offered_format
-
-            bundle = in_offered_format(bundle, precision)
-        return cls(bundle)
+        return cls(load_bundle(None if folder is None else Path(folder)))
 
     def encode(
         self,
