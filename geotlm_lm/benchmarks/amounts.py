@@ -97,11 +97,8 @@ COLUMNS: dict[Unit, tuple[tuple[str, ...], ...]] = {
 class Prediction:
     """What a method says of each component of a clip; those it cannot tell of are left out.
 
-    Args:
-        ways: Where each component goes, as a vector whose length means nothing.
-        amounts: How far, in `UNITS`.
-        spans: From where to where each amount lies nine times in ten.
-        counting: Whether each component counts.
+    `ways` are vectors whose length means nothing, `amounts` in `UNITS`, and nine times in ten an
+    amount lies in its span.
     """
 
     ways: Mapping[Component, tuple[float, ...]]

@@ -25,7 +25,7 @@ EVALUATION = Bench(
     name="evaluate",
     title="Answers against truth",
     about="The model's words beside linear probes and optical flow, on clips none has seen.",
-    sections=(replace(CLIPS_SECTION, run=lambda run: list(clip_rows(run)), shares=None),),
+    sections=(replace(CLIPS_SECTION, run=clip_rows, shares=None),),
 )
 """The accuracy of a user's own recordings, data sets and model: nothing is split."""
 

@@ -72,7 +72,6 @@ same, and the paper's totals are 49 and 76 a trial."""
 DataSet = TactileTracking | Manifest
 
 TrackedPairs = Sequence[tuple[Trial, Sequence[pose_pairs.LabelledPair]]]
-"""Trials, and the pairs of frames that are judged of each."""
 
 Floats = NDArray[np.float32]
 
@@ -137,7 +136,7 @@ def half_of(family: str) -> Half:
 
 
 def hashed_half(family: str) -> Half:
-    """Return the half that a family's name falls to."""
+    """Return the half that a family's name falls to by its hash."""
     digest = hashlib.sha256(f"{_halves()['salt']}:{family}".encode()).digest()
     return "report" if digest[0] % 2 else "tune"
 
@@ -384,14 +383,9 @@ def carried(
 ) -> Clip:
     """Return four frames of an imprint on the idle gel, evenly from its own place to another.
 
-    Args:
-        imprint: Change of a touched frame against the idle gel, (rows, columns, 3), grey levels.
-        idle: The idle gel, likewise.
-        rng: Draws the noise.
-        name: Of the clip.
-        path_px: Travel, right and down.
-        turn_deg: Turn about the image's middle, positive clockwise.
-        growth: Strength in the first frame and in the last, 1 as recorded.
+    `imprint` is a touched frame's change against the idle gel, (rows, columns, 3), grey levels. It
+    travels `path_px` right and down, turns about the image's middle, positive clockwise, and
+    grows from the first strength of `growth` to the last, 1 as recorded.
     """
     rows, columns = idle.shape[:2]
     frames = []

@@ -77,38 +77,31 @@ SHOWN_FIRST = {
 """Sets of clips on the first page -> their titles there; of real ones the half that is reported."""
 
 
-def clip_rows(run: Run, halves: Sequence[Half | None] = (None,)) -> Iterator[Row]:
-    """Yield the rows of every set of clips; arguments are those of `clip_shares`.
+def clip_rows(run: Run, halves: Sequence[Half | None] = (None,)) -> list[Row]:
+    """Return the rows of every set of clips.
 
     Raises:
         UnreadableClip: If recordings or a data set cannot be read, or nothing was judged.
-        UsageError: If two data sets have one name.
     """
-    data_sets, count = open_data_sets(run.data), 0
-    for share in _shares(run, halves, data_sets).values():
-        for row in share():
-            count += 1
-            yield row
-    if not count:
+    data_sets = open_data_sets(run.data)
+    rows = [row for share in clip_shares(run, halves, data_sets).values() for row in share()]
+    if not rows:
         reasons = [reason for own in data_sets.values() for reason in own.left_out.values()]
         raise UnreadableClip(
             f"no clip could be judged ({'; '.join(reasons[:1]) or 'none was asked for'}); give "
             f"other data."
         )
+    return rows
 
 
-def clip_shares(run: Run, halves: Sequence[Half | None] = (None,)) -> dict[str, Share]:
+def clip_shares(
+    run: Run, halves: Sequence[Half | None], data_sets: Mapping[str, DataSet]
+) -> dict[str, Share]:
     """Return what yields the rows of each source of clips, none of which depends on another.
 
     Sources are `run.clips` readable simulated clips of each task (0 leaves simulation out), each of
-    the `halves` of the recordings of `run.real` (None: all of them), and data sets of `run.data`.
+    the `halves` of the recordings of `run.real` (None: all of them), and data sets.
     """
-    return _shares(run, halves, open_data_sets(run.data))
-
-
-def _shares(
-    run: Run, halves: Sequence[Half | None], data_sets: Mapping[str, DataSet]
-) -> dict[str, Share]:
     clips = run.size(CLIPS, 6) if run.clips is None else run.clips
     shares: dict[str, Share] = {}
     for task in TASKS if clips else ():
@@ -117,94 +110,80 @@ def _shares(
         for half in halves:
             shares[titled(f"real {name}", half)] = partial(_recordings, run, name, real, half)
     for name, data_set in data_sets.items():
-        shares[f"data {name}"] = partial(data_set_rows, run, name, data_set)
+        shares[f"data {name}"] = partial(_data_set, run, name, data_set)
     return shares
 
 
-def _replies(
-    run: Run,
-    variants: Mapping[str, Variant],
-    title: str,
-    cases: Iterable[Case],
-    among: Sequence[Motion],
-    total: int,
-) -> Replies:
-    return ask_all(variants, cases, among, lambda done: run.progress(title, done, max(done, total)))
+class Judge:
+    """Puts sets of clips to the same variants: words, probes and flow by default."""
 
+    def __init__(self, run: Run, variants: Mapping[str, Variant] | None = None) -> None:
+        self.run = run
+        self.variants = all_variants(run.answerer, run.seed) if variants is None else variants
 
-def _rows(
-    run: Run, title: str, replies: Replies, facts: Mapping[str, Any] | None = None
-) -> list[Row]:
-    return rows_of_replies(title, replies, GENERATED, RIVALS, seed=run.seed, facts=facts)
+    def ask(self, title: str, cases: Iterable[Case], among: Sequence[Motion], most: int) -> Replies:
+        """Return the replies of every variant to at most about `most` cases."""
+
+        def tell(done: int) -> None:
+            self.run.progress(title, done, max(done, most))
+
+        return ask_all(self.variants, cases, among, tell)
+
+    def rows(
+        self, title: str, replies: Replies, facts: Mapping[str, Any] | None = None
+    ) -> list[Row]:
+        """Return the rows of some replies."""
+        return rows_of_replies(title, replies, GENERATED, RIVALS, seed=self.run.seed, facts=facts)
 
 
 def _simulated(run: Run, task: str, clips: int) -> Iterator[Row]:
-    title, left_out = f"simulated {task}", Counter(unreadable_left_out=0)
+    judge, title, left_out = Judge(run), f"simulated {task}", Counter(unreadable_left_out=0)
     cases = simulated_cases(task, clips, run.seed, left_out)
-    variants = all_variants(run.answerer, run.seed)
-    replies = _replies(run, variants, title, cases, TASKS[task], clips)
-    yield from _rows(run, title, replies, left_out)
+    yield from judge.rows(title, judge.ask(title, cases, TASKS[task], clips), left_out)
 
 
 def _recordings(run: Run, name: str, real: LabelledRecordings, half: Half | None) -> Iterator[Row]:
     """Yield a folder's windows task by task, and its semi-real clips."""
-    variants = all_variants(run.answerer, run.seed)
+    judge = Judge(run)
     for part, whole in by_task(real).items():
         rows = rows_of_half(whole.rows, half)
         own = replace(whole, rows=rows[:: run.size(1, len(rows) or 1)])
-        yield from _windows(run, variants, f"real {name}{part}", own, half)
-    if not run.is_quick:
-        touched = rows_of_half(read_touch_table(real.folder / TABLE_NAME), half)
-        yield from _semi_real(run, variants, name, touched, half)
+        yield from _windows(judge, f"real {name}{part}", own, half)
+    touched = rows_of_half(read_touch_table(real.folder / TABLE_NAME), half)
+    if run.is_quick or not touched:
+        return
+    title, left_out = titled(f"semi-real {name}, sliding", half), Counter(cut_off_left_out=0)
+    slides = (case for case, _ in semi_real_slides(touched, run.seed, left_out))
+    yield from judge.rows(title, judge.ask(title, slides, SLIDES, 2 * len(touched)), left_out)
+    held, title = semi_real_held(touched, run.seed), titled(f"semi-real {name}", half)
+    replies = judge.ask(title, held, tuple(Motion), 3 * len(touched))
+    for way in sorted({case.tags["held"] for case in replies.cases}):
+        yield from judge.rows(titled(f"semi-real {name}, {way}", half), replies.where(held=way))
 
 
-def _windows(
-    run: Run, variants: Mapping[str, Variant], name: str, own: LabelledRecordings, half: Half | None
-) -> Iterator[Row]:
-    """Yield four frames and pairs, both ways; each frame rate apart; and as other sensors see them.
+def _windows(judge: Judge, name: str, own: LabelledRecordings, half: Half | None) -> Iterator[Row]:
+    """Yield four frames and pairs, both ways, and as a sensor without an idle frame or held across.
 
-    Cameras set to another rate often have another gain and zoom.
+    Frame rates are told apart: cameras set to another rate often have another gain and zoom.
     """
     among, count = task_of(own.rows), len(own.rows)
-    replies = _replies(run, variants, titled(name, half), window_cases(own), among, 4 * count)
+    replies = judge.ask(titled(name, half), window_cases(own), among, 4 * count)
     facts = {"labels_left_out": dict(own.skipped)}
     rates = sorted({case.tags["fps"] for case in replies.cases})
     for frames, title in (("four", f"{name}, four frames"), ("pair", f"{name}, pairs")):
         part = replies.where(frames=frames)
-        yield from _rows(run, titled(title, half), part, facts)
+        yield from judge.rows(titled(title, half), part, facts)
         for rate in rates if len(rates) > 1 else ():
-            yield from _rows(run, titled(f"{title}, {rate} fps", half), part.where(fps=rate))
-    for aside, shown in (
-        ("no idle frame", without_idle_frame),
-        ("turned by a quarter", held_across),
-    ):
+            yield from judge.rows(titled(f"{title}, {rate} fps", half), part.where(fps=rate))
+    shown_as = {"no idle frame": without_idle_frame, "turned by a quarter": held_across}
+    for aside, shown in shown_as.items():
         title = titled(f"{name}, {aside}", half)
         cases = (shown(case) for case in window_cases(own) if case.tags["frames"] == "four")
-        yield from _rows(run, title, _replies(run, variants, title, cases, among, 2 * count))
+        yield from judge.rows(title, judge.ask(title, cases, among, 2 * count))
 
 
-def _semi_real(
-    run: Run, variants: Mapping[str, Variant], name: str, touched: Sequence[Any], half: Half | None
-) -> Iterator[Row]:
-    """Yield slides of real imprints, and imprints held still, pressed in and let go."""
-    if touched:
-        title, left_out = titled(f"semi-real {name}, sliding", half), Counter(cut_off_left_out=0)
-        slides = (case for case, _ in semi_real_slides(touched, run.seed, left_out))
-        replies = _replies(run, variants, title, slides, SLIDES, 2 * len(touched))
-        yield from _rows(run, title, replies, left_out)
-    held = semi_real_held(touched, run.seed)
-    title = titled(f"semi-real {name}", half)
-    replies = _replies(run, variants, title, held, tuple(Motion), 3 * len(touched))
-    for way in sorted({case.tags["held"] for case in replies.cases}):
-        title = titled(f"semi-real {name}, {way}", half)
-        yield from _rows(run, title, replies.where(held=way))
-
-
-def data_set_rows(
-    run: Run, name: str, data_set: DataSet, variants: Mapping[str, Variant] | None = None
-) -> Iterator[Row]:
+def data_set_rows(judge: Judge, name: str, data_set: DataSet) -> Iterator[Row]:
     """Yield a public data set's two tasks, and each sensor of a manifest apart."""
-    variants = all_variants(run.answerer, run.seed) if variants is None else variants
     for task in ("rotation", "sliding"):
         title, among = f"{name}, {task}", TASKS[task]
         if isinstance(data_set, Manifest):
@@ -214,13 +193,17 @@ def data_set_rows(
             pairs, rule = tracked_pairs(data_set, task)
             cases, facts = pair_cases(pairs), {"pairs": rule}
             total = sum(len(own) for _, own in pairs)
-        replies = _replies(run, variants, title, cases, among, total)
+        replies = judge.ask(title, cases, among, total)
         reasons = list(data_set.left_out.values())  # files turn out unusable as they are read
         facts |= {"files_left_out": len(reasons), "first_left_out": reasons[:1]}
-        yield from _rows(run, title, replies, facts)
+        yield from judge.rows(title, replies, facts)
         sensors = sorted({case.tags.get("sensor", "") for case in replies.cases})
         for sensor in sensors if len(sensors) > 1 else ():
-            yield from _rows(run, f"{title}, sensor {sensor}", replies.where(sensor=sensor))
+            yield from judge.rows(f"{title}, sensor {sensor}", replies.where(sensor=sensor))
+
+
+def _data_set(run: Run, name: str, data_set: DataSet) -> Iterator[Row]:
+    yield from data_set_rows(Judge(run), name, data_set)
 
 
 def left_out(row: Row) -> str:
@@ -268,7 +251,7 @@ CLIPS_SECTION = Section(
     name="clips",
     title="Which way it goes",
     about=ABOUT,
-    run=lambda run: list(clip_rows(run, HALVES)),
+    run=lambda run: clip_rows(run, HALVES),
     views=by_half(Pivot(_right))
     | {
         "Words less the better rival, clip by clip": (
@@ -285,5 +268,5 @@ CLIPS_SECTION = Section(
         ),
     },
     headline=clips_headline,
-    shares=lambda run: clip_shares(run, HALVES),
+    shares=lambda run: clip_shares(run, HALVES, open_data_sets(run.data)),
 )

@@ -37,20 +37,11 @@ WHOLE, QUICK = "whole", "quick"
 
 @dataclass(frozen=True)
 class Row:
-    """What one variant made of one case.
+    """What one variant (a method, a model, a preset) made of one case (a set of clips, a scene).
 
-    Args:
-        case: What was asked about: a set of clips or a scene.
-        variant: What was asked: a method, a model, a preset.
-        count: How many clips, questions or runs the numbers are of.
-        error: Share of wrong answers, or a distance in `unit`; None where nothing is graded.
-        unit: Of the error: "share", "deg", "px", "um", ...
-        interval: 95 % interval of the error, clips of one object resampled together.
-        ms_p50: Median wall time, milliseconds; None where nothing is timed.
-        ms_p95: 95th percentile.
-        memory_mib: Peak memory of the process.
-        outcome: The result in a word or a sentence; "" where the numbers say it.
-        detail: Further numbers that this section shows, plain JSON values.
+    `error` is the share of wrong answers, or a distance in `unit` ("deg", "um"), None where nothing
+    is graded; `interval` its 95 % interval, objects resampled as wholes. `outcome` is the result in
+    words where numbers do not say it, `detail` what else the section shows, as plain JSON values.
     """
 
     case: str
@@ -106,9 +97,8 @@ class Run:
         model: A bundle's folder; None for the one that ships.
         encoder: Whose tokens the paper's protocols are run on; None for the embedded backbone.
         folder: Keeps what a stopped run need not do again.
-        progress: Told how far the run is.
         answerer_given: A model that is loaded already.
-        workers: Who runs sections and shares of them; numbers but times do not depend on it.
+        workers: Who runs shares of sections; numbers but times do not depend on it.
     """
 
     seed: int = 0
@@ -130,7 +120,7 @@ class Run:
             return self.answerer_given
         from geotlm_lm.answering.loaded import loaded
 
-        return loaded(self.model, "float32")
+        return loaded(self.model)
 
     def size(self, whole: Size, quick: Size) -> Size:
         """Return how much of something is done: `whole`, or `quick` of a quick run."""
@@ -148,10 +138,7 @@ class Listing:
 class Pivot:
     """One line per case and one column per variant, in order of appearance.
 
-    Args:
-        cell: The text of a row's cell.
-        corner: Title of the column of cases.
-        with_count: Whether a column says how many clips a case has.
+    `corner` is the title of the column of cases.
     """
 
     cell: Callable[[Row], str]
@@ -170,7 +157,7 @@ class Section:
         run: Gives the rows.
         views: How they are shown, one table each; title -> (view, which rows it shows).
         figure: Draws the rows into a file, where a picture shows more than a table.
-        headline: Tells the rows in a few lines of Markdown, for the page and the README.
+        headline: The rows in a few lines of Markdown, for the page and the README.
         shares: Gives the same rows, in order, in independent shares by name: workers take one
             each, and a stopped run keeps them. None where all is one share.
     """
@@ -236,12 +223,8 @@ def run_bench(
 ) -> RunRecord:
     """Run the sections of a bench on one thread and return the record of them all.
 
-    Args:
-        bench: What is measured.
-        run: How much, and on what.
-        only: Names of sections; the others are taken from `before`. All by default.
-        command: The command line, for the record.
-        before: An earlier record of this bench, whose other sections are kept.
+    `only` names sections (all by default); the others are kept as an earlier record `before` has
+    them. `command` is the command line, for the record.
 
     Raises:
         UsageError: If a section is unknown.

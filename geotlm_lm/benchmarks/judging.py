@@ -35,14 +35,10 @@ CLAIMED = (Component.TURN, Component.SLIDE)
 
 @dataclass(frozen=True)
 class Case:
-    """One clip to be judged.
+    """A clip (None once it has been asked about), its true motion and what is touched.
 
-    Args:
-        clip: The frames; None once it has been asked about.
-        motion: The truth.
-        object_id: What is touched: the unit of the macro average.
-        family: Objects that are not independent of each other: the unit of resampling.
-        tags: What the clip can be selected by afterwards, e.g. played="backwards".
+    `object_id` is the unit of the macro average; `family`, objects that are not independent of each
+    other, that of resampling. Afterwards it can be selected by `tags`, e.g. played="backwards".
     """
 
     clip: Clip | None
@@ -54,12 +50,9 @@ class Case:
 
 @dataclass(frozen=True)
 class Reply:
-    """What a variant made of a clip.
+    """The motion that a variant names, or None, and its time from the clip in memory to it.
 
-    Args:
-        motion: The motion it names; None when it names none.
-        milliseconds: Everything the variant needed from the clip in memory to the motion.
-        claims: Every way it says that a turn or a slide goes; None for that of `motion` alone.
+    `claims` is every way it says that a turn or a slide goes; None for that of `motion` alone.
     """
 
     motion: Motion | None
@@ -135,13 +128,8 @@ def rows_of_replies(
 ) -> list[Row]:
     """Return one row per variant: its error, its times, and how words compare with their rivals.
 
-    Args:
-        title: What the rows call these cases.
-        replies: Without a case there is no row.
-        words: The variant that is held against the better of its rivals.
-        rivals: The variants it may not be worse than.
-        seed: Root of the resampling.
-        facts: What is to be known of the cases beside; in the first row's detail.
+    `words` is held against the better of its `rivals`; `facts` about the cases go into the first
+    row's detail. Without a case there is no row.
     """
     rows, families = [], [case.family for case in replies.cases]
     for name in replies.replies if replies.cases else ():

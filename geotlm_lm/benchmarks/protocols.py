@@ -111,14 +111,9 @@ Outcome = tuple[Sequence[Motion], int]
 
 @dataclass(frozen=True, eq=False)
 class TaskClips:
-    """One task's clips as tokens, and what the classical references made of them.
+    """One task's clips as tokens (by the number of frames), with their objects and motions.
 
-    Args:
-        data: Tokens and truth, by the number of frames the backbone was given.
-        objects: What is touched in each clip.
-        truths: The motion of each clip.
-        flow: The motion that optical flow and a rigid fit name, clip by clip.
-        curl: Features of the curl, (n, 5).
+    `flow` is the motions that optical flow and a rigid fit name, `curl` its features, (n, 5).
     """
 
     data: dict[int, TokenSet]

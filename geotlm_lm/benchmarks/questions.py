@@ -92,17 +92,11 @@ VIEWS = (PLAIN, *EDIT_WORDS, SEVERAL)
 
 @dataclass(frozen=True)
 class Truth:
-    """The right answer.
+    """The right answer to a question of a kind, as its template calls it.
 
-    Args:
-        kind: Of the question, as its template calls it.
-        decided: The deciding word, or the kind of motion; None where the motion says it.
-        direction: The motion claimed, from the point of view asked for; None where any may be.
-        is_so: Whether what is claimed holds; None where nothing is.
-        abstains: Whether it is to be declined.
-        amount: How far, in `unit`, or how fast per second.
-        unit: "deg" or "px", "deg/s" and "px/s" of a speed.
-        seconds: That the motion takes, of a speed.
+    `decided` is the deciding word, or the kind of motion; `direction` the motion from the point of
+    view asked for (None: any); `is_so` whether a claim holds; `unit` "deg", "px", "deg/s" or
+    "px/s", of a speed over `seconds`.
     """
 
     kind: str

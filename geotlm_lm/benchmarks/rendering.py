@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -128,11 +128,10 @@ def save_results(bench: Bench, record: RunRecord, folder: Path) -> None:
 def save_figure(figure: Any, rows: Sequence[Row], path: Path) -> None:
     """Write a matplotlib figure as PNG that tells which rows it shows, for `check_results`."""
     with replacing(path) as stream:
-        figure.savefig(stream, dpi=120, format="png", metadata={"Description": digest(rows)})
+        figure.savefig(stream, dpi=120, format="png", metadata={"Description": _digest(rows)})
 
 
-def digest(rows: Sequence[Row]) -> str:
-    """Return a digest of what rows say."""
+def _digest(rows: Sequence[Row]) -> str:
     text = json.dumps([row.to_dict() for row in rows], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -154,7 +153,7 @@ def check_results(benches: Sequence[Bench], folder: Path, readme: Path) -> None:
     """Compare pages, pictures and the README's blocks with the records.
 
     Raises:
-        StaleResults: If one says something else than its record.
+        StaleResults: If any of them says something else than its record.
     """
     for path, text in _wanted(benches, folder, readme).items():
         if _read(path) != text:
@@ -163,7 +162,7 @@ def check_results(benches: Sequence[Bench], folder: Path, readme: Path) -> None:
                 f"`geotlm-lm bench render`."
             )
     for _, rows, path in _figures(benches, folder):
-        if _described(path) != digest(rows):
+        if _described(path) != _digest(rows):
             raise StaleResults(
                 f"{path}: is missing or shows other numbers than its record; run "
                 f"`geotlm-lm bench render --figures`."
@@ -187,28 +186,19 @@ def _figures(benches: Sequence[Bench], folder: Path) -> Iterator[tuple[Draw, lis
 
 
 def _wanted(benches: Sequence[Bench], folder: Path, readme: Path) -> dict[Path, str]:
-    records = {bench.name: _record(folder, bench.name) for bench in benches}
-    wanted = {
-        folder / f"{bench.name}.md": page(bench, record)
-        for bench in benches
-        if (record := records[bench.name]) is not None
-    }
+    """Return the text of every page and of the README by its path."""
+    wanted, headlines = {}, {}
+    for bench in benches:
+        record = _record(folder, bench.name)
+        if record is not None:
+            wanted[folder / f"{bench.name}.md"] = page(bench, record)
+        for section in bench.sections:
+            if section.headline is not None:
+                headlines[f"{bench.name}.{section.name}"] = record, section
     text = _read(readme)
     if text is None:
         raise StaleResults(f"{readme}: cannot be read; run from the checkout or give --readme.")
-    return wanted | {readme: _fill_blocks(text, records, benches)}
-
-
-def _fill_blocks(
-    text: str, records: Mapping[str, RunRecord | None], benches: Sequence[Bench]
-) -> str:
     parts, position = [], 0
-    headlines = {
-        f"{bench.name}.{section.name}": section.headline
-        for bench in benches
-        for section in bench.sections
-        if section.headline is not None
-    }
     for begin in _BEGIN.finditer(text):
         name, closing = begin[1], f"<!-- end: {begin[1]} -->"
         end = text.find(closing, begin.end())
@@ -218,27 +208,20 @@ def _fill_blocks(
             raise StaleResults(
                 f"block '{name}' is not known; expected one of {', '.join(headlines)}."
             )
-        bench, section = name.split(".")
-        record = records.get(bench)
-        rows = [] if record is None else rows_of(record, section)
-        if not rows:
-            raise StaleResults(
-                f"block '{name}' has no record; write it with `geotlm-lm bench {bench} --out "
-                f"docs/results`."
-            )
-        block = f"{headlines[name](rows)}\n\n{provenance(record, section)}"
+        block = _block(name, *headlines[name])
         parts += [text[position : begin.end()], "\n\n", block, "\n\n"]
         position = end
-    return "".join([*parts, text[position:]])
+    return wanted | {readme: "".join([*parts, text[position:]])}
 
 
-def _record(folder: Path, name: str) -> RunRecord | None:
-    path = folder / RECORDS / f"{name}.json"
-    return RunRecord.load(path) if path.exists() else None
-
-
-def _read(path: Path) -> str | None:
-    return path.read_text(encoding="utf-8") if path.exists() else None
+def _block(name: str, record: RunRecord | None, section: Section) -> str:
+    rows = [] if record is None else rows_of(record, section.name)
+    if not rows:
+        raise StaleResults(
+            f"block '{name}' has no record; write it with `geotlm-lm bench {name.split('.')[0]} "
+            f"--out docs/results`."
+        )
+    return f"{section.headline(rows)}\n\n{provenance(record, section.name)}"
 
 
 def _described(path: Path) -> str | None:
@@ -248,3 +231,12 @@ def _described(path: Path) -> str | None:
 
     with Image.open(path) as picture:
         return picture.info.get("Description")
+
+
+def _record(folder: Path, name: str) -> RunRecord | None:
+    path = folder / RECORDS / f"{name}.json"
+    return RunRecord.load(path) if path.exists() else None
+
+
+def _read(path: Path) -> str | None:
+    return path.read_text(encoding="utf-8") if path.exists() else None

@@ -84,14 +84,9 @@ RESIDUALS = ("penetration_um", "gradient_share", "cone_excess")
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of a question.
+    """One of `OUTCOMES`, an answer's confidence, and the answer or the sentence of the refusal.
 
-    Args:
-        outcome: One of `OUTCOMES`.
-        confidence: Of an answer; 0 otherwise.
-        text: The answer or the sentence of the refusal.
-        motion: What an answer names.
-        family: Objects that are not independent of each other.
+    `family` is what is resampled as a whole.
     """
 
     outcome: str

@@ -71,14 +71,9 @@ PLANS: tuple[tuple[str, ...], ...] = (
 
 @dataclass(frozen=True)
 class Planned:
-    """A motion of a stream.
+    """A motion of a stream, of the middle of the contact, after frame `begin` and up to `end`.
 
-    Args:
-        component: What it is of.
-        begin: Frame after which it moves.
-        end: Last frame in which it has moved.
-        twist: The motion between these, of the middle of the contact.
-        is_readable: Whether the picture shows it and it counts.
+    It is readable if the picture shows it and it counts.
     """
 
     component: Component

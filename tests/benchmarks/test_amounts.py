@@ -189,12 +189,6 @@ def test_each_part_is_wrong_for_its_own_reason():
     ]
 
 
-@pytest.mark.parametrize(("down", "is_right"), [(5.9, True), (6.1, False)])
-def test_a_heading_may_be_half_a_right_angle_off(down, is_right):
-    found = graded(label(travel=(-6.0, 0.0)), belief(travel=(-6.0, down)))
-    assert found["slide: way"] is is_right
-
-
 @pytest.mark.parametrize(
     ("truth", "left_out"),
     [

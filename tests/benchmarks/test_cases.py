@@ -11,12 +11,10 @@ import pytest
 from geotlm_lm.benchmarks import cases, clips
 from geotlm_lm.benchmarks.cases import (
     HALVES,
-    by_task,
     carried,
     half_of,
     hashed_half,
     held_across,
-    listed_cases,
     open_data_sets,
     real_recordings,
     rows_of_half,
@@ -27,9 +25,7 @@ from geotlm_lm.benchmarks.cases import (
     task_of,
     tracked_pairs,
     window_cases,
-    without_idle_frame,
 )
-from geotlm_lm.benchmarks.clips import data_set_rows
 from geotlm_lm.benchmarks.harness import Run
 from geotlm_lm.benchmarks.judging import Reply
 from geotlm_lm.core.clip import Clip
@@ -108,13 +104,6 @@ def test_a_folder_without_usable_labels_says_what_it_found(tmp_path):
         real_recordings(folder)
 
 
-def test_a_clip_that_starts_in_contact_shows_no_idle_gel(tmp_path):
-    case = next(window_cases(labelled(tmp_path, "left")))
-    shown = without_idle_frame(case)
-    assert (case.clip.background is None, shown.clip.background) == (False, None)
-    assert shown.clip.frame_numbers == (0, 3, 6, 9)
-
-
 def test_a_window_turned_by_a_quarter_is_turned_with_its_label_and_its_idle_gel(tmp_path):
     case = next(window_cases(labelled(tmp_path, "left")))
     across, upright = held_across(case), case.clip
@@ -125,18 +114,6 @@ def test_a_window_turned_by_a_quarter_is_turned_with_its_label_and_its_idle_gel(
     assert across.clip.frame_numbers == upright.frame_numbers
 
 
-def test_labels_of_several_tasks_are_asked_task_by_task(tmp_path):
-    parts = by_task(labelled(tmp_path, "clockwise", "left", "up", "press", "up-left"))
-    found = {name: [row.motion for row in part.rows] for name, part in parts.items()}
-    assert found == {
-        " rotation": [Motion.CLOCKWISE],
-        " sliding": [Motion.LEFT, Motion.UP],
-        " without direction": [Motion.PRESS],
-    }
-    assert task_of(parts[" sliding"].rows) == SLIDES
-    assert parts[" sliding"].skipped == {"up-left": 1}
-
-
 LISTED = tomllib.loads(Path(cases.__file__).with_name("halves.toml").read_text())
 
 
@@ -145,16 +122,13 @@ def test_every_listed_family_is_where_its_hash_puts_it(half):
     assert all(half_of(family) == hashed_half(family) == half for family in LISTED[half])
 
 
-def test_one_thing_under_two_names_is_of_one_half():
-    assert half_of("avocado_real") == half_of("avocado")
-
-
 def test_rows_are_of_one_half_or_of_both():
     rows = [SimpleNamespace(object_family=name) for name in ("lemon", "tsa", "unheard of", "pen")]
     reported, tuned = (rows_of_half(rows, half) for half in HALVES)
     assert rows_of_half(rows, None) == tuple(rows)
     assert len(reported) + len(tuned) == len(rows)
-    assert [one.object_family for one in tuned][:1] == ["lemon"]
+    assert tuned[0].object_family == "lemon"
+    assert half_of("avocado_real") == half_of("avocado")
     assert rows[1] in reported
 
 
@@ -163,7 +137,7 @@ FLOW = {"flow": lambda clip, among: Reply(RigidFlow().predict(clip, among), 1.0)
 
 def judged_rows(path, variants=FLOW, **options):
     ((name, data_set),) = open_data_sets([path]).items()
-    return list(data_set_rows(Run(**options), name, data_set, variants))
+    return list(clips.data_set_rows(clips.Judge(Run(**options), variants), name, data_set))
 
 
 @pytest.fixture(scope="module")
@@ -177,25 +151,16 @@ def tracked(tmp_path_factory):
     return folder
 
 
-@pytest.fixture(scope="module")
-def judged(tracked):
-    return judged_rows(tracked)
-
-
-def test_trials_are_judged_as_the_papers_two_tasks(judged):
-    turns, slides = judged
+def test_trials_are_judged_as_the_papers_two_tasks(tracked):
+    turns, slides = judged_rows(tracked)
     assert (turns.case, turns.error) == ("TactileTracking normalflow_dataset, rotation", 0)
     assert (slides.case, slides.error) == ("TactileTracking normalflow_dataset, sliding", 0)
     assert set(turns.detail["recall"]) == {"clockwise", "counterclockwise"}
     assert set(slides.detail["recall"]) == {"right"}
-
-
-def test_a_row_tells_its_thresholds_and_bad_trials(judged):
-    detail = judged[0].detail
-    assert detail["pairs"]["rule"]["gap_frames"] in (5, 10)
-    assert detail["pairs"]["paper_share"] == pytest.approx(3 / 84)
-    assert clips.left_out(judged[0]) == "1 whose files cannot be used"
-    assert "bead1: gelsight.avi is missing" in detail["first_left_out"][0]
+    assert turns.detail["pairs"]["rule"]["gap_frames"] in (5, 10)
+    assert turns.detail["pairs"]["paper_share"] == pytest.approx(3 / 84)
+    assert clips.left_out(turns) == "1 whose files cannot be used"
+    assert "bead1: gelsight.avi is missing" in turns.detail["first_left_out"][0]
 
 
 def test_the_rule_is_the_one_whose_count_comes_nearest_to_the_papers_share():
@@ -232,14 +197,6 @@ def test_a_manifest_is_judged_by_task_and_by_sensor(listed):
     ]
     assert max(row.error for row in rows) <= 0.25
     assert rows[3].detail["files_left_out"] == 1  # told once it is to be read
-
-
-def test_a_listed_clip_is_read_whole_and_its_object_is_the_unit(listed):
-    (manifest,) = open_data_sets([listed]).values()
-    own = list(listed_cases(manifest, SLIDES))
-    assert {len(case.clip) for case in own} == {4, 7}
-    assert {case.object_id for case in own} == {case.family for case in own}
-    assert {case.motion for case in own} == set(SLIDES)
 
 
 def test_two_data_sets_of_one_name_are_refused(listed):

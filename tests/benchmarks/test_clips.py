@@ -1,19 +1,15 @@
 from collections import Counter
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from geotlm_lm.benchmarks import clips, variants
-from geotlm_lm.benchmarks.cases import HALVES, TASKS, half_of, is_reported
-from geotlm_lm.benchmarks.clips import clip_rows, clips_headline, left_out
+from geotlm_lm.benchmarks import variants
+from geotlm_lm.benchmarks.cases import HALVES, half_of, is_reported
+from geotlm_lm.benchmarks.clips import clip_rows, left_out
 from geotlm_lm.benchmarks.harness import Run
-from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.simulation import series
+from geotlm_lm.core.labels import Motion
 from tests.benchmarks.fakes import ALL, FakeAnswerer
-from tests.benchmarks.test_variants import clip_of
 
 
 @pytest.fixture
@@ -73,19 +69,6 @@ def test_halves_are_judged_apart_and_never_in_one_row(folder):
     ]
 
 
-def test_clips_that_do_not_tell_their_motion_stay_out_of_the_scores(monkeypatch):
-    def readable_and_not(*_, motions, **__):
-        for motion, is_readable in ((motions[0], True), (motions[1], False), (motions[0], True)):
-            label = MotionLabel(motion, is_readable=is_readable)
-            yield SimpleNamespace(clip=clip_of(motion), label=label, object_name="key")
-
-    monkeypatch.setattr(series, "simulate_series", readable_and_not)
-    found = judged(count=2)
-    assert list(found) == [f"simulated {task}" for task in ("rotation", "sliding", "all")]
-    row = found["simulated all"][variants.GENERATED]
-    assert (row.count, row.right, row.detail["unreadable_left_out"]) == (2, 1.0, 1)
-
-
 def test_turns_and_slides_of_one_folder_are_asked_as_tasks(folder):
     frames = np.load(folder / "clips" / "clockwise.npy")
     frames[:, -1, -1] = ALL.index(Motion.LEFT)
@@ -138,18 +121,3 @@ def test_a_run_without_a_single_clip_is_refused_with_the_first_reason(tmp_path):
         f"no clip could be judged ({tmp_path / 'gone.npy'}: no such file or folder; check the "
         f"path.); give other data."
     )
-
-
-def test_the_first_page_shows_six_sets_by_words_probe_and_rivals(monkeypatch):
-    def three(task, *_):
-        for motion in TASKS[task][:3]:
-            yield Case(clip_of(motion), motion, motion.value, motion.value, {})
-
-    monkeypatch.setattr(clips, "simulated_cases", three)
-    rows = [row for own in judged(count=3).values() for row in own.values()]
-    lines = clips_headline(rows).splitlines()
-    assert lines[0].count("|") == 7
-    assert [line.split("|")[1].strip() for line in lines[2:]] == [
-        "simulated turns",
-        "simulated slides",
-    ]

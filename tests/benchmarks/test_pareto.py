@@ -1,4 +1,4 @@
-"""Methods in turn, fronts, and what fresh processes say; numbers by hand."""
+"""Methods, commands and presets in turn, fronts, and what is left out; numbers by hand."""
 
 import itertools
 import subprocess
@@ -8,14 +8,22 @@ import pytest
 
 from geotlm_lm.benchmarks.harness import Row, Run
 from geotlm_lm.benchmarks.judging import Case, Reply
+from geotlm_lm.benchmarks.omissions import (
+    SAVED,
+    Omission,
+    model_omissions,
+    omission_rows,
+    scene_omissions,
+)
 from geotlm_lm.benchmarks.pareto import (
+    DRIFT,
+    HEIGHT,
     METHODS,
     SIMULATOR,
     SOLVERS,
     case_sets,
     error_rows,
     in_turn,
-    long_recording,
     model_variants,
     rows_in_turn,
     run_fresh,
@@ -25,6 +33,7 @@ from geotlm_lm.benchmarks.pareto import (
 from geotlm_lm.benchmarks.rendering import tables
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import ROTATIONS, Motion
+from geotlm_lm.simulation.presets import PRESETS
 
 
 def known(motion):
@@ -121,12 +130,6 @@ def test_a_process_that_fails_raises_and_others_give_their_lines():
         run_fresh("exit(3)")
 
 
-def test_a_long_recording_is_the_idle_gel_and_then_the_clip():
-    frames = np.arange(1, 5, dtype=np.uint8)[:, None, None, None] * np.ones((8, 8, 3), np.uint8)
-    shown = long_recording(Clip(frames, background=np.zeros((8, 8, 3), np.uint8)))
-    assert list(np.unique(shown.frames[:, 0, 0, 0], return_counts=True)[1]) == [25] * 5
-
-
 def test_finer_presets_err_less_and_what_leaves_out_physics_more(tmp_path):
     asked = {
         name: SOLVERS[name]
@@ -142,3 +145,37 @@ def test_finer_presets_err_less_and_what_leaves_out_physics_more(tmp_path):
         assert errors.get("geometric overlap", np.inf) > errors["draft"]
     SIMULATOR.figure(rows, tmp_path / "simulator.png")
     assert (tmp_path / "simulator.png").stat().st_size > 5_000
+
+
+def test_both_ways_take_turns_and_are_told_with_their_difference():
+    log = []
+    one = Omission(
+        "all of it",
+        "always",
+        lambda: log.append("full") or 5.0,
+        lambda: log.append("lean") or 3.0,
+        lambda full, lean: {"um": full - lean, "grey": 0.0},
+    )
+    (row,) = omission_rows([one], 2)
+    assert log == ["full", "lean", "lean", "full", "full", "lean"]  # to warm up, and twice
+    assert (row.case, row.count, row.detail["costs"]) == ("all of it", 2, {"um": 2.0, "grey": 0.0})
+    low, middle, high = row.detail["saved_ms"]
+    assert low <= middle <= high
+    assert "2 um; 0 grey" in tables(SAVED, [row])[0]
+
+
+def test_what_the_model_leaves_out_changes_no_answer(tiny_answerer):
+    omissions = model_omissions(Run(answerer_given=tiny_answerer))
+    rows = {one.case: one for one in omission_rows(omissions, 1)}
+    assert rows["encoding again"].detail["costs"] == {"of answers changed": 0}
+    assert rows["the language model"].detail["costs"] == {}
+
+
+def test_an_omission_costs_what_it_cannot_tell_and_little_else():
+    untold, slippery, coarse = (
+        one.cost(one.full(), one.lean()) for one in scene_omissions(PRESETS["draft"])
+    )
+    # The key is pressed in by 600 um: none of it moves the surface by a twentieth of that.
+    assert all(0 < one[HEIGHT] < 30 for one in (untold, slippery, coarse))
+    assert DRIFT not in untold
+    assert coarse[DRIFT] < 0.2 < slippery[DRIFT]

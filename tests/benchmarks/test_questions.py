@@ -103,10 +103,9 @@ def is_answered_right(bundle, asked, motion, felt, frame=CAMERA):
     return is_right(answer, truth)
 
 
-@pytest.mark.parametrize("motion", Motion)
 @pytest.mark.parametrize("type_id", TYPES)
-def test_who_believes_what_is_right_is_right(bundle, type_id, motion):
-    for seed in range(3):
+def test_who_believes_what_is_right_is_right(bundle, type_id):
+    for seed, motion in enumerate(Motion):
         asked = asked_about(motion, type_id, seed)
         frame = HEAD if asked.slots.kind == "thread" else CAMERA
         assert is_answered_right(bundle, asked, motion, motion, frame), asked.question
