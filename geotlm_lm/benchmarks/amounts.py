@@ -175,8 +175,7 @@ def words_prediction(answerer: Answerer, encoded: Encoded) -> Prediction:
     return Prediction(ways, counting=counting)
 
 
-def fit_prediction(rival: RigidFlow | RigidAlignment, clip: Clip) -> Prediction:
-    """Return what a rigid fit says of turn and slide; it has no opinion on what counts."""
+def _fit_prediction(rival: RigidFlow | RigidAlignment, clip: Clip) -> Prediction:
     fit = rival.fit(clip)
     rows, columns = camera_size(*clip.frames.shape[1:3])
     right, down = fit.slide_x_px * IMAGE_SIDE / columns, fit.slide_y_px * IMAGE_SIDE / rows
@@ -204,7 +203,7 @@ def mixture_rows(run: Run) -> list[Row]:
                 GENERATED: words_prediction(run.answerer, encoded),
             }
             for name, rival in zip(RIVALS, FITS.values(), strict=True):
-                predictions[name] = fit_prediction(rival, made.clip)
+                predictions[name] = _fit_prediction(rival, made.clip)
             for name, predicted in predictions.items():
                 for what, is_right in grades(made.label, predicted):
                     yield f"simulated mixtures, {what}", name, is_right, made.object_name
@@ -237,7 +236,7 @@ def amount_rows(run: Run) -> Iterator[Row]:
         run.progress(f"how far, {title}", 0, 1)
         answers: dict[str, list[tuple[Moved, Measure | float]]] = {}
         for moved in clips:
-            answers.setdefault(BELIEF, []).append((moved, believed_amount(run.answerer, moved)))
+            answers.setdefault(BELIEF, []).append((moved, _believed_amount(run.answerer, moved)))
             for name, rival in FITS.items():
                 answers.setdefault(name, []).append((moved, fitted_amount(rival, moved)))
         for method, pairs in answers.items():
@@ -290,8 +289,7 @@ def known_amount(row: WindowRow, unit: Unit) -> float | None:
     return first if agree else None
 
 
-def believed_amount(answerer: Answerer, moved: Moved) -> Measure:
-    """Return what is believed of a clip whose kind of motion is given."""
+def _believed_amount(answerer: Answerer, moved: Moved) -> Measure:
     component = Component.TURN if moved.unit == "deg" else Component.SLIDE
     encoded = answerer.encode(moved.clip)
     return measure(component.value, encoded.belief, FrameSpec(), recording_of(encoded))

@@ -91,8 +91,7 @@ def scene_omissions(preset: Preset) -> Iterator[Omission]:
         yield Omission(name, "a key", full, lean, partial(differences, scene))
 
 
-def saved_rows(run: Run) -> Iterator[Row]:
-    """Yield the rows of an answer and of a simulated scene."""
+def _saved_rows(run: Run) -> Iterator[Row]:
     yield from omission_rows(model_omissions(run), run.size(30, 1))
     yield from omission_rows(scene_omissions(PRESETS[run.size("fast", "draft")]), run.size(7, 1))
 
@@ -112,6 +111,6 @@ SAVED = Section(
     about="""\
 Both ways run in turn, medians, one thread, on one simulated clip or scene. *Costs* is the error of
 leaving it out against doing it; none where the two do not tell the same.""",
-    run=saved_rows,
+    run=_saved_rows,
     views={"": (Listing(_COLUMNS), every)},
 )

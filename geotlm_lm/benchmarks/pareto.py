@@ -127,8 +127,7 @@ def with_front(rows: Sequence[Row]) -> list[Row]:
     return [replace(row, detail={**row.detail, "is_on_front": is_on_front(row)}) for row in rows]
 
 
-def method_rows(run: Run) -> Iterator[Row]:
-    """Yield one row per set of clips and method."""
+def _method_rows(run: Run) -> Iterator[Row]:
     methods = {name: timed(rival.predict) for name, rival in CLASSICAL.items()}
     methods |= model_variants(run.answerer)
     for case_set in case_sets(run):
@@ -192,8 +191,7 @@ def long_recording(clip: Clip) -> Clip:
     return Clip(np.repeat(np.concatenate([clip.background[None], clip.frames]), 25, axis=0))
 
 
-def stage_rows(run: Run) -> Iterator[Row]:
-    """Yield the milliseconds of every stage of an answer, each alone on the same clip."""
+def _stage_rows(run: Run) -> Iterator[Row]:
     clip, bundle = runtime_clip(run), run.answerer.bundle
     model, speaker, recording = bundle.model, bundle.speaker, long_recording(clip)
     imprint, stem = imprint_of(clip), measure_clip(clip)
@@ -222,8 +220,7 @@ def stage_rows(run: Run) -> Iterator[Row]:
         yield Row("one clip", name, repeats, **milliseconds([ms for _, ms in runs]))
 
 
-def command_rows(run: Run) -> Iterator[Row]:
-    """Yield the cold start and the peak memory of each command a user waits for."""
+def _command_rows(run: Run) -> Iterator[Row]:
     bundle = () if run.model is None else ("--model", str(run.model))
     with tempfile.TemporaryDirectory() as folder:
         touch = simulate_touch(Touch(twist_deg=12.0)).clip
@@ -295,8 +292,7 @@ SOLVERS: dict[str, Solve] = {
 }
 
 
-def simulator_rows(run: Run) -> Iterator[Row]:
-    """Yield the error and time of every solver, by what is held against the reference."""
+def _simulator_rows(run: Run) -> Iterator[Row]:
     chosen = scenes() if not run.is_quick else {"ball, slide": moving("ball_medium", slide_mm=0.9)}
     yield from error_rows(chosen, SOLVERS, run.size("reference", "good"), run.size(3, 1))
 
@@ -403,7 +399,7 @@ METHODS = Section(
 Every method is put to every clip in turn, on one thread, from the clip in memory to the motion.
 Words may name any of ten motions, the others choose among the task's. `*` marks what nothing beats
 in both error and median time.""",
-    run=method_rows,
+    run=_method_rows,
     views={
         "Simulated clips": (_METHODS, lambda row: row.case.startswith("simulated")),
         "Real recordings": (_METHODS, lambda row: row.case.startswith("real")),
@@ -415,7 +411,7 @@ STAGES = Section(
     name="stages",
     title="Stages of an answer",
     about="Each stage alone on one clip, one thread; one prompt serves all ten scores.",
-    run=stage_rows,
+    run=_stage_rows,
     views={"": (Listing(_TIMED), every)},
 )
 
@@ -423,7 +419,7 @@ COMMANDS = Section(
     name="commands",
     title="Cold starts of the commands",
     about="Fresh processes on one thread, files cached; MiB is the most they ever held.",
-    run=command_rows,
+    run=_command_rows,
     views={"": (Listing(_TIMED | {"MiB": lambda row: number(row.memory_mib, ".0f")}), every)},
 )
 
@@ -433,7 +429,7 @@ SIMULATOR = Section(
     about="""\
 Presets and two shortcuts against the reference preset on a ball, a key and a nut that are twisted,
 slid or pressed: medians and ranges over nine scenes, one thread, surfaces alone.""",
-    run=simulator_rows,
+    run=_simulator_rows,
     views={"": (_PRESETS, every)},
     figure=partial(draw_fronts, "", "log"),
 )

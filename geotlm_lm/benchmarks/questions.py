@@ -313,8 +313,7 @@ def calibration(asked: Sequence[Asked]) -> dict[str, Any]:
     }
 
 
-def reading_rows(run: Run) -> Iterator[Row]:
-    """Yield what is understood of every set of questions."""
+def _reading_rows(run: Run) -> Iterator[Row]:
     some, pairs = run.size(10_000, 40), grammar().pairs(run.seed, "test")
     sets = {
         "grammar, families held out": _labelled(islice(pairs, run.size(PAIRS, 60))),
@@ -410,7 +409,7 @@ READING = Section(
     name="reading",
     title="Understanding",
     about=READING_ABOUT,
-    run=reading_rows,
+    run=_reading_rows,
     views={
         "": (Pivot(right_with_interval, "questions"), lambda row: row.variant in (EXACT, KIND)),
         "Families that were trained on, by ask and point of view": (

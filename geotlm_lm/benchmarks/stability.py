@@ -110,8 +110,7 @@ def damage_rows(run: Run) -> Iterator[Row]:
             yield row_of(name, verdicts, level)
 
 
-def extreme_rows(run: Run) -> Iterator[Row]:
-    """Yield one row per extreme recording, made of the first simulated clip that turns."""
+def _extreme_rows(run: Run) -> Iterator[Row]:
     touch = next(case for case in first_cases(run, CLIPS, CLIPS) if case.motion in ROTATIONS)
     long_frames = run.size(LONG_FRAMES, 1000)
     extremes = extreme_clips(touch.clip, touch.motion, long_frames=long_frames)
@@ -120,8 +119,7 @@ def extreme_rows(run: Run) -> Iterator[Row]:
         yield row_of(name, [judge(run.answerer, extreme.make, extreme.right)])
 
 
-def scene_rows(run: Run) -> Iterator[Row]:
-    """Yield, per scene, what its contact came to and what is said of it."""
+def _scene_rows(run: Run) -> Iterator[Row]:
     cases = dict(islice(STIFF_CASES.items(), run.size(len(STIFF_CASES), 4)))
     for done, (name, case) in enumerate(cases.items()):
         run.progress("stiff and extreme scenes", done, len(cases))
@@ -247,8 +245,7 @@ def contact_row(name: str, case: Mapping[str, Any]) -> Row:
     return Row(name, "contact", outcome=outcome, detail=residuals)
 
 
-def numerics_rows(run: Run) -> Iterator[Row]:
-    """Yield what Eq. 5 and its gradients come to under fainter and fainter contact."""
+def _numerics_rows(run: Run) -> Iterator[Row]:
     yield from map(mask_row, MASKS)
 
 
@@ -299,8 +296,7 @@ def _named(rows: Sequence[Row], count: str) -> str:
     return ", ".join(names[:12]) or "none"
 
 
-def draw_damage(rows: Sequence[Row], path: Path) -> None:
-    """Draw, for each kind of damage, accuracy, stated probability and refusals over its levels."""
+def _draw_damage(rows: Sequence[Row], path: Path) -> None:
     from matplotlib.figure import Figure
 
     kinds = {name: [row for row in rows if row.case == name] for name in (r.case for r in rows)}
@@ -362,7 +358,7 @@ DAMAGE = Section(
     about=DAMAGE_ABOUT,
     run=damage_rows,
     views={"": (_ASKED, every)},
-    figure=draw_damage,
+    figure=_draw_damage,
     headline=failures_headline,
 )
 
@@ -370,7 +366,7 @@ EXTREME = Section(
     name="extreme",
     title="Extreme recordings",
     about=EXTREME_ABOUT,
-    run=extreme_rows,
+    run=_extreme_rows,
     views={"": (_ASKED, every)},
     headline=failures_headline,
 )
@@ -379,7 +375,7 @@ SCENES = Section(
     name="scenes",
     title="Stiff and extreme scenes",
     about=SCENES_ABOUT,
-    run=scene_rows,
+    run=_scene_rows,
     views={
         "": (Pivot(_plain, "scene", with_count=False), every),
         "Residuals": (
@@ -394,6 +390,6 @@ NUMERICS = Section(
     name="numerics",
     title="Contact that vanishes",
     about=NUMERICS_ABOUT,
-    run=numerics_rows,
+    run=_numerics_rows,
     views={"": (Listing({"mask": _case} | _CONTACT), every)},
 )

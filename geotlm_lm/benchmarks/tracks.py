@@ -164,8 +164,7 @@ def _planned(scene: Scene, component: Component, begin: int, end: int) -> Planne
     return Planned(component, begin, end, made.twist, bool(truth.counts) and truth.is_visible)
 
 
-def track_rows(run: Run) -> Iterator[Row]:
-    """Yield the rows of real recordings, each half apart, and of simulated streams."""
+def _track_rows(run: Run) -> Iterator[Row]:
     for name, half, real in recordings_by_half(run.real):
         directed = rows_of_half(read_directed(real.folder / TABLE_NAME), half)
         rows = [row for row in directed if row.turn_deg]
@@ -183,7 +182,7 @@ def _real_grades(run: Run, name: str, half: Half, rows: Sequence[DirectedRow]) -
             case = titled(f"real {name}, {span}", half)
             part = tracked if frames is None else tracked.between(*frames)
             net = part.net(Component.TURN)
-            for what, is_right in turn_grades(row, net.mean):
+            for what, is_right in _turn_grades(row, net.mean):
                 yield f"{case}: {what}", TRACK, is_right, row.object_family
             yield f"{case}: span", TRACK, net.holds(row.turn_deg), row.object_family
         # Rivals know no touch: they are given the contact.
@@ -193,13 +192,12 @@ def _real_grades(run: Run, name: str, half: Half, rows: Sequence[DirectedRow]) -
             idle = np.median(clip.frames[FIRST_IDLE : FIRST_IDLE + SURELY_IDLE], axis=0)
             part = clip.select(range(first, min(last + 1, len(clip))))
             part = replace(part, background=idle.astype(np.uint8))
-            for what, is_right in turn_grades(row, rival.fit(part).rotation_deg):
+            for what, is_right in _turn_grades(row, rival.fit(part).rotation_deg):
                 yield f"{case}: {what}", variant, is_right, row.object_family
         run.progress(titled(f"tracks of {name}", half), done, len(rows))
 
 
-def turn_grades(row: DirectedRow, turn_deg: float) -> list[tuple[str, bool]]:
-    """Return whether the direction and the size of a recording's turn are right."""
+def _turn_grades(row: DirectedRow, turn_deg: float) -> list[tuple[str, bool]]:
     off, true = abs(turn_deg - row.turn_deg), row.turn_deg
     is_near = off <= max(WITHIN_DEG, RELATIVE_TOLERANCE * abs(true))
     return [("direction", turn_deg * true > 0), ("how far", is_near)]
@@ -218,7 +216,7 @@ def event_grades(stream: Stream, track: Track) -> Iterator[tuple[str, bool]]:
     for planned in stream.planned:
         if not planned.is_readable:
             continue
-        event = matching(planned, track.events)
+        event = _matching(planned, track.events)
         yield "event found", event is not None
         if event is None:
             yield "both ends", False
@@ -233,7 +231,7 @@ def event_grades(stream: Stream, track: Track) -> Iterator[tuple[str, bool]]:
         yield "not told back", not any(mean * turns[0].twist.turn_deg < 0 for mean in means)
 
 
-def matching(planned: Planned, events: Sequence[Event]) -> Event | None:
+def _matching(planned: Planned, events: Sequence[Event]) -> Event | None:
     """Return the event of a motion's kind and way that overlaps it most; None without any."""
 
     def overlap(event: Event) -> int:
@@ -254,6 +252,6 @@ TRACKS = Section(
     name="recordings",
     title="Whole recordings",
     about=ABOUT,
-    run=track_rows,
+    run=_track_rows,
     views={"": (Pivot(right_with_interval, "recordings, what is graded"), every)},
 )
