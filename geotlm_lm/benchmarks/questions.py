@@ -21,6 +21,7 @@ from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section
 from geotlm_lm.benchmarks.judging import share_row
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.edit import EDIT_WORDS
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import (
     DIRECTED,
@@ -37,7 +38,6 @@ from geotlm_lm.data.labelled_recordings import LabelledRecordings
 from geotlm_lm.data.questions import QuestionAnswer, askable_types, questions_for
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.parse_answer import Slots
-from geotlm_lm.query.edit import EDIT_WORDS
 from geotlm_lm.query.grammar import Pair, corpus, grammar
 from geotlm_lm.query.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
 from geotlm_lm.query.text import read
@@ -112,16 +112,16 @@ class Truth:
 def truth_of(
     asked: QuestionAnswer, motion: Motion, frame: FrameSpec, *, seconds: float | None = 1.0
 ) -> Truth:
-    """Return the right answer to `asked` about a clip of `motion`, told in `frame`.
+    """Return the right answer to `asked` about a clip of `motion`, as `frame` sees it.
 
     The question's own answer gives claim, options and amount; a speed needs a clip that is timed.
     """
-    kind, told = asked.slots.kind, frame.tell(motion)
+    kind, way = asked.slots.kind, frame.edit.of_way(motion)
     if kind in ("verify", "negation"):
-        return Truth(kind, direction=told, is_so=told == claim_of(asked))
+        return Truth(kind, direction=way, is_so=way == claim_of(asked))
     if kind == "choice":
-        letter = {option.direction: option.letter for option in _options(asked)}.get(told)
-        return Truth(kind, letter, told)
+        letter = {option.direction: option.letter for option in _options(asked)}.get(way)
+        return Truth(kind, letter, way)
     if kind == "class":
         return Truth(kind, motion_class(motion).value)
     if kind in ("contact", "moving"):
@@ -135,8 +135,8 @@ def truth_of(
         return _thread_truth(motion, frame)
     changed = {"mirrored": mirror, "reversed": reverse, "undo": reverse}.get(kind)
     frame = replace(frame, **OTHER_FRAME.get(kind, {}))
-    told = frame.tell(changed(motion) if changed else motion)
-    return Truth(kind, direction=told)
+    way = frame.edit.of_way(changed(motion) if changed else motion)
+    return Truth(kind, direction=way)
 
 
 def _amount_truth(asked: QuestionAnswer, motion: Motion, seconds: float | None) -> Truth:
@@ -153,12 +153,12 @@ def _amount_truth(asked: QuestionAnswer, motion: Motion, seconds: float | None) 
 
 
 def _thread_truth(motion: Motion, frame: FrameSpec) -> Truth:
-    told, tightens = frame.tell(motion), frame.tightens(motion)
+    way, tightens = frame.edit.of_way(motion), frame.tightens(motion)
     if motion not in DIRECTED or (motion in SLIDES and frame.contact_side != "side"):
-        return Truth("thread", "neither", told)
+        return Truth("thread", "neither", way)
     if tightens is None:
         return Truth("thread", abstains=True)
-    return Truth("thread", "tighten" if tightens else "loosen", told)
+    return Truth("thread", "tighten" if tightens else "loosen", way)
 
 
 def is_right(answer: Answer, truth: Truth) -> bool:
