@@ -159,8 +159,7 @@ def _measure(
     name: str, run: Run, only: list[str] | None, out: Path | None, *, as_json: bool
 ) -> None:
     """Run a bench; print its tables, and write them where that is asked for."""
-    from geotlm_lm.benchmarks.benches import BENCHES
-    from geotlm_lm.benchmarks.harness import run_bench
+    from geotlm_lm.benchmarks.benches import BENCHES, run_bench
     from geotlm_lm.benchmarks.rendering import page, save_results
 
     bench = BENCHES[name]

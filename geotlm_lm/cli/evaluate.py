@@ -82,8 +82,8 @@ def evaluate(
         folder = run_folder or Path("runs/encoder")
         chosen = "default" if preset is None else preset
         answerer, name, about = _trained_on(weights, encoder, heads, chosen, folder, seed)
-    from geotlm_lm.benchmarks.benches import EVALUATION
-    from geotlm_lm.benchmarks.harness import Run, rows_of, run_bench
+    from geotlm_lm.benchmarks.benches import EVALUATION, run_bench
+    from geotlm_lm.benchmarks.harness import Run, rows_of
     from geotlm_lm.benchmarks.rendering import page
     from geotlm_lm.benchmarks.variants import GENERATED
 

@@ -8,9 +8,9 @@ import cv2
 import pytest
 import torch
 
-from geotlm_lm.benchmarks import harness
-from geotlm_lm.benchmarks.benches import ACCURACY
-from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Run, Section, every, rows_of, run_bench
+from geotlm_lm.benchmarks import benches
+from geotlm_lm.benchmarks.benches import ACCURACY, run_bench
+from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Run, Section, every, rows_of
 from geotlm_lm.benchmarks.rendering import (
     StaleResults,
     check_results,
@@ -91,7 +91,7 @@ def test_an_unknown_section_is_refused(toy):
 def test_a_stopped_run_goes_on_where_it_was_at_the_same_commit_only(toy, tmp_path, monkeypatch):
     bench, ran = toy
     for commit in ("abc", "abc", "def", "def+", "def+"):
-        monkeypatch.setattr(harness, "commit", lambda commit=commit: commit)
+        monkeypatch.setattr(benches, "commit", lambda commit=commit: commit)
         run_bench(bench, Run(folder=tmp_path))
     # Once for abc, once for def; a changed checkout is never taken for its commit.
     assert ran == ["first", "second"] * 4
@@ -110,7 +110,7 @@ def test_a_stopped_run_keeps_the_shares_that_it_had_of_a_section(toy, tmp_path, 
         return {name: partial(share, name) for name in "ab"}
 
     bench = replace(bench, sections=(replace(bench.sections[0], shares=shares),))
-    monkeypatch.setattr(harness, "commit", lambda: "abc")
+    monkeypatch.setattr(benches, "commit", lambda: "abc")
     with pytest.raises(KeyboardInterrupt):
         run_bench(bench, Run(folder=tmp_path))
     record = run_bench(bench, Run(folder=tmp_path))
