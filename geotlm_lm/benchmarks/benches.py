@@ -20,9 +20,9 @@ from geotlm_lm.benchmarks.protocols import PROTOCOLS
 from geotlm_lm.benchmarks.questions import QUESTIONS, READING
 from geotlm_lm.benchmarks.stability import DAMAGE, EXTREME, NUMERICS, SCENES
 from geotlm_lm.benchmarks.tracks import TRACKS
-from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.progress import silent
+from geotlm_lm.core.files import write_text_atomically
+from geotlm_lm.core.process import silent
 from geotlm_lm.core.record import RunRecord, commit, machine
 from geotlm_lm.workers import ALONE
 

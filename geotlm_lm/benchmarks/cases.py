@@ -27,7 +27,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, reverse, turn_by_quarter
-from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.core.numbers import generator_for, seed_for
 from geotlm_lm.data import pose_pairs
 from geotlm_lm.data.labelled_recordings import (
     LabelledRecordings,

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from geotlm_lm.benchmarks.harness import Row
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.grouping import Labels, group_codes, mean_by_group
 from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.core.numbers import Labels, group_codes, mean_by_group
 from geotlm_lm.core.twist import COMPONENT_OF, Component
 
 DRAWS = 4000

@@ -27,23 +27,28 @@ from geotlm_lm.benchmarks.judging import share_row
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT, GRID_SIDE
-from geotlm_lm.core.grouping import mean_by_group
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.seeding import seed_for
+from geotlm_lm.core.numbers import mean_by_group, seed_for
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.dgr.ablations import DGRParts
 from geotlm_lm.probe.curl import curl_features
-from geotlm_lm.probe.logistic import fit_logistic
+from geotlm_lm.probe.linear import fit_logistic
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
 from geotlm_lm.simulation.series import simulate_series
 from geotlm_lm.simulation.simulate import SimulatedClip
-from geotlm_lm.training.folds import Recipe, standardise_fold, train_on_fold
+from geotlm_lm.training.folds import (
+    Fold,
+    Recipe,
+    leave_one_object_out,
+    object_folds,
+    standardise_fold,
+    train_on_fold,
+)
 from geotlm_lm.training.geometry import ALL_MOTIONS, TokenSet
-from geotlm_lm.training.motion_loss import counts_motion
-from geotlm_lm.training.object_folds import Fold, leave_one_object_out, object_folds
 from geotlm_lm.training.recording_forms import bin_means, truth_in_view
+from geotlm_lm.training.truth import counts_motion
 
 ABOUT = """\
 *Ours* are simulated clips of everyday objects that no weight of the backbone was trained on;

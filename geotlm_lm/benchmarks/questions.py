@@ -32,7 +32,7 @@ from geotlm_lm.core.labels import (
     motion_class,
     reverse,
 )
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.tolerance import within_tolerance
 from geotlm_lm.data.labelled_recordings import LabelledRecordings
 from geotlm_lm.data.questions import QuestionAnswer, askable_types, questions_for
@@ -42,7 +42,7 @@ from geotlm_lm.query.grammar import Pair, corpus, grammar
 from geotlm_lm.query.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
 from geotlm_lm.query.text import read
 from geotlm_lm.query.types import THREAD_ATOMS, Part
-from geotlm_lm.training.calibration_error import expected_calibration_error
+from geotlm_lm.training.calibration import expected_calibration_error
 
 QUESTIONS_ABOUT = """\
 Each clip is asked one question of every type through the same door a user takes. *Words* are graded

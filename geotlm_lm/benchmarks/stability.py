@@ -28,7 +28,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.geometry import GRID_SIDE, REGIONS
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.dgr.regions import MASS_FLOOR, pool_regions, region_mass
 from geotlm_lm.simulation.contact import solve_contact
 from geotlm_lm.simulation.presets import preset_named

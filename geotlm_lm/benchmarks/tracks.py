@@ -19,7 +19,7 @@ from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.variants import FITS
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.core.numbers import generator_for, seed_for
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
 from geotlm_lm.core.twist import Component, Twist
 from geotlm_lm.data.touch_table import (

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from geotlm_lm.cli.options import path_option
-from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.files import replacing
 from geotlm_lm.core.labels import Motion
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def simulate_one(
     Raises:
         UsageError: If there is no such shape.
     """
-    from geotlm_lm.core.seeding import generator_for
+    from geotlm_lm.core.numbers import generator_for
     from geotlm_lm.simulation.randomise import random_scene
     from geotlm_lm.simulation.simulate import simulate as simulate_scenes
 

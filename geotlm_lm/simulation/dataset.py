@@ -18,11 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.interrupts import uninterrupted_step
+from geotlm_lm.core.files import replacing, write_text_atomically
 from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.core.process import Progress, silent, uninterrupted_step
 from geotlm_lm.simulation.card import card_of
 from geotlm_lm.simulation.presets import PresetName, preset_named
 from geotlm_lm.simulation.randomise import MARKER_SHARE, MIXED_SHARE

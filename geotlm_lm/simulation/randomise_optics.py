@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from geotlm_lm.core.seeding import log_uniform
+from geotlm_lm.core.numbers import log_uniform
 from geotlm_lm.simulation.scene import Markers, Mounting, Optics, VideoCodec
 
 ZOOM = (0.6, 1.15)

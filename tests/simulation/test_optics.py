@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.simulation.optics import lit, turned_lights
 from geotlm_lm.simulation.recording import recorded
 from geotlm_lm.simulation.scene import Optics

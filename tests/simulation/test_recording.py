@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.simulation.recording import Recorder
 from geotlm_lm.simulation.scene import Optics, VideoCodec
 
