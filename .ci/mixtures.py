@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from geotlm_lm.benchmarks.halves import rows_of_half
+from geotlm_lm.benchmarks.cases import rows_of_half
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import ROTATIONS
 from geotlm_lm.core.twist import Component

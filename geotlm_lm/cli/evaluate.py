@@ -85,10 +85,9 @@ def evaluate(
         folder, chosen = run_folder or Path("runs/encoder"), "default" if preset is None else preset
         name, bundle = _trained_on(encoder, chosen, folder, seed)
         answerer, about = Answerer(bundle), {"encoder": bundle.provenance}
-    from geotlm_lm.benchmarks.accuracy import EVALUATION
+    from geotlm_lm.benchmarks.benches import EVALUATION, run_bench
+    from geotlm_lm.benchmarks.harness import Run, rows_of
     from geotlm_lm.benchmarks.rendering import page
-    from geotlm_lm.benchmarks.rows import Run, rows_of
-    from geotlm_lm.benchmarks.running import run_bench
     from geotlm_lm.benchmarks.variants import GENERATED
 
     what = {"seed": seed, "clips": clips, "real": real, "data": tuple(data or ())}

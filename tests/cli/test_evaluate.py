@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from geotlm_lm.benchmarks.rows import Bench, Pivot, Row, Section, every, rows_of
+from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Section, every, rows_of
 from geotlm_lm.cli.recorded import command_line
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.language.decoder import LanguageSize
@@ -21,7 +21,7 @@ from tests.cli.running import run
 def judged(monkeypatch):
     """Replaces the model and the bench; returns the runs that the bench was given."""
     from geotlm_lm import answering
-    from geotlm_lm.benchmarks import accuracy
+    from geotlm_lm.benchmarks import benches
 
     given = []
 
@@ -35,7 +35,7 @@ def judged(monkeypatch):
     bundle = SimpleNamespace(digest=lambda: "0123456789ab")
     load = classmethod(lambda cls, folder: SimpleNamespace(bundle=bundle))
     monkeypatch.setattr(answering.Answerer, "load", load)
-    monkeypatch.setattr(accuracy, "EVALUATION", bench)
+    monkeypatch.setattr(benches, "EVALUATION", bench)
     return given
 
 

@@ -21,7 +21,6 @@ LEVELS = (
     {"track"},
     {"query"},
     {"checkpoint"},
-    {"precision"},
     {"answering", "training"},
     {"benchmarks", "data_sets", "reference_readings", "doctor"},
     {"cli"},

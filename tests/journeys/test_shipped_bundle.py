@@ -23,12 +23,12 @@ from geotlm_lm import FrameSpec
 from geotlm_lm.answering.belief_of_clip import reading
 from geotlm_lm.backbone import imprint
 from geotlm_lm.backbone.relief import Lights
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, measure_clip
-from geotlm_lm.benchmarks.cases.recordings import turned_by_quarter
+from geotlm_lm.backbone.stem import MAGNIFICATION_AT, measure_clip
+from geotlm_lm.benchmarks.cases import turned_by_quarter
 from geotlm_lm.checkpoint import embedded_bundle_dir
-from geotlm_lm.cli.simulate import simulate_one
+from geotlm_lm.cli.simulate_clip import simulate_one
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.geometry import PATCH_SIDE
+from geotlm_lm.core.geometry import FLOW_SCALE_PX, PATCH_SIDE
 from geotlm_lm.core.labels import (
     DIRECTED,
     ROTATIONS,

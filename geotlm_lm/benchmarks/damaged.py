@@ -42,24 +42,20 @@ def damage_kinds() -> dict[str, dict[str, Damage]]:
         "camera noise": _levels("grey levels", (5, 10, 20, 40, 80), _noisy),
         "JPEG": _of_images("quality", (90, 50, 20, 5), jpeg),
         "video": {f"{name} codec": partial(_filmed, name) for name in CODECS},
-        "brightness drift": _of_frames(
-            "grey levels over the clip", (5, 15, 40, 80), lambda v, c: drifted(v, 0.0, c.frames)
-        ),
+        "brightness drift": _levels("grey levels over the clip", (5, 15, 40, 80), _drifted),
         "overexposed": _of_images("gain", (1.5, 2.5, 5), gained),
         "underexposed": _of_images("gain", (0.5, 0.2, 0.1, 0.05), gained),
-        "fainter contact": _of_frames(
-            "contrast", (0.5, 0.2, 0.1, 0.05), lambda v, c: faded(v, c.frames, c.background)
-        ),
+        "fainter contact": _levels("contrast", (0.5, 0.2, 0.1, 0.05), _faded),
         "frames dropped": _levels("of 4", DROPPED, lambda v, c, rng: c.select(DROPPED[v])),
-        "frames repeated": _of_frames("of 4", REPEATED, lambda v, c: c.frames[REPEATED[v]]),
+        "frames repeated": _levels("of 4", REPEATED, _repeated),
         "contact at the border": _levels("px off the middle", (40, 80, 112), _moved_off),
-        "half the frame lost": _of_all_or_frames(
+        "half the frame lost": _everywhere_or_frames_only(
             lambda image: image * (np.indices(image.shape)[1] < image.shape[1] // 2)
         ),
-        "colours in the wrong order": _of_all_or_frames(lambda image: image[..., ::-1].copy()),
-        "small frames": _of_images(
-            "px", (112, 56, 28, 8), lambda v, image: _resized((v, v), image)
+        "colours in the wrong order": _everywhere_or_frames_only(
+            lambda image: image[..., ::-1].copy()
         ),
+        "small frames": _of_images("px", (112, 56, 28, 8), lambda v, x: _resized((v, v), x)),
         "background not given": {"-": lambda clip, rng: replace(clip, background=None)},
     }
 
@@ -69,25 +65,33 @@ def _levels(unit: str, values: Iterable[float], damage: Callable[..., Clip]) -> 
 
 
 def _of_images(unit: str, values: Iterable[float], change: Callable) -> dict[str, Damage]:
-    return {f"{value:g} {unit}": _per_image(partial(change, value)) for value in values}
+    return _levels(unit, values, lambda v, clip, rng: _each_image(partial(change, v), clip))
 
 
-def _of_frames(unit: str, values: Iterable[float], change: Callable) -> dict[str, Damage]:
-    return _levels(unit, values, lambda v, clip, rng: replace(clip, frames=change(v, clip)))
+def _everywhere_or_frames_only(change: Callable[[Frames], Frames]) -> dict[str, Damage]:
+    return {
+        "everywhere": lambda clip, rng: _each_image(change, clip),
+        "frames-only": lambda clip, rng: replace(
+            _each_image(change, clip), background=clip.background
+        ),
+    }
 
 
-def _of_all_or_frames(change: Callable[[Frames], Frames]) -> dict[str, Damage]:
-    frames_only = _per_image(change, in_background=False)
-    return {"everywhere": _per_image(change), "frames-only": frames_only}
+def _each_image(change: Callable[[Frames], Frames], clip: Clip) -> Clip:
+    frames = np.stack([change(frame) for frame in clip.frames])
+    return replace(clip, frames=frames, background=change(clip.background))
 
 
-def _per_image(change: Callable[[Frames], Frames], in_background: bool = True) -> Damage:
-    def damage(clip: Clip, rng: np.random.Generator) -> Clip:
-        frames = np.stack([change(frame) for frame in clip.frames])
-        idle = change(clip.background) if in_background else clip.background
-        return replace(clip, frames=frames, background=idle)
+def _drifted(offset_grey: float, clip: Clip, rng: np.random.Generator) -> Clip:
+    return replace(clip, frames=drifted(offset_grey, 0.0, clip.frames))
 
-    return damage
+
+def _faded(contrast: float, clip: Clip, rng: np.random.Generator) -> Clip:
+    return replace(clip, frames=faded(contrast, clip.frames, clip.background))
+
+
+def _repeated(count: int, clip: Clip, rng: np.random.Generator) -> Clip:
+    return replace(clip, frames=clip.frames[REPEATED[count]])
 
 
 def _noisy(sigma_grey: float, clip: Clip, rng: np.random.Generator) -> Clip:
@@ -168,21 +172,21 @@ def extreme_clips(
 
 def _constant_clips(idle: Frames) -> dict[str, Extreme]:
     """Return constant images with and without an idle gel, and that gel with one bright pixel."""
-    found = {}
+    clips = {}
     for name, grey in (("black", 0), ("grey 128", 128), ("white", 255)):
         flat = np.full((FRAME_COUNT, *idle.shape), grey, np.uint8)
         # A constant image without a background might be an idle gel, unless it is no image.
-        found[name] = Extreme(UNTOUCHED if 0 < grey < 255 else UNKNOWABLE, partial(Clip, flat))
-        found[f"{name}, idle gel given"] = Extreme(UNKNOWABLE, partial(Clip, flat, background=idle))
+        clips[name] = Extreme(UNTOUCHED if 0 < grey < 255 else UNKNOWABLE, partial(Clip, flat))
+        clips[f"{name}, idle gel given"] = Extreme(UNKNOWABLE, partial(Clip, flat, background=idle))
     flicker = np.zeros((FRAME_COUNT, *idle.shape), np.uint8)
     flicker[1::2] = 255
-    found["black and white in turn"] = Extreme(UNKNOWABLE, partial(Clip, flicker, background=idle))
+    clips["black and white in turn"] = Extreme(UNKNOWABLE, partial(Clip, flicker, background=idle))
     for name, step in (("a hot pixel", 0), ("a moving pixel", 5)):
         frames = np.repeat(idle[None], FRAME_COUNT, axis=0)
         for number, frame in enumerate(frames):
             frame[len(frame) // 2, frame.shape[1] // 2 + step * number] = 255
-        found[name] = Extreme(UNTOUCHED, partial(Clip, frames, background=idle))
-    return found
+        clips[name] = Extreme(UNTOUCHED, partial(Clip, frames, background=idle))
+    return clips
 
 
 def _still(frame: Frames, idle: Frames) -> Clip:

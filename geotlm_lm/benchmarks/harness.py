@@ -1,6 +1,6 @@
-"""What every benchmark is made of: a bench has sections, a section gives rows, a row is a number.
+"""What every benchmark is made of, and how it is run: `Variant x Case -> Row`. Knows no model.
 
-A row is what one variant made of one case: `Variant x Case -> Row`. Knows no model.
+A bench has sections; a section gives rows and says how they are shown.
 """
 
 from __future__ import annotations
@@ -28,20 +28,11 @@ WHOLE, QUICK = "whole", "quick"
 
 @dataclass(frozen=True)
 class Row:
-    """What one variant made of one case.
+    """What one variant (a method, a model, a preset) made of one case (a set of clips, a scene).
 
-    Args:
-        case: What was asked about: a set of clips, a scene, a file.
-        variant: What was asked: a method, a model, a preset, a number format.
-        count: How many clips, questions or runs the numbers are of.
-        error: Share of wrong answers, or a distance in `unit`; None where nothing is graded.
-        unit: Of the error: "share", "deg", "px", "um", ...
-        interval: 95 % interval of the error, clips of one object resampled together.
-        ms_p50: Median wall time, milliseconds; None where nothing is timed.
-        ms_p95: 95th percentile.
-        memory_mib: Peak memory of the process.
-        outcome: What became of it, in a word or a sentence; "" where the numbers say it.
-        detail: Further numbers that this section shows, plain JSON values.
+    `error` is the share of wrong answers, or a distance in `unit` ("deg", "um"), None where nothing
+    is graded; `interval` its 95 % interval, objects resampled as wholes. `outcome` is the result in
+    words where numbers do not say it, `detail` what else the section shows, as plain JSON values.
     """
 
     case: str
@@ -77,13 +68,7 @@ class Row:
 
 @dataclass(frozen=True)
 class EncoderFile:
-    """A released encoder that takes the place of the embedded backbone.
-
-    Args:
-        weights: The file its authors release.
-        name: Of its adapter; None to tell it by the file.
-        heads: Attention heads, where the file does not tell.
-    """
+    """File of a released encoder, its adapter (None: told by the file) and its attention heads."""
 
     weights: Path
     name: str | None = None
@@ -103,9 +88,8 @@ class Run:
         model: A bundle's folder; None for the one that ships.
         encoder: Whose tokens the paper's protocols are run on; None for the embedded backbone.
         folder: Keeps what a stopped run need not do again.
-        progress: Told how far the run is.
         answerer_given: A model that is loaded already.
-        workers: Who runs sections and shares of them; numbers but times do not depend on it.
+        workers: Who runs shares of sections; numbers but times do not depend on it.
     """
 
     seed: int = 0
@@ -127,7 +111,7 @@ class Run:
             return self.answerer_given
         from geotlm_lm.answering.loaded import loaded
 
-        return loaded(self.model, "float32")
+        return loaded(self.model)
 
     def size(self, whole: Size, quick: Size) -> Size:
         """Return how much of something is done: `whole`, or `quick` of a quick run."""
@@ -136,11 +120,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Listing:
-    """One line per row.
-
-    Args:
-        columns: Title -> the text of a row's cell.
-    """
+    """One line per row; `columns` gives the text of a cell by the column's title."""
 
     columns: Mapping[str, Callable[[Row], str]]
 
@@ -149,10 +129,7 @@ class Listing:
 class Pivot:
     """One line per case and one column per variant, in order of appearance.
 
-    Args:
-        cell: The text of a row's cell.
-        corner: Title of the column of cases.
-        with_count: Whether a column says how many clips a case has.
+    `corner` is the title of the column of cases.
     """
 
     cell: Callable[[Row], str]
@@ -169,12 +146,11 @@ class Section:
         title: For people.
         about: What is measured and how to read it, Markdown.
         run: Gives the rows.
-        shares: Gives the same rows, in order, in shares by name that know nothing of each other:
-            workers take one each, and a stopped run keeps them. None where all is one share.
         views: How they are shown, one table each; title -> (view, which rows it shows).
         figure: Draws the rows into a file, where a picture shows more than a table.
-        headline: Tells the rows in a few lines of Markdown, for the page and the README.
-        needs_real: Whether it is left out without recordings.
+        headline: The rows in a few lines of Markdown, for the page and the README.
+        shares: Gives the same rows, in order, in independent shares by name: workers take one
+            each, and a stopped run keeps them. None where all is one share.
     """
 
     name: str
@@ -184,20 +160,12 @@ class Section:
     views: Mapping[str, tuple[Listing | Pivot, Callable[[Row], bool]]]
     figure: Callable[[Sequence[Row], Path], None] | None = None
     headline: Callable[[Sequence[Row]], str] | None = None
-    needs_real: bool = False
     shares: Callable[[Run], Mapping[str, Share]] | None = None
 
 
 @dataclass(frozen=True)
 class Bench:
-    """One table of the benchmarks.
-
-    Args:
-        name: accuracy, pareto, stability or omissions.
-        title: For people.
-        about: What it answers, Markdown.
-        sections: Its parts, in order.
-    """
+    """One table of the benchmarks, with what it answers in Markdown, and its sections in order."""
 
     name: str
     title: str
@@ -205,12 +173,8 @@ class Bench:
     sections: tuple[Section, ...]
 
     def section(self, name: str) -> Section:
-        """Return a section by name.
-
-        Raises:
-            KeyError: If there is none.
-        """
-        return next(one for one in self.sections if one.name == name)
+        """Return a section by name."""
+        return next(section for section in self.sections if section.name == name)
 
 
 def every(row: Row) -> bool:
@@ -220,5 +184,5 @@ def every(row: Row) -> bool:
 
 def rows_of(record: RunRecord, section: str) -> list[Row]:
     """Return the rows of a recorded section; none where it was not run."""
-    found = record.numbers["sections"].get(section, {"rows": []})
-    return [Row.from_dict(row) for row in found["rows"]]
+    recorded = record.numbers["sections"].get(section, {"rows": []})
+    return [Row.from_dict(row) for row in recorded["rows"]]
