@@ -18,7 +18,7 @@ from geotlm_lm.benchmarks.pareto_simulator import differences, moving, solved
 from geotlm_lm.benchmarks.rendering import number
 from geotlm_lm.benchmarks.rows import Bench, Listing, Row, Run, Section, every
 from geotlm_lm.benchmarks.statistics import milliseconds
-from geotlm_lm.simulation.presets import PRESETS, Preset
+from geotlm_lm.simulation.contact import PRESETS, Preset
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Scene
 

@@ -20,10 +20,9 @@ from geotlm_lm.benchmarks.pareto_processes import in_turn
 from geotlm_lm.benchmarks.rows import Row, Run
 from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.simulation.contact import dome_mm
-from geotlm_lm.simulation.idle import idle_frame
+from geotlm_lm.simulation.camera import idle_frame
+from geotlm_lm.simulation.contact import PRESETS, Preset, dome_mm
 from geotlm_lm.simulation.optics import lit
-from geotlm_lm.simulation.presets import PRESETS, Preset
 from geotlm_lm.simulation.profile import Profile, build_profile
 from geotlm_lm.simulation.scene import Body, Gel, Path, Scene
 from geotlm_lm.simulation.surface import pressed_surface

@@ -19,8 +19,7 @@ from geotlm_lm.core.progress import Progress
 from geotlm_lm.core.seeding import seed_for
 from geotlm_lm.probe.curl import curl_features
 from geotlm_lm.probe.rigid_flow import RigidFlow
-from geotlm_lm.simulation.series import simulate_series
-from geotlm_lm.simulation.simulate import SimulatedClip
+from geotlm_lm.simulation.simulate import SimulatedClip, simulate_series
 from geotlm_lm.training.geometry import ALL_MOTIONS, TokenSet
 from geotlm_lm.training.motion_loss import counts_motion
 from geotlm_lm.training.recording_forms import bin_means, truth_in_view

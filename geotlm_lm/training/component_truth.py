@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
-from geotlm_lm.simulation.label import components_of, twist_of
+from geotlm_lm.simulation.truth import components_of, twist_of
 
 
 @dataclass(frozen=True)

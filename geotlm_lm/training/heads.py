@@ -18,7 +18,7 @@ from geotlm_lm.data.templates import load_templates
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.measured import Measured, measured
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
-from geotlm_lm.simulation.series import SERIES_VERSION
+from geotlm_lm.simulation.simulate import SERIES_VERSION
 from geotlm_lm.training.config import HeadsPreset, heads_preset_named
 from geotlm_lm.training.encoded_clips import EncodedClips, encode_examples
 from geotlm_lm.training.examples import DAMAGED_SHARE, EXAMPLES_VERSION, VARIED, ExampleSet

@@ -11,7 +11,7 @@ import numpy as np
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.seeding import log_uniform
 from geotlm_lm.recordings.damage import drifted, faded, gained, jpeg
-from geotlm_lm.simulation.trace import READABLE_GREY
+from geotlm_lm.simulation.truth import READABLE_GREY
 
 if TYPE_CHECKING:
     from geotlm_lm.core.clip import Clip

@@ -16,7 +16,7 @@ from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
-from geotlm_lm.simulation import series
+from geotlm_lm.simulation import simulate
 
 
 def test_unreadable_clips_are_replaced_and_counted(monkeypatch):
@@ -28,7 +28,7 @@ def test_unreadable_clips_are_replaced_and_counted(monkeypatch):
                 object_name=f"object {number % 4}",
             )
 
-    monkeypatch.setattr(series, "simulate_series", every_third_unreadable)
+    monkeypatch.setattr(simulate, "simulate_series", every_third_unreadable)
     cases = SimulatedCases("rotation", 20, seed=0)
     assert len(list(cases)) == 20
     # Of the numbers 0..28 every third is unreadable: 2, 5, ..., 26.

@@ -13,7 +13,7 @@ from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.benchmarks.rows import Run
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.simulation import series
+from geotlm_lm.simulation import simulate
 from tests.benchmarks.fakes import ALL, FakeAnswerer
 from tests.benchmarks.test_variants import clip_of
 
@@ -81,7 +81,7 @@ def test_clips_that_do_not_tell_their_motion_stay_out_of_the_scores(monkeypatch)
             label = MotionLabel(motion, is_readable=is_readable)
             yield SimpleNamespace(clip=clip_of(motion), label=label, object_name="key")
 
-    monkeypatch.setattr(series, "simulate_series", readable_and_not)
+    monkeypatch.setattr(simulate, "simulate_series", readable_and_not)
     found = judged(clips=2)
     assert list(found) == [f"simulated {task}" for task in ("rotation", "sliding", "all")]
     row = found["simulated all"][variants.GENERATED]

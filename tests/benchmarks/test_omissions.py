@@ -10,7 +10,7 @@ from geotlm_lm.benchmarks.omissions import (
 from geotlm_lm.benchmarks.pareto_simulator import DRIFT, HEIGHT
 from geotlm_lm.benchmarks.rendering import tables
 from geotlm_lm.benchmarks.rows import Run
-from geotlm_lm.simulation.presets import PRESETS
+from geotlm_lm.simulation.contact import PRESETS
 
 
 def test_both_ways_take_turns_and_are_told_with_their_difference():

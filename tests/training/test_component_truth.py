@@ -15,7 +15,7 @@ from geotlm_lm.core.twist import (
     Component,
     Twist,
 )
-from geotlm_lm.simulation.trace import READABLE_GREY
+from geotlm_lm.simulation.truth import READABLE_GREY
 from geotlm_lm.training.component_truth import component_truth
 
 RADIUS = 20.0

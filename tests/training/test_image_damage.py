@@ -5,7 +5,7 @@ from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
-from geotlm_lm.simulation.trace import READABLE_GREY
+from geotlm_lm.simulation.truth import READABLE_GREY
 from geotlm_lm.training.examples import ExampleSet
 from geotlm_lm.training.image_damage import FAINT_CONTRAST, damage_clip
 

@@ -54,7 +54,7 @@ class SimulatedCases:
     def made(self) -> Iterator[SimulatedClip]:
         """Yield the same clips with the whole truth about them."""
         from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
-        from geotlm_lm.simulation.series import simulate_series
+        from geotlm_lm.simulation.simulate import simulate_series
 
         self.unreadable = given = 0
         series = simulate_series(

@@ -17,8 +17,7 @@ import torch
 
 from geotlm_lm.benchmarks.rows import Row
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.simulation.contact import solve_contact
-from geotlm_lm.simulation.presets import preset_named
+from geotlm_lm.simulation.contact import preset_named, solve_contact
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Body, Gel, Path, Scene
 
