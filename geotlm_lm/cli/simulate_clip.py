@@ -112,7 +112,9 @@ def simulate_clip(
     if indenter is not None:
         name = height_map.stem
     else:
-        _require_shape(name)
+        from geotlm_lm.simulation.indenters import require_shape
+
+        require_shape(name)
     require_new_file(out, "OUT", is_forced=force)
     from geotlm_lm.simulation.touch import Touch, simulate_motion, simulate_touch
 
@@ -167,12 +169,6 @@ def _own_object(
 
     relief_mm = 1.0 if relief_mm is None else relief_mm
     return read_height_map(height_map, mm_per_px, relief_mm=relief_mm)
-
-
-def _require_shape(name: str) -> None:
-    from geotlm_lm.simulation.indenters import require_shape
-
-    require_shape(name)
 
 
 def _write(path: Path, made: SimulatedClip) -> None:

@@ -298,15 +298,10 @@ def recorded(
     drift_grey: Sequence[float] = (0.0, 0.0, 0.0),
     still: Planar | None = None,
 ) -> NDArray[np.uint8]:
-    """Return what the recording holds: noise added, 8 bit, perhaps lossy; (224, 224, 3) RGB.
+    """Return what the recording holds of a planar frame: 8 bit, perhaps lossy; (224, 224, 3) RGB.
 
-    Args:
-        frame: Planar frame without noise, (3, 224, 224).
-        optics: Noise and compression.
-        rng: Source of the noise.
-        noise_share: Strength of the noise relative to one frame's.
-        drift_grey: Brightness added to each channel.
-        still: In a video, noise of unit strength left by the last frame stored whole, planar.
+    The noise is `noise_share` of one frame's. In a video, `still` is planar noise of unit strength
+    that the last frame stored whole has left.
     """
     video = optics.video
     sigmas = optics.noise_grey if video is None else video.predicted_grey

@@ -112,22 +112,9 @@ class Preset:
 PRESETS: dict[str, Preset] = {
     preset.name: preset
     for preset in (
-        Preset(
-            "draft",
-            32,
-            Effort(
-                (6, 12, 40),
-                friction_iterations=15,
-                passes=1,
-                most_passes=8,
-                enough_um=5.0,
-                gradient_share=0.1,
-            ),
-        ),
-        Preset(
-            "fast", 48, Effort(ROUNDS, friction_iterations=40, enough_um=5.0, gradient_share=3e-2)
-        ),
-        Preset("good", 64, Effort((12, 24, 60, 150), friction_iterations=100, gradient_share=1e-2)),
+        Preset("draft", 32, Effort((6, 12, 40), 15, 1, 8, enough_um=5.0, gradient_share=0.1)),
+        Preset("fast", 48, Effort(ROUNDS, 40, enough_um=5.0, gradient_share=3e-2)),
+        Preset("good", 64, Effort((12, 24, 60, 150), 100, gradient_share=1e-2)),
         Preset(
             "accurate",
             128,
@@ -159,16 +146,12 @@ def preset_named(name: str) -> Preset:
 
 @dataclass(frozen=True, eq=False)
 class GridContact:
-    """The gel on the contact grid in every frame.
+    """The gel on the contact grid, fields (frames, cells, cells), and the solver's account.
 
-    Args:
-        indentation_mm: (frames, cells, cells).
-        drift_mm: Tangential displacement of the surface from rest, (frames, 2, cells, cells); None
-            where it was not asked for.
-        touches: Whether anything presses in a frame, (frames,).
-        overlap_mm: Approach less the body's profile and the pad's crown, (frames, cells, cells).
-        reach_mm: Height of the body above its lowest point that the gel does not reach.
-        status: The solver's account.
+    The drift, (frames, 2, cells, cells), is the surface's tangential displacement from rest; None
+    where it was not asked for. `touches` is whether anything presses in a frame; the overlap is the
+    approach less the body's profile and the pad's crown; what of the body is more than `reach_mm`
+    above its lowest point the gel does not reach.
     """
 
     indentation_mm: Tensor
@@ -285,10 +268,7 @@ def _increment(
 def _overlap(
     scene: Scene, profile: Profile, preset: Preset, poses: list[Pose], reach: float
 ) -> Tensor:
-    """Return the approach less the profile and the pad's crown, (poses, cells, cells).
-
-    It is negative all over where a pose is out of touch.
-    """
+    """Return the overlap (poses, cells, cells), negative all over where a pose is out of touch."""
     cells, size = preset.cells, (BOX_MM / preset.cells,) * 2
     dome = dome_mm(scene.gel, size, cells, scene.optics.mounting)
     is_smooth = holds_detail(scene, profile, preset, cells)

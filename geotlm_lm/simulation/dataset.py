@@ -77,25 +77,10 @@ def write_dataset(
     form: FormName = "npz",
     progress: Progress = silent,
 ) -> Path:
-    """Write `count` clips of `objects` into the folder `out`, or finish writing them.
+    """Write `count` clips of `objects` into the folder `out`, or finish writing them; return it.
 
-    Args:
-        out: Folder; created when absent, resumed when it holds part of the same data set.
-        count: Number of clips.
-        seed: Root seed; clip i is the same in every data set of this seed, these objects
-            and these settings.
-        objects: Names from `indenters.INDENTERS`.
-        workers: Who simulates; the result does not depend on it.
-        preset: How finely and tightly the contact is solved.
-        with_drift: Whether the gel's tangential displacement is part of the truth.
-        marker_share: Share of clips on a gel with markers.
-        mixed_share: Share of clips that turn, slide and press at once, as they may.
-        with_frames: Whether pictures are written beside labels and true fields.
-        form: Of the shards' files.
-        progress: Told after every shard how many clips are done.
-
-    Returns:
-        `out`.
+    Clip i is the same in every data set of this seed, these objects and these settings, which are
+    those of `simulate_series`; who simulates does not matter. Progress is reported after a shard.
 
     Raises:
         UsageError: If the folder holds another or a larger data set, or the request is empty.

@@ -21,8 +21,8 @@ measured.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -32,8 +32,7 @@ from torch import Tensor
 FloatArray = NDArray[np.floating]
 
 
-@dataclass(frozen=True, eq=False)
-class LayerSpectra:
+class LayerSpectra(NamedTuple):
     """S_zz, S_ll, S_t, S_lz at some wavenumbers, in mm per unit traction."""
 
     zz: FloatArray
@@ -68,12 +67,9 @@ def layer_spectra(
     tt = h / shear_modulus * np.tanh(x) / x
     still = k == 0
     at_zero = h * (1 - 2 * nu) / (2 * shear_modulus * (1 - nu))
-    return LayerSpectra(
-        zz=np.where(still, at_zero, zz),
-        ll=np.where(still, h / shear_modulus, ll),
-        tt=np.where(still, h / shear_modulus, tt),
-        lz=np.where(still, 0.0, lz),
-    )
+    at_rest = (at_zero, h / shear_modulus, h / shear_modulus, 0.0)
+    waves = zip(at_rest, (zz, ll, tt, lz), strict=True)
+    return LayerSpectra(*(np.where(still, rest, values) for rest, values in waves))
 
 
 class LayerOperator:
@@ -246,21 +242,17 @@ def _log_sum(a, b):
     return np.where(a >= 0, np.log(np.abs(a) + r), np.log(b**2) - np.log(r + np.abs(a)))
 
 
-def _inverse_distance(x, y):
-    """Antiderivative of 1 / r."""
+def _inverse_distance(x, y):  # antiderivative of 1 / r
     return x * _log_sum(y, x) + y * _log_sum(x, y)
 
 
-def _x_squared(x, y):
-    """Antiderivative of x^2 / r^3."""
+def _x_squared(x, y):  # of x^2 / r^3
     return y * _log_sum(x, y)
 
 
-def _x_y(x, y):
-    """Antiderivative of x y / r^3."""
+def _x_y(x, y):  # of x y / r^3
     return -np.hypot(x, y)
 
 
-def _x_over_square(x, y):
-    """Antiderivative of x / r^2."""
+def _x_over_square(x, y):  # of x / r^2
     return 0.5 * y * np.log(x**2 + y**2) + x * np.arctan(y / x)

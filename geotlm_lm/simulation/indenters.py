@@ -135,18 +135,9 @@ def table_edge(x, y, rng):
 
 
 EVERYDAY: dict[str, Indenter] = {
-    "bottle_cap": Indenter(bottle_cap),
-    "key": Indenter(key),
-    "hex_nut": Indenter(hex_nut),
-    "screw_head": Indenter(screw_head),
-    "coin": Indenter(coin),
-    "bead": Indenter(bead),
-    "pen_clip": Indenter(pen_clip),
-    "textured_ball": Indenter(textured_ball),
-    "can_rim": Indenter(can_rim),
-    "corner": Indenter(corner),
-    "cable": Indenter(cable),
-    "table_edge": Indenter(table_edge),
+    formula.__name__: Indenter(formula)
+    for formula in (bottle_cap, key, hex_nut, screw_head, coin, bead, pen_clip)
+    + (textured_ball, can_rim, corner, cable, table_edge)
 }
 
 _TRAINING = SOLIDS | SURFACES | FACES

@@ -162,15 +162,10 @@ def path_of(
     view, provided it is where the object's centre is; the pose of the last frame does not depend
     on `contact_mm`, so that it can be looked up there.
 
-    Args:
-        turn_deg: Total turn, clockwise positive.
-        right_mm: Total slide to the right.
-        down_mm: The same down the image.
-        inward_mm: The same into the gel.
-        depth_mm: Approach beyond first touch half-way.
-        pivot_mm: Where the axis of the turn lies from the middle of the contact in the last frame,
-            (right, down). Beside the contact it carries that middle along, as well as the slide.
-        contact_mm: Where that middle lies from the object's centre in the last frame.
+    Turn (clockwise positive), slide and approach are totals, the depth is half-way. `pivot_mm` is
+    where the axis of the turn lies from the middle of the contact in the last frame, (right, down):
+    beside the contact it carries that middle along, as well as the slide. `contact_mm` is where
+    that middle lies from the object's centre in the last frame.
     """
     time = np.linspace(-1.0, 0.0, FRAME_COUNT)
     turn, slide, arm = np.radians(turn_deg), complex(right_mm, down_mm), complex(*pivot_mm)

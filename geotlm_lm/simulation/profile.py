@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
@@ -128,23 +128,20 @@ class Profile:
 
     def _bounds_mm(self, reach_mm: float) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return least and greatest (x, y) of what lies lower than `reach_mm`, object frame."""
-        if reach_mm not in self._bounds:
+        if reach_mm not in self._known:
             low = (self.height_mm < np.float32(reach_mm)).view(np.uint8)
             left, top, width, height = cv2.boundingRect(low)
             raster, half = RASTER_MM / RASTER_SIDE, RASTER_MM / 2
             # One sample more on every side: between samples the body is as low as the lower one.
-            self._bounds[reach_mm] = (
+            self._known[reach_mm] = (
                 ((left - 0.5) * raster - half, (top - 0.5) * raster - half),
                 ((left + width + 0.5) * raster - half, (top + height + 0.5) * raster - half),
             )
-        return self._bounds[reach_mm]
+        return self._known[reach_mm]
 
     @cached_property
-    def _bounds(self) -> dict[float, tuple[tuple[float, float], tuple[float, float]]]:
-        return {}
-
-    @cached_property
-    def _smooth(self) -> dict[tuple[float, float], bool]:
+    def _known(self) -> dict[Any, Any]:
+        """What was asked before: bounds by reach, smoothness by spacing and reach."""
         return {}
 
     def on_cells(
@@ -178,9 +175,9 @@ class Profile:
     def is_smooth(self, spacing_mm: float, reach_mm: float) -> bool:
         """Tell whether cubic interpolation over `spacing_mm` gives the body below `reach_mm`."""
         key = (spacing_mm, reach_mm)
-        if key not in self._smooth:
-            self._smooth[key] = self._check_smooth(spacing_mm, reach_mm)
-        return self._smooth[key]
+        if key not in self._known:
+            self._known[key] = self._check_smooth(spacing_mm, reach_mm)
+        return self._known[key]
 
     def _check_smooth(self, spacing_mm: float, reach_mm: float) -> bool:
         low, high = self._bounds_mm(reach_mm)

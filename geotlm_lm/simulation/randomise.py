@@ -204,14 +204,9 @@ def random_scene(
 ) -> Scene:
     """Return a scene of an object doing `motion`, everything else drawn from `rng`.
 
-    Args:
-        rng: Source of everything random.
-        object_name: A name in `indenters.INDENTERS`, or any name beside an `indenter`.
-        motion: What the object does.
-        indenter: A shape of the caller's own; it keeps its size.
-        marker_share: Probability of markers on the gel; the rest does not depend on it.
-        unsteady_share: Probability of an unsteady hand.
-        mixed_share: Probability that it turns, slides and presses freely instead.
+    The shares are probabilities: of markers on the gel, on which the rest does not depend; of an
+    unsteady hand; of a path that turns, slides and presses freely instead. A shape of the caller's
+    own keeps its size, and may have any name.
     """
     # Nothing is drawn where no scene is mixed: plain series stay what they were.
     is_mixed = mixed_share > 0 and motion is not Motion.NONE and rng.random() < mixed_share

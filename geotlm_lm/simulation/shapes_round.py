@@ -315,13 +315,10 @@ FACES: dict[str, Indenter] = {
     "bolt_square": Indenter(partial(bolt, sides=4)),
     "bolt_five": Indenter(partial(bolt, sides=5)),
     "bolt_eight": Indenter(partial(bolt, sides=8)),
-    "slotted_plug": Indenter(slotted_plug),
-    "dial": Indenter(dial),
-    "chip": Indenter(chip),
-    "grate": Indenter(grate),
-    "spoked_wheel": Indenter(spoked_wheel),
-    "seal": Indenter(seal),
-    "notched_shaft": Indenter(notched_shaft),
+    **{
+        formula.__name__: Indenter(formula)
+        for formula in (slotted_plug, dial, chip, grate, spoked_wheel, seal, notched_shaft)
+    },
     "face_tiny": Indenter(partial(face, size_mm=(2.0, 3.5), roundness=0.6)),
     "face_small": Indenter(partial(face, size_mm=(3.0, 5.0), roundness=0.6)),
     "face_medium": Indenter(partial(face, size_mm=(4.5, 7.0), roundness=0.8)),

@@ -49,8 +49,8 @@ class SimulatedClip:
     Args:
         clip: Four (or the path's number of) frames of 224x224 and their idle frame; None where only
             labels and true fields were asked for.
-        trace_until: Frame number -> what there is to see of the motion since the first frame; only
-            what is asked for is worked out.
+        trace_until: Frame number -> what there is to see of the motion since the first frame,
+            worked out when asked for.
         scene: What was simulated.
         displacement_px: float32 (frames, 14, 14, 2), the object's travel since frame 0 at each
             patch centre in pixels of the image (x right, y down), 0 without contact.
@@ -121,18 +121,11 @@ def simulate(
     A clip's frames are solved as one batch of fixed size, never together with another clip's:
     float32 transforms round differently in differently sized batches.
 
-    Args:
-        scenes: What to simulate.
-        seed: Root of the noise.
-        first_index: Number of the first scene in the seed's series.
-        preset: How finely and tightly the contact is solved.
-        with_drift: Whether the gel's tangential displacement is wanted. Frictional contact is left
-            out otherwise: the imprint of a rigid object moves with it whether it sticks or slips,
-            and drag changes a markerless image by less than noise (at most 0.7 grey levels RMS,
-            measured). A gel with markers is always drawn with friction: it carries the dots.
-        with_frames: Whether pictures are wanted; the true fields do not depend on it. Without them
-            a label's `is_readable` rests on `truth.shading_change`, an estimate of the picture's
-            change.
+    Frictional contact is left out where no drift is wanted: the imprint of a rigid object moves
+    with it whether it sticks or slips, and drag changes a markerless image by less than noise (at
+    most 0.7 grey levels RMS, measured). A gel with markers is always drawn with friction: it
+    carries the dots. True fields do not depend on whether frames are wanted; without these a
+    label's `is_readable` rests on `truth.shading_change`, an estimate of the picture's change.
     """
     effort = preset_named(preset)
     return [

@@ -219,25 +219,14 @@ def misfit_um(overlap_mm: Tensor, indentation_mm: Tensor, pressure: Tensor) -> T
     return 1e3 * wrong.flatten(1).amax(1)
 
 
-@dataclass(frozen=True)
-class Friction:
-    """Solution of a batch of increments; tractions in units of the shear modulus.
-
-    traction: (n, 2, side, side); gradient_share: (n,). The latter is the RMS of the
-    projected gradient over the contact relative to what the increment asks for, or to what the
-    discs allow where that is less: otherwise a small increment after a large one, or little
-    friction, would count as solved before the first step.
-    """
-
-    traction: Tensor
-    gradient_share: Tensor
-    iterations: int
-
-
 def solve_friction(
     target_mm: Tensor, limit: Tensor, response: Response, effort: Effort, *, guess: Tensor
-) -> Friction:
-    """Solve the tractions of every sample.
+) -> tuple[Tensor, Tensor, int]:
+    """Return tractions (n, 2, side, side), their gradient shares (n,) and the steps spent.
+
+    The gradient share is the RMS of the projected gradient over the contact relative to what the
+    increment asks for, or to what the discs allow where that is less: otherwise a small increment
+    after a large one, or little friction, would count as solved before the first step.
 
     Args:
         target_mm: b, the tangential displacement under which a sticking cell moves with the object,
@@ -271,7 +260,7 @@ def solve_friction(
         length = torch.where(curvature > 0, length, natural).clamp(0.01 * natural, 100 * natural)
         iteration += 1
         share = _gradient_share(traction, gradient, limit, natural, touched, asked)
-    return Friction(traction, share, iteration)
+    return traction, share, iteration
 
 
 def onto_discs(traction: Tensor, limit: Tensor) -> Tensor:
@@ -293,13 +282,13 @@ def _rms(field: Tensor, touched: Tensor) -> Tensor:
 
 @dataclass(frozen=True)
 class Step:
-    """The gel after one increment; tractions in units of the shear modulus, lengths in mm.
+    """The gel after one increment; scalar fields (n, side, side), vectors (n, 2, side, side).
 
     Args:
-        pressure: (n, side, side).
-        traction: Tangential traction of the object on the gel, (n, 2, side, side).
-        indentation_mm: (n, side, side).
-        drift_mm: Tangential displacement of the surface, (n, 2, side, side).
+        pressure: Of the object on the gel, normal to it.
+        traction: The same along it.
+        indentation_mm: Displacement of the surface into the gel.
+        drift_mm: The same along it.
         penetration_um: Largest overlap left, or gap under a cell that presses, (n,).
         gradient_share: Projected gradient of the frictional problem, (n,).
         work: Work the object did in this increment, energy per shear modulus, mm^3, (n,).
@@ -352,10 +341,11 @@ def _advance(last: Step, overlap_mm, travel_mm, response: Response, mu, effort: 
         contact = solve_normal_contact(free, response, effort, guess=pressure)
         pressure = contact.pressure
         target = last.drift_mm + travel_mm - response.spread(pressure)
-        friction = solve_friction(target, mu * pressure, response, effort, guess=traction)
-        traction = friction.traction
+        traction, share, spent = solve_friction(
+            target, mu * pressure, response, effort, guess=traction
+        )
         normal_spent += int(contact.iterations.max())
-        friction_spent += friction.iterations
+        friction_spent += spent
         free = overlap_mm - response.bulge(traction)
         left_um = misfit_um(free, contact.indentation_mm, pressure)
         if done >= effort.passes and bool((left_um <= effort.penetration_um).all()):
@@ -373,7 +363,7 @@ def _advance(last: Step, overlap_mm, travel_mm, response: Response, mu, effort: 
         indentation_mm=indentation,
         drift_mm=drift,
         penetration_um=misfit_um(overlap_mm, indentation, pressure),
-        gradient_share=friction.gradient_share,
+        gradient_share=share,
         work=(pressed.sum((1, 2)) + dragged.sum((1, 2, 3))) * cell,
         energy=stored / 2 * cell,
         iterations=(normal_spent, friction_spent),

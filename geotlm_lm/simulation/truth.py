@@ -300,13 +300,6 @@ def visible_change(
 
     RMS over the contact of each component's change, less what the other components could explain,
     in grey levels; of a slide along the axis that is seen least.
-
-    Args:
-        scene: Gel, path and optics.
-        profile: The body.
-        frame: At which frame's pose it is looked at.
-        contact: Where it touches there.
-        twist: The motion whose components are judged.
     """
     radius_px = contact.radius_px
     shading = _shading_of(scene, profile, frame, contact.middle_mm)
@@ -330,11 +323,8 @@ def visible_change(
     jacobian = np.stack([column[:, where].ravel() for column in columns]).astype(np.float64)
     normal = jacobian @ jacobian.T / jacobian.shape[1]
     covariance = np.linalg.inv(normal + 1e-6 * np.eye(4))
-    steps = [
-        np.radians(abs(twist.turn_deg)) * radius_px / STEP_PX,
-        twist.slide_px / STEP_PX,
-        abs(twist.inward_mm) / STEP_MM,
-    ]
+    turned_px = np.radians(abs(twist.turn_deg)) * radius_px
+    steps = turned_px / STEP_PX, twist.slide_px / STEP_PX, abs(twist.inward_mm) / STEP_MM
     worst = float(np.linalg.eigvalsh(covariance[1:3, 1:3])[-1])
     variances = (covariance[0, 0], worst, covariance[3, 3])
     return tuple(
