@@ -148,7 +148,7 @@ def direction_in_frame(frame: FrameSpec, direction: Any) -> str:
     """
     if direction is None:
         return f"Frame: {frame.sentence()}."
-    return f"In this frame ({frame.sentence()}) that is **{frame.tell(direction).value}**."
+    return f"In this frame ({frame.sentence()}) that is **{frame.edit.of_way(direction).value}**."
 
 
 def region_rows(evidence: dict[str, Any]) -> list[list[Any]]:

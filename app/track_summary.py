@@ -47,13 +47,13 @@ class _ToldAs:
 
     def __init__(self, frame: FrameSpec) -> None:
         self._frame = frame
-        ways = [WAYS[frame.tell(one)] for one in (Motion.RIGHT, Motion.DOWN)]
+        ways = [WAYS[frame.edit.of_way(one)] for one in (Motion.RIGHT, Motion.DOWN)]
         self._slide: NDArray[np.int64] = np.array(ways).T
-        self._turn = 1 if frame.tell(Motion.CLOCKWISE) is Motion.CLOCKWISE else -1
+        self._turn = 1 if frame.edit.of_way(Motion.CLOCKWISE) is Motion.CLOCKWISE else -1
 
     def event(self, event: dict[str, Any]) -> dict[str, Any]:
         """Return an event with its way as told; amounts are how far it goes that way."""
-        way = None if event["way"] is None else self._frame.tell(Motion(event["way"])).value
+        way = None if event["way"] is None else self._frame.edit.of_way(Motion(event["way"])).value
         if event.get("amount", 0.0) < 0:
             event |= _negated(event)
         return event | {"way": way}
