@@ -125,7 +125,7 @@ def sampled(indenter):
 def test_the_form_is_kept_columns_run_right_rows_down_and_the_highest_touches_first():
     height = sampled(height_map_indenter(-((X - 3) ** 2 + (Y + 2) ** 2) / 8, 0.1))
     x, y = object_grid()
-    near = np.hypot(x - 3, y + 2) < 4
+    near = np.hypot(x - 3, y + 2) < 2.5
     form = ((x - 3) ** 2 + (y + 2) ** 2) / 8
     assert height[near] == pytest.approx(form[near], abs=5e-3)
 
