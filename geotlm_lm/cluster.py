@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from geotlm_lm import __version__
 from geotlm_lm.core.errors import GeoTLMError, UsageError, first_line
-from geotlm_lm.core.threads import THREAD_VARIABLES, usable_cores
+from geotlm_lm.core.process import THREAD_VARIABLES, usable_cores
 
 if TYPE_CHECKING:
     import numpy as np

@@ -15,8 +15,7 @@ from multiprocessing.process import BaseProcess
 from typing import TypeVar
 
 from geotlm_lm.core.errors import GeoTLMError
-from geotlm_lm.core.interrupts import children_without_interrupts
-from geotlm_lm.core.threads import one_thread_in_children
+from geotlm_lm.core.process import children_without_interrupts, one_thread_in_children
 
 Part, Done = TypeVar("Part"), TypeVar("Done")
 

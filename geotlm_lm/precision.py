@@ -14,8 +14,8 @@ from types import MethodType
 import torch
 from torch import Tensor, nn
 
-from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.backbone.vit import FrozenBackbone
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.number_formats import INT8, require_offered

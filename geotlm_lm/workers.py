@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from geotlm_lm.core.errors import MissingDependency
-from geotlm_lm.core.threads import usable_cores
+from geotlm_lm.core.process import usable_cores
 
 Part, Done = TypeVar("Part"), TypeVar("Done")
 

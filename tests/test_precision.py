@@ -8,10 +8,10 @@ import pytest
 from geotlm_lm import precision as formats
 from geotlm_lm import read_clip
 from geotlm_lm.answering import Answerer
-from geotlm_lm.backbone.frozen import FrozenBackbone
+from geotlm_lm.backbone.vit import FrozenBackbone
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.files import resource_dir
 from geotlm_lm.core.number_formats import OFFERED
-from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.precision import PRECISIONS, in_offered_format, in_precision
 from tests.answering.scripted import ScriptedReader, recording
 

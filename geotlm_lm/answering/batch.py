@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.schema import answer_schema
-from geotlm_lm.core.atomic import append_text, only_writer, replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError, UsageError
+from geotlm_lm.core.files import append_text, only_writer, replacing, write_text_atomically
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.workers import ALONE, LOST, Workers
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from geotlm_lm.benchmarks.rows import Row
 from geotlm_lm.benchmarks.statistics import milliseconds, paired_difference, share_row
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.grouping import mean_by_group
 from geotlm_lm.core.labels import DIRECTED, Motion, reverse
+from geotlm_lm.core.numbers import mean_by_group
 from geotlm_lm.core.twist import COMPONENT_OF, Component
 
 NEAR = 0.005

@@ -14,7 +14,7 @@ from geotlm_lm.benchmarks.statistics import Tally
 from geotlm_lm.benchmarks.variants import ALIGNMENT, FLOW, GENERATED, question_for
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel, signed_amount
-from geotlm_lm.core.seeding import seed_for
+from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.core.tolerance import within_tolerance
 from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, Component, Twist
 from geotlm_lm.probe.rigid_alignment import RigidAlignment

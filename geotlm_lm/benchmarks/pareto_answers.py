@@ -39,7 +39,7 @@ from geotlm_lm.checkpoint import reading_of
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.seeding import seed_for
+from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.motion.measured import measured
 from geotlm_lm.precision import if_runnable
 from geotlm_lm.probe.rigid_alignment import RigidAlignment

@@ -19,7 +19,7 @@ from geotlm_lm.benchmarks.rows import Row, Run
 from geotlm_lm.benchmarks.statistics import milliseconds
 from geotlm_lm.benchmarks.variants import QUESTION
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.threads import THREAD_VARIABLES
+from geotlm_lm.core.process import THREAD_VARIABLES
 from geotlm_lm.simulation.touch import Touch, simulate_touch
 
 COMMAND = (

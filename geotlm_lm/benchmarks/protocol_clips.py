@@ -15,14 +15,14 @@ from geotlm_lm.benchmarks.cases.simulated import MOST_TRIES, TASKS
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT, GRID_SIDE
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.progress import Progress
-from geotlm_lm.core.seeding import seed_for
+from geotlm_lm.core.numbers import seed_for
+from geotlm_lm.core.process import Progress
 from geotlm_lm.probe.curl import curl_features
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.simulation.simulate import SimulatedClip, simulate_series
 from geotlm_lm.training.geometry import ALL_MOTIONS, TokenSet
-from geotlm_lm.training.motion_loss import counts_motion
 from geotlm_lm.training.recording_forms import bin_means, truth_in_view
+from geotlm_lm.training.truth import counts_motion
 
 ORDERS = {FRAME_COUNT: (0, 1, 2, 3), 2: (0, 0, 3, 3)}
 """Frames the backbone is given: all of them, or the first and the last, fed as a, a, b, b."""

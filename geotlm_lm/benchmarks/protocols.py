@@ -26,15 +26,21 @@ from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.rows import Listing, Pivot, Row, Run, Section
 from geotlm_lm.benchmarks.statistics import share_row
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.grouping import mean_by_group
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.progress import silent
+from geotlm_lm.core.numbers import mean_by_group
+from geotlm_lm.core.process import silent
 from geotlm_lm.dgr.ablations import DGRParts
-from geotlm_lm.probe.logistic import fit_logistic
+from geotlm_lm.probe.linear import fit_logistic
 from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
-from geotlm_lm.training.folds import Recipe, standardise_fold, train_on_fold
-from geotlm_lm.training.object_folds import Fold, leave_one_object_out, object_folds
+from geotlm_lm.training.folds import (
+    Fold,
+    Recipe,
+    leave_one_object_out,
+    object_folds,
+    standardise_fold,
+    train_on_fold,
+)
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.tokens import Backbone

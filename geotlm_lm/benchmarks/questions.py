@@ -23,11 +23,11 @@ from geotlm_lm.benchmarks.statistics import share_row
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.data.labelled_recordings import LabelledRecordings
 from geotlm_lm.data.questions import QuestionAnswer, askable_types, questions_for
 from geotlm_lm.data.templates import load_templates
-from geotlm_lm.training.calibration_error import expected_calibration_error
+from geotlm_lm.training.calibration import expected_calibration_error
 
 ABOUT = """\
 Each clip is asked one question of every type through the same door a user takes. *Words* are graded

@@ -15,7 +15,7 @@ from geotlm_lm.query.grammar import Pair, corpus, grammar
 from geotlm_lm.query.grammar_linter import VIEWS, cell_of
 from geotlm_lm.query.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
 from geotlm_lm.query.text import read
-from geotlm_lm.training.calibration_error import expected_calibration_error
+from geotlm_lm.training.calibration import expected_calibration_error
 
 ABOUT = """\
 Each question is read into a query by the language model. *Exact* is every word of the query,

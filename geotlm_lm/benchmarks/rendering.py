@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from geotlm_lm.benchmarks.rows import QUICK, Bench, Listing, Pivot, Row, Section, rows_of
-from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError
+from geotlm_lm.core.files import replacing, write_text_atomically
 from geotlm_lm.core.record import RunRecord
 
 RECORDS = "records"

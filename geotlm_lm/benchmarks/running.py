@@ -13,9 +13,9 @@ from typing import Any
 
 from geotlm_lm.benchmarks.one_thread import threads
 from geotlm_lm.benchmarks.rows import QUICK, WHOLE, Bench, Run, Section, Share
-from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.progress import silent
+from geotlm_lm.core.files import write_text_atomically
+from geotlm_lm.core.process import silent
 from geotlm_lm.core.record import RunRecord, commit, machine
 from geotlm_lm.workers import ALONE
 

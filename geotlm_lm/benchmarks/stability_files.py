@@ -19,7 +19,7 @@ from geotlm_lm.benchmarks.cases.damaged import write_video
 from geotlm_lm.benchmarks.rows import Row, Run
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import GeoTLMError
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.recordings.read import read_background, read_clip
 
 READ, REFUSED, HUNG, CRASHED = "read", "refused", "hung", "crashed"

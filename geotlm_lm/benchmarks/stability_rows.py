@@ -24,7 +24,7 @@ from geotlm_lm.benchmarks.variants import GENERATED, QUESTION
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.simulation.simulate import simulate
 
 RIGHT, WRONG, ABSTAINED, REFUSED, CRASHED = "right", "wrong", "abstained", "refused", "crashed"

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.benchmarks.rows import Row
-from geotlm_lm.core.grouping import Labels, group_codes
+from geotlm_lm.core.numbers import Labels, group_codes
 
 DRAWS = 4000
 """Bootstrap resamples; a 2.5 % quantile then has a relative error of its rank of about 10 %."""

@@ -17,15 +17,14 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.data.questions import as_typed, questions_for
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.slots import SLOTS
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
-from geotlm_lm.recordings.idle import estimate_background
-from geotlm_lm.recordings.imprints import touched_part
+from geotlm_lm.recordings.idle import estimate_background, touched_part
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answer, Answerer, Encoded

@@ -15,8 +15,7 @@ from geotlm_lm.cli.options import AsJson, ClipPath, Force, FrameSpan, span_of
 from geotlm_lm.cli.recording import CameraName, EpisodeNumber, read_recording
 from geotlm_lm.cli.tracked import RerunFile, Targets
 from geotlm_lm.cli.viewer import write_or_serve
-from geotlm_lm.core.errors import Abstained
-from geotlm_lm.core.question import check_question
+from geotlm_lm.core.errors import Abstained, check_question
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answer

@@ -35,7 +35,7 @@ def app(
 def page_package() -> str:
     """Return the name the page's package is imported by."""
     import geotlm_lm
-    from geotlm_lm.core.resources import resource_dir
+    from geotlm_lm.core.files import resource_dir
 
     folder = resource_dir("app")
     if folder.parent == Path(geotlm_lm.__file__).resolve().parent:

@@ -165,8 +165,7 @@ def _recordings(
         own: The files of the run itself, the one to write last.
         reading: Options of `read_clip`.
     """
-    from geotlm_lm.recordings.listing import clips_in
-    from geotlm_lm.recordings.stored import StoredRecording
+    from geotlm_lm.recordings.listing import StoredRecording, clips_in
 
     if camera is not None:
         raise UsageError(f"--camera is of a LeRobot data set, and {folder} is none; leave it out.")

@@ -13,7 +13,7 @@ from geotlm_lm.cli.options import AsJson, BundleFolder, path_of
 
 if TYPE_CHECKING:
     from geotlm_lm.core.clip import Clip
-    from geotlm_lm.doctor.finding import Finding
+    from geotlm_lm.doctor.examine import Finding
 
 CAMERA_FRAMES = 75
 """Frames of a camera that are looked at: three seconds of most."""
@@ -48,8 +48,7 @@ def doctor(
         _tell(INSTALLATION, examine_installation(model), (), as_json=as_json)
         return
     from geotlm_lm.doctor.examine import examine
-    from geotlm_lm.recordings.every_frame import each_frame
-    from geotlm_lm.recordings.read import read_clip
+    from geotlm_lm.recordings.read import each_frame, read_clip
 
     if source.isdecimal() or source.startswith("/dev/"):
         clip, frames = _from_camera(source, reading.fps), None

@@ -128,13 +128,13 @@ def _trained_on(
 
     from geotlm_lm.answering import Answerer
     from geotlm_lm.backbone.released import load_encoder
-    from geotlm_lm.training.config import heads_preset_named
+    from geotlm_lm.training.config import HEADS_PRESETS, preset_named
     from geotlm_lm.training.heads import train_heads
 
-    heads_preset_named(preset)  # told before gigabytes are read
+    preset_named(preset, HEADS_PRESETS)  # refused before gigabytes are read
     require_writable(folder, "--run-folder")
     released = load_encoder(weights, encoder, heads=heads)
     released.to("cuda" if torch.cuda.is_available() else "cpu")
     bundle = train_heads(released, preset, folder, seed, progress_on_stderr())
-    name = f"{released.adapter.title} ({weights.name})"
+    name = f"{released.row.title} ({weights.name})"
     return Answerer(bundle), name, {"encoder": bundle.provenance}

@@ -69,9 +69,13 @@ def describe(recording: Clip, span: tuple[int, int] | None = None) -> dict[str, 
     """Return what is known about a recording, or about a span of it, without any model."""
     import numpy as np
 
-    from geotlm_lm.recordings.idle import estimate_background, find_idle
-    from geotlm_lm.recordings.imprints import FAINT_IMPRINT, imprint_strength
-    from geotlm_lm.recordings.span import frames_inside
+    from geotlm_lm.recordings.idle import (
+        FAINT_IMPRINT,
+        estimate_background,
+        find_idle,
+        imprint_strength,
+    )
+    from geotlm_lm.recordings.read import frames_inside
 
     origin = "given" if recording.background is not None else "found in the recording"
     idle = recording.background if origin == "given" else find_idle(recording)

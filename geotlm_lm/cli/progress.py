@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TextIO
 
-from geotlm_lm.core.progress import Progress
+from geotlm_lm.core.process import Progress
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bars

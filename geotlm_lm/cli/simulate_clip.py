@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from geotlm_lm.cli.options import Force, Seed, path_of, path_option, require_new_file
-from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.files import replacing
 from geotlm_lm.core.labels import Motion
 
 if TYPE_CHECKING:

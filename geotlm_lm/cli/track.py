@@ -27,7 +27,7 @@ from geotlm_lm.cli.tracked import (
     totals_lines,
 )
 from geotlm_lm.cli.viewer import write_or_serve
-from geotlm_lm.core.interrupts import uninterrupted_step
+from geotlm_lm.core.process import uninterrupted_step
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer
@@ -68,7 +68,7 @@ def track(
     inputs = [one for one in (recording, reading.background) if one is not None]
     targets.require(inputs, is_forced=force)
     from geotlm_lm.recordings.legible import require_any_legible
-    from geotlm_lm.recordings.span import frames_inside
+    from geotlm_lm.recordings.read import frames_inside
 
     span, scale = span_of(frames), answering.frame.mm_per_px
     clip = read_recording(recording, episode, camera, reading)
@@ -106,7 +106,7 @@ def _tracked(
     Raises:
         KeyboardInterrupt: If no two frames were tracked by then.
     """
-    from geotlm_lm.recordings.every_frame import each_frame
+    from geotlm_lm.recordings.read import each_frame
     from geotlm_lm.track.tracker import ASSUMED_FPS
 
     tracker, show, is_stopped = answerer.tracker(clip), progress_on_stderr("frames"), False
@@ -133,7 +133,7 @@ def _tracked(
 
 
 def _film(path: Path, exported: Exported, clip: Clip, reading: dict[str, Any]) -> None:
-    from geotlm_lm.recordings.every_frame import each_frame
+    from geotlm_lm.recordings.read import each_frame
     from geotlm_lm.track.film import write_film
     from geotlm_lm.track.tracker import ASSUMED_FPS
 

@@ -17,8 +17,7 @@ from geotlm_lm.cli.options import (
     path_of,
 )
 from geotlm_lm.cli.tracked import INTERRUPTED, OutFile, PlotFile, Targets, VideoFile
-from geotlm_lm.core.errors import GeoTLMError, UsageError
-from geotlm_lm.core.question import check_question
+from geotlm_lm.core.errors import GeoTLMError, UsageError, check_question
 
 
 @grouped
@@ -72,8 +71,7 @@ def watch(
             f"--stalled-after {stalled_after:g} was given, expected more than 0 seconds; leave it "
             f"out for 10, or give inf to wait without end."
         )
-    from geotlm_lm.recordings.latest_frames import Patience
-    from geotlm_lm.recordings.streams import open_source
+    from geotlm_lm.recordings.streams import Patience, open_source
 
     def silent(seconds: float) -> None:
         print(f"note: No frame of {source} for {seconds:g} s.", file=sys.stderr, flush=True)

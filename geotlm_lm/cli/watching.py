@@ -15,10 +15,9 @@ from geotlm_lm.answering import Answerer
 from geotlm_lm.cli.tracked import HEAD, NO_EVENTS, aligned, event_line, totals_lines
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import GeoTLMError, UnreadableClip
-from geotlm_lm.core.interrupts import uninterrupted_step
-from geotlm_lm.recordings.latest_frames import StreamFrame
-from geotlm_lm.recordings.pixel_shape import with_square_pixels
-from geotlm_lm.recordings.stuck import StuckPicture
+from geotlm_lm.core.process import uninterrupted_step
+from geotlm_lm.recordings.pixels import with_square_pixels
+from geotlm_lm.recordings.streams import StreamFrame, StuckPicture
 from geotlm_lm.track.events import Event, EventKind
 from geotlm_lm.track.export import Exported, Units
 from geotlm_lm.track.film import TOLD_S, caption, captioned, filming

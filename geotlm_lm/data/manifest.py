@@ -16,10 +16,9 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.manifest_rows import SUFFIXES, ManifestRow, rows_of
 from geotlm_lm.recordings.frame_order import natural_order
 from geotlm_lm.recordings.idle import find_idle
-from geotlm_lm.recordings.images import IMAGE_SUFFIXES, folder_images, read_still_image
-from geotlm_lm.recordings.limits import kept_frames
+from geotlm_lm.recordings.images import IMAGE_SUFFIXES, folder_images, is_stack, read_still_image
+from geotlm_lm.recordings.policy import kept_frames
 from geotlm_lm.recordings.read import read_background, read_clip
-from geotlm_lm.recordings.stacks import is_stack
 
 GIVEN, FOUND, NONE = "given", "the clip's own untouched frames", "none, each method guesses it"
 """Where a clip's background comes from, as reports say it."""

@@ -27,9 +27,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.clip import MOST_FPS
 from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.core.labels import Motion
 
 ACTIONS = {

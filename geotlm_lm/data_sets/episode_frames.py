@@ -16,8 +16,8 @@ from geotlm_lm.core.errors import UnreadableClip, first_line
 from geotlm_lm.data_sets.lerobot import Episode, LeRobotDataSet
 from geotlm_lm.data_sets.tables import read_frames, read_table
 from geotlm_lm.recordings.images import decoded_image
-from geotlm_lm.recordings.limits import stride_for, stride_note
-from geotlm_lm.recordings.pixel_shape import with_pixel_shape
+from geotlm_lm.recordings.pixels import with_pixel_shape
+from geotlm_lm.recordings.policy import stride_for, stride_note
 
 OFF_SHARE = 0.5
 """Share of the time between two frames by which a picture may be off its row's time."""

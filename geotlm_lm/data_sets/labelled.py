@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.plain_name import plain_name
+from geotlm_lm.core.files import plain_name, replacing, write_text_atomically
 from geotlm_lm.data_sets.layout import EPISODES, INFO, STATISTICS, contained, read_object
 from geotlm_lm.data_sets.lerobot import Episode, LeRobotDataSet
 from geotlm_lm.data_sets.motion_columns import Values, features_of, statistics_of

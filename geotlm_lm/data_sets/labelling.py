@@ -19,15 +19,14 @@ import numpy as np
 
 from geotlm_lm import __version__
 from geotlm_lm.answering.loaded import loaded
-from geotlm_lm.core.atomic import (
+from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.files import (
     move_into_place,
     only_writer,
     replacing,
     write_text_atomically,
 )
-from geotlm_lm.core.errors import UnreadableClip, UsageError
-from geotlm_lm.core.interrupts import uninterrupted_step
-from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.core.process import Progress, silent, uninterrupted_step
 from geotlm_lm.data_sets.episode_frames import episode_clip, episode_frames
 from geotlm_lm.data_sets.labelled import Labels, require_whole, write_labelled
 from geotlm_lm.data_sets.layout import INFO
@@ -40,7 +39,7 @@ from geotlm_lm.data_sets.motion_columns import (
     unknown_values,
 )
 from geotlm_lm.recordings.legible import require_any_legible
-from geotlm_lm.recordings.pixel_shape import with_square_pixels
+from geotlm_lm.recordings.pixels import with_square_pixels
 from geotlm_lm.track.export import Exported
 from geotlm_lm.workers import ALONE, LOST, Workers
 

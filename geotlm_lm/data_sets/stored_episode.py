@@ -11,8 +11,8 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.data_sets.episode_frames import episode_clip
 from geotlm_lm.data_sets.layout import INFO
 from geotlm_lm.data_sets.lerobot import Episode, LeRobotDataSet
-from geotlm_lm.recordings.span import require_motion
-from geotlm_lm.recordings.stored import stamp_of
+from geotlm_lm.recordings.listing import stamp_of
+from geotlm_lm.recordings.read import require_motion
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.errors import UnreadableClip, first_line
-from geotlm_lm.core.plain_name import plain_name
+from geotlm_lm.core.files import plain_name
 
 if TYPE_CHECKING:
     import pyarrow

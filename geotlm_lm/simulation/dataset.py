@@ -22,11 +22,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import MissingDependency, UsageError
-from geotlm_lm.core.interrupts import uninterrupted_step
+from geotlm_lm.core.files import replacing, write_text_atomically
 from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.core.process import Progress, silent, uninterrupted_step
 from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.simulation.contact import PresetName, preset_named
 from geotlm_lm.simulation.simulate import SERIES_VERSION, SimulatedClip, simulate_series

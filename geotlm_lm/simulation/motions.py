@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, signed_amount
-from geotlm_lm.core.seeding import log_uniform
+from geotlm_lm.core.numbers import log_uniform
 from geotlm_lm.simulation.scene import Path
 
 DEPTH_CHANGE_MM = (0.15, 0.9)

@@ -10,7 +10,7 @@ import numpy as np
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.core.labels import ROTATIONS, Motion
-from geotlm_lm.core.seeding import generator_for, log_uniform
+from geotlm_lm.core.numbers import generator_for, log_uniform
 from geotlm_lm.simulation.contact import dome_drop_mm
 from geotlm_lm.simulation.indenters import INDENTERS
 from geotlm_lm.simulation.motions import (

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import GRID_SIDE
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.twist import Component, Twist
 from geotlm_lm.simulation.camera import Recorder, idle_frame
 from geotlm_lm.simulation.contact import Preset, PresetName, preset_named

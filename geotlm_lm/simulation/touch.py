@@ -10,7 +10,7 @@ from functools import cached_property
 
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.simulation.contact import PresetName
 from geotlm_lm.simulation.indenters import require_shape
 from geotlm_lm.simulation.motions import dominant_motion, path_of

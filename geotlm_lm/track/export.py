@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import MissingDependency
+from geotlm_lm.core.files import replacing
 from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.twist import Component
 from geotlm_lm.track.amounts import Floats, Span

@@ -11,12 +11,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from geotlm_lm.core.atomic import replacing_by_name
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import Unwritten
+from geotlm_lm.core.files import plain_name, replacing_by_name
 from geotlm_lm.core.geometry import filled_size
-from geotlm_lm.core.plain_name import plain_name
-from geotlm_lm.recordings.video_file import quiet_capture
+from geotlm_lm.recordings.video import quiet_capture
 from geotlm_lm.track.amounts import Floats
 from geotlm_lm.track.events import Event
 from geotlm_lm.track.export import Exported, Units, event_name

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.idle import activity_grey, lost_share
-from geotlm_lm.recordings.imprints import FAINT_IMPRINT, band_pass
+from geotlm_lm.recordings.idle import FAINT_IMPRINT, activity_grey, band_pass, lost_share
 from geotlm_lm.recordings.legible import MOST_OFFSET_GREY
 from geotlm_lm.track.exposure import (
     STEADY_GREY,

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from geotlm_lm.core.atomic import replacing
+from geotlm_lm.core.files import replacing
 from geotlm_lm.track.amounts import SPAN_DEVIATIONS
 from geotlm_lm.track.events import EventKind
 from geotlm_lm.track.export import Exported, require_packages

@@ -12,10 +12,10 @@ from typing import IO, Any
 
 import numpy as np
 
-from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.files import replacing
 from geotlm_lm.core.geometry import filled_size
-from geotlm_lm.recordings.every_frame import each_frame
+from geotlm_lm.recordings.read import each_frame
 from geotlm_lm.track.amounts import SPAN_DEVIATIONS, Floats
 from geotlm_lm.track.events import Event
 from geotlm_lm.track.export import Exported, Units, event_name, require_packages

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.frame_span import require_inside
+from geotlm_lm.core.errors import UsageError, require_inside
 from geotlm_lm.core.twist import Component, Twist
 from geotlm_lm.track.amounts import COLUMNS, ENDS, SYSTEMATIC, Span, amount_of
 from geotlm_lm.track.events import Event, EventKind

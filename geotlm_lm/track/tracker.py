@@ -13,9 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.recordings.idle import activity_grey, estimate_background, find_idle
-from geotlm_lm.recordings.imprints import FAINT_IMPRINT, imprints_of, strength_of
+from geotlm_lm.core.process import Progress, silent
+from geotlm_lm.recordings.idle import (
+    FAINT_IMPRINT,
+    activity_grey,
+    estimate_background,
+    find_idle,
+    imprints_of,
+    strength_of,
+)
 from geotlm_lm.track.believing import Believe
 from geotlm_lm.track.block import Block, Row
 from geotlm_lm.track.events import Event, EventFinder, Moment

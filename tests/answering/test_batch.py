@@ -17,7 +17,7 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.data_sets.lerobot import read_data_set
 from geotlm_lm.data_sets.stored_episode import every_episode
 from geotlm_lm.recordings import listing
-from geotlm_lm.recordings.stored import StoredRecording
+from geotlm_lm.recordings.listing import StoredRecording
 from geotlm_lm.workers import LOST, Workers
 from tests.answering.scripted import feeling, recording
 from tests.data_sets.lerobot_files import CAMERA, turned, write_data_set

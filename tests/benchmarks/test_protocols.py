@@ -25,10 +25,10 @@ from geotlm_lm.benchmarks.rendering import tables
 from geotlm_lm.benchmarks.rows import EncoderFile, Row, Run
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import ROTATIONS, Motion
-from geotlm_lm.core.progress import silent
-from geotlm_lm.core.seeding import seed_for
+from geotlm_lm.core.numbers import seed_for
+from geotlm_lm.core.process import silent
 from geotlm_lm.simulation.simulate import simulate_series
-from geotlm_lm.training.object_folds import Fold
+from geotlm_lm.training.folds import Fold
 from tests.backbone.small_files import write_small
 from tests.benchmarks.plain_backbone import PlainBackbone
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from types import SimpleNamespace
 
-from geotlm_lm.recordings.span import frames_inside
+from geotlm_lm.recordings.read import frames_inside
 
 
 class FakeAnswerer:

@@ -7,7 +7,7 @@ import pytest
 
 from geotlm_lm.doctor import installation
 from geotlm_lm.recordings import streams
-from geotlm_lm.recordings.latest_frames import StreamFrame
+from geotlm_lm.recordings.streams import StreamFrame
 from tests.cli.running import run
 
 FRAMES = np.random.default_rng(0).normal((70, 95, 110), 1, (12, 120, 160, 3))

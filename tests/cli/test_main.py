@@ -237,7 +237,9 @@ def test_the_version_is_printed(capsys):
     assert (code, out) == (0, "geotlm-lm 0.1.0\n")
 
 
-COMMANDS = sorted(command.callback.__name__ for command in main_module.app.registered_commands)
+COMMANDS = sorted(
+    command.callback.__name__.replace("_", "-") for command in main_module.app.registered_commands
+)
 
 
 @pytest.mark.parametrize("command", COMMANDS)

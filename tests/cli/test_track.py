@@ -7,9 +7,9 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.recordings import limits
-from geotlm_lm.recordings import video as videos
+from geotlm_lm.recordings import policy
 from geotlm_lm.recordings.idle import estimate_background
+from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.track import export
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
@@ -217,8 +217,8 @@ CAPTURE = cv2.VideoCapture
 @pytest.mark.parametrize("kept", [len(CLIP), 20])
 def test_frames_of_an_uneven_video_have_their_own_times(capsys, tmp_path, monkeypatch, kept):
     write_video(tmp_path / "c.avi")
-    monkeypatch.setattr(videos.cv2, "VideoCapture", Uneven)
-    monkeypatch.setattr(limits, "KEPT_BYTES", kept * CLIP.frames[0].nbytes)
+    monkeypatch.setattr(cv2, "VideoCapture", Uneven)
+    monkeypatch.setattr(policy, "KEPT_BYTES", kept * CLIP.frames[0].nbytes)
     code, out, err = run(capsys, tmp_path / "c.avi", "--out", tmp_path / "t.csv")
     rows = list(csv.DictReader((tmp_path / "t.csv").open()))
     times = np.concatenate([[0], np.cumsum(STEPS_S)])[: len(CLIP)]
@@ -235,7 +235,7 @@ def test_a_video_that_does_not_fit_into_memory_is_tracked_frame_by_frame(
     capsys, tmp_path, monkeypatch
 ):
     write_video(tmp_path / "c.avi")
-    monkeypatch.setattr(limits, "KEPT_BYTES", 20 * CLIP.frames[0].nbytes)
-    assert len(videos.read_video(tmp_path / "c.avi")) < 21
+    monkeypatch.setattr(policy, "KEPT_BYTES", 20 * CLIP.frames[0].nbytes)
+    assert len(read_clip(tmp_path / "c.avi")) < 21
     run(capsys, tmp_path / "c.avi", "--out", tmp_path / "t.csv")
     assert len((tmp_path / "t.csv").read_text().splitlines()) == 1 + len(CLIP)

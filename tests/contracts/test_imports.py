@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import geotlm_lm
-from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.core.files import resource_dir
 
 PACKAGE = Path(geotlm_lm.__file__).parent
 

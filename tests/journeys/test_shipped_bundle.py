@@ -22,7 +22,7 @@ from app.facts import (
 from geotlm_lm import FrameSpec
 from geotlm_lm.answering.belief_of_clip import reading
 from geotlm_lm.backbone import imprint
-from geotlm_lm.backbone.lights import Lights
+from geotlm_lm.backbone.relief import Lights
 from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, measure_clip
 from geotlm_lm.benchmarks.cases.recordings import turned_by_quarter
 from geotlm_lm.checkpoint import embedded_bundle_dir

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.simulation.camera import (
     CODED_BLUR_PX,
     MEASURED_IDLE,

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.simulation.camera import recorded
 from geotlm_lm.simulation.contact import FAST
 from geotlm_lm.simulation.optics import lit, marker_shade, resting_px, turned_lights

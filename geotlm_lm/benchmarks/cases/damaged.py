@@ -20,7 +20,7 @@ import numpy as np
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.recordings.damage import as_pixels, drifted, faded, gained, jpeg
+from geotlm_lm.recordings.pixels import as_pixels, drifted, faded, gained, jpeg
 from geotlm_lm.recordings.read import read_clip
 
 Damage = Callable[[Clip, np.random.Generator], Clip]

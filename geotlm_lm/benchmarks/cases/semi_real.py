@@ -18,7 +18,7 @@ from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import SLIDES, Motion, reverse
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.data.touch_table import TouchRow
 from geotlm_lm.recordings.read import read_clip
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
-from geotlm_lm.core.seeding import seed_for
+from geotlm_lm.core.numbers import seed_for
 
 if TYPE_CHECKING:
     from geotlm_lm.simulation.simulate import SimulatedClip

@@ -13,7 +13,7 @@ import numpy as np
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.core.numbers import generator_for, seed_for
 from geotlm_lm.core.twist import Component, Twist
 
 if TYPE_CHECKING:
