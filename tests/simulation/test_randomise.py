@@ -23,7 +23,7 @@ def test_a_scene_depends_only_on_its_place_in_the_series():
 
 
 def test_few_rotations_are_unreadable_and_claimed_motions_touch():
-    scenes = random_scenes(7, 40, objects=TRAINING_OBJECTS, motions=DIRECTED)
+    scenes = random_scenes(7, 60, objects=TRAINING_OBJECTS, motions=DIRECTED)
     clips = simulate(scenes, seed=7)
     turning = [clip.label for clip in clips if clip.label.motion in ROTATIONS]
     assert np.mean([label.is_readable for label in turning]) >= 0.85
