@@ -29,7 +29,7 @@ OPENED = (
 
 ANSWERED = (
     *NOTHING_SAID,
-    *("question", "frame", "mm_per_px", "viewpoint", "told", "chips", "saving", "stage"),
+    *("question", "frame", "mm_per_px", "told", "chips", "saving", "stage"),
     COMPLAINT,
 )
 """What is filled when a question is answered."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, Protocol
 
-from geotlm_lm import FrameSpec, draw_viewpoint
+from geotlm_lm import FrameSpec
 
 from . import handlers, suggestions
 from .error_display import MODEL, gradio
@@ -71,14 +71,6 @@ def frame_of_reference() -> dict[str, Any]:
         "object), for the object relative to the sensor. Check what is different about yours."
     )
     with gr.Row():
-        parts["viewpoint"] = gr.Image(
-            draw_viewpoint(FrameSpec()),
-            label="Where the camera stands",
-            show_label=False,
-            interactive=False,
-            height=150,
-            buttons=[],
-        )
         parts["frame"] = gr.CheckboxGroup(
             [MIRRORED, *TURNS, OTHER_SIDE, SENSOR_MOVES], label="Tell it for another frame"
         )
@@ -152,11 +144,11 @@ def address_of(request: Any) -> str:
 
 def _connect_frame(gr: Any, parts: dict[str, Any]) -> None:
     def check(facts: list[str], direction: str | None, event: gr.SelectData) -> tuple:
-        held, *framing = update_facts(facts, direction, event.value, event.selected)
+        held, told = update_facts(facts, direction, event.value, event.selected)
         # Boxes that stand as they should are left alone: others may be checked meanwhile.
-        return gr.skip() if set(held) == set(facts) else held, *framing
+        return gr.skip() if set(held) == set(facts) else held, told
 
     # Postponed annotations are text, and the toolkit looks for the event's type itself.
     check.__annotations__["event"] = gr.SelectData
-    outputs = [parts[name] for name in ("frame", "viewpoint", "told")]
+    outputs = [parts[name] for name in ("frame", "told")]
     parts["frame"].select(check, [parts["frame"], parts["last"]], outputs, **PRIVATE)

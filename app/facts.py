@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from geotlm_lm import FrameSpec, Motion, draw_viewpoint
+from geotlm_lm import FrameSpec, Motion
 
 from . import handlers
 
@@ -51,11 +51,11 @@ def sentences_of(frame: FrameSpec) -> list[str]:
     return [stated[fact] for fact in facts_of(frame)]
 
 
-def frame_preview(facts: list[str], direction: str | None) -> tuple:
-    """Return the picture of the frame the facts stand for, and the last direction told for it."""
+def frame_preview(facts: list[str], direction: str | None) -> str:
+    """Return the last direction as it is in the frame that the facts stand for."""
     frame = FrameSpec(**fields_of(facts))
     motion = None if direction is None else Motion(direction)
-    return draw_viewpoint(frame), handlers.direction_in_frame(frame, motion)
+    return handlers.direction_in_frame(frame, motion)
 
 
 def update_facts(facts: list[str], direction: str | None, fact: str, is_checked: bool) -> tuple:
@@ -66,4 +66,4 @@ def update_facts(facts: list[str], direction: str | None, fact: str, is_checked:
     quarters = (CLOCKWISE, COUNTERCLOCKWISE)
     replaced = quarters if is_checked and fact in quarters else (fact,)
     held = [one for one in facts if one not in replaced] + [fact] * is_checked
-    return held, *frame_preview(held, direction)
+    return held, frame_preview(held, direction)

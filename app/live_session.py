@@ -173,7 +173,7 @@ class LiveTalk:
         if live.stream is not None:
             live.stream.forget_talk()
         chips = [] if live.stream is None else list(OF_A_RECORDING)
-        yield UNASKED | {"told": frame_preview(facts, None)[1], "chips": chips}
+        yield UNASKED | {"told": frame_preview(facts, None), "chips": chips}
 
     def resize(self, live: LiveSession, mm_per_px: float | None) -> Iterator[Filled]:
         """Tell lengths by another size of a pixel.
@@ -204,7 +204,5 @@ class LiveTalk:
             yield {name: value for name, value in filled.items() if name in _PARTS}
 
 
-_PARTS = frozenset(
-    ("chat", "question", "chips", "stage", "last", "frame", "viewpoint", "told", "mm_per_px")
-)
+_PARTS = frozenset(("chat", "question", "chips", "stage", "last", "frame", "told", "mm_per_px"))
 """Those that there are: the Ask tab has more."""

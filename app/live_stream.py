@@ -9,12 +9,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm import Clip, GeoTLMError, StuckPicture, Units, camera_size, change_map
+from geotlm_lm import (
+    Clip,
+    GeoTLMError,
+    StuckPicture,
+    Units,
+    camera_size,
+    change_map,
+    drawing_of,
+)
 
 from .budget import WORKING
 from .clip_loading import Image, LoadedClip, perceive
 from .stage import jpeg_address
-from .timeline import Axis, now_at, timeline_of
+from .timeline import Axis, timeline_of
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -97,9 +105,9 @@ class LiveStream:
         """
         track, units = self._tracker.so_far, Units(self.shape[:2], mm_per_px)
         since_s = -np.inf if self.is_over else self._now_s - WINDOW_S
-        timeline = timeline_of(track, units, Axis(True), since_s)
+        drawing = drawing_of(track, units)
         if not self.is_over:
-            now_at(timeline, self._now_s, self._tracker.way, units)
+            drawing = drawing.up_to(self._now_s, self._tracker.way)
         idle = self._tracker.idle
         rows, columns = camera_size(*self.shape[:2])
         first_s, last_s = self._window()
@@ -114,7 +122,7 @@ class LiveStream:
             "unit": "s",
             "loops": False,
             "window": [round(first_s, 3), round(last_s, 3)],
-            "timeline": timeline,
+            "timeline": timeline_of(drawing, Axis(True), since_s),
             "picture": None if frame is None else self._picture(frame, idle),
             "idle": self._idle_to_send(idle),
             "notes": [*filter(None, [self._stuck.note]), *(track.notes if tells_notes else ())],

@@ -34,7 +34,7 @@ CONTEXT = ("live", "frame", "mm_per_px")
 
 ANSWERED = (
     *("chat", "question", "chips", "stage", "last"),
-    *("frame", "viewpoint", "told", "mm_per_px", COMPLAINT),
+    *("frame", "told", "mm_per_px", COMPLAINT),
 )
 """What is filled when a question is answered."""
 

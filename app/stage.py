@@ -16,7 +16,16 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm import FRAME_COUNT, Clip, Seen, Units, arrow_ends, camera_size, draw_depth
+from geotlm_lm import (
+    FRAME_COUNT,
+    Clip,
+    Seen,
+    Units,
+    arrow_ends,
+    camera_size,
+    draw_depth,
+    drawing_of,
+)
 
 from .error_display import gradio
 from .timeline import Axis, step_of, timeline_of
@@ -90,7 +99,7 @@ def stage_of(
     if encoded.track is None:
         told["step"] = step_of(shown, units)
     else:
-        told["timeline"] = timeline_of(encoded.track, units, axis)
+        told["timeline"] = timeline_of(drawing_of(encoded.track, units), axis)
     looked_at = encoded.clip.frame_numbers
     when = "" if encoded.track is None else f" in frames {looked_at[0]} to {looked_at[-1]}"
     told["overlays"] = _overlays(shown.seen, when)

@@ -102,7 +102,7 @@ class Talking:
             anew = replace(shown, session=self.answerer.session(shown.encoded))
         yield NOTHING_SAID | {
             "shown": anew,
-            "told": frame_preview(facts, None)[1],
+            "told": frame_preview(facts, None),
             "chips": suggested(anew),
             "saving": saving.offered(anew, source.example if source else None),
         }
@@ -112,7 +112,6 @@ def _beside(reply: Any, shown: LoadedClip, source: Source, address: str) -> Fill
     frame = shown.session.frame
     stated = facts_of(frame)
     direction = None if reply.motion is None else reply.motion.value
-    viewpoint, told = frame_preview(stated, direction)
     path = source.path if isinstance(source.path, str) else source.path[0]
     # The folder it was uploaded to means nothing to anybody.
     path = f"{'' if source.example is None else 'app/examples/'}{Path(path).name}"
@@ -128,8 +127,7 @@ def _beside(reply: Any, shown: LoadedClip, source: Source, address: str) -> Fill
         "last": direction,
         "frame": stated,
         "mm_per_px": frame.mm_per_px or 0,
-        "viewpoint": viewpoint,
-        "told": told,
+        "told": frame_preview(stated, direction),
         "command": calls.command,
         "python": calls.python,
         "rest": calls.rest,

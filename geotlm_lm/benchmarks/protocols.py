@@ -6,12 +6,11 @@ Each task runs in a process of its own.
 
 from __future__ import annotations
 
-import multiprocessing
 import tomllib
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +19,6 @@ import torch
 from numpy.typing import NDArray
 
 from geotlm_lm.benchmarks.cases import simulated
-from geotlm_lm.benchmarks.one_thread import threads
 from geotlm_lm.benchmarks.protocol_clips import TaskClips, task_clips
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.rows import Listing, Pivot, Row, Run, Section
@@ -32,6 +30,8 @@ from geotlm_lm.core.process import silent
 from geotlm_lm.dgr.ablations import DGRParts
 from geotlm_lm.probe.linear import fit_logistic
 from geotlm_lm.probe.standardise import Standardiser
+from geotlm_lm.runs.processes import threads
+from geotlm_lm.runs.run import ALONE, Workers
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
 from geotlm_lm.training.folds import (
     Fold,
@@ -163,14 +163,13 @@ def protocol_rows(run: Run) -> list[Row]:
     Raises:
         UsageError: If the simulator finds too few readable clips.
     """
-    if run.is_quick or run.answerer_given is not None:
-        found = [task_rows(task, run) for task in TASKS]
-    else:  # Spawned, not forked: torch's threads do not survive a fork.
-        context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(len(TASKS), mp_context=context) as pool:
-            asked = replace(run, progress=silent)
-            found = list(pool.map(task_rows, TASKS, [asked] * len(TASKS)))
-    rows = [(*own, *published_rows(task)) for task, own in zip(TASKS, found, strict=True)]
+    # A model that was given is one object of this process; a quick run is not worth two starts.
+    is_here = run.is_quick or run.answerer_given is not None
+    workers, asked = (
+        (ALONE, run) if is_here else (Workers(len(TASKS)), replace(run, progress=silent))
+    )
+    by_task = dict(workers.map(partial(task_rows, run=asked), TASKS))
+    rows = [(*by_task[task], *published_rows(task)) for task in TASKS]
     return [row for own in rows for row in own]
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.record import RunRecord
-from geotlm_lm.workers import ALONE, Workers
+from geotlm_lm.runs.run import ALONE, Workers
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
-from pathlib import Path
 from typing import Any
 
-from geotlm_lm.benchmarks.one_thread import threads
 from geotlm_lm.benchmarks.rows import QUICK, WHOLE, Bench, Run, Section, Share
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.core.process import silent
 from geotlm_lm.core.record import RunRecord, commit, machine
-from geotlm_lm.workers import ALONE
+from geotlm_lm.runs.processes import threads
+from geotlm_lm.runs.run import ALONE, do_parts, holds_json, load_json, run_folder, save_json
 
 
 def run_bench(
@@ -70,42 +67,48 @@ def run_bench(
     )
 
 
-@dataclass(frozen=True)
-class _Part:
-    """What one worker runs at a time: a share of a section."""
-
-    section: str
-    share: str
-
-    @property
-    def file(self) -> str:
-        """Name of the file that keeps what it gave."""
-        return f"{self.section} {self.share}".strip().replace("/", "-") + ".json"
+Part = tuple[str, str]
+"""Names of a section and of a share of it, what one worker runs at a time."""
 
 
 def _measured(bench: Bench, run: Run, names: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Return sections by name, what this very commit's stopped run had of them and the rest."""
     asked = [
-        one for one in bench.sections if one.name in names and (run.real or not one.needs_real)
+        section
+        for section in bench.sections
+        if section.name in names and (run.real or not section.needs_real)
     ]
-    parts = [_Part(one.name, share) for one in asked for share in _shares(one, run)]
-    folder, done = _folder(bench, run), {}
-    if folder is not None:
-        files = {part: folder / part.file for part in parts}
-        done = {part: json.loads(path.read_text()) for part, path in files.items() if path.exists()}
-    missing, is_alone = [part for part in parts if part not in done], run.workers == ALONE
+    parts = [(section.name, share) for section in asked for share in _shares(section, run)]
     # Others are sent the name: tables hold functions that no process can be sent.
+    is_alone, seen = run.workers == ALONE, [run.real, run.model, *run.data]
     given = (bench, run) if is_alone else (bench.name, replace(run, progress=silent, workers=ALONE))
-    for part, told in run.workers.each_done(partial(_run_part, *given), missing, seen=_read(run)):
-        done[part] = told
-        if folder is not None:
-            files[part].parent.mkdir(parents=True, exist_ok=True)
-            write_text_atomically(files[part], json.dumps(told))
-        if not is_alone:
-            run.progress(bench.name, len(done), len(parts))
+    work, seen = partial(_run_part, *given), [path for path in seen if path is not None]
+    progress = silent if is_alone else run.progress
+    settings = _settings(run)
+    if settings is None:
+        results = {}
+        for part, result in run.workers.map(work, parts, seen=seen):
+            results[part] = result
+            progress(bench.name, len(results), len(parts))
+    else:
+        folder = run.folder / bench.name
+        files = [folder / f"{' '.join(part).strip().replace('/', '-')}.json" for part in parts]
+        jobs = list(zip(parts, files, strict=True))
+        with run_folder(folder, settings, "settings", is_replaced=True) as stamp:
+            do_parts(
+                bench.name,
+                work,
+                jobs,
+                save_json,
+                is_kept=holds_json,
+                workers=run.workers,
+                seen=[stamp, *seen],
+                progress=progress,
+            )
+            results = {part: load_json(path) for part, path in jobs}
     return {
-        one.name: _joined([done[part] for part in parts if part.section == one.name])
-        for one in asked
+        section.name: _joined([results[part] for part in parts if part[0] == section.name])
+        for section in asked
     }
 
 
@@ -113,17 +116,18 @@ def _shares(section: Section, run: Run) -> Mapping[str, Share]:
     return {"": partial(section.run, run)} if section.shares is None else section.shares(run)
 
 
-def _run_part(bench: Bench | str, run: Run, part: _Part) -> tuple[_Part, dict[str, Any]]:
-    """Return a part and what it gave; a bench that was sent is found by its name."""
+def _run_part(bench: Bench | str, run: Run, part: Part) -> dict[str, Any]:
+    """Return what a part gave; a bench that was sent is found by its name."""
     if isinstance(bench, str):
         from geotlm_lm.benchmarks.benches import BENCHES
 
         bench = BENCHES[bench]
-    section = bench.section(part.section)
+    name, share = part
+    section = bench.section(name)
     run.progress(f"{bench.name}: {section.title}", 0, 1)
     started = time.perf_counter()
-    rows = [row.to_dict() for row in _shares(section, run)[part.share]()]
-    return part, {
+    rows = [row.to_dict() for row in _shares(section, run)[share]()]
+    return {
         "rows": rows,
         "seconds": round(time.perf_counter() - started, 1),
         "commit": commit(),
@@ -132,24 +136,19 @@ def _run_part(bench: Bench | str, run: Run, part: _Part) -> tuple[_Part, dict[st
     }
 
 
-def _joined(told: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def _joined(shares: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Return a section of its shares, in order."""
-    return told[0] | {
-        "rows": [row for one in told for row in one["rows"]],
-        "seconds": round(sum(one["seconds"] for one in told), 1),
+    return shares[0] | {
+        "rows": [row for share in shares for row in share["rows"]],
+        "seconds": round(sum(share["seconds"] for share in shares), 1),
     }
 
 
-def _read(run: Run) -> list[Path]:
-    return [one for one in (run.real, run.model, *run.data) if one is not None]
-
-
-def _folder(bench: Bench, run: Run) -> Path | None:
-    """Return where finished parts are kept; None where the code is not that of a commit."""
+def _settings(run: Run) -> dict[str, Any] | None:
+    """Return what decides a whole run; None where the code is not that of a commit."""
     at = commit()
-    told = {"seed": run.seed, "real": run.real, "folder": run.folder}
-    plain = Run(**told, progress=run.progress, workers=run.workers)
+    kept = {"seed": run.seed, "real": run.real, "folder": run.folder}
+    plain = Run(**kept, progress=run.progress, workers=run.workers)
     if not at or at.endswith("+") or run != plain:
         return None
-    asked = f"{at}-{run.seed}-{'real' if run.real else 'simulated'}"
-    return run.folder / f"{bench.name}-{asked}"
+    return {"commit": at, "seed": run.seed, "real": None if run.real is None else str(run.real)}

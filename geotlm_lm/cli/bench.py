@@ -26,7 +26,7 @@ from geotlm_lm.cli.options import (
 )
 from geotlm_lm.cli.recorded import command_line, require_record_file
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.workers import Workers
+from geotlm_lm.runs.run import Workers
 
 if TYPE_CHECKING:
     from geotlm_lm.benchmarks.rows import Bench, Run

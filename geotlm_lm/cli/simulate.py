@@ -10,7 +10,7 @@ from typer.core import TyperCommand
 
 from geotlm_lm.cli.options import ClusterAddress, Seed, path_option, require_writable
 from geotlm_lm.cli.simulate_clip import Drift, Markers, SolverPreset
-from geotlm_lm.workers import Workers
+from geotlm_lm.runs.run import Workers
 
 Processes = Annotated[
     int | None,

@@ -67,7 +67,7 @@ def _cameras() -> Finding:
         "cameras",
         "limit",
         "no /dev/video* was found.",
-        "Recordings are answered about; `watch --source 0` has nothing to watch.",
+        "Recordings are answered about; `watch 0` has nothing to watch.",
         "Plug the sensor in, if you mean to watch one.",
     )
 

@@ -12,25 +12,24 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from typing import IO, Any, Literal
+from typing import IO, Any, Literal, NamedTuple
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.errors import MissingDependency, UsageError
-from geotlm_lm.core.files import replacing, write_text_atomically
+from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.core.process import Progress, silent, uninterrupted_step
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.twist import COMPONENTS
+from geotlm_lm.runs.run import ALONE, Workers, do_parts
 from geotlm_lm.simulation.contact import PresetName, preset_named
 from geotlm_lm.simulation.simulate import SERIES_VERSION, SimulatedClip, simulate_series
 from geotlm_lm.simulation.truth import READABLE_GREY, components_of
-from geotlm_lm.workers import ALONE, Workers
 
 SHARD_CLIPS = 64
 """Clips per shard: about 50 MB of frames, a few seconds of work to lose in a kill."""
@@ -47,18 +46,9 @@ Arrays = dict[str, NDArray[Any]]
 """By name, each with a row for every clip; `labels` is one JSON text of all."""
 
 
-@dataclass(frozen=True)
-class _Shard:
-    path: Path
+class _Shard(NamedTuple):
     first_index: int
     count: int
-
-    def is_whole(self) -> bool:
-        """Tell whether the file is there, undamaged, with all its clips."""
-        try:
-            return len(_labels_of(self.path)[0]) == self.count
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-            return False
 
 
 def write_dataset(
@@ -106,15 +96,24 @@ def write_dataset(
     out.mkdir(parents=True, exist_ok=True)
     asked = out / ASKED_FILE
     write_text_atomically(asked, json.dumps(wanted | {"count": count}) + "\n")
-    shards = [
-        _Shard(out / f"shard-{number:05d}{SUFFIXES[form]}", start, min(SHARD_CLIPS, count - start))
+    jobs = [
+        (
+            _Shard(start, min(SHARD_CLIPS, count - start)),
+            out / f"shard-{number:05d}{SUFFIXES[form]}",
+        )
         for number, start in enumerate(range(0, count, SHARD_CLIPS))
     ]
-    missing = [shard for shard in shards if not shard.is_whole()]
-    done = count - sum(shard.count for shard in missing)
-    for written in workers.each_done(partial(_write_shard, options), missing, seen=[asked]):
-        done += written
-        progress("simulated", done, count)
+    do_parts(
+        "simulated",
+        partial(_shard_arrays, options),
+        jobs,
+        _write_npz if form == "npz" else _write_parquet,
+        is_kept=_is_whole,
+        size=lambda shard: shard.count,
+        workers=workers,
+        seen=[asked],
+        progress=progress,
+    )
     write_text_atomically(out / CARD_FILE, _card(out, count, wanted))
     return out
 
@@ -150,10 +149,16 @@ def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
         )
 
 
-def _write_shard(options: dict[str, Any], shard: _Shard) -> int:
-    """Write a shard, if it is not there; `options` are those of `simulate_series`."""
-    if shard.is_whole():
-        return shard.count
+def _is_whole(shard: _Shard, path: Path) -> bool:
+    """Tell whether the file is there, undamaged, with all its clips."""
+    try:
+        return len(_labels_of(path)[0]) == shard.count
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return False
+
+
+def _shard_arrays(options: dict[str, Any], shard: _Shard) -> Arrays:
+    """Return the arrays of a shard; `options` are those of `simulate_series`."""
     arrays: Arrays = {}
     labels, names = [], []
     series = simulate_series(count=shard.count, first_index=shard.first_index, **options)
@@ -168,9 +173,7 @@ def _write_shard(options: dict[str, Any], shard: _Shard) -> int:
     arrays["object_names"] = np.array(names)
     arrays["index"] = np.arange(shard.first_index, shard.first_index + shard.count)
     arrays["labels"] = np.array(json.dumps(labels))
-    with uninterrupted_step():  # a worker that is ended here leaves its shard, not a part of it
-        _save(shard, arrays)
-    return shard.count
+    return arrays
 
 
 def _fields_of(clip: SimulatedClip) -> Arrays:
@@ -187,11 +190,6 @@ def _fields_of(clip: SimulatedClip) -> Arrays:
     }
     drift = {} if clip.drift_px is None else {"drift_px": clip.drift_px}
     return pictures | fields | drift
-
-
-def _save(shard: _Shard, arrays: Arrays) -> None:
-    with replacing(shard.path) as stream:
-        (_write_npz if shard.path.suffix == ".npz" else _write_parquet)(stream, arrays)
 
 
 def _write_npz(stream: IO[bytes], arrays: Arrays) -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,12 +20,12 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from geotlm_lm.backbone.motions import MOTIONS_SHAPE
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM, measure_clip
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.files import replacing, write_text_atomically
+from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.core.geometry import GRID_SIDE, TIME_BIN_COUNT
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
 from geotlm_lm.core.numbers import generator_for
-from geotlm_lm.core.process import Progress, silent, uninterrupted_step
-from geotlm_lm.local_pool import each_done
+from geotlm_lm.core.process import Progress, silent
+from geotlm_lm.runs.run import Workers, do_parts
 from geotlm_lm.training.recording_forms import RecordedForm, as_recorded, bin_means, truth_in_view
 
 if TYPE_CHECKING:
@@ -163,14 +164,18 @@ def simulate_examples(
     number of worker processes.
     """
     jobs = [
-        (path, wanted, index, seed)
+        ((wanted, chunk, path), path)
         for wanted in sets
-        for index, path in enumerate(wanted.chunk_paths(folder))
+        for chunk, path in enumerate(wanted.chunk_paths(folder))
     ]
-    missing = [job for job in jobs if not job[0].exists()]
-    folder.mkdir(parents=True, exist_ok=True)
-    for done, _ in enumerate(each_done(_write_chunk, missing, workers), len(jobs) - len(missing)):
-        progress(f"simulate chunks of {CHUNK_CLIPS}", done + 1, len(jobs))
+    do_parts(
+        f"simulate chunks of {CHUNK_CLIPS}",
+        partial(_simulate_chunk, seed),
+        jobs,
+        np.save,
+        workers=Workers(workers),
+        progress=progress,
+    )
 
 
 def read_examples(folder: Path, *sets: ExampleSet) -> Examples:
@@ -199,9 +204,10 @@ def read_examples(folder: Path, *sets: ExampleSet) -> Examples:
     return Examples(**rows, labels=labels, objects=tuple(name for name, _ in about))
 
 
-def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
-    path, wanted, chunk, seed = job
-    first = chunk * CHUNK_CLIPS
+def _simulate_chunk(seed: int, chunk: tuple[ExampleSet, int, Path]) -> NDArray:
+    """Return the examples of a chunk, once its labels are written beside where it will lie."""
+    wanted, number, path = chunk
+    first = number * CHUNK_CLIPS
     stage_seed = int(generator_for(seed, "examples", wanted.stage).integers(2**62))
     examples, about = [], []
     clips = wanted.simulated(stage_seed, first, CHUNK_CLIPS)
@@ -212,8 +218,5 @@ def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
         means = (bin_means(values[recorded.order]) for values in truth)
         examples.append((inputs, motions.numbers(), *means))
         about.append([simulated.object_name, recorded.label.to_dict()])
-    # A worker ended here leaves no part of a file, and labels before examples.
-    with uninterrupted_step():
-        write_text_atomically(path.with_suffix(".json"), json.dumps(about) + "\n")
-        with replacing(path) as stream:
-            np.save(stream, np.array(examples, EXAMPLE))
+    write_text_atomically(path.with_suffix(".json"), json.dumps(about) + "\n")
+    return np.array(examples, EXAMPLE)

@@ -137,9 +137,9 @@ def test_all_verdicts_are_told_in_the_frame_of_the_answer(path, facts, told, mov
 
 def test_of_both_quarters_the_one_checked_last_holds():
     before = [page_facts.CLOCKWISE, page_facts.MIRRORED]
-    held, _, told = page_facts.update_facts(before, "right", page_facts.COUNTERCLOCKWISE, True)
+    held, told = page_facts.update_facts(before, "right", page_facts.COUNTERCLOCKWISE, True)
     assert held == [page_facts.MIRRORED, page_facts.COUNTERCLOCKWISE]
-    assert told == page_facts.frame_preview(held, "right")[1]
+    assert told == page_facts.frame_preview(held, "right")
     assert page_facts.update_facts(held, None, page_facts.MIRRORED, False)[0] == held[1:]
     assert page_facts.update_facts(before, None, page_facts.UPSIDE_DOWN, True)[0] == [
         *before,

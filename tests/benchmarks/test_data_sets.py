@@ -14,7 +14,7 @@ from geotlm_lm.core.labels import SLIDES
 from geotlm_lm.data.tactile_tracking import TactileTracking
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from tests.data.action_clips import write_actions
-from tests.data.test_pose_pairs import steady_turn
+from tests.data.test_tactile_tracking import steady_turn
 from tests.data.tracked_trials import path_of, write_trial
 
 FLOW = {"flow": lambda clip, among: Reply(RigidFlow().predict(clip, among), 1.0)}

@@ -4,14 +4,11 @@ import json
 from dataclasses import replace
 from functools import partial
 
-import cv2
 import pytest
-import torch
 
 from geotlm_lm.benchmarks import running
 from geotlm_lm.benchmarks.accuracy import ACCURACY
 from geotlm_lm.benchmarks.cases.simulated import TASKS
-from geotlm_lm.benchmarks.one_thread import threads
 from geotlm_lm.benchmarks.rendering import (
     StaleResults,
     check_results,
@@ -24,7 +21,7 @@ from geotlm_lm.benchmarks.rendering import (
 from geotlm_lm.benchmarks.rows import Bench, Pivot, Row, Run, Section, every, rows_of
 from geotlm_lm.benchmarks.running import run_bench
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.workers import ALONE, Workers
+from geotlm_lm.runs.run import ALONE, Workers
 
 README = "# Mine\n\n<!-- begin: toy.first -->\nold\n<!-- end: toy.first -->\n\nAfter.\n"
 
@@ -138,13 +135,6 @@ def test_two_processes_measure_what_one_does():
     alone = measured(ALONE)
     assert [row.case for row in alone[::7]] == [f"simulated {task}" for task in TASKS]
     assert measured(Workers(2)) == alone
-
-
-def test_thread_counts_come_back():
-    before = (torch.get_num_threads(), cv2.getNumThreads())
-    with threads(1):
-        assert torch.get_num_threads() == 1
-    assert (torch.get_num_threads(), cv2.getNumThreads()) == before
 
 
 def test_a_pivot_has_a_line_per_case_and_a_column_per_variant():

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.runs.run import Workers
 from geotlm_lm.simulation import dataset
-from geotlm_lm.workers import Workers
 from tests.cli import running
 
 

@@ -15,8 +15,7 @@ PACKAGE = Path(geotlm_lm.__file__).parent
 
 LEVELS = (
     {"core"},
-    {"alignment", "local_pool", "cluster"},
-    {"workers"},
+    {"alignment", "runs"},
     {"simulation", "recordings", "backbone", "dgr", "probe", "language"},
     {"model", "data", "views", "motion"},
     {"track"},

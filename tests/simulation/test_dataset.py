@@ -11,11 +11,11 @@ import time
 import numpy as np
 import pytest
 
-from geotlm_lm.core.errors import GeoTLMError, MissingDependency, UsageError
+from geotlm_lm.core.errors import MissingDependency, UsageError
 from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.runs.run import Workers
 from geotlm_lm.simulation import dataset
 from geotlm_lm.simulation.dataset import write_dataset
-from geotlm_lm.workers import Workers
 from tests.process_groups import in_proc, members
 
 GIVEN = {"seed": 1, "objects": ("block", "cloth_coarse"), "preset": "draft"}
@@ -119,17 +119,6 @@ def test_the_number_of_workers_does_not_change_a_byte(whole, tmp_path):
     assert contents(write_dataset(tmp_path, 7, workers=Workers(2), **GIVEN)) == contents(whole)
 
 
-def _die(options, shard):
-    os._exit(9)
-
-
-@pytest.mark.slow
-def test_a_killed_worker_is_reported_instead_of_waited_for(tmp_path, monkeypatch):
-    monkeypatch.setattr(dataset, "_write_shard", _die)
-    with pytest.raises(GeoTLMError, match="^A worker was ended from outside"):
-        write_dataset(tmp_path, 6, workers=Workers(2), **GIVEN)
-
-
 def test_labels_only_are_those_of_the_whole_data_set_without_its_pictures(whole, tmp_path):
     write_dataset(tmp_path, 3, with_frames=False, **GIVEN)
     pictured, bare = (read_shard(folder / "shard-00000.npz") for folder in (whole, tmp_path))
@@ -170,7 +159,7 @@ WRITER = """
 import sys
 from pathlib import Path
 from geotlm_lm.simulation import dataset
-from geotlm_lm.workers import Workers
+from geotlm_lm.runs.run import Workers
 
 if __name__ == "__main__":
     dataset.SHARD_CLIPS = 3
@@ -227,20 +216,3 @@ def test_a_request_to_end_does_not_wait_for_shards_and_leaves_no_part_of_one(tmp
     assert run.returncode == (130 if number == signal.SIGINT else -number)
     assert printed == "Stopped; files already complete are kept.\n"
     assert [path.name for path in (tmp_path / "set").iterdir()] == ["dataset.json"]
-
-
-@pytest.mark.skipif(os.name == "nt", reason="a process is ended there without being asked")
-def test_a_worker_asked_to_end_while_it_writes_leaves_the_whole_shard(tmp_path, monkeypatch):
-    def asked(*arguments):
-        signal.raise_signal(signal.SIGTERM)
-        return save(*arguments)
-
-    save = dataset._save
-    monkeypatch.setattr(dataset, "_save", asked)
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            write_dataset(tmp_path, 1, **GIVEN)
-    finally:
-        signal.signal(signal.SIGTERM, before)
-    assert read_shard(tmp_path / "shard-00000.npz")["index"].tolist() == [0]

@@ -13,7 +13,7 @@ from typing import Any
 from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
-from geotlm_lm.data import pose_pairs
+from geotlm_lm.data import tactile_tracking
 from geotlm_lm.data.manifest import Manifest, read_manifest
 from geotlm_lm.data.tactile_tracking import (
     TactileTracking,
@@ -31,7 +31,7 @@ same, and the paper's totals are 49 and 76 a trial."""
 
 DataSet = TactileTracking | Manifest
 
-TrackedPairs = Sequence[tuple[Trial, Sequence[pose_pairs.LabelledPair]]]
+TrackedPairs = Sequence[tuple[Trial, Sequence[tactile_tracking.LabelledPair]]]
 """Trials, and the pairs of frames that are judged of each."""
 
 
@@ -96,16 +96,16 @@ def tracked_pairs(data: TactileTracking, task: str) -> tuple[TrackedPairs, dict[
     The paper gives the number of its pairs and no threshold. The rule of the sweep is taken that
     comes nearest to that number, in proportion to the trials that are here.
     """
-    usual = pose_pairs.PairRule()
-    swept = pose_pairs.sweep_pair_counts(data.trials, usual, task)
-    target = pose_pairs.PAPER_PAIRS[task] * len(data.trials) / pose_pairs.PAPER_TRIALS
-    chosen = pose_pairs.nearest_rule(swept, usual, task, target)
-    found = [(trial, pose_pairs.labelled_pairs(trial, chosen, task)) for trial in data.trials]
-    judged = [(trial, pose_pairs.evenly_spaced(own, PAIRS_PER_TRIAL)) for trial, own in found]
+    usual = tactile_tracking.PairRule()
+    swept = tactile_tracking.sweep_pair_counts(data.trials, usual, task)
+    target = tactile_tracking.PAPER_PAIRS[task] * len(data.trials) / tactile_tracking.PAPER_TRIALS
+    chosen = tactile_tracking.nearest_rule(swept, usual, task, target)
+    found = [(trial, tactile_tracking.labelled_pairs(trial, chosen, task)) for trial in data.trials]
+    judged = [(trial, tactile_tracking.evenly_spaced(own, PAIRS_PER_TRIAL)) for trial, own in found]
     facts = {
         "rule": asdict(chosen),
         "found": sum(len(own) for _, own in found),
-        "paper": pose_pairs.PAPER_PAIRS[task],
-        "paper_share": len(data.trials) / pose_pairs.PAPER_TRIALS,
+        "paper": tactile_tracking.PAPER_PAIRS[task],
+        "paper_share": len(data.trials) / tactile_tracking.PAPER_TRIALS,
     }
     return judged, facts

@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 
 from geotlm_lm.data_sets.labelling import Labelling, label_data_set
-from geotlm_lm.workers import Workers
+from geotlm_lm.runs.run import Workers
 from tests.data_sets.lerobot_files import CAMERA, turned, write_data_set
 
 pytest.importorskip("pyarrow", reason="needs pyarrow, of the extra lerobot")
 pytest.importorskip("av", reason="needs av, of the extra lerobot")
 pytest.importorskip("ray.data", reason="needs ray, of the extra ray")
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 
 SETTLED_S = 3
 """In which a cluster ends the actors of a command that is gone."""

@@ -1,4 +1,4 @@
-"""A frame as it is, against the idle gel, and with the learned geometry in its true place."""
+"""What the model saw, as uint8 RGB pictures: a frame, its difference, the geometry in place."""
 
 from __future__ import annotations
 
@@ -38,17 +38,11 @@ ARROW_THICKNESS = 2
 
 @dataclass(frozen=True)
 class ArrowScale:
-    """How long arrows are drawn: the same for every clip, so that lengths can be compared.
+    """How long arrows are drawn: the same for every clip, so that lengths can be compared."""
 
-    Args:
-        unit_px: Pixels of the 224-pixel view that one unit of the field is drawn as long as.
-        shown: Units of the arrow in the legend.
-        name: What it is an arrow of.
-    """
-
-    unit_px: float
-    shown: float
-    name: str
+    unit_px: float  # of the 224-pixel view, that one unit of the field is drawn as long as
+    shown: float  # units of the arrow in the legend
+    name: str  # of the unit
 
 
 LEARNED_SHEAR = ArrowScale(FLOW_SCALE_PX, 5, "learned shear (no unit)")
@@ -59,28 +53,15 @@ TRUE_DISPLACEMENT = ArrowScale(1.0, 20, "px of displacement")
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What pictures are drawn from.
+    """What pictures are drawn from."""
 
-    Args:
-        frames: uint8, shape (t, rows, columns, 3), RGB.
-        idle: The idle gel, uint8, shape (rows, columns, 3).
-        shear_change: (x right, y down), shape (gh, gw, 2), unitless.
-        mask: Contact mask, shape (gh, gw), in [0, 1].
-        view: The square of the image that the grid covers.
-        depth_mm: Indentation of each frame over the whole image, shape (t, gh, gw); None unless
-            simulated.
-        has_contact: Whether anything touches, as answers judge it; what the model makes of an
-            untouched gel is noise, and no arrow is drawn.
-        scale: Of the arrows.
-    """
-
-    frames: Image
-    idle: Image
-    shear_change: Floats
-    mask: Floats
-    view: View
-    depth_mm: Floats | None = None
-    has_contact: bool = True
+    frames: Image  # (t, rows, columns, 3)
+    idle: Image  # the untouched gel, (rows, columns, 3)
+    shear_change: Floats  # right and down, (gh, gw, 2), in units of the scale
+    mask: Floats  # of the contact, (gh, gw), in [0, 1]
+    view: View  # the square of the image that the grid covers
+    depth_mm: Floats | None = None  # of each frame over the whole image, (t, gh, gw); if simulated
+    has_contact: bool = True  # what the model makes of an untouched gel is noise: no arrows
     scale: ArrowScale = LEARNED_SHEAR
 
 
@@ -90,16 +71,13 @@ def views_of(seen: Seen) -> tuple[str, ...]:
 
 
 def picture(seen: Seen, name: ViewName, index: int = -1) -> Image:
-    """Return one frame as a picture.
+    """Return one frame as a picture, its longer side `PICTURE_SIDE` or more.
 
     Args:
         seen: What there is to draw.
         name: "raw", "difference" to the idle gel, "contact" mask, shear change as "arrows", or
             "depth".
         index: Of the frame; the geometry belongs to all four.
-
-    Returns:
-        uint8 RGB, its longer side about `PICTURE_SIDE`.
 
     Raises:
         ValueError: If there is no such view, or none for this clip.
@@ -111,11 +89,13 @@ def picture(seen: Seen, name: ViewName, index: int = -1) -> Image:
         return magnified(difference(frame, seen.idle))
     if name == "contact":
         return draw_contact(magnified(frame), seen.mask, seen.view)
-    if name == "arrows":
-        return _with_arrows(seen, magnified(frame))
+    image = magnified(frame)
     if name == "depth":
-        return draw_depth(seen.depth_mm[index], magnified(frame).shape[:2], seen.depth_mm.max())
-    return magnified(frame)
+        return draw_depth(seen.depth_mm[index], image.shape[:2], seen.depth_mm.max())
+    if name == "arrows" and seen.has_contact:
+        image = draw_arrows(image, seen.shear_change, seen.mask, seen.view, seen.scale)
+        return draw_legend(image, seen.view, seen.scale)
+    return image
 
 
 def magnified(frame: Image) -> Image:
@@ -134,13 +114,7 @@ def difference(frame: Image, idle: Image) -> Image:
 
 
 def draw_contact(image: Image, mask: Floats, view: View) -> Image:
-    """Tint where the model sees contact, and frame the square that it looked at.
-
-    Args:
-        image: uint8, shape (rows, columns, 3), covering the whole frame.
-        mask: Shape (gh, gw), in [0, 1].
-        view: The square the grid covers.
-    """
+    """Tint an image of the whole frame where there is contact, and frame the view's square."""
     share = in_image(mask, view, image.shape[:2])[..., None] * 0.6
     tinted = image * (1 - share) + np.float32(CONTACT_COLOUR) * share
     drawn = np.rint(tinted).astype(np.uint8)
@@ -149,25 +123,10 @@ def draw_contact(image: Image, mask: Floats, view: View) -> Image:
     return cv2.rectangle(drawn, first, last, FRAME_COLOUR, 1)
 
 
-def _with_arrows(seen: Seen, image: Image) -> Image:
-    if not seen.has_contact:
-        return image
-    drawn = draw_arrows(image, seen.shear_change, seen.mask, seen.view, seen.scale)
-    return draw_legend(drawn, seen.view, seen.scale)
-
-
 def draw_arrows(
     image: Image, field: Floats, mask: Floats, view: View, scale: ArrowScale = LEARNED_SHEAR
 ) -> Image:
-    """Draw a field over a frame, where more than the mean of the view is in contact.
-
-    Args:
-        image: uint8, shape (rows, columns, 3), covering the whole frame.
-        field: (x right, y down), shape (gh, gw, 2), in units of the scale.
-        mask: Contact mask, shape (gh, gw), in [0, 1].
-        view: The square the grid covers.
-        scale: Of the arrows.
-    """
+    """Draw a field, as of `arrow_ends`, over an image of the whole frame."""
     drawn = image.copy()
     size = (image.shape[1], image.shape[0])
     for ends in (arrow_ends(field, mask, view, scale) * size).astype(np.float32):
@@ -198,15 +157,9 @@ def arrow_ends(
 
 
 def draw_legend(image: Image, view: View, scale: ArrowScale = LEARNED_SHEAR) -> Image:
-    """Draw an arrow of known length in the lower left corner, with what it stands for.
-
-    Args:
-        image: uint8, shape (rows, columns, 3), covering the whole frame.
-        view: The square that the arrows' grid covers: how much it is magnified.
-        scale: Of the arrows.
-    """
+    """Draw an arrow of known length in the lower left corner, with what it stands for."""
     drawn = image.copy()
-    ends = _arrow(np.zeros(2), np.array([scale.shown, 0.0]), scale)
+    ends = np.array([[0.0, 0.0], [scale.shown * scale.unit_px / IMAGE_SIDE, 0.0]])
     ends = _grid_points(view, image.shape[:2], ends)
     text = f"= {scale.shown:g} {scale.name}"
     font, size = cv2.FONT_HERSHEY_SIMPLEX, 0.45
@@ -223,23 +176,15 @@ def draw_legend(image: Image, view: View, scale: ArrowScale = LEARNED_SHEAR) -> 
     return drawn
 
 
-def _arrow(tail: Floats, step: Floats, scale: ArrowScale) -> Floats:
-    """Return tail and tip as shares of the view's side."""
-    return np.stack([tail, tail + np.asarray(step) * scale.unit_px / IMAGE_SIDE])
-
-
 def _draw_arrow(image: Image, ends: Floats) -> None:
     tail, tip = (tuple(int(v) for v in np.rint(end)) for end in ends)
     cv2.arrowedLine(image, tail, tip, ARROW_COLOUR, ARROW_THICKNESS, cv2.LINE_AA, tipLength=0.3)
 
 
 def draw_depth(depth_mm: Floats, size: tuple[int, int], deepest_mm: float) -> Image:
-    """Return an indentation as colours, dark where the gel is at rest.
+    """Return an indentation of the whole image, (gh, gw), as colours in `size` rows and columns.
 
-    Args:
-        depth_mm: Shape (gh, gw), over the whole image.
-        size: Rows and columns of the picture.
-        deepest_mm: What is drawn brightest.
+    It is dark where the gel is at rest, and brightest at `deepest_mm`.
     """
     share = np.clip(depth_mm / max(float(deepest_mm), 1e-6), 0, 1)
     shades = cv2.applyColorMap(np.rint(255 * share).astype(np.uint8), cv2.COLORMAP_VIRIDIS)
@@ -248,13 +193,7 @@ def draw_depth(depth_mm: Floats, size: tuple[int, int], deepest_mm: float) -> Im
 
 
 def in_image(grid: Floats, view: View, size: tuple[int, int]) -> Floats:
-    """Return a grid's values at the pixels of the whole image; zero outside of the view.
-
-    Args:
-        grid: Shape (gh, gw).
-        view: The square the grid covers.
-        size: Rows and columns of the image.
-    """
+    """Return a grid's values at the pixels of the whole image; zero outside of the view."""
     gh, gw = grid.shape
     origin, far = _grid_points(view, size, np.array([[0, 0], [1, 1]], np.float32))
     cell = (far - origin) / (gw, gh)

@@ -1,4 +1,4 @@
-"""Parts of a long run done by processes of this machine, one thread each; knows nothing of them."""
+"""Parts of a long run done by processes of this machine, one thread each."""
 
 from __future__ import annotations
 
@@ -17,28 +17,23 @@ from typing import TypeVar
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.process import children_without_interrupts, one_thread_in_children
 
-Part, Done = TypeVar("Part"), TypeVar("Done")
+Part, Result = TypeVar("Part"), TypeVar("Result")
+Hire = Callable[[int], list[ProcessPoolExecutor]]
+"""Starts so many workers."""
 
 
-def each_done(
-    work: Callable[[Part], Done],
+def map_by_processes(
+    work: Callable[[Part], Result],
     parts: Sequence[Part],
     workers: int,
-    lost: Callable[[Part], Done] | None = None,
+    lost: Callable[[Part], Result] | None,
     *,
-    is_here: bool = True,
-) -> Iterator[Done]:
-    """Yield what `work` returns of every part, in the order in which they are done.
+    is_here: bool,
+) -> Iterator[tuple[Part, Result]]:
+    """Yield each part with what `work` returns of it; arguments as of `Workers.map`.
 
     A part whose process was ended is done last, with no other beside it: what the system ends for
     want of memory need not be what took it.
-
-    Args:
-        work: A function of a module: processes import it.
-        parts: What is to be done, each independent of the others.
-        workers: Processes.
-        lost: As of `Workers.each_done`.
-        is_here: Whether this process works in place of a single one.
 
     Raises:
         GeoTLMError: If a part ended its worker twice and nothing stands for it, or if no worker
@@ -46,59 +41,56 @@ def each_done(
     """
     if not parts or (is_here and min(workers, len(parts)) <= 1):
         for part in parts:
-            with _one_thread():
-                done = work(part)
-            yield done
+            with threads(1):
+                result = work(part)
+            yield part, result
         return
     suspects: list[Part] = []
     with _hiring() as hire:
-        yield from _by_many(work, parts, hire(min(workers, len(parts))), hire, suspects)
+        yield from _map_by_many(work, parts, hire(min(workers, len(parts))), hire, suspects)
     for part in suspects:
         with _hiring() as hire:
             future = hire(1)[0].submit(work, part)
-            ended = isinstance(future.exception(), BrokenProcessPool)
-            if ended and lost is None:
+            is_lost = isinstance(future.exception(), BrokenProcessPool)
+            if is_lost and lost is None:
                 raise GeoTLMError(
                     "A worker was ended from outside, most likely for want of memory; run this "
                     "again with fewer workers, what was finished is kept."
                 )
-            yield lost(part) if ended else future.result()
+            yield part, lost(part) if is_lost else future.result()
 
 
-Hire = Callable[[int], list[ProcessPoolExecutor]]
-
-
-def _by_many(
-    work: Callable[[Part], Done],
+def _map_by_many(
+    work: Callable[[Part], Result],
     parts: Sequence[Part],
-    free: list[ProcessPoolExecutor],
+    idle: list[ProcessPoolExecutor],
     hire: Hire,
     suspects: list[Part],
-) -> Iterator[Done]:
+) -> Iterator[tuple[Part, Result]]:
     """Yield what workers return, each of one part at a time; add parts that ended theirs."""
     waiting = deque(parts)
-    doing: dict[Future[Done], tuple[ProcessPoolExecutor, Part]] = {}
+    busy: dict[Future[Result], tuple[ProcessPoolExecutor, Part]] = {}
 
-    def give() -> None:
-        while waiting and free:
-            worker = free.pop()
+    def submit() -> None:
+        while waiting and idle:
+            worker = idle.pop()
             try:
-                doing[worker.submit(work, waiting[0])] = worker, waiting[0]
+                busy[worker.submit(work, waiting[0])] = worker, waiting[0]
                 waiting.popleft()
             except BrokenProcessPool:  # ended while it had nothing to do
-                free.extend(hire(1))
+                idle.extend(hire(1))
 
-    give()
-    while doing:
-        future = wait(doing, return_when=FIRST_COMPLETED).done.pop()
-        worker, part = doing.pop(future)
-        ended = isinstance(future.exception(), BrokenProcessPool)
-        if ended:
+    submit()
+    while busy:
+        future = wait(busy, return_when=FIRST_COMPLETED).done.pop()
+        worker, part = busy.pop(future)
+        has_ended = isinstance(future.exception(), BrokenProcessPool)
+        if has_ended:
             suspects.append(part)
-        free += [worker] if not ended else hire(1) if waiting else []
-        give()  # before others see what is done: a worker need not wait for them
-        if not ended:
-            yield future.result()
+        idle += [worker] if not has_ended else hire(1) if waiting else []
+        submit()  # before the caller sees the result: a worker need not wait for it
+        if not has_ended:
+            yield part, future.result()
 
 
 @contextmanager
@@ -140,14 +132,14 @@ def _hiring() -> Iterator[Hire]:
 
 
 @contextmanager
-def _one_thread() -> Iterator[None]:
-    """Work on one thread inside, as workers do: how many there are decides a sum's last bits."""
+def threads(count: int) -> Iterator[None]:
+    """Let torch and OpenCV use `count` threads each inside: it decides a sum's last bits."""
     import cv2
     import torch
 
     before = torch.get_num_threads(), cv2.getNumThreads()
-    torch.set_num_threads(1)
-    cv2.setNumThreads(1)
+    torch.set_num_threads(count)
+    cv2.setNumThreads(count)
     try:
         yield
     finally:
@@ -159,14 +151,11 @@ def _prepare_worker() -> None:
     import cv2
     import torch
 
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    def end_with_parent() -> None:
+        # A worker whose parent was killed would wait for its next part for ever.
+        multiprocessing.parent_process().join()
+        os._exit(1)
+
+    threading.Thread(target=end_with_parent, daemon=True).start()
     torch.set_num_threads(1)
     cv2.setNumThreads(1)
-
-
-def _end_with_parent() -> None:
-    # A worker whose parent was killed would wait for its next part for ever.
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)

@@ -1,9 +1,8 @@
 """Parts of a long run done by a Ray cluster, one thread each; knows nothing of them.
 
 A Ray Data pipeline carries the parts, which are paths and numbers, to a pool of actors and carries
-back what the work returns. Ray's own checkpoints are left alone: they know of rows that Ray wrote,
-where our work writes a file for each part; so a run that was begun on one machine can be finished
-on a cluster, and the other way round.
+back what the work returns. Ray's own checkpoints are not used: they know of rows that Ray wrote,
+where our work writes a file for each part.
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ import logging
 import os
 import pickle
 import signal
+import socket
 import threading
 import traceback
 from collections.abc import Callable, Iterator, Sequence
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-Part, Done = TypeVar("Part"), TypeVar("Done")
+Part, Result = TypeVar("Part"), TypeVar("Result")
 
 LOCAL = "local"
 
@@ -41,21 +41,14 @@ LOCAL_STORE_BYTES = 128 * 2**20
 """Memory that a cluster started here shares: only paths travel through it."""
 
 
-def each_done_on(
+def map_by_cluster(
     address: str,
-    work: Callable[[Part], Done],
+    work: Callable[[Part], Result],
     parts: Sequence[Part],
     workers: int | None,
     seen: Sequence[Path] = (),
-) -> Iterator[Done]:
-    """Yield what `work` returns of every part, in the order in which they are done.
-
-    Args:
-        address: Of the cluster; "local" starts one on this machine for the time of the run.
-        work: As of `Workers.each_done`.
-        parts: What is to be done; machines that do it see the same files by the same names.
-        workers: Actors, at most; None takes one for each of the cluster's CPUs.
-        seen: As of `Workers.each_done`.
+) -> Iterator[tuple[Part, Result]]:
+    """Yield each part with what `work` returns of it; arguments as of `Workers.map`.
 
     Raises:
         UsageError: If the cluster cannot be reached, or its machines do not see this folder or
@@ -66,36 +59,29 @@ def each_done_on(
     with _connected(address, workers):
         import ray
 
-        count = workers or max(1, int(ray.cluster_resources().get("CPU", 1)))
-        rows = iter(_pipeline(work, parts, min(count, len(parts)), seen).iter_rows())
+        count = min(workers or max(1, int(ray.cluster_resources().get("CPU", 1))), len(parts))
+        rows = [{"part": pickle.dumps(part)} for part in parts]
+        pipeline = ray.data.from_items(
+            rows, override_num_blocks=min(len(parts), MOST_BLOCKS)
+        ).map_batches(
+            _Worker,
+            fn_constructor_args=(work, os.getcwd(), __version__, seen),
+            batch_size=1,
+            batch_format="numpy",
+            num_cpus=CPUS_PER_ACTOR,
+            # A pool that grows: where a machine is lost, or joins, work goes on with what is there.
+            compute=ray.data.ActorPoolStrategy(min_size=1, max_size=count, initial_size=count),
+            runtime_env={"env_vars": dict.fromkeys(THREAD_VARIABLES, "1")},
+        )
+        done = iter(pipeline.iter_rows())
         try:
-            for row in rows:
-                done, error = pickle.loads(row["done"])
+            for row in done:
+                part, result, error = pickle.loads(row["done"])
                 if error is not None:
                     raise error
-                yield done
+                yield part, result
         finally:
-            rows.close()  # ends the actors at once where the caller stops
-
-
-def _pipeline(
-    work: Callable[[Any], Any], parts: Sequence[Any], actors: int, seen: Sequence[Path]
-) -> Any:
-    """Return the Ray data set that holds what is done of each part, once it is asked for."""
-    import ray
-
-    rows = [{"part": pickle.dumps(part)} for part in parts]
-    blocks = min(len(parts), MOST_BLOCKS)
-    return ray.data.from_items(rows, override_num_blocks=blocks).map_batches(
-        _Worker,
-        fn_constructor_args=(work, os.getcwd(), __version__, seen),
-        batch_size=1,
-        batch_format="numpy",
-        num_cpus=CPUS_PER_ACTOR,
-        # A pool that grows: where a machine is lost, or joins, work goes on with those there are.
-        compute=ray.data.ActorPoolStrategy(min_size=1, max_size=actors, initial_size=actors),
-        runtime_env={"env_vars": dict.fromkeys(THREAD_VARIABLES, "1")},
-    )
+            done.close()  # ends the actors at once where the caller stops
 
 
 class _Worker:
@@ -116,44 +102,39 @@ class _Worker:
 
         done = np.empty(len(batch["part"]), object)
         for number, part in enumerate(batch["part"]):
-            done[number] = self._done(part)
+            done[number] = self._done(pickle.loads(part))
         return {"done": done}
 
-    def _done(self, part: bytes) -> bytes:
+    def _done(self, part: Any) -> bytes:
         try:
             self._stand_where_the_command_does()
-            return pickle.dumps((self.work(pickle.loads(part)), None))
+            return pickle.dumps((part, self.work(part), None))
         except Exception as error:
             error.add_note(traceback.format_exc())
-            return pickle.dumps((None, error))
+            return pickle.dumps((part, None, error))
 
     def _stand_where_the_command_does(self) -> None:
         """Let relative paths mean here what they mean where the command was typed."""
+        here = socket.gethostname()
         if __version__ != self.version:
             raise UsageError(
-                f"{_machine()}: has geotlm-lm {__version__}, expected {self.version} as where the "
+                f"{here}: has geotlm-lm {__version__}, expected {self.version} as where the "
                 f"command runs; install that."
             )
         try:
             os.chdir(self.folder)
         except OSError as error:
             raise UsageError(
-                f"{_machine()}: has no folder {self.folder}, expected what the command sees; run "
+                f"{here}: has no folder {self.folder}, expected what the command sees; run "
                 f"it in a folder that all machines of the cluster share."
             ) from error
         # A machine of its own files would write where nobody looks, or miss what it is to read.
         missing = next((path for path in self.seen if not path.exists()), None)
         if missing is not None:
             raise UsageError(
-                f"{_machine()}: has no {missing.absolute()}, expected what the command sees; keep "
+                f"{here}: has no {missing.absolute()}, expected what the command sees; keep "
                 f"what is read and written in a folder that all machines of the cluster share."
             )
-
-
-def _machine() -> str:
-    import socket
-
-    return socket.gethostname()
 
 
 @contextmanager
@@ -162,6 +143,7 @@ def _connected(address: str, workers: int | None) -> Iterator[None]:
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # a cluster started here reports nothing
     os.environ.setdefault("RAY_BACKEND_LOG_LEVEL", "fatal")  # else warnings of Ray about Ray Data
     import ray
+    import ray.data
 
     is_own = not ray.is_initialized()
     if is_own:
@@ -181,7 +163,10 @@ def _connected(address: str, workers: int | None) -> Iterator[None]:
                 f"where `ray start` began it."
             ) from error
     try:
-        _keep_quiet()
+        # Ray Data draws no bars and tells no plans: the command tells how far it is.
+        context = ray.data.DataContext.get_current()
+        context.enable_progress_bars = context.print_on_execution_start = False
+        logging.getLogger("ray.data").setLevel(logging.ERROR)
         yield
     except ray.exceptions.RayError as error:
         raise GeoTLMError(
@@ -202,13 +187,3 @@ def _own_end_kept() -> Iterator[None]:
     finally:
         if threading.current_thread() is threading.main_thread():
             signal.signal(signal.SIGTERM, before or signal.SIG_DFL)  # None: set outside Python
-
-
-def _keep_quiet() -> None:
-    """Let Ray Data draw no bars and tell no plans: the command tells how far it is."""
-    import ray.data
-
-    context = ray.data.DataContext.get_current()
-    context.enable_progress_bars = False
-    context.print_on_execution_start = False
-    logging.getLogger("ray.data").setLevel(logging.ERROR)
