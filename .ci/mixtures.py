@@ -21,7 +21,7 @@ from geotlm_lm.core.twist import Component
 from geotlm_lm.data.labelled_recordings import find_labelled_recordings
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
-from geotlm_lm.simulation.series import simulate_series
+from geotlm_lm.simulation.simulate import simulate_series
 
 CLIPS, SEED = 1000, 2611
 SHARES = (5, 25, 50, 75, 95)

@@ -41,8 +41,8 @@ from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.query.amounts import Measure, measure
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
-from geotlm_lm.simulation.label import components_of, twist_of
-from geotlm_lm.simulation.series import simulate_series
+from geotlm_lm.simulation.simulate import simulate_series
+from geotlm_lm.simulation.truth import components_of, twist_of
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded

@@ -101,7 +101,7 @@ def simulated_clips(
     `left_out["unreadable_left_out"]` counts those whose images do not show the motion.
     """
     from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
-    from geotlm_lm.simulation.series import simulate_series
+    from geotlm_lm.simulation.simulate import simulate_series
 
     yielded = 0
     root, most = seed_for(seed, "evaluation", task), MOST_TRIES * count

@@ -17,7 +17,7 @@ from geotlm_lm.benchmarks.judging import milliseconds
 from geotlm_lm.benchmarks.pareto import Way, differences, in_turn, moving, runtime_clip, solved
 from geotlm_lm.benchmarks.rendering import number
 from geotlm_lm.benchmarks.variants import QUESTION
-from geotlm_lm.simulation.presets import PRESETS, Preset
+from geotlm_lm.simulation.contact import PRESETS, Preset
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Scene
 

@@ -59,10 +59,9 @@ from geotlm_lm.core.process import THREAD_VARIABLES
 from geotlm_lm.motion.measured import measured
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
-from geotlm_lm.simulation.contact import dome_mm
-from geotlm_lm.simulation.idle import idle_frame
+from geotlm_lm.simulation.camera import idle_frame
+from geotlm_lm.simulation.contact import PRESETS, Preset, dome_mm
 from geotlm_lm.simulation.optics import lit
-from geotlm_lm.simulation.presets import PRESETS, Preset
 from geotlm_lm.simulation.profile import Profile, build_profile
 from geotlm_lm.simulation.scene import Body, Gel, Scene
 from geotlm_lm.simulation.scene import Path as BodyPath

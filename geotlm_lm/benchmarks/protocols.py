@@ -37,8 +37,7 @@ from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.runs.processes import threads
 from geotlm_lm.runs.run import ALONE, Workers
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
-from geotlm_lm.simulation.series import simulate_series
-from geotlm_lm.simulation.simulate import SimulatedClip
+from geotlm_lm.simulation.simulate import SimulatedClip, simulate_series
 from geotlm_lm.training.folds import (
     Fold,
     Recipe,

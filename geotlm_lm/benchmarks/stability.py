@@ -30,8 +30,7 @@ from geotlm_lm.core.geometry import GRID_SIDE, REGIONS
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
 from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.dgr.regions import MASS_FLOOR, pool_regions, region_mass
-from geotlm_lm.simulation.contact import solve_contact
-from geotlm_lm.simulation.presets import preset_named
+from geotlm_lm.simulation.contact import preset_named, solve_contact
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Body, Gel, Scene
 from geotlm_lm.simulation.scene import Path as BodyPath

@@ -340,9 +340,3 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
 def missing(metavar: str) -> UsageError:
     """Return the error of a call without one of its arguments."""
     return UsageError(f"Missing argument '{metavar}'; see `geotlm-lm --help`.")
-
-
-def given_of(group: Any) -> dict[str, Any]:
-    """Return which options of a group were given, by their names on the command line."""
-    values = {f"--{name.replace('_', '-')}": value for name, value in vars(group).items()}
-    return {name: value for name, value in values.items() if value is not None}

@@ -26,7 +26,8 @@ from geotlm_lm.cli.info import doctor, info
 from geotlm_lm.cli.label import label
 from geotlm_lm.cli.manifest import manifest
 from geotlm_lm.cli.options import path_option
-from geotlm_lm.cli.simulate import simulate
+from geotlm_lm.cli.simulate import ForwardsClip, simulate
+from geotlm_lm.cli.simulate_clip import simulate_clip
 from geotlm_lm.cli.track import INTERRUPTED, track
 from geotlm_lm.cli.train import train
 from geotlm_lm.cli.watch import watch
@@ -53,8 +54,10 @@ UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 ParseError = typer.BadParameter.__base__
 """What the option parser raises on unknown or missing options; typer names no public alias."""
 
-for command in (answer, batch, chat, doctor, info, label, manifest, simulate, track, train, watch):
+for command in (answer, batch, chat, doctor, info, label, manifest, track, train, watch):
     app.command()(command)
+app.command(cls=ForwardsClip)(simulate)
+app.command()(simulate_clip)
 app.command(epilog="Example: geotlm-lm evaluate --clips 40 --out mine.json")(evaluate)
 app.add_typer(bench, name="bench")
 

@@ -14,7 +14,7 @@ from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
-from geotlm_lm.simulation.series import SERIES_VERSION
+from geotlm_lm.simulation.simulate import SERIES_VERSION
 from geotlm_lm.training.examples import DAMAGED_SHARE, EXAMPLES_VERSION, VARIED, ExampleSet
 
 PRETRAINING_VERSION = 5

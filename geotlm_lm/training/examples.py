@@ -129,7 +129,7 @@ class ExampleSet:
 
     def simulated(self, stage_seed: int, first_index: int, count: int) -> Iterator[SimulatedClip]:
         """Yield clips `first_index` .. of the set, each simulated when it is asked for."""
-        from geotlm_lm.simulation.series import simulate_series
+        from geotlm_lm.simulation.simulate import simulate_series
 
         return simulate_series(
             stage_seed,

@@ -18,7 +18,7 @@ from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.numbers import log_uniform
 from geotlm_lm.recordings.idle import estimate_background
 from geotlm_lm.recordings.pixels import drifted, faded, gained, jpeg
-from geotlm_lm.simulation.trace import READABLE_GREY
+from geotlm_lm.simulation.truth import READABLE_GREY
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.view import View

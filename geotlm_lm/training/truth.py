@@ -11,7 +11,7 @@ from torch import Tensor
 
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
-from geotlm_lm.simulation.label import components_of, twist_of
+from geotlm_lm.simulation.truth import components_of, twist_of
 from geotlm_lm.training.ranks import ALONE, Ranks
 
 MOTION_FLOOR_PX = 1.0

@@ -34,7 +34,7 @@ from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLab
 from geotlm_lm.data.tactile_tracking import TactileTracking
 from geotlm_lm.data.touch_table import TouchRow
 from geotlm_lm.probe.rigid_flow import RigidFlow
-from geotlm_lm.simulation import series
+from geotlm_lm.simulation import simulate
 from tests.data.action_clips import write_actions
 from tests.data.test_tactile_tracking import steady_turn
 from tests.data.tracked_trials import path_of, write_trial
@@ -49,7 +49,7 @@ def test_unreadable_clips_are_replaced_and_counted(monkeypatch):
                 object_name=f"object {number % 4}",
             )
 
-    monkeypatch.setattr(series, "simulate_series", every_third_unreadable)
+    monkeypatch.setattr(simulate, "simulate_series", every_third_unreadable)
     left_out = Counter()
     assert len(list(simulated_cases("rotation", 20, 0, left_out))) == 20
     # Of the numbers 0..28 every third is unreadable: 2, 5, ..., 26.

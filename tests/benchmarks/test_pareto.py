@@ -33,7 +33,7 @@ from geotlm_lm.benchmarks.pareto import (
 from geotlm_lm.benchmarks.rendering import tables
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import ROTATIONS, Motion
-from geotlm_lm.simulation.presets import PRESETS
+from geotlm_lm.simulation.contact import PRESETS
 
 
 def known(motion):

@@ -28,7 +28,7 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import ROTATIONS, Motion
 from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.core.process import silent
-from geotlm_lm.simulation.series import simulate_series
+from geotlm_lm.simulation.simulate import simulate_series
 from geotlm_lm.training.folds import Fold
 from tests.backbone.small_files import write_small
 from tests.benchmarks.fakes import PlainBackbone

@@ -52,29 +52,13 @@ WRONG_CALLS = {
         ["info", "clip.npy", "--frames", "5"],
         "--frames '5' was given, expected FIRST:LAST such as 40:60.\n",
     ),
-    "two kinds of output": (
-        ["simulate", "--clip", "a.npz", "--out", "b"],
-        "Give one of --out (a data set) and --clip (a single clip).\n",
-    ),
-    "a motion for a data set": (
-        ["simulate", "--out", "b", "--motion", "left", "--object", "key"],
-        "--motion and --object cannot go with --out; leave out one of them.\n",
-    ),
-    "a count for one clip": (
-        ["simulate", "--clip", "a.npz", "--count", "5"],
-        "--count cannot go with --clip; leave out one of them.\n",
-    ),
-    "a data set that is forced": (
-        ["simulate", "--out", "b", "--force"],
-        "--force cannot go with --out; leave out one of them.\n",
-    ),
     "no film to force": (
         ["watch", "a.npz", "--force"],
         "--force lets --out and other options replace files; give one of them, or leave it out.\n",
     ),
     "a clip that is no archive": (
-        ["simulate", "--clip", "a.npy"],
-        "--clip a.npy was given, expected a name that ends in .npz.\n",
+        ["simulate-clip", "a.npy"],
+        "OUT a.npy was given, expected a name that ends in .npz.\n",
     ),
 }
 
@@ -126,7 +110,6 @@ def _commands(group):
 
 
 OUTPUTS = {
-    "a clip": ["simulate", "--clip", "{file}/a.npz"],
     "a data set": ["simulate", "--out", "{file}"],
     "a record": ["evaluate", "--out", "{file}/a.json"],
     "a bundle": ["train", "--out", "{file}"],
@@ -154,7 +137,7 @@ def test_a_folder_that_cannot_be_made_is_told_before_any_work(capsys, tmp_path, 
     assert err.startswith(f"--out: nothing can be written in the folder {tmp_path / name} (")
 
 
-@pytest.mark.parametrize("command", ["simulate --clip", "evaluate --out"])
+@pytest.mark.parametrize("command", ["evaluate --out"])
 def test_a_folder_is_no_name_of_a_file(capsys, tmp_path, command):
     folder = tmp_path / "a.npz"
     folder.mkdir()
@@ -170,8 +153,8 @@ def test_a_folder_is_no_name_of_a_file(capsys, tmp_path, command):
     "words",
     [
         "info clip.npy --fps fast",
-        "simulate --clip a.npz --seed -1",
-        "simulate --clip a.npz --motion spin",
+        "simulate-clip a.npz --seed -1",
+        "simulate-clip a.npz --motion spin",
         "evaluate --seed -1",
     ],
 )

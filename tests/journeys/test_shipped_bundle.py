@@ -26,7 +26,6 @@ from geotlm_lm.backbone.relief import Lights
 from geotlm_lm.backbone.stem import MAGNIFICATION_AT, measure_clip
 from geotlm_lm.benchmarks.cases import turned_by_quarter
 from geotlm_lm.checkpoint import embedded_bundle_dir
-from geotlm_lm.cli.simulate_clip import simulate_one
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FLOW_SCALE_PX, PATCH_SIDE
 from geotlm_lm.core.labels import (
@@ -43,6 +42,7 @@ from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.simulate import simulate
+from geotlm_lm.simulation.touch import simulate_motion
 from geotlm_lm.training.recording_forms import truth_in_view
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -130,7 +130,7 @@ def test_the_example_clips_are_answered_right(answerer, name, motion):
 
 def test_a_cap_that_travels_while_it_turns_is_told_as_turning(answerer):
     """Its axis lies beside it, and it goes 0.26 mm down: both are told, each where it is asked."""
-    clip = simulate_one("bottle_cap", Motion.CLOCKWISE, 0).clip
+    clip = simulate_motion("bottle_cap", Motion.CLOCKWISE, seed=0).clip
     assert direction(answerer, clip, Motion.CLOCKWISE) is Motion.CLOCKWISE
     assert direction(answerer, clip, Motion.DOWN) is Motion.DOWN
 

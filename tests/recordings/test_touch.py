@@ -7,7 +7,7 @@ import pytest
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.recordings.touch import FAINT_GREY, UNTOUCHED_GREY, change_from_idle, change_map
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
-from geotlm_lm.simulation.series import simulate_series
+from geotlm_lm.simulation.simulate import simulate_series
 
 IDLE = np.full((240, 320, 3), 110, np.uint8)
 

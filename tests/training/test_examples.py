@@ -12,7 +12,7 @@ from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.simulate import simulate
-from geotlm_lm.simulation.trace import READABLE_GREY
+from geotlm_lm.simulation.truth import READABLE_GREY
 from geotlm_lm.training import examples, recording_forms
 from geotlm_lm.training.examples import (
     ExampleSet,

@@ -16,7 +16,7 @@ from geotlm_lm.core.twist import (
     Component,
     Twist,
 )
-from geotlm_lm.simulation.trace import READABLE_GREY
+from geotlm_lm.simulation.truth import READABLE_GREY
 from geotlm_lm.training.truth import (
     MOTION_FLOOR_PX,
     MOTION_SHARPNESS,

@@ -1,7 +1,12 @@
-"""The untouched gel as the camera sees it: smooth coloured light, specks, fixed pattern."""
+"""What a camera records: the untouched gel's light, noise, and what storing frames loses.
+
+An idle frame is smooth coloured light, specks and a fixed pattern. Noise of unit strength, a
+camera's or a video codec's, is cropped from large banks. Everything random comes from generators.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 
 import cv2
@@ -10,8 +15,9 @@ import torch
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
-from geotlm_lm.simulation.noise import unit_noise
-from geotlm_lm.simulation.scene import Mounting
+from geotlm_lm.simulation.scene import CENTRED, Mounting, Optics
+
+Planar = NDArray[np.float32]
 
 MEASURED_IDLE = np.array(
     [
@@ -88,24 +94,49 @@ DARK_SHARE = 0.75
 _SPECK_REACH_PX = 16
 """Farthest a speck changes the image from its middle: its radius and the reach of its blur."""
 
+BANK_PIXELS = 1024**2
+"""Numbers in the bank, in one line; a crop begins at one of 998,400 places and lies in one piece:
+a window of a square bank, a page of memory per row, takes two and a half times as long to read."""
 
-def idle_frame(seed: int, mounting: Mounting | None = None) -> NDArray[np.float32]:
+BANK_SEED = 20260101
+
+CODED_ROWS = 1200
+"""Rows of the codec's bank, as wide as an image; its crops begin at one of 218,624 places."""
+
+CODED_BLUR_PX = 1.7
+"""Blotches of a codec's noise, standard deviation of a Gaussian: neighbours correlate to 0.92, and
+to the measured 0.56 once only what exceeds half a grey level is left."""
+
+CODED_SHARED = 0.87
+"""Share of that noise's variance that all channels have in common; the measured correlation of R
+and B is 0.48 once rounded."""
+
+BACKGROUND_NOISE = 0.45
+"""Noise of an idle frame averaged over about five frames, relative to one frame's."""
+
+WHOLE_EVERY = 12
+"""Frames of a video from one stored whole to the next (measured on MPEG-4 recordings)."""
+
+DRIFT_LIMIT_GREY = 1.0
+"""Largest change of white balance between frames, per channel."""
+
+
+def idle_frame(seed: int, mounting: Mounting = CENTRED) -> Planar:
     """Return an idle frame, float32 planar (3, 224, 224) RGB grey levels, without temporal noise.
 
     Randomly changed measured levels, a polynomial of degree 4 per axis, and a random field of
     degrees 5 to 8; never mirrored, since which colour lights which side tells directions apart.
-
-    Args:
-        seed: Chooses everything random about the frame.
-        mounting: How the lit pad lies under the camera.
     """
     rng = np.random.default_rng(seed)
     gain = np.array([rng.uniform(*span) for span in CHANNEL_GAIN])[:, None, None]
     offset = np.array([rng.uniform(*span) for span in OFFSET_GREY])[:, None, None]
-    table = MEASURED_IDLE * gain + offset
-    table = table * np.exp(_smooth_change(rng))
+    change = rng.normal(0, SMOOTH_CHANGE, (3, 5))
+    change[:, :2] += np.transpose(USUAL_TILT)
+    table = (MEASURED_IDLE * gain + offset) * np.exp(
+        np.einsum("ck,kij->cij", change, _CHANGE_TERMS)
+    )
     crop = rng.uniform(*CROP)
-    nodes = _lit_at_nodes(table, mounting or Mounting(), crop) + _finer_field(rng)
+    nodes = _lit_at_nodes(table, mounting, crop) + _finer_field(rng)
     nodes *= 1 - rng.uniform(*VIGNETTE) * _VIGNETTE
     frame = _at_pixels(nodes)
     frame *= _specks(rng)
@@ -115,9 +146,7 @@ def idle_frame(seed: int, mounting: Mounting | None = None) -> NDArray[np.float3
     return np.clip(frame, 2, 250, out=frame)
 
 
-def _lit_at_nodes(
-    table: NDArray[np.float64], mounting: Mounting, crop: float
-) -> NDArray[np.float64]:
+def _lit_at_nodes(table, mounting: Mounting, crop: float) -> NDArray[np.float64]:
     """Return the lit field where the field's nodes see the pad, (3, 13, 13)."""
     half_x, half_y = _HALF_VIEW_MM
     x = _FIELD_NODES[None, :] * half_x * crop - mounting.x_mm
@@ -152,13 +181,13 @@ def _finer_terms() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return bands[0], bands[1]
 
 
-def _at_pixels(nodes: NDArray[np.float64]) -> NDArray[np.float32]:
+def _at_pixels(nodes: NDArray[np.float64]) -> Planar:
     """Return the images (3, 224, 224) of fields at the nodes."""
     upsample = _upsample()
     # One matrix at a time: a batch of small products costs twice as much.
     frame = torch.empty(len(nodes), IMAGE_SIDE, IMAGE_SIDE)
-    for one, out in zip(torch.from_numpy(nodes.astype(np.float32)), frame, strict=True):
-        torch.mm(upsample @ one, upsample.T, out=out)
+    for field, out in zip(torch.from_numpy(nodes.astype(np.float32)), frame, strict=True):
+        torch.mm(upsample @ field, upsample.T, out=out)
     return frame.numpy()
 
 
@@ -171,14 +200,7 @@ def _upsample() -> torch.Tensor:
     return torch.from_numpy(weights.astype(np.float32))
 
 
-def _smooth_change(rng: np.random.Generator) -> NDArray[np.float64]:
-    """Return a random quadratic per channel on the table's points, (3, 5, 5)."""
-    sizes = rng.normal(0, SMOOTH_CHANGE, (3, 5))
-    sizes[:, :2] += np.transpose(USUAL_TILT)
-    return np.einsum("ck,kij->cij", sizes, _CHANGE_TERMS)
-
-
-def _specks(rng: np.random.Generator) -> NDArray[np.float32]:
+def _specks(rng: np.random.Generator) -> Planar:
     """Return the factor of 0 to 6 dark or bright specks: dust, bubbles, scratches in the paint."""
     factor = np.ones((IMAGE_SIDE, IMAGE_SIDE), np.float32)
     for _ in range(int(rng.integers(0, 7))):
@@ -194,3 +216,112 @@ def _specks(rng: np.random.Generator) -> NDArray[np.float32]:
         cv2.ellipse(spot, (column - left, row - top), radii, angle, 0, 360, strength, -1)
         around += cv2.GaussianBlur(spot, (0, 0), float(rng.uniform(0.5, 1.2)))
     return cv2.max(factor, 0.2, dst=factor)
+
+
+def unit_noise(rng: np.random.Generator) -> Planar:
+    """Return white noise of standard deviation 1, float32 (224, 224), read-only."""
+    return _crop(_bank(), rng)[0]
+
+
+def coded_noise(rng: np.random.Generator) -> Planar:
+    """Return noise as a video codec leaves it, float32 (3, 224, 224), read-only.
+
+    Standard deviation 1; neighbouring pixels and the channels are alike.
+    """
+    return _crop(_coded_bank(), rng)
+
+
+def _crop(bank: Planar, rng: np.random.Generator) -> Planar:
+    """Return images (planes, 224, 224) from a random place of a bank of lines (planes, numbers)."""
+    start = int(rng.integers(bank.shape[1] - IMAGE_SIDE**2))
+    return bank[:, start : start + IMAGE_SIDE**2].reshape(-1, IMAGE_SIDE, IMAGE_SIDE)
+
+
+@cache
+def _coded_bank() -> Planar:
+    rng = np.random.default_rng(BANK_SEED + 1)
+    white = rng.standard_normal((4, CODED_ROWS, IMAGE_SIDE), dtype=np.float32)
+    soft = np.stack([_blurred_along(plane) for plane in white])
+    soft /= soft.std(axis=1, keepdims=True)
+    bank = np.sqrt(CODED_SHARED) * soft[:1] + np.sqrt(1 - CODED_SHARED) * soft[1:]
+    bank = bank.astype(np.float32)
+    bank.setflags(write=False)
+    return bank
+
+
+def _blurred_along(plane: Planar) -> Planar:
+    """Return the blurred rows in one line; a row goes on in the next: an image begins anywhere."""
+    sigma = {"sigmaX": CODED_BLUR_PX, "sigmaY": CODED_BLUR_PX}
+    columns = cv2.GaussianBlur(plane, (1, 0), **sigma)
+    return cv2.GaussianBlur(columns.reshape(1, -1), (0, 1), **sigma)[0]
+
+
+@cache
+def _bank() -> Planar:
+    bank = np.random.default_rng(BANK_SEED).standard_normal((1, BANK_PIXELS), dtype=np.float32)
+    bank.setflags(write=False)
+    return bank
+
+
+class Recorder:
+    """Records the frames of one clip in order; everything random comes from one generator."""
+
+    def __init__(self, optics: Optics, rng: np.random.Generator) -> None:
+        self.optics, self.rng = optics, rng
+        self._still: Planar | None = None
+
+    def background(self, idle: Planar) -> NDArray[np.uint8]:
+        """Return the idle frame as recorded before the touch; averaging wears its noise down."""
+        if self.optics.video is None:
+            return recorded(idle, self.optics, self.rng, noise_share=BACKGROUND_NOISE)
+        # Noise that stands still does not average out.
+        return recorded(idle, self.optics, self.rng, still=coded_noise(self.rng))
+
+    def next(self, frame: Planar) -> NDArray[np.uint8]:
+        """Return the clip's next frame as recorded, uint8 (224, 224, 3)."""
+        optics, rng = self.optics, self.rng
+        drift = rng.normal(0, optics.drift_grey, 3).clip(-DRIFT_LIMIT_GREY, DRIFT_LIMIT_GREY)
+        video = optics.video
+        if video is not None:
+            is_whole = rng.random() < video.frames_apart / WHOLE_EVERY
+            if is_whole or self._still is None:
+                self._still = coded_noise(rng)
+        return recorded(frame, optics, rng, drift_grey=drift, still=self._still)
+
+
+def recorded(
+    frame: Planar,
+    optics: Optics,
+    rng: np.random.Generator,
+    *,
+    noise_share: float = 1.0,
+    drift_grey: Sequence[float] = (0.0, 0.0, 0.0),
+    still: Planar | None = None,
+) -> NDArray[np.uint8]:
+    """Return what the recording holds of a planar frame: 8 bit, perhaps lossy; (224, 224, 3) RGB.
+
+    The noise is `noise_share` of one frame's. In a video, `still` is planar noise of unit strength
+    that the last frame stored whole has left.
+    """
+    video = optics.video
+    sigmas = optics.noise_grey if video is None else video.predicted_grey
+    fresh = None if video is None else coded_noise(rng)
+    planes = []
+    for channel in range(3):
+        noise, sign = (
+            (unit_noise(rng), rng.random() < 0.5) if fresh is None else (fresh[channel], 1)
+        )
+        share, level = noise_share * sigmas[channel], float(drift_grey[channel])
+        share = share if sign else -share
+        plane = frame[channel]
+        if video is not None and still is not None:
+            plane = cv2.addWeighted(still[channel], video.whole_grey[channel], plane, 1.0, 0.0)
+            # A block that changes too little is copied: whole grey levels are added to whole ones.
+            np.rint(plane, out=plane)
+        # One pass for sum, rounding and clipping: a third of the time of five.
+        planes.append(cv2.addWeighted(noise, share, plane, 1.0, level, dtype=cv2.CV_8U))
+    if optics.jpeg_quality is None:
+        return cv2.merge(planes)
+    bgr = cv2.merge(planes[::-1])
+    code = cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, optics.jpeg_quality])
+    return cv2.imdecode(code[1], cv2.IMREAD_COLOR_RGB)
