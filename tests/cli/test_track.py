@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.recordings import limits
+from geotlm_lm.recordings import policy
 from geotlm_lm.recordings import video as videos
 from geotlm_lm.recordings.idle import estimate_background
 from geotlm_lm.track import export
@@ -224,7 +224,7 @@ CAPTURE = cv2.VideoCapture
 def test_frames_of_an_uneven_video_have_their_own_times(capsys, tmp_path, monkeypatch, kept):
     write_video(tmp_path / "c.avi")
     monkeypatch.setattr(videos.cv2, "VideoCapture", Uneven)
-    monkeypatch.setattr(limits, "KEPT_BYTES", kept * CLIP.frames[0].nbytes)
+    monkeypatch.setattr(policy, "KEPT_BYTES", kept * CLIP.frames[0].nbytes)
     code, out, err = run(capsys, tmp_path / "c.avi", "--out", tmp_path / "t.csv")
     rows = list(csv.DictReader((tmp_path / "t.csv").open()))
     times = np.concatenate([[0], np.cumsum(STEPS_S)])[: len(CLIP)]

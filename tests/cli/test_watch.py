@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import MissingDependency, Stalled, UnreadableClip
-from geotlm_lm.recordings import latest_frames, streams
+from geotlm_lm.recordings import streams
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
 from tests.cli.recorded_touch import CLIP, saved_touch
@@ -238,8 +238,8 @@ class Waiting:
 @pytest.fixture
 def plugged_in(monkeypatch):
     """Return a function that plugs a camera in; patience with it is short."""
-    monkeypatch.setattr(latest_frames, "SILENT_S", 0.01)
-    monkeypatch.setattr(latest_frames, "THREAD_END_S", 0.01)
+    monkeypatch.setattr(streams, "SILENT_S", 0.01)
+    monkeypatch.setattr(streams, "THREAD_END_S", 0.01)
     with ExitStack() as cameras:
 
         def plug_in(frames):
@@ -280,7 +280,7 @@ def test_patience_that_makes_no_sense_is_told(capsys, stalled_after):
 
 
 def test_a_recording_may_pause_for_as_long_as_it_likes(capsys, recording, monkeypatch):
-    monkeypatch.setattr(latest_frames, "SILENT_S", 0.001)
+    monkeypatch.setattr(streams, "SILENT_S", 0.001)
     given = (recording, "--at-its-rate", "--fps", 1e3, "--stalled-after", 1e-9)
     code, _, err = run(capsys, *given)
     assert code == 0
@@ -290,7 +290,7 @@ def test_a_recording_may_pause_for_as_long_as_it_likes(capsys, recording, monkey
 @pytest.mark.parametrize(("level", "kind"), [(0, "black"), (90, "all the same")])
 def test_a_camera_that_shows_nothing_any_more_is_told(capsys, plugged_in, monkeypatch, level, kind):
     plugged_in([*CLIP.frames[:5], *np.full_like(CLIP.frames[:30], level)])
-    monkeypatch.setattr(latest_frames, "SILENT_S", 1e-9)
+    monkeypatch.setattr(streams, "SILENT_S", 1e-9)
     err = run(capsys, 0, "--stalled-after", 0.2)[2]
     assert f"note: The camera's frames have been {kind} for " in err
 

@@ -21,7 +21,7 @@ from geotlm_lm.core.errors import Unwritten, UsageError
 from geotlm_lm.data_sets import labelling as labelling_module
 from geotlm_lm.data_sets.labelling import Labelling, label_data_set
 from geotlm_lm.data_sets.lerobot import LeRobotDataSet, read_data_set
-from geotlm_lm.recordings import limits
+from geotlm_lm.recordings import policy
 from geotlm_lm.runs.run import LOST, Workers
 from geotlm_lm.track.tracker import track_of
 from tests.data_sets.lerobot_files import CAMERA, FPS, KINDS, turned, write_data_set
@@ -219,7 +219,7 @@ def test_an_episode_that_does_not_fit_into_memory_is_tracked_frame_by_frame(
     root, tmp_path, monkeypatch, without_model
 ):
     label_data_set(Labelling(root, CAMERA), tmp_path / "whole")
-    monkeypatch.setattr(limits, "KEPT_BYTES", 10 * CLIPS[0].frames[0].nbytes)
+    monkeypatch.setattr(policy, "KEPT_BYTES", 10 * CLIPS[0].frames[0].nbytes)
     label_data_set(Labelling(root, CAMERA), tmp_path / "out")
     assert rows(tmp_path / "out") == rows(tmp_path / "whole")
 
