@@ -24,9 +24,10 @@ from numpy.typing import NDArray
 from geotlm_lm.benchmarks.harness import Listing, Pivot, Row
 from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.edit import Edit, opposite
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, reverse, turn_by_quarter
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.numbers import generator_for, seed_for
 from geotlm_lm.data import tactile_tracking as tracking
 from geotlm_lm.data.labelled_recordings import (
@@ -233,7 +234,9 @@ def without_idle_frame(case: Case) -> Case:
 
 def held_across(case: Case) -> Case:
     """Show a clip as a sensor held across records it, turned by 90 degrees counterclockwise."""
-    return replace(case, clip=turned_by_quarter(case.clip), motion=turn_by_quarter(case.motion))
+    return replace(
+        case, clip=turned_by_quarter(case.clip), motion=Edit.of("quarter-ccw").of_way(case.motion)
+    )
 
 
 def turned_by_quarter(clip: Clip) -> Clip:
@@ -320,7 +323,7 @@ def semi_real_slides(
         motion, count = SLIDES[count % len(SLIDES)], count + 1
         path_px, turn_deg = slide_path(motion, idle.shape[1], rng)
         clip = carried(imprint, idle, rng, row.path.name, path_px=path_px, turn_deg=turn_deg)
-        for shown, truth in ((clip, motion), (clip.reversed(), reverse(motion))):
+        for shown, truth in ((clip, motion), (clip.reversed(), opposite(motion))):
             case = Case(shown, truth, row.object_id, row.object_family)
             yield case, travel_of(imprint, path_px, turn_deg)
     if left_out is not None:

@@ -21,16 +21,14 @@ from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section
 from geotlm_lm.benchmarks.judging import share_row
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.edit import EDIT_WORDS
+from geotlm_lm.core.edit import EDIT_WORDS, MIRRORED, opposite
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import (
     DIRECTED,
     SLIDES,
     Motion,
     MotionLabel,
-    mirror,
     motion_class,
-    reverse,
 )
 from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.tolerance import within_tolerance
@@ -133,7 +131,7 @@ def truth_of(
         return Truth(kind, abstains=True)
     if kind == "thread":
         return _thread_truth(motion, frame)
-    changed = {"mirrored": mirror, "reversed": reverse, "undo": reverse}.get(kind)
+    changed = {"mirrored": MIRRORED.of_way, "reversed": opposite, "undo": opposite}.get(kind)
     frame = replace(frame, **OTHER_FRAME.get(kind, {}))
     way = frame.edit.of_way(changed(motion) if changed else motion)
     return Truth(kind, direction=way)

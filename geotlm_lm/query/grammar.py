@@ -1,7 +1,7 @@
 """Write (text, query) pairs from data_templates/query, the same ones from the same seed.
 
 Whole families of phrasings are held out: a pair of the "test" split has a question, or a clause
-around it, of a family that no other split writes. `grammar_linter` shows what is written.
+around it, of a family that no other split writes. `.ci/grammar.py` shows what is written.
 """
 
 from __future__ import annotations

@@ -29,8 +29,9 @@ from geotlm_lm.benchmarks.cases import (
 from geotlm_lm.benchmarks.harness import Run
 from geotlm_lm.benchmarks.judging import Reply
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.errors import UnreadableClip, UsageError
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel, reverse
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.data.tactile_tracking import TactileTracking
 from geotlm_lm.data.touch_table import TouchRow
 from geotlm_lm.probe.rigid_flow import RigidFlow
@@ -255,7 +256,7 @@ def test_the_four_ways_come_in_turn_and_each_is_played_backwards_too(tmp_path):
     made = list(semi_real_slides(rows, seed=0))
     truths = [case.motion for case, _ in made]
     assert truths[::2] == list(SLIDES)
-    assert truths[1::2] == [reverse(motion) for motion in SLIDES]
+    assert truths[1::2] == [opposite(motion) for motion in SLIDES]
     for case, travel_px in made:
         places = middles(case.clip)
         assert np.hypot(*(places[-1] - places[0])) == pytest.approx(travel_px, rel=0.1)

@@ -23,8 +23,9 @@ from geotlm_lm.benchmarks.questions import (
     type_rows,
 )
 from geotlm_lm.benchmarks.rendering import tables
+from geotlm_lm.core.edit import MIRRORED, opposite
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import DIRECTED, Motion, MotionLabel, mirror, reverse
+from geotlm_lm.core.labels import DIRECTED, Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.query.reading import Reading
@@ -147,8 +148,10 @@ def test_a_changed_clip_is_told_as_an_open_question_of_the_changed_motion_is(mot
     def truth(kind, of):
         return truth_of(asked_about(motion, types[kind], seed=1), of, frame).direction
 
-    assert truth("reversed", motion) == truth("undo", motion) == truth("direction", reverse(motion))
-    assert truth("mirrored", motion) == truth("direction", mirror(motion))
+    assert (
+        truth("reversed", motion) == truth("undo", motion) == truth("direction", opposite(motion))
+    )
+    assert truth("mirrored", motion) == truth("direction", MIRRORED.of_way(motion))
 
 
 def asked(type_id, right, stated=0.9):

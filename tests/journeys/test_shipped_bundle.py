@@ -26,15 +26,14 @@ from geotlm_lm.backbone.relief import Lights
 from geotlm_lm.backbone.stem import MAGNIFICATION_AT, measure_clip
 from geotlm_lm.benchmarks.cases import turned_by_quarter
 from geotlm_lm.checkpoint import embedded_bundle_dir
+from geotlm_lm.core import edit
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.edit import Edit, opposite
 from geotlm_lm.core.geometry import FLOW_SCALE_PX, PATCH_SIDE
 from geotlm_lm.core.labels import (
     DIRECTED,
     ROTATIONS,
     Motion,
-    mirror,
-    reverse,
-    turn_by_quarter,
 )
 from geotlm_lm.data.labelled_recordings import find_labelled_recordings
 from geotlm_lm.query.facts import with_facts
@@ -95,7 +94,7 @@ def test_directions_of_objects_never_trained_on_are_told(answerer, touches):
 
 def test_a_clip_played_backwards_goes_the_other_way(answerer, touches):
     right = [
-        direction(answerer, made.clip.reversed(), made.label.motion) == reverse(made.label.motion)
+        direction(answerer, made.clip.reversed(), made.label.motion) == opposite(made.label.motion)
         for made in touches
     ]
     assert np.mean(right) >= 0.85
@@ -144,7 +143,7 @@ def test_a_mirrored_example_turns_the_other_way(answerer, name):
     )
     turning = Motion.CLOCKWISE
     there = direction(answerer, clip, turning)
-    assert direction(answerer, mirrored, turning) is mirror(there)
+    assert direction(answerer, mirrored, turning) is edit.MIRRORED.of_way(there)
 
 
 @pytest.mark.parametrize("quarters", [1, 2, 3])
@@ -156,7 +155,7 @@ def test_a_sensor_held_across_or_upside_down_is_told_as_its_pictures_show(
     for made in touches:
         clip, motion = as_camera_took_it(made.clip), made.label.motion
         for _ in range(quarters):
-            clip, motion = turned_by_quarter(clip), turn_by_quarter(motion)
+            clip, motion = turned_by_quarter(clip), Edit.of("quarter-ccw").of_way(motion)
         right.append(direction(answerer, clip, motion) is motion)
     assert np.mean(right) >= 0.88
 

@@ -3,8 +3,9 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.edit import MIRRORED, opposite
 from geotlm_lm.core.geometry import CAMERA_PX, IMAGE_SIDE
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, mirror, reverse
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion
 from geotlm_lm.probe.rigid_fit import fit_rigid, radius_of_gyration
 from geotlm_lm.probe.rigid_flow import (
     RigidFlow,
@@ -52,8 +53,8 @@ def test_playing_backwards_reverses_and_a_mirror_mirrors_the_answer():
         background=np.ascontiguousarray(clip.background[:, ::-1]),
     )
     motion = RigidFlow().predict(clip, ROTATIONS)
-    assert RigidFlow().predict(clip.reversed(), ROTATIONS) == reverse(motion)
-    assert RigidFlow().predict(flipped, ROTATIONS) == mirror(motion)
+    assert RigidFlow().predict(clip.reversed(), ROTATIONS) == opposite(motion)
+    assert RigidFlow().predict(flipped, ROTATIONS) == MIRRORED.of_way(motion)
 
 
 def test_a_turn_is_measured_in_a_picture_squashed_to_a_square():
@@ -131,7 +132,7 @@ def test_what_fades_is_told_as_what_grows_played_backwards(contrast):
     grown, faded = (
         classify_motion(rigid_motion(contrast=one), ALL) for one in (contrast, contrast[::-1])
     )
-    assert faded == reverse(grown)
+    assert faded == opposite(grown)
 
 
 @pytest.mark.parametrize("radius", [30, 50])

@@ -1,25 +1,22 @@
 """Show what the grammar writes: some pairs, its coverage, and texts that mean two things.
 
 Nothing is drawn but from a seed, with no clip at hand, so that no text can give an answer away. Run
-it: `python -m geotlm_lm.query.grammar_linter --pairs 20000 --sample 50 --seed 0`.
+it: `python .ci/grammar.py --pairs 20000 --sample 50 --seed 0`.
 """
 
 from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import islice
 
-from geotlm_lm.core.edit import EDIT_WORDS
+from geotlm_lm.benchmarks.questions import VIEWS, cell_of
 from geotlm_lm.query.grammar import SPLITS, Pair, grammar
 from geotlm_lm.query.text import read
-from geotlm_lm.query.types import ASKS, Part
+from geotlm_lm.query.types import ASKS
 
-PLAIN, SEVERAL = "as it is", "several"
-VIEWS = (PLAIN, *EDIT_WORDS, SEVERAL)
-"""Points of view that something is asked from."""
 SUBJECTS = ("clip", "half", "span")
 
 
@@ -36,15 +33,6 @@ class Coverage:
     views: Counter[tuple[str, str]]
     subjects: Counter[tuple[str, str]]
     ambiguous: dict[str, tuple[str, ...]]
-
-
-def cell_of(parts: Sequence[Part]) -> tuple[str, str]:
-    """Return what the first part of a query asks, and from which of `VIEWS`."""
-    if not parts:
-        return "fact", PLAIN
-    edits = parts[0].edit.words
-    view = edits[0] if len(edits) == 1 else SEVERAL if edits else PLAIN
-    return parts[0].ask.kind, view
 
 
 def coverage(pairs: Iterable[Pair]) -> Coverage:
@@ -74,19 +62,19 @@ def main() -> None:
     pairs = list(islice(grammar().pairs(asked.seed, asked.split), asked.pairs))
     for one in pairs[: asked.sample]:
         print(f"{one.text}\n    {one.query}    [{', '.join(one.families)}]")
-    print(told(coverage(pairs)))
+    print(as_table(coverage(pairs)))
 
 
-def told(found: Coverage) -> str:
+def as_table(held: Coverage) -> str:
     """Return a coverage as a table, and the texts that mean two things."""
     columns = (*VIEWS, *SUBJECTS)
     lines = [f"{'':14} " + " ".join(f"{one:>11}" for one in columns)]
     for ask in ("fact", *ASKS):
-        counts = [found.views[ask, one] for one in VIEWS]
-        counts += [found.subjects[ask, one] for one in SUBJECTS]
+        counts = [held.views[ask, one] for one in VIEWS]
+        counts += [held.subjects[ask, one] for one in SUBJECTS]
         lines.append(f"{ask:14} " + " ".join(f"{one or '-':>11}" for one in counts))
-    lines.append(f"\n{len(found.ambiguous)} texts mean two things")
-    lines += ["\n    ".join((text, *all_)) for text, all_ in sorted(found.ambiguous.items())]
+    lines.append(f"\n{len(held.ambiguous)} texts mean two things")
+    lines += ["\n    ".join((text, *all_)) for text, all_ in sorted(held.ambiguous.items())]
     return "\n".join(lines)
 
 
