@@ -207,3 +207,12 @@ def test_nothing_is_excused_that_no_page_shows():
     assert all(any(line.startswith(one) for line in shown) for one in ONLY_CHECKED)
     others = [one.line for one in all_commands() if not one.is_ours]
     assert all(any(line.startswith(one) for line in others) for one in NOT_OURS)
+
+
+def test_the_walk_names_files_that_are_there_in_words_and_in_the_picture():
+    named = re.compile(r"\b[a-z_]+(?:/[a-z_]+)*\.py\b")
+    in_words = set(named.findall((ROOT / "docs" / "walk.md").read_text()))
+    in_picture = set(named.findall((ROOT / "docs" / "walk.svg").read_text()))
+    assert len(in_picture) > 20
+    assert in_picture <= in_words
+    assert [path for path in in_words if not (ROOT / "geotlm_lm" / path).is_file()] == []
