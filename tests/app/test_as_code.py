@@ -6,9 +6,9 @@ import subprocess
 from types import SimpleNamespace
 
 import pytest
-
 from app.as_code import calls_of
 from app.parameters import frame_of
+
 from geotlm_lm import FrameSpec
 
 CAMERA = FrameSpec()

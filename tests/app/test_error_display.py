@@ -5,6 +5,7 @@ import pytest
 gradio = pytest.importorskip("gradio", reason="the page needs gradio (extra: app)")
 
 from app.error_display import literal, with_errors_shown  # noqa: E402
+
 from geotlm_lm import GeoTLMError  # noqa: E402
 
 SENTENCE = "<img src=x onerror=alert(1)>.npy: is empty; frames 3 < 4."

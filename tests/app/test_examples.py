@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from app.example_clips import FOLDER
+
 from geotlm_lm import read_clip
 from geotlm_lm.cli.main import main
 

@@ -1,6 +1,7 @@
 """Parts are filled by their names, and a mistake is told until something else works."""
 
 from app.filling import COMPLAINT, filling
+
 from geotlm_lm import GeoTLMError
 
 PARTS = {"chat": "the chat", COMPLAINT: "the complaint"}

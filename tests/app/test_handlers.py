@@ -3,10 +3,10 @@
 import cv2
 import numpy as np
 import pytest
+from app.clip_loading import load_clip
 
 from app import facts as page_facts
 from app import handlers, ui
-from app.clip_loading import load_clip
 from geotlm_lm import FrameSpec, GeoTLMError, Motion
 from geotlm_lm.core.errors import MissingDependency
 from tests.app.fakes import FakeAnswerer

@@ -7,9 +7,9 @@ import json
 from urllib.parse import parse_qs
 
 import pytest
-
 from app.clip_loading import perceive
 from app.saving import offered, saved
+
 from geotlm_lm import GeoTLMError
 from tests.app.fakes import FakeAnswerer
 from tests.app.test_stage import clip_of, tracked  # noqa: F401

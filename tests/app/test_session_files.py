@@ -9,9 +9,10 @@ import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from app import session_files, ui  # noqa: E402
 from app.cache_folder import own_cache_folder  # noqa: E402
 from app.session_files import SessionFiles, remove_seen  # noqa: E402
+
+from app import session_files, ui  # noqa: E402
 from tests.app.browser import NAME, SHOWN  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 from tests.app.test_browser_camera import TEXT, start_camera  # noqa: E402

@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import pytest
-
-from app import suggestions
 from app.clip_loading import load_clip, perceive
 from app.example_clips import FIRST, examples
 from app.suggestions import suggested
+
+from app import suggestions
 from geotlm_lm import Motion
 from tests.app.fakes import FakeAnswerer
 from tests.app.test_stage import clip_of

@@ -5,42 +5,37 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app import live_session, live_stream
-from app.live_session import NOTHING, LiveSession, LiveTalk, follow_camera, stop, watch_recording
+from app import live
+from app.live import NOTHING, LiveSession, LiveTalk, follow_camera, stop, watch_recording
 from geotlm_lm import GeoTLMError
 from tests.app.fakes import READ, FakeAnswerer
 from tests.track.recordings import there_and_back
-from tests.track.test_idle_tracker import gel, touched
-
-ADDRESS = "http://127.0.0.1:7860"
 
 
-@pytest.fixture(scope="module")
-def frames():
-    plain = gel()
-    return [next(plain) for _ in range(12)] + [touched(next(plain)) for _ in range(28)]
+@pytest.fixture
+def frames(touch_frames):
+    return touch_frames
 
 
 @pytest.fixture
 def clock(monkeypatch):
     """The camera's: 0.04 s go by from frame to frame."""
     ticks = iter(1e6 + 0.04 * number for number in range(1000))
-    monkeypatch.setattr(live_session, "time", SimpleNamespace(monotonic=lambda: next(ticks)))
+    monkeypatch.setattr(live, "time", SimpleNamespace(monotonic=lambda: next(ticks)))
 
 
 @pytest.fixture
-def path(frames, tmp_path):
-    np.savez(tmp_path / "clip.npz", frames=np.stack(frames), fps=25.0)
-    return str(tmp_path / "clip.npz")
+def path(touch_path):
+    return str(touch_path)
 
 
 def stages(steps):
     return [step["stage"] for step in steps if step.get("stage")]
 
 
-def followed(frames, live):
+def followed(frames, watched):
     """Return what is told of each frame of a camera."""
-    told = [follow_camera(FakeAnswerer(), one, live) for one in frames]
+    told = [follow_camera(FakeAnswerer(), one, watched) for one in frames]
     return [step for step in told if step]
 
 
@@ -63,8 +58,8 @@ def test_a_recording_is_watched_to_its_end(tmp_path):
 
 
 def test_the_window_grows_and_then_rolls(frames, monkeypatch, clock):
-    monkeypatch.setattr(live_stream, "WINDOW_S", 0.8)
-    monkeypatch.setattr(live_stream, "FIRST_WINDOW_S", 0.4)
+    monkeypatch.setattr(live, "WINDOW_S", 0.8)
+    monkeypatch.setattr(live, "FIRST_WINDOW_S", 0.4)
     told = [one["timeline"]["x"] for one in stages(followed(frames, LiveSession()))]
     assert told[5][0] == 0
     assert told[-1][0] == pytest.approx(39 * 0.04 - 0.8, abs=0.05)
@@ -98,21 +93,21 @@ def test_a_camera_is_followed_frame_by_frame_and_each_session_by_itself(frames):
 
 
 def test_a_camera_of_another_size_is_followed_from_its_beginning(frames):
-    live = LiveSession(mm_per_px=0.05)
-    followed(frames[:1], live)
-    (step,) = followed([frames[1][:60, :80]], live)
-    assert (live.stream.count, live.mm_per_px, step["mm_per_px"]) == (1, None, 0)
+    watched = LiveSession(mm_per_px=0.05)
+    followed(frames[:1], watched)
+    (step,) = followed([frames[1][:60, :80]], watched)
+    assert (watched.stream.count, watched.mm_per_px, step["mm_per_px"]) == (1, None, 0)
 
 
 def test_a_camera_that_goes_on_does_not_take_the_place_of_a_recording(frames, path, monkeypatch):
     clock = [0.0]
-    monkeypatch.setattr(live_session, "time", SimpleNamespace(monotonic=lambda: clock[0]))
-    live = LiveSession()
-    followed(frames[:2], live)
-    list(watch_recording(FakeAnswerer(), path, live))
-    assert followed(frames[:1], live) == []
+    monkeypatch.setattr(live, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+    watched = LiveSession()
+    followed(frames[:2], watched)
+    list(watch_recording(FakeAnswerer(), path, watched))
+    assert followed(frames[:1], watched) == []
     clock[0] += 3  # it was stopped, and started again
-    assert len(followed(frames[:1], live)) == 1
+    assert len(followed(frames[:1], watched)) == 1
 
 
 def test_watching_nothing_is_told():
@@ -131,82 +126,82 @@ def test_a_recording_that_fails_is_told_by_its_own_name_and_nothing_stays_of_the
 
 
 def test_watching_ends_with_nothing_left_once_everything_was_emptied(path):
-    live = LiveSession()
-    steps = watch_recording(FakeAnswerer(), path, live)
+    watched = LiveSession()
+    steps = watch_recording(FakeAnswerer(), path, watched)
     while not next(steps).get("stage"):
         pass
-    assert list(stop(live)) == [NOTHING]
+    assert list(stop(watched)) == [NOTHING]
     assert list(steps) == [NOTHING]
 
 
 def test_a_camera_is_followed_anew_after_everything_was_emptied(frames):
-    live = LiveSession()
-    followed(frames[:3], live)
-    list(stop(live))
-    followed(frames[3:4], live)
-    assert live.stream.count == 1
+    watched = LiveSession()
+    followed(frames[:3], watched)
+    list(stop(watched))
+    followed(frames[3:4], watched)
+    assert watched.stream.count == 1
 
 
-def answers(live, question, facts=(), mm_per_px=0):
+def answers(watched, question, facts=(), mm_per_px=0):
     talk = LiveTalk(FakeAnswerer())
-    return list(talk.ask(question, [], live, list(facts), mm_per_px, ADDRESS))
+    return list(talk.ask(question, [], watched, list(facts), mm_per_px))
 
 
 def test_a_question_is_about_what_was_seen_by_then_and_the_conversation_goes_on(
     frames, clock, monkeypatch
 ):
     monkeypatch.setitem(READ, "Which way does it go?", "way")
-    live = LiveSession()
+    watched = LiveSession()
     with pytest.raises(GeoTLMError, match="^Nothing was watched yet; start the camera or a rec"):
         answers(live, "Which way does it go?")
-    followed(frames[:30], live)
+    followed(frames[:30], watched)
     assert answers(live, "Which way does it go?")[-1]["chat"][-1]["role"] == "assistant"
-    session = live.stream.shown().session
+    session = watched.stream.shown().session
     assert session.encoded.recording is None
-    followed(frames[30:], live)
+    followed(frames[30:], watched)
     told = answers(live, "Are you sure?")[-1]
-    assert live.stream.shown().session is session
+    assert watched.stream.shown().session is session
     assert len(session.history) == 2
     assert "stage" not in told
-    list(LiveTalk(FakeAnswerer()).forget(live, []))
-    assert live.stream.shown().session is not session
+    list(LiveTalk(FakeAnswerer()).forget(watched, []))
+    assert watched.stream.shown().session is not session
 
 
 def test_a_pixels_size_is_told_of_all_that_is_watched(frames, clock):
-    live = LiveSession()
-    followed(frames, live)
+    watched = LiveSession()
+    followed(frames, watched)
     told = answers(live, "0.05 mm per pixel. Which way?")[-1]
     assert told["stage"]["timeline"]["panels"][1]["unit"] == "mm"
-    assert told["mm_per_px"] == live.mm_per_px == 0.05
-    (told,) = LiveTalk(FakeAnswerer()).resize(live, 0)
+    assert told["mm_per_px"] == watched.mm_per_px == 0.05
+    (told,) = LiveTalk(FakeAnswerer()).resize(watched, 0)
     assert told["stage"]["timeline"]["panels"][1]["unit"] == "px"
     with pytest.raises(GeoTLMError, match="^A pixel of 60 mm was given"):
-        list(LiveTalk(FakeAnswerer()).resize(live, 60))
+        list(LiveTalk(FakeAnswerer()).resize(watched, 60))
 
 
 def test_frames_that_are_kept_for_questions_are_bounded(frames, monkeypatch, clock):
-    monkeypatch.setattr(live_stream, "KEPT_BYTES", 20 * frames[0].nbytes)
-    live = LiveSession()
-    followed(frames, live)
-    numbers = live.stream.shown().encoded.clip.frame_numbers
+    monkeypatch.setattr(live, "KEPT_BYTES", 20 * frames[0].nbytes)
+    watched = LiveSession()
+    followed(frames, watched)
+    numbers = watched.stream.shown().encoded.clip.frame_numbers
     assert max(numbers) < 40
-    assert len(live.stream._kept) <= 20
+    assert len(watched.stream._kept) <= 20
 
 
 def test_of_frames_however_large_enough_are_kept_for_a_question(frames, monkeypatch, clock):
-    monkeypatch.setattr(live_stream, "KEPT_BYTES", 0)
-    live = LiveSession()
+    monkeypatch.setattr(live, "KEPT_BYTES", 0)
+    watched = LiveSession()
     for count in range(25, 41):
-        followed(frames[live.stream.count if live.stream else 0 : count], live)
-        assert live.stream.shown().encoded.track is not None
-    assert len(live.stream._kept) <= live_stream.LEAST_KEPT
+        followed(frames[watched.stream.count if watched.stream else 0 : count], watched)
+        assert watched.stream.shown().encoded.track is not None
+    assert len(watched.stream._kept) <= live.LEAST_KEPT
 
 
 def test_an_answer_about_what_is_watched_no_more_is_not_shown(frames, clock, monkeypatch):
     monkeypatch.setitem(READ, "Which way does it go?", "way")
-    live = LiveSession()
-    followed(frames, live)
-    told = LiveTalk(FakeAnswerer()).ask("Which way does it go?", [], live, [], 0, ADDRESS)
-    assert next(told)["chat"]
-    list(stop(live))
-    assert list(told) == []
+    watched, talk = LiveSession(), LiveTalk(FakeAnswerer())
+    followed(frames, watched)
+    session = watched.stream.shown().session
+    ask = session.ask
+    session.ask = lambda question: (list(stop(watched)), ask(question))[1]
+    assert list(talk.ask("Which way does it go?", [], watched, [], 0)) == []

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.simulation_handlers import OBJECTS, simulate, touch_of
+from app.simulate_tab import OBJECTS, sentence_of, simulate, touch_of
 from app.stage import field_of
 from geotlm_lm import GeoTLMError, Touch, simulate_touch
 from geotlm_lm.core.geometry import IMAGE_SIDE
@@ -93,3 +93,20 @@ def test_a_touch_that_is_not_whole_is_told_in_a_sentence(name, depth, seed, sent
     with pytest.raises(GeoTLMError) as caught:
         touch_of(name, {"depth_mm": depth}, seed)
     assert str(caught.value).startswith(sentence)
+
+
+@pytest.mark.parametrize(
+    ("is_right", "ways", "told"),
+    [
+        (True, ["left"], "Left, in the camera image.  (correct: it was left)"),
+        (
+            True,
+            ["clockwise", "left"],
+            "Left, in the camera image.  (correct: it was clockwise and left)",
+        ),
+        (False, [], "Left, in the camera image.  (wrong: it was still)"),
+    ],
+)
+def test_an_answer_is_judged_by_all_that_the_touch_did(is_right, ways, told):
+    facts = {"answer": "Left, in the camera image.", "is_right": is_right}
+    assert sentence_of(facts | {"true_ways": ways, "true_motion": "still"}) == told

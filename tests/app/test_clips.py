@@ -1,9 +1,10 @@
 """What was given is opened alone, by whole frame numbers, and told by its own name."""
 
+import cv2
 import numpy as np
 import pytest
 
-from app.clip_loading import latest_upload, load_clip
+from app.clips import latest_upload, load_clip
 from geotlm_lm import GeoTLMError
 from tests.app.fakes import FakeAnswerer
 
@@ -71,7 +72,7 @@ def test_a_span_of_no_whole_numbers_is_refused(path, first_and_last):
 @pytest.mark.parametrize("first_and_last", [(0, 3), (" 0", "3 ")])
 def test_a_span_of_whole_numbers_is_used(path, first_and_last):
     shown = load_clip(FakeAnswerer(), path, *first_and_last)
-    assert [caption for _, caption in shown.frames] == [f"frame {number}" for number in range(4)]
+    assert list(shown.encoded.clip.frame_numbers) == [0, 1, 2, 3]
 
 
 @pytest.mark.parametrize(
@@ -95,3 +96,17 @@ def test_of_a_bag_with_two_cameras_one_is_opened_by_its_topic(bag):
     with pytest.raises(GeoTLMError, match=f"on 2 topics.*{advice}[.]$"):
         load_clip(FakeAnswerer(), str(bag))
     assert load_clip(FakeAnswerer(), str(bag), topic="/left").encoded.clip.recorded_frames == 6
+
+
+def test_several_images_are_one_recording(tmp_path):
+    paths = []
+    for number in range(4):
+        paths.append(str(tmp_path / f"{number}.png"))
+        cv2.imwrite(paths[-1], np.full((40, 50, 3), 40 * number, np.uint8))
+    clip = load_clip(FakeAnswerer(), paths).encoded.clip
+    assert [int(frame.mean()) for frame in clip.frames] == [0, 40, 80, 120]
+
+
+def test_nothing_uploaded_is_refused():
+    with pytest.raises(GeoTLMError, match="^No recording was given; upload a clip first.$"):
+        load_clip(FakeAnswerer(), None)
