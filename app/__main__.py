@@ -9,7 +9,6 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,7 +35,6 @@ def serve(
     *,
     mcp: bool = False,
     recordings: Path | None = None,
-    precision: str = "float32",
 ) -> None:
     """Build the page and serve it until stopped; the model is loaded as soon as the page stands.
 
@@ -44,7 +42,6 @@ def serve(
         port: To listen on; None takes a free one from 7860 on.
         mcp: Whether to serve agents as well, over the Model Context Protocol.
         recordings: Folder of recordings that programs and agents may name; it is only read.
-        precision: Number format of the model, as in `Answerer.load`.
 
     Raises:
         GeoTLMError: If the toolkit or the model is missing, or the port is taken.
@@ -53,14 +50,14 @@ def serve(
         gradio()  # refused before the model is loaded
         if mcp:
             require_mcp()
-        _serve(port, mcp, recordings, precision)
+        _serve(port, mcp, recordings)
 
 
-def _serve(port: int | None, mcp: bool, recordings: Path | None, precision: str) -> None:
+def _serve(port: int | None, mcp: bool, recordings: Path | None) -> None:
     from .turns import LazyAnswerer
     from .ui import build, launch
 
-    model = LazyAnswerer(partial(_load, precision))
+    model = LazyAnswerer(_load)
     page = build(model, recordings)
     try:
         address = launch(page, port=port, mcp=mcp)
@@ -76,10 +73,10 @@ def _serve(port: int | None, mcp: bool, recordings: Path | None, precision: str)
         page.close()
 
 
-def _load(precision: str) -> Answerer:
+def _load() -> Answerer:
     from geotlm_lm import Answerer
 
-    return Answerer.load(precision=precision)
+    return Answerer.load()
 
 
 @contextmanager

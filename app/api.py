@@ -222,7 +222,7 @@ def summary_of(track: Any, recording: Any, frame: FrameSpec, rows: int) -> p.Tra
         frame: In which directions are told.
         rows: How many frames are returned at most, evenly spread.
     """
-    exported, viewed = Exported(track, frame.mm_per_px), _Viewed(frame)
+    exported, edit = Exported(track, frame.mm_per_px), frame.edit
     facts = exported.to_dict()
     return {
         "recording": recording.name,
@@ -231,50 +231,38 @@ def summary_of(track: Any, recording: Any, frame: FrameSpec, rows: int) -> p.Tra
         "last_frame": int(track.numbers[-1]),
         "times_are_known": recording.is_timed,
         "contacts_s": [[round(end, 4) for end in ends] for ends in track.contacts()],
-        "events": [viewed.event(event) for event in facts["events"][:EVENTS]],
+        "events": [_event_seen(event, edit) for event in facts["events"][:EVENTS]],
         "events_left_out": max(len(facts["events"]) - EVENTS, 0),
-        "totals": viewed.totals(facts["totals"]),
-        "rows": [viewed.row(row, exported.units.name) for row in _spread(exported, rows)],
+        "totals": _totals_seen(facts["totals"], edit),
+        "rows": [_row_seen(row, exported.units.name, edit) for row in _spread(exported, rows)],
         "notes": [*recording.notes, *facts["notes"]],
     }
 
 
-WAYS = {Motion.RIGHT: (1, 0), Motion.LEFT: (-1, 0), Motion.DOWN: (0, 1), Motion.UP: (0, -1)}
-"""Right and down of each slide."""
+def _event_seen(event: dict[str, Any], edit: Any) -> dict[str, Any]:
+    way = None if event["way"] is None else edit.of_way(Motion(event["way"])).value
+    if event.get("amount", 0.0) < 0:  # amounts are how far it goes the way that is named
+        event |= _negated(event)
+    return event | {"way": way}
 
 
-class _Viewed:
-    """Names what was exported in the recorded image as a frame tells it."""
+def _totals_seen(totals: dict[str, Any], edit: Any) -> dict[str, Any]:
+    net = totals["turn_net"]
+    right, down = edit.matrix[1:3, 1:3] @ (totals["slide_right"], totals["slide_down"]) + 0.0
+    return totals | {
+        "turn_net": net if edit.matrix[0, 0] > 0 else net | _negated(net),
+        "slide_right": float(right),
+        "slide_down": float(down),
+    }
 
-    def __init__(self, frame: FrameSpec) -> None:
-        self._frame = frame
-        ways = [WAYS[frame.tell(way)] for way in (Motion.RIGHT, Motion.DOWN)]
-        self._slide = np.array(ways).T
-        self._turn = 1 if frame.tell(Motion.CLOCKWISE) is Motion.CLOCKWISE else -1
 
-    def event(self, event: dict[str, Any]) -> dict[str, Any]:
-        way = None if event["way"] is None else self._frame.tell(Motion(event["way"])).value
-        if event.get("amount", 0.0) < 0:  # amounts are how far it goes the way that is named
-            event |= _negated(event)
-        return event | {"way": way}
-
-    def totals(self, totals: dict[str, Any]) -> dict[str, Any]:
-        net = totals["turn_net"]
-        right, down = self._slide @ (totals["slide_right"], totals["slide_down"]) + 0.0
-        return totals | {
-            "turn_net": net if self._turn > 0 else net | _negated(net),
-            "slide_right": float(right),
-            "slide_down": float(down),
-        }
-
-    def row(self, row: dict[str, Any], unit: str) -> dict[str, float]:
-        names = [f"right_{unit}", f"down_{unit}"]
-        deviations = [f"{name}_deviation" for name in names]
-        way = self._slide @ [row[name] for name in names] + 0.0
-        spread = np.abs(self._slide) @ [row[name] for name in deviations]
-        values = map(float, [*way, *spread])
-        turn = {"turn_deg": self._turn * row["turn_deg"] + 0.0}
-        return row | turn | dict(zip([*names, *deviations], values, strict=True))
+def _row_seen(row: dict[str, Any], unit: str, edit: Any) -> dict[str, float]:
+    names, slide = [f"right_{unit}", f"down_{unit}"], edit.matrix[1:3, 1:3]
+    deviations = [f"{name}_deviation" for name in names]
+    way = slide @ [row[name] for name in names] + 0.0
+    values = [*way, *np.abs(slide) @ [row[name] for name in deviations]]
+    turn = {"turn_deg": float(edit.matrix[0, 0] * row["turn_deg"] + 0.0)}
+    return row | turn | dict(zip([*names, *deviations], map(float, values), strict=True))
 
 
 def _negated(span: dict[str, Any]) -> dict[str, float]:

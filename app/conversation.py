@@ -83,7 +83,7 @@ def in_frame(facts: list[str], direction: str | None) -> str:
     frame = FrameSpec(**fields_of(facts))
     if direction is None:
         return f"Frame: {frame.sentence()}."
-    way = frame.tell(Motion(direction)).value
+    way = frame.edit.of_way(Motion(direction)).value
     return f"In this frame ({frame.sentence()}) that is **{way}**."
 
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from geotlm_lm.answering.measured_motion import MeasuredMotion
+from geotlm_lm.core.edit import Edit
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.query.amounts import Measure
-from geotlm_lm.query.edit import Edit
 from geotlm_lm.query.types import Query
 
 
@@ -72,7 +72,7 @@ class Answer:
     def edit(self) -> Edit:
         """The point of view that `direction` is told from: the frame's and the question's."""
         asked = self.resumed.parts[0].edit if self.resumed.parts else Edit()
-        return asked.within(self.frame)
+        return asked.within(self.frame.edit)
 
     @property
     def in_the_image(self) -> Motion | None:

@@ -27,13 +27,13 @@ from geotlm_lm.answering.session import Session, in_pieces
 from geotlm_lm.answering.understanding import understand
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.edit import Edit
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.progress import Progress, silent
 from geotlm_lm.core.question import check_question
 from geotlm_lm.core.twist import COMPONENTS
-from geotlm_lm.query.edit import Edit
 from geotlm_lm.recordings.legible import require_any_legible
 from geotlm_lm.recordings.span import frames_inside, require_motion
 from geotlm_lm.track.track import Track
@@ -54,24 +54,16 @@ class Answerer:
         self.bundle = bundle
 
     @classmethod
-    def load(cls, folder: str | Path | None = None, *, precision: str = "float32") -> Answerer:
+    def load(cls, folder: str | Path | None = None) -> Answerer:
         """Load a bundle from `folder`, or the one that ships with the package.
 
         Args:
             folder: Of the bundle.
-            precision: Number format of its weights and sums: float32, bfloat16 or int8. The latter
-                two answer sooner where the processor has instructions for them.
 
         Raises:
             IncompatibleBundle: If there is no bundle of this format.
-            UsageError: If the precision is unknown, or this machine cannot run it.
         """
-        bundle = load_bundle(None if folder is None else Path(folder))
-        if precision != "float32":
-            from geotlm_lm.precision import in_offered_format
-
-            bundle = in_offered_format(bundle, precision)
-        return cls(bundle)
+        return cls(load_bundle(None if folder is None else Path(folder)))
 
     def encode(
         self,
@@ -212,8 +204,9 @@ class Answerer:
         require_answer(answer)
         edits = {part.edit for part in answer.resumed.parts} or {Edit()}
         is_plain = edits == {Edit()}
-        motion = None if answer.direction is None else answer.frame.in_the_image(answer.direction)
-        is_as_seen = Edit.of_frame(answer.frame) == Edit()
+        as_recorded, direction = answer.frame.edit.inverse(), answer.direction
+        motion = None if direction is None else as_recorded.of_way(direction)
+        is_as_seen = answer.frame.edit == Edit()
         place, *steps, conclusion = reasoning_steps(
             answer.evidence, answer.text, motion if is_plain else None, is_as_seen=is_as_seen
         )

@@ -222,7 +222,7 @@ def _options(decision: Decision, evidence: Evidence) -> dict[str, float]:
         }
     if ask.kind not in ("way", "kind", "amount", "how-sure", "alternatives"):
         return {}
-    belief = decision.edit.of_belief(evidence.belief)
+    belief = evidence.belief.seen(decision.edit)
     found = {way.value: belief.ways[way] for ways in WAYS.values() for way in ways}
     touching = max(belief.contact, *(belief.counts(one) for one in WAYS))
     still = touching

@@ -19,8 +19,9 @@ from geotlm_lm.answering.evidence_of import recording_of
 from geotlm_lm.answering.understanding import Understood
 from geotlm_lm.answering.withholding import LEAST_SURE
 from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import DIRECTED, reverse
+from geotlm_lm.core.labels import DIRECTED
 from geotlm_lm.query import types as t
 from geotlm_lm.query.forms import decided, in_form
 
@@ -72,4 +73,4 @@ def _relation(each: Sequence[Answer]) -> str:
         return "unknown"
     if one == other:
         return "same"
-    return "opposite" if one in DIRECTED and other == reverse(one) else "different"
+    return "opposite" if one in DIRECTED and other == opposite(one) else "different"

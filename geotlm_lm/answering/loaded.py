@@ -9,6 +9,6 @@ from geotlm_lm.answering.answerer import Answerer
 
 
 @lru_cache(maxsize=1)
-def loaded(model: Path | None, precision: str) -> Answerer:
+def loaded(model: Path | None) -> Answerer:
     """Return the answerer of a bundle; arguments and errors are those of `Answerer.load`."""
-    return Answerer.load(model, precision=precision)
+    return Answerer.load(model)

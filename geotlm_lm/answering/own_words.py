@@ -9,12 +9,12 @@ from __future__ import annotations
 from geotlm_lm.answering.belief_of_clip import reading
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.core.edit import Edit
 from geotlm_lm.core.labels import Motion, MotionClass
 from geotlm_lm.core.twist import Component
 from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.query import types as t
 from geotlm_lm.query.decision import Decision
-from geotlm_lm.query.edit import Edit
 
 EVIDENCE_QUESTION = "Which half moves which way?"
 

@@ -61,7 +61,7 @@ def truth_of(
 
     The question's own answer gives claim, options and amount; a speed needs a clip that is timed.
     """
-    kind, told = asked.slots.kind, frame.tell(motion)
+    kind, told = asked.slots.kind, frame.edit.of_way(motion)
     if kind in ("verify", "negation"):
         return Truth(kind, direction=told, is_so=told == claim_of(asked))
     if kind == "choice":
@@ -80,7 +80,7 @@ def truth_of(
         return _of_thread(motion, frame)
     changed = {"mirrored": mirror, "reversed": reverse, "undo": reverse}.get(kind)
     frame = replace(frame, **OTHER_FRAME.get(kind, {}))
-    told = frame.tell(changed(motion) if changed else motion)
+    told = frame.edit.of_way(changed(motion) if changed else motion)
     return Truth(kind, direction=told)
 
 
@@ -98,7 +98,7 @@ def _of_amount(asked: QuestionAnswer, motion: Motion, seconds: float | None) -> 
 
 
 def _of_thread(motion: Motion, frame: FrameSpec) -> Truth:
-    told, tightens = frame.tell(motion), frame.tightens(motion)
+    told, tightens = frame.edit.of_way(motion), frame.tightens(motion)
     if motion not in DIRECTED or (motion in SLIDES and frame.contact_side != "side"):
         return Truth("thread", "neither", told)
     if tightens is None:

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Precision, path_option
+from geotlm_lm.cli.options import path_option
 
 
 def app(
@@ -24,15 +24,12 @@ def app(
         Path | None,
         path_option(help="Folder of recordings that programs and agents may name; only read."),
     ] = None,
-    precision: Precision = "float32",
 ) -> None:
     """Serve a page to look at clips and ask about them, on this machine only (127.0.0.1).
 
     Example: geotlm-lm app --port 7860
     """
-    import_module(f"{page_package()}.__main__").serve(
-        port, mcp=mcp, recordings=recordings, precision=precision
-    )
+    import_module(f"{page_package()}.__main__").serve(port, mcp=mcp, recordings=recordings)
 
 
 def page_package() -> str:

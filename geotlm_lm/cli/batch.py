@@ -87,7 +87,7 @@ def batch(
 
     report = progress_on_stderr()
     result = answer_all(
-        partial(loaded, answering.model, answering.precision),
+        partial(loaded, answering.model),
         found,
         asked,
         out,

@@ -18,7 +18,6 @@ from geotlm_lm.cli.options import (
     EncoderWeights,
     HeadsPresetName,
     HeadsRunFolder,
-    Precision,
     Seed,
     path_option,
     require_one_model,
@@ -56,7 +55,6 @@ def evaluate(
     clips: Clips = 120,
     seed: Seed = 0,
     model: BundleFolder = None,
-    precision: Precision = "float32",
     out: RecordOut = None,
     as_json: RecordAsJson = False,
     min_accuracy: MinAccuracy = None,
@@ -74,14 +72,12 @@ def evaluate(
     if clips == 0 and real is None and not data:
         raise UsageError("nothing to judge: give --clips above 0, --real with a folder, or --data.")
     require_one_model(model, weights, encoder, heads)
-    if weights is not None and precision != "float32":
-        raise UsageError("--precision and --weights exclude each other: give one of them.")
     if weights is None and (preset is not None or run_folder is not None):
         raise UsageError("--preset and --run-folder need --weights with the encoder's file.")
     if out is not None:
         require_record_file(out, "--out", inputs=_inputs(real, data or (), weights))
     if weights is None:
-        answerer, name, about = _embedded(model, precision)
+        answerer, name, about = _embedded(model)
     else:
         folder = run_folder or Path("runs/encoder")
         chosen = "default" if preset is None else preset
@@ -116,13 +112,12 @@ def _inputs(real: Path | None, data: Sequence[Path], weights: Path | None) -> li
     return [*data, *tables, *([] if weights is None else [weights])]
 
 
-def _embedded(model: Path | None, precision: str) -> tuple[Answerer, str, dict[str, Any]]:
+def _embedded(model: Path | None) -> tuple[Answerer, str, dict[str, Any]]:
     """Return the bundle at `model`, what the record calls it, and what it adds to the record."""
     from geotlm_lm.answering import Answerer
 
     name = "embedded" if model is None else model.name
-    about = {} if precision == "float32" else {"precision": precision}
-    return Answerer.load(model, precision=precision), name, about
+    return Answerer.load(model), name, {}
 
 
 def _trained_on(

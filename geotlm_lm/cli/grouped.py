@@ -14,7 +14,6 @@ from geotlm_lm.cli.options import (
     FramesPerSecond,
     LayoutName,
     MmPerPixel,
-    Precision,
     SquarePixels,
     TopicName,
 )
@@ -41,7 +40,6 @@ class Answering:
 
     mm_per_px: MmPerPixel = None
     model: BundleFolder = None
-    precision: Precision = "float32"
 
     @property
     def frame(self) -> FrameSpec:
@@ -56,7 +54,7 @@ class Answering:
         """Load the model; its libraries only now, so that a wrong path need not wait for them."""
         from geotlm_lm.answering import Answerer
 
-        return Answerer.load(self.model, precision=self.precision)
+        return Answerer.load(self.model)
 
 
 def grouped(command: Callable[..., None]) -> Callable[..., None]:

@@ -65,8 +65,7 @@ def label(
     from geotlm_lm.cli.progress import progress_on_stderr
     from geotlm_lm.data_sets.labelling import Labelling, label_data_set
 
-    model, precision = answering.model, answering.precision
-    labelling = Labelling(data_set, camera, model, precision, square_pixels, scale)
+    labelling = Labelling(data_set, camera, answering.model, square_pixels, scale)
     result = label_data_set(labelling, out, workers=by, progress=progress_on_stderr("episodes"))
     if result.continued:
         print(f"note: {result.continued} episodes were there from a stopped run", file=sys.stderr)

@@ -11,7 +11,6 @@ import typer
 from typer.models import OptionInfo
 
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.number_formats import require_offered
 
 
 def path_of(text: str) -> Path:
@@ -102,15 +101,6 @@ DataSets = Annotated[
         "--data",
         help="TactileTracking's folder, or a manifest of clips such as ToucHD-Sim's, to add; "
         "may be given again.",
-    ),
-]
-Precision = Annotated[
-    str,
-    typer.Option(
-        "--precision",
-        callback=require_offered,
-        help="Number format of the model: float32, bfloat16 or int8, which answer sooner where the "
-        "processor has instructions for them.",
     ),
 ]
 ClusterAddress = Annotated[

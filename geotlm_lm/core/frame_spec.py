@@ -6,8 +6,9 @@ from dataclasses import asdict, dataclass
 from numbers import Real
 from typing import Any, Literal, get_args
 
+from geotlm_lm.core.edit import MIRRORED, Edit
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, mirror, reverse, turn_by_quarter
+from geotlm_lm.core.labels import ROTATIONS, Motion
 
 Viewpoint = Literal["sensor", "object"]
 Actor = Literal["object", "sensor"]
@@ -101,28 +102,19 @@ class FrameSpec:
         turn = degrees % 360
         return {"image_upside_down": turn == 180, "image_quarter_turn": quarters.get(turn)}
 
-    def tell(self, motion: Motion) -> Motion:
-        """Return `motion`, named in the camera image for the object, as this frame names it.
+    @property
+    def edit(self) -> Edit:
+        """What makes of a motion of the object in the recorded image the one this frame tells.
 
         An image turned by a quarter is turned back and one upside down turns a slide around, both
         leave a turn as it is; then a mirrored recording and the view from the object's side each
         flip left and right; telling the sensor's motion instead of the object's turns any direction
-        around. Pressing stays pressing whoever moves.
+        around. Pressing stays pressing whatever moves.
         """
-        if self.image_quarter_turn is not None:
-            motion = turn_by_quarter(motion)  # counterclockwise
-        is_reversed = self.image_upside_down or self.image_quarter_turn == "counterclockwise"
-        if is_reversed and motion in SLIDES:
-            motion = reverse(motion)
-        for is_flipped in (self.image_mirrored, self.viewpoint == "object"):
-            motion = mirror(motion) if is_flipped else motion
-        if self.actor == "sensor" and motion not in (Motion.PRESS, Motion.RELEASE):
-            motion = reverse(motion)
-        return motion
-
-    def in_the_image(self, told: Motion) -> Motion:
-        """Return the motion in the camera image that this frame tells as `told`."""
-        return next(motion for motion in Motion if self.tell(motion) == told)
+        turned = {0: (), 90: ("quarter-ccw",), 180: ("half",), 270: ("quarter-cw",)}
+        words = [*turned[self.turn_deg], *("mirror",) * self.image_mirrored]
+        words += ("behind",) * (self.viewpoint == "object")
+        return Edit.of(*words, *("sensor",) * (self.actor == "sensor"))
 
     def summary(self) -> str:
         """Return all known facts in one clause."""
@@ -156,7 +148,7 @@ class FrameSpec:
         """
         if motion not in ROTATIONS or self.missing_for_thread() or self.contact_side == "side":
             return None
-        seen = mirror(motion) if self.image_mirrored else motion
+        seen = MIRRORED.of_way(motion) if self.image_mirrored else motion
         inversions = (self.contact_side == "shank") + (self.thread == "left")
         return (seen == Motion.CLOCKWISE) == (inversions % 2 == 0)
 

@@ -8,7 +8,7 @@ of the object relative to the sensor, in the camera image, unless a `FrameSpec` 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from enum import StrEnum
 from typing import Any
 
@@ -162,16 +162,6 @@ class MotionLabel:
             return None
         across, down = self.mm_per_px
         return math.hypot(self.slide_x_mm / across, self.slide_y_mm / down)
-
-    def mirrored(self) -> MotionLabel:
-        """Return the label of the clip flipped left to right."""
-        return replace(
-            self,
-            motion=mirror(self.motion),
-            rotation_deg=-self.rotation_deg,
-            slide_x_mm=-self.slide_x_mm,
-            travel_px=self.travel_px and (-self.travel_px[0], self.travel_px[1]),
-        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the label as plain JSON values."""

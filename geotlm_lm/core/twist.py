@@ -64,14 +64,6 @@ class Twist:
         """Length of the travel."""
         return math.hypot(self.right_px, self.down_px)
 
-    def reversed(self) -> Twist:
-        """Return the motion of the clip played backwards."""
-        return Twist(-self.turn_deg, -self.right_px, -self.down_px, -self.inward_mm)
-
-    def mirrored(self) -> Twist:
-        """Return the motion in the image flipped left to right."""
-        return Twist(-self.turn_deg, -self.right_px, self.down_px, self.inward_mm)
-
     def along(self, way: Motion) -> float | None:
         """Return how far it goes a way, against it negative; None for stillness and absence."""
         return signed_amount(

@@ -21,9 +21,10 @@ from typing import Literal
 import numpy as np
 
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.labels import Motion, reverse
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.recordings.idle import estimate_background, find_idle
 from geotlm_lm.recordings.read import read_clip
 
@@ -199,7 +200,7 @@ def _cut(
         clip = choose_window(recording, row, choice)
         yield LabelledWindow(clip, row.motion, choice, False, row)
         if backwards:
-            yield LabelledWindow(clip.reversed(), reverse(row.motion), choice, True, row)
+            yield LabelledWindow(clip.reversed(), opposite(row.motion), choice, True, row)
 
 
 def _with_background(recording: Clip) -> Clip:

@@ -58,7 +58,6 @@ class Labelling:
         root: Folder of the data set.
         camera: Name of the feature that is looked at.
         model: Folder of a model bundle; None takes the one shipped.
-        precision: Number format of the model.
         square_pixels: As of `read_clip`.
         mm_per_px: Width on the gel of a pixel, mm; None tells travel in pixels of the frames.
     """
@@ -66,7 +65,6 @@ class Labelling:
     root: Path
     camera: str
     model: Path | None = None
-    precision: str = "float32"
     square_pixels: bool | None = None
     mm_per_px: float | None = None
 
@@ -186,8 +184,7 @@ def _settings(data_set: LeRobotDataSet, labelling: Labelling) -> dict[str, Any]:
     return {
         "labels": LABELS_VERSION,
         "made_by": f"geotlm-lm {__version__}",
-        "model": loaded(labelling.model, labelling.precision).bundle.digest(),
-        "precision": labelling.precision,
+        "model": loaded(labelling.model).bundle.digest(),
         "camera": labelling.camera,
         "square_pixels": labelling.square_pixels,
         "mm_per_px": labelling.mm_per_px,
@@ -245,7 +242,7 @@ def _tracked(data_set: LeRobotDataSet, episode: Episode, labelling: Labelling) -
     is_square = labelling.square_pixels
     clip = episode_clip(data_set, episode, labelling.camera, square_pixels=is_square)
     require_any_legible(clip)
-    tracker = loaded(labelling.model, labelling.precision).tracker(clip)
+    tracker = loaded(labelling.model).tracker(clip)
     frames = clip.frames
     if len(clip) < episode.length:
         frames = episode_frames(data_set, episode, labelling.camera)

@@ -9,12 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.labels import Motion, mirror, reverse
+from geotlm_lm.core.edit import BACKWARDS, Edit, opposite
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, WAYS, Component, Twist
 
 Spread = NDArray[np.float64]
-
-_MIRROR, _REVERSE = np.diag([-1.0, -1.0, 1.0, 1.0]), -np.eye(4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,18 +88,12 @@ class Belief:
         path = self.path(component)
         return path * PX_PER_MM if component is Component.PRESS else path
 
-    def mirrored(self) -> Belief:
-        """Return what is believed of the clip flipped left to right."""
-        return self._seen(_MIRROR, self.mean.mirrored(), mirror)
-
-    def reversed(self) -> Belief:
-        """Return what is believed of the clip played backwards."""
-        return self._seen(_REVERSE, self.mean.reversed(), reverse)
-
-    def _seen(self, matrix: Spread, mean: Twist, rename: object) -> Belief:
-        ways = {rename(way): share for way, share in self.ways.items()}
-        covariance = matrix @ self.covariance @ matrix.T
+    def seen(self, edit: Edit) -> Belief:
+        """Return what is believed from another point of view."""
+        ways = {edit.of_way(way): share for way, share in self.ways.items()}
+        covariance = edit.matrix @ self.covariance @ edit.matrix.T
         # The model's own numbers are those of the clip as it was seen.
+        mean = edit.of_twist(self.mean)
         return replace(self, mean=mean, covariance=covariance, ways=ways, numbers=())
 
 
@@ -114,14 +107,14 @@ def fused(belief: Belief, backwards: Belief) -> Belief:
         belief: Of the clip; its press and its contact stay as they are.
         backwards: Of the clip played backwards.
     """
-    other = backwards.reversed()
+    other = backwards.seen(BACKWARDS)
     one, two = (np.array([x.turn_deg, x.right_px, x.down_px]) for x in (belief.mean, other.mean))
     turn, right, down = ((one + two) / 2).tolist()
     apart = np.append(one - two, 0.0)
     ways = dict(belief.ways)
     for component in (Component.TURN, Component.SLIDE):
         # Of two opposite ways one is wrong at least.
-        weight = 0.5 if belief.way(component) is reverse(other.way(component)) else 1.0
+        weight = 0.5 if belief.way(component) is opposite(other.way(component)) else 1.0
         for way in WAYS[component]:
             ways[way] = weight * math.sqrt(belief.ways[way] * other.ways[way])
     return replace(

@@ -6,7 +6,7 @@ import random
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from geotlm_lm.query.edit import EDIT_WORDS
+from geotlm_lm.core.edit import EDIT_WORDS
 
 SHARES = {"edit": 0.3, "fact": 0.3, "subject": 0.08, "form": 0.07, "manner": 0.18, "noise": 0.15}
 """How often a clause of a kind stands around a question that takes it."""

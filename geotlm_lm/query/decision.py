@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from geotlm_lm.core.edit import Edit
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, Component
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.amounts import Measure, Recording
-from geotlm_lm.query.edit import Edit
 from geotlm_lm.query.happenings import Happening
 from geotlm_lm.query.types import Part
 from geotlm_lm.track.track import Track
@@ -138,4 +138,4 @@ class Decision:
     @property
     def edit(self) -> Edit:
         """The whole point of view, from the recorded image."""
-        return self.part.edit.within(self.frame)
+        return self.part.edit.within(self.frame.edit)

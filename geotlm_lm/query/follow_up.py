@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from geotlm_lm.query.edit import Edit
+from geotlm_lm.core.edit import Edit
 from geotlm_lm.query.types import UNITS, Ask, Part, Query, Subject
 
 _OPEN = Query((Part(Ask("way")),))

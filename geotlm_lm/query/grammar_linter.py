@@ -12,7 +12,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
-from geotlm_lm.query.edit import EDIT_WORDS
+from geotlm_lm.core.edit import EDIT_WORDS
 from geotlm_lm.query.grammar import SPLITS, Pair, grammar
 from geotlm_lm.query.text import read
 from geotlm_lm.query.types import ASKS, Part

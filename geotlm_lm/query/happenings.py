@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from geotlm_lm.core.labels import Motion, reverse
+from geotlm_lm.core.edit import Edit, opposite
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, COUNTING_PX, Twist
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Measure, Missing
 from geotlm_lm.query.bounds import measured, meets
-from geotlm_lm.query.edit import Edit
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.track.events import Event, EventKind
 from geotlm_lm.track.track import Track
@@ -93,7 +93,7 @@ def turned_back(
     return [
         (before, one)
         for before, one in pairwise(turns)
-        if one.way is reverse(before.way) and (said.bound is None or _goes(one, said, limit))
+        if one.way is opposite(before.way) and (said.bound is None or _goes(one, said, limit))
     ]
 
 

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.core.edit import Edit
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import OF_ATOM, Missing, component_of
 from geotlm_lm.query.bounds import measured
-from geotlm_lm.query.edit import Edit
 from geotlm_lm.query.happenings import Limit
 from geotlm_lm.query.quantities import in_base
 from geotlm_lm.track.track import Track

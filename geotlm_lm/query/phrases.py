@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from geotlm_lm.core.labels import Motion, reverse
+from geotlm_lm.core.edit import Edit, opposite
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Measure
 from geotlm_lm.query.decision import Decision, Movement
-from geotlm_lm.query.edit import Edit
 
 GOES = {Component.TURN: "turns", Component.SLIDE: "slides"}
 UNSEEN = {
@@ -118,7 +118,7 @@ def undoing_phrase(moves: Sequence[Movement], edit: Edit) -> str:
             if move.component is Component.PRESS:
                 found[is_other].append("press it in" if move.way is Motion.PRESS else "lift it off")
                 continue
-            way = reverse(move.way) if is_other else move.way
+            way = opposite(move.way) if is_other else move.way
             far = "" if move.amount is None else f", about {amount_phrase(move.amount)}"
             found[is_other].append(
                 f"{verbs[move.component]} {{}} {way.value}{'' if is_other else far}"

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from geotlm_lm.core.edit import Edit
 from geotlm_lm.query import types as t
 from geotlm_lm.query.bounds import timed_as
-from geotlm_lm.query.edit import Edit
 from geotlm_lm.query.phrases import WORDS
 
 _EDITS = {

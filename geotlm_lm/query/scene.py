@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import SLIDES, Motion, reverse
+from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import (
@@ -48,8 +49,8 @@ class Scene:
 
     def __init__(self, part: t.Part, evidence: Evidence, frame: FrameSpec) -> None:
         self.part, self.frame, self.evidence = part, frame, evidence
-        self.edit = part.edit.within(frame)
-        self.belief = self.edit.of_belief(evidence.belief)
+        self.edit = part.edit.within(frame.edit)
+        self.belief = evidence.belief.seen(self.edit)
         self.track = evidence.track
         is_turned = self.edit.rotation[0] == 0  # columns are rows then
         self.recording = replace(evidence.recording, is_turned=is_turned)
@@ -193,7 +194,7 @@ class Scene:
 
     def _aslant(self, way: Motion) -> Motion | None:
         main = abs(self.belief.mean.along(way) or 0.0)
-        other = max((one for one in SLIDES if one not in (way, reverse(way))), key=self._along)
+        other = max((one for one in SLIDES if one not in (way, opposite(way))), key=self._along)
         return other if main > 0 and ASLANT * main <= self._along(other) else None
 
     def _along(self, way: Motion) -> float:

@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from geotlm_lm.core.edit import EDIT_WORDS, Edit
 from geotlm_lm.query import types as t
-from geotlm_lm.query.edit import EDIT_WORDS, Edit
 from geotlm_lm.query.facts import FACTS
 from geotlm_lm.query.words import Malformed, Words
 

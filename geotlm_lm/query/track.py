@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geotlm_lm.core.edit import Edit
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.twist import COMPONENT_OF
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Missing, Recording, component_of
 from geotlm_lm.query.bounds import measured, meets_timed, timed_as
-from geotlm_lm.query.edit import Edit
 from geotlm_lm.query.happenings import (
     Happening,
     Limit,

@@ -7,8 +7,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from statistics import NormalDist
 
+from geotlm_lm.core.edit import MIRRORED, opposite
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import Motion, mirror, reverse
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Measure, Missing, Recording
 from geotlm_lm.query.decision import Decision, Evidence
@@ -18,8 +19,8 @@ Decide = Callable[[t.Part, Evidence, FrameSpec], Decision]
 _NAMES = {
     "same": lambda motion: motion,
     "different": lambda motion: motion,
-    "opposite": reverse,
-    "mirrored": mirror,
+    "opposite": opposite,
+    "mirrored": MIRRORED.of_way,
 }
 
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
+from geotlm_lm.core.edit import Edit
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
-from geotlm_lm.query.edit import Edit
 
 WAY_ATOMS = {
     "cw": Motion.CLOCKWISE,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.core.edit import MIRRORED
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, TIME_BIN_COUNT
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.training.image_damage import damage_clip
@@ -69,7 +70,7 @@ def as_recorded(
         clip, label = damage_clip(clip, label, simulated.trace_until(max(order)).change_grey, rng)
     if not is_idle_known:
         clip = replace(clip, background=estimate_background(clip.frames))
-    return RecordedForm(clip, label.mirrored() if is_mirrored else label, order, simulated)
+    return RecordedForm(clip, MIRRORED.of_label(label) if is_mirrored else label, order, simulated)
 
 
 def mirrored(simulated: SimulatedClip) -> SimulatedClip:

@@ -41,7 +41,7 @@ def draw_viewpoint(frame: FrameSpec) -> NDArray[np.uint8]:
         image, (eye[0] + 16 * ahead, 68), (eye[0] + 34 * ahead, 68), _INK, 2, cv2.LINE_AA
     )
     cv2.circle(image, _FACE_AT, _FACE_RADIUS, _OBJECT, -1, cv2.LINE_AA)
-    _draw_turn(image, is_clockwise=frame.tell(Motion.CLOCKWISE) == Motion.CLOCKWISE)
+    _draw_turn(image, is_clockwise=frame.edit.of_way(Motion.CLOCKWISE) == Motion.CLOCKWISE)
     captions = {(36, 118): "sensor", (122, 118): "object", (236, 130): "as told"}
     for place, text in captions.items():
         cv2.putText(image, text, place, cv2.FONT_HERSHEY_SIMPLEX, 0.45, _INK, 1, cv2.LINE_AA)

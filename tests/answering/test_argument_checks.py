@@ -4,8 +4,6 @@ from pathlib import Path
 
 import pytest
 
-from geotlm_lm.answering import Answerer
-from geotlm_lm.core.errors import UsageError
 from tests.answering.scripted import feeling, recording
 
 ENCODE_FIRST = (
@@ -93,9 +91,3 @@ def test_a_span_is_two_whole_numbers(answerer, span):
 def test_a_span_may_be_a_list(answerer):
     encoded = answerer.encode(recording(frames=6), span=[0, 3])
     assert (encoded.clip.frame_numbers, encoded.track) == ((0, 1, 2, 3), None)
-
-
-def test_a_number_format_that_is_none_is_refused(monkeypatch, bundle):
-    monkeypatch.setattr("geotlm_lm.answering.answerer.load_bundle", lambda folder: bundle)
-    with pytest.raises(UsageError, match="^found precision 'None', expected one of float32, bf"):
-        Answerer.load(precision=None)

@@ -11,11 +11,10 @@ class FakeAnswerer:
 
     def __init__(self):
         self.clips, self.spans, self.questions, self.folders = [], [], [], []
-        self.frames, self.precisions = [], []
+        self.frames = []
 
-    def load(self, folder=None, *, precision="float32"):
+    def load(self, folder=None):
         self.folders.append(folder)
-        self.precisions.append(precision)
         return self
 
     def encode(self, clip, span=None):

@@ -115,13 +115,6 @@ def test_a_span_outside_the_recording_ends_with_code_2(ask):
     )
 
 
-def test_the_number_format_reaches_the_loader(ask, answerer):
-    assert ask()[0] == ask("--precision", "int8")[0] == 0
-    assert answerer.precisions == ["float32", "int8"]
-    code, _, err = ask("--precision", "float8")
-    assert (code, err.split(",")[0]) == (2, "found precision 'float8'")
-
-
 def test_square_pixels_are_told_to_the_reader(capsys, answerer, tmp_path):
     path = tmp_path / "square.npy"
     np.save(path, np.random.default_rng(0).integers(0, 255, (4, 224, 224, 3)).astype(np.uint8))

@@ -19,18 +19,16 @@ def test_a_missing_toolkit_ends_with_one_sentence_and_code_7(capsys, monkeypatch
 
 
 @pytest.mark.parametrize("is_served", [True, False])
-def test_port_number_format_and_the_wish_to_serve_agents_are_handed_on(
-    capsys, monkeypatch, is_served
-):
+def test_the_port_and_the_wish_to_serve_agents_are_handed_on(capsys, monkeypatch, is_served):
     served = []
 
-    def serve(port, *, mcp, recordings, precision):
-        served.append((port, mcp, recordings, precision))
+    def serve(port, *, mcp, recordings):
+        served.append((port, mcp, recordings))
 
     monkeypatch.setattr("app.__main__.serve", serve)
-    told = ("--port", "7999", "--precision", "int8", "--recordings", "here")
-    run(capsys, "app", *told, *["--mcp"] * is_served)
-    assert served == [(7999, is_served, Path("here"), "int8")]
+    options = ("--port", "7999", "--recordings", "here")
+    run(capsys, "app", *options, *["--mcp"] * is_served)
+    assert served == [(7999, is_served, Path("here"))]
 
 
 def test_a_port_that_cannot_be_is_a_wrong_call(capsys):

@@ -19,10 +19,10 @@ def invoke(capsys, tmp_path, monkeypatch):
     np.save(tmp_path / "clips" / "cap.npy", recording().frames)
     (tmp_path / "questions.txt").write_text("Which way?\nHow far?\n")
     answerer = feeling(tiny_bundle(), "up")
-    formats = []
+    models = []
 
-    def load(folder, precision):
-        formats.append(precision)
+    def load(folder):
+        models.append(folder)
         return answerer
 
     monkeypatch.setattr("geotlm_lm.answering.Answerer.load", load)
@@ -34,7 +34,7 @@ def invoke(capsys, tmp_path, monkeypatch):
     def call(*arguments):
         return run(capsys, "batch", *places, *arguments)
 
-    call.formats = formats
+    call.models = models
     yield call
     loaded.cache_clear()
 
@@ -106,11 +106,6 @@ def test_rows_never_replace_what_is_read(invoke, tmp_path, name):
     assert (tmp_path / name).read_bytes() == own
 
 
-def test_the_number_format_reaches_the_loader(invoke):
-    assert invoke("--precision", "bfloat16")[0] == 0
-    assert invoke.formats == ["bfloat16"]
-
-
 def test_the_size_of_a_pixel_stands_in_every_row(invoke, tmp_path):
     invoke("--mm-per-px", "0.06")
     assert {row["answer"]["frame"]["mm_per_px"] for row in written(tmp_path)} == {0.06}
@@ -137,7 +132,7 @@ def test_rows_never_replace_what_no_batch_wrote(invoke, tmp_path, content):
         f"new file or an earlier batch's; give another name.",
     )
     assert out.read_bytes() == content
-    assert invoke.formats == []  # told before the model is loaded
+    assert invoke.models == []  # told before the model is loaded
 
 
 def test_rows_replace_an_empty_file_and_those_of_an_earlier_run(invoke, tmp_path):
@@ -224,4 +219,4 @@ def test_what_does_not_go_with_a_data_set_is_refused(invoke, robot, arguments, s
     code, _, err = invoke("--clips", robot, *given)
     told = sentence.format(root=robot, camera=CAMERA, other=OTHER)
     assert (code, err.splitlines()[-1]) == (2, told)
-    assert invoke.formats == []
+    assert invoke.models == []

@@ -25,8 +25,8 @@ def talk(monkeypatch, capsys, bundle, clip_path):
     """Pipe lines into a conversation about a clip that turns clockwise."""
     folders = []
 
-    def load(folder, precision):
-        folders.append((folder, precision))
+    def load(folder):
+        folders.append(folder)
         return feeling(bundle, "clockwise")
 
     monkeypatch.setattr(Answerer, "load", load)
@@ -120,9 +120,9 @@ def test_help_lists_every_command_with_and_without_a_stroke(talk):
         assert any(line.startswith(command) for line in out)
 
 
-def test_model_folder_and_number_format_reach_the_loader_once(talk, tmp_path):
-    talk("Which way?", "again", options=("--model", str(tmp_path), "--precision", "int8"))
-    assert talk.folders == [(tmp_path, "int8")]
+def test_the_models_folder_reaches_the_loader_once(talk, tmp_path):
+    talk("Which way?", "again", options=("--model", str(tmp_path)))
+    assert talk.folders == [tmp_path]
 
 
 def test_the_size_of_a_pixel_given_at_the_start_is_part_of_the_frame(talk):

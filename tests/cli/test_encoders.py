@@ -87,10 +87,6 @@ def test_an_encoder_is_evaluated_from_its_file_to_the_record(
             "--model and --weights exclude each other: give one of them.\n",
         ),
         (
-            ["--weights", "a.pth", "--precision", "int8"],
-            "--precision and --weights exclude each other: give one of them.\n",
-        ),
-        (
             ["--preset", "smoke"],
             "--preset and --run-folder need --weights with the encoder's file.\n",
         ),

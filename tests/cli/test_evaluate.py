@@ -25,7 +25,7 @@ def judged(monkeypatch):
     view = (Pivot(lambda row: f"{row.error:g}"), every)
     bench = Bench("evaluate", "Mine", "", (Section("clips", "Clips", "", rows, {"": view}),))
     bundle = SimpleNamespace(digest=lambda: "0123456789ab")
-    load = classmethod(lambda cls, folder, precision: SimpleNamespace(bundle=bundle))
+    load = classmethod(lambda cls, folder: SimpleNamespace(bundle=bundle))
     monkeypatch.setattr(answering.Answerer, "load", load)
     monkeypatch.setattr(accuracy, "EVALUATION", bench)
     return given

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from geotlm_lm.core.edit import BACKWARDS, MIRRORED
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, WAYS, Component, Twist
 from geotlm_lm.motion.belief import Belief, fused
@@ -32,22 +33,23 @@ def all_of(belief):
     return belief.mean, belief.covariance.tolist(), dict(belief.ways), belief.readable
 
 
-SEEN = (Belief.mirrored, Belief.reversed)
+SEEN = (MIRRORED, BACKWARDS)
 
 
 @given(beliefs(), st.sampled_from(SEEN))
 def test_seen_twice_the_other_way_it_is_what_it_was(belief, way):
-    assert all_of(way(way(belief))) == all_of(belief)
+    assert all_of(belief.seen(way).seen(way)) == all_of(belief)
 
 
 @given(beliefs())
 def test_mirror_and_reversal_may_come_in_either_order(belief):
-    assert all_of(belief.mirrored().reversed()) == all_of(belief.reversed().mirrored())
+    there, back = belief.seen(MIRRORED), belief.seen(BACKWARDS)
+    assert all_of(there.seen(BACKWARDS)) == all_of(back.seen(MIRRORED))
 
 
 @given(beliefs(), st.sampled_from(SEEN), st.sampled_from(COMPONENTS))
 def test_neither_changes_how_far_a_component_goes_nor_how_surely(belief, way, component):
-    other = way(belief)
+    other = belief.seen(way)
     for told in (Belief.amount, Belief.deviation, Belief.path):
         assert told(other, component) == pytest.approx(told(belief, component), abs=1e-9)
     assert other.counts(component) == pytest.approx(belief.counts(component))
@@ -63,7 +65,7 @@ def test_shares_of_the_ways_sum_to_one_and_the_likeliest_is_told(belief, compone
 
 @given(beliefs())
 def test_fused_with_its_own_exact_reverse_it_is_what_it_was(belief):
-    found = fused(belief, belief.reversed())
+    found = fused(belief, belief.seen(BACKWARDS))
     assert astuple(found.mean) == pytest.approx(astuple(belief.mean))
     np.testing.assert_allclose(found.covariance, belief.covariance, atol=1e-9)
     assert found.ways == pytest.approx(belief.ways)
@@ -75,7 +77,7 @@ def test_what_both_directions_of_play_are_inclined_to_cancels(belief, turn, righ
         mean = Twist(one.mean.turn_deg + turn, one.mean.right_px + right, one.mean.down_px + down)
         return replace(one, mean=replace(mean, inward_mm=one.mean.inward_mm))
 
-    found = fused(biased(belief), biased(belief.reversed()))
+    found = fused(biased(belief), biased(belief.seen(BACKWARDS)))
     assert astuple(found.mean) == pytest.approx(astuple(belief.mean))
     for component in (Component.TURN, Component.SLIDE):
         assert found.deviation(component) >= 0
@@ -89,7 +91,7 @@ def test_fused_the_other_way_round_it_is_reversed(one, other):
         assume(all(len({belief.ways[way] for way in ways}) == len(ways) for belief in (one, other)))
     other = replace(other, mean=replace(other.mean, inward_mm=-one.mean.inward_mm))
     there, back = fused(one, other), fused(other, one)
-    assert astuple(there.mean) == pytest.approx(astuple(back.mean.reversed()))
+    assert astuple(there.mean) == pytest.approx(astuple(BACKWARDS.of_twist(back.mean)))
     for component in (Component.TURN, Component.SLIDE):
         assert there.counts(component) == pytest.approx(back.counts(component))
 
@@ -98,7 +100,7 @@ def test_a_way_that_does_not_turn_round_with_the_clip_hardly_counts():
     there = believed(Twist(5.0), clockwise=0.6, counterclockwise=0.35, press=0.9)
     same_way = believed(Twist(4.0), clockwise=0.55, counterclockwise=0.4, release=0.9)
     assert fused(there, same_way).counts(Component.TURN) < 0.5
-    assert fused(there, there.reversed()).counts(Component.TURN) == pytest.approx(0.95)
+    assert fused(there, there.seen(BACKWARDS)).counts(Component.TURN) == pytest.approx(0.95)
     assert fused(there, same_way).way(Component.PRESS) is Motion.PRESS
     slanting = believed(Twist(0.0, 4.0, 3.9), right=0.5, down=0.45)
     lifting = believed(Twist(0.0, -3.9, -4.0), left=0.45, up=0.5)
@@ -114,7 +116,7 @@ def believed(twist, covariance=None, **counts):
 
 def test_mirrored_left_goes_right_and_reversed_a_press_lets_go():
     belief = believed(Twist(5.0, -3.0, 1.0, 0.2), left=0.7, clockwise=0.6, press=0.5)
-    flipped, back = belief.mirrored(), belief.reversed()
+    flipped, back = belief.seen(MIRRORED), belief.seen(BACKWARDS)
     assert flipped.mean == Twist(-5.0, 3.0, 1.0, 0.2)
     assert [flipped.way(one) for one in COMPONENTS] == [
         Motion.COUNTERCLOCKWISE,
@@ -122,7 +124,7 @@ def test_mirrored_left_goes_right_and_reversed_a_press_lets_go():
         Motion.PRESS,
     ]
     assert (back.mean.inward_mm, back.way(Component.PRESS)) == (-0.2, Motion.RELEASE)
-    assert replace(belief, numbers=(1.0,)).mirrored().numbers == ()
+    assert replace(belief, numbers=(1.0,)).seen(MIRRORED).numbers == ()
 
 
 def test_a_slides_spread_is_that_along_its_way():

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
+from geotlm_lm.core.edit import EDIT_WORDS, Edit
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, WAYS, Component, Twist
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.query.edit import EDIT_WORDS, Edit
 from geotlm_lm.query.text import next_words, read
 from geotlm_lm.query.words import END
 from geotlm_lm.track.amounts import Span

@@ -151,7 +151,7 @@ def test_the_way_along_an_axis_agrees_with_the_claim_that_there_is_one(belief, e
 def test_an_edit_acts_as_on_the_belief(text, belief, edit):
     ask = read(text).parts[0].ask
     asked = decide(t.Part(ask, edit), Evidence(belief), FRAME)
-    seen = decide(t.Part(ask), Evidence(edit.of_belief(belief)), FRAME)
+    seen = decide(t.Part(ask), Evidence(belief.seen(edit)), FRAME)
     assert replace(asked, part=seen.part) == seen
 
 

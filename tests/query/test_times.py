@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geotlm_lm.query.edit import Edit
+from geotlm_lm.core.edit import Edit
 from geotlm_lm.query.intervals import outside, within_all, within_any
 from geotlm_lm.query.paths import played
 from geotlm_lm.query.tell import tell

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from geotlm_lm.core.edit import MIRRORED
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.twist import Component
 from geotlm_lm.simulation.label import (
@@ -85,8 +86,8 @@ def test_a_mirrored_label_tells_the_mirrored_twist_and_the_same_of_what_counts()
     path = {"x_mm": (0.2, -0.1), "rotation_rad": (0.3, 0.1), "depth_mm": (0.4, 0.6)}
     trace = Trace(travel_px=(-3.0, 4.0), radius_px=20.0, visible_grey=(9.0, 1.0, 0.0))
     label = label_for(scene(**path), np.full(2, 0.1), trace)
-    assert twist_of(label.mirrored()) == twist_of(label).mirrored()
-    told, mirrored = components_of(label), components_of(label.mirrored())
+    assert twist_of(MIRRORED.of_label(label)) == MIRRORED.of_twist(twist_of(label))
+    told, mirrored = components_of(label), components_of(MIRRORED.of_label(label))
     assert [one.counts for one in told.values()] == [True, True, True]
     assert [one.is_visible for one in told.values()] == [True, False, False]
     ways = [

@@ -9,6 +9,7 @@ import torch
 
 from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, PATCH_INPUT_DIM
 from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.core.edit import MIRRORED
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.training import dense_targets
 from geotlm_lm.training.component_truth import component_truth
@@ -81,8 +82,8 @@ MOVING = MotionLabel(
 
 
 def test_what_is_asked_of_the_global_token_is_the_same_for_every_way_it_turns_or_slides():
-    assert wanted(MOVING) == wanted(MOVING.mirrored()) == [1.0, 1.0, 0.0, 1.0, 1.0]
-    assert sizes(MOVING) == sizes(MOVING.mirrored()) == [8.0, 5.0]
+    assert wanted(MOVING) == wanted(MIRRORED.of_label(MOVING)) == [1.0, 1.0, 0.0, 1.0, 1.0]
+    assert sizes(MOVING) == sizes(MIRRORED.of_label(MOVING)) == [8.0, 5.0]
     # Whether it goes in or out is no way in the image.
     assert wanted(replace(MOVING, depth_change_mm=0.4))[2:4] == [1.0, 0.0]
     assert wanted(replace(MOVING, motion=Motion.NONE)) == [0.0] * 5

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from geotlm_lm.core.edit import MIRRORED
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.seeding import generator_for
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
@@ -71,7 +72,7 @@ def test_a_mirrored_clip_has_mirrored_truth_and_the_same_image_flipped():
     there, here = flipped.displacement_px[:, :, ::-1], made.displacement_px
     assert np.array_equal(there[..., 0], -here[..., 0])
     assert np.array_equal(there[..., 1], here[..., 1])
-    label = made.label.mirrored()
+    label = MIRRORED.of_label(made.label)
     assert (label.motion, label.slide_x_mm) == (Motion.RIGHT, -made.label.slide_x_mm)
     assert label.slide_y_mm == made.label.slide_y_mm
 
@@ -83,7 +84,7 @@ def test_some_clips_are_mirrored_with_their_labels(tmp_path, monkeypatch):
     flipped = made_in(tmp_path / "flipped")
     monkeypatch.setattr(recording_forms, "MIRRORED_SHARE", 0.0)
     plain = made_in(tmp_path / "plain")
-    assert [label.mirrored() for label in flipped.labels] == list(plain.labels)
+    assert [MIRRORED.of_label(label) for label in flipped.labels] == list(plain.labels)
     assert not np.array_equal(flipped.inputs, plain.inputs)
 
 

@@ -6,14 +6,13 @@ Edits form a group; each acts on a twist (turn, right, down, inward) as a signed
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.twist import Twist
-from geotlm_lm.motion.belief import Belief
 
 Rotation = tuple[int, int, int, int]
 """Right and down of the new image by those of the old, row by row."""
@@ -104,21 +103,12 @@ class Edit:
                 edit = edit.then(cls(_IMAGES[(word,)]))
         return edit
 
-    @classmethod
-    def of_frame(cls, frame: FrameSpec) -> Edit:
-        """Return what makes of a motion in the recorded image the one the frame tells."""
-        turned = {0: (), 90: ("quarter-ccw",), 180: ("half",), 270: ("quarter-cw",)}
-        words = [*turned[frame.turn_deg], *("mirror",) * frame.image_mirrored]
-        words += ("behind",) * (frame.viewpoint == "object")
-        return cls.of(*words, *("sensor",) * (frame.actor == "sensor"))
+    def within(self, base: Edit) -> Edit:
+        """Return this edit of what another one tells, from the recorded image.
 
-    def within(self, frame: FrameSpec) -> Edit:
-        """Return this edit of what the frame tells, from the recorded image.
-
-        "From the object's side" and "the sensor" name where one looks from and who moves: said of
-        a frame that has them already they change nothing.
+        "From the object's side" and "the sensor" name where the viewer stands and what moves: of a
+        base that has them already they change nothing.
         """
-        base = Edit.of_frame(frame)
         image = _product(self.image, base.image)
         behind = self.behind or base.behind
         rotation = _product(_MIRROR, image) if behind else image
@@ -126,25 +116,32 @@ class Edit:
 
     def of_way(self, way: Motion) -> Motion:
         """Return what a motion becomes; stillness and absence stay."""
-        unit = _UNITS.get(way)
-        if unit is None:
-            return way
-        seen = tuple(int(one) for one in self.matrix @ np.array(unit))
-        return next(name for name, one in _UNITS.items() if one == seen)
+        return _way_seen(self, way)
 
     def of_twist(self, twist: Twist) -> Twist:
         """Return what a twist becomes."""
         old = (twist.turn_deg, twist.right_px, twist.down_px, twist.inward_mm)
         return Twist(*(float(one) for one in self.matrix @ np.array(old)))
 
-    def of_belief(self, belief: Belief) -> Belief:
-        """Return what is believed from this point of view."""
-        matrix = self.matrix
-        ways = {self.of_way(way): share for way, share in belief.ways.items()}
-        covariance = matrix @ belief.covariance @ matrix.T
-        mean = self.of_twist(belief.mean)
-        # The model's own numbers are those of the clip as it was seen.
-        return replace(belief, mean=mean, covariance=covariance, ways=ways, numbers=())
+    def of_label(self, label: MotionLabel) -> MotionLabel:
+        """Return the truth about the edited clip.
+
+        Raises:
+            ValueError: If the image is turned by a quarter, or time or the mover is another: what
+                is measured of the first and the last frame does not tell that.
+        """
+        if self.rotation[1] or self.backwards or self.undo or self.sensor:
+            raise ValueError(f"a label is mirrored or turned by a half, found {self.words}")
+        turn, across, down, _ = np.diag(self.matrix).tolist()
+        travel = label.travel_px
+        return replace(
+            label,
+            motion=self.of_way(label.motion),
+            rotation_deg=turn * label.rotation_deg,
+            slide_x_mm=across * label.slide_x_mm,
+            slide_y_mm=down * label.slide_y_mm,
+            travel_px=travel and (across * travel[0], down * travel[1]),
+        )
 
 
 def _product(left: Rotation, right: Rotation) -> Rotation:
@@ -164,3 +161,21 @@ _UNITS: dict[Motion, tuple[int, int, int, int]] = {
     Motion.RELEASE: (0, 0, 0, -1),
 }
 """Ways as unit twists."""
+
+
+@cache
+def _way_seen(edit: Edit, way: Motion) -> Motion:
+    unit = _UNITS.get(way)
+    if unit is None:
+        return way
+    seen = tuple(int(number) for number in edit.matrix @ np.array(unit))
+    return next(name for name, other in _UNITS.items() if other == seen)
+
+
+MIRRORED, BACKWARDS = Edit.of("mirror"), Edit.of("backwards")
+"""The image flipped left to right; the clip played backwards."""
+
+
+def opposite(way: Motion) -> Motion:
+    """Return the motion that takes another one back."""
+    return BACKWARDS.of_way(way)
