@@ -84,10 +84,8 @@ def own_cache_folder(parent: Path | None = None) -> Iterator[Path]:
     """Give this process a folder for uploads and pictures, and remove it in the end.
 
     Folders of servers that died are removed first. A folder is in use while it is locked, which
-    ends with the process that holds the lock, however it ends.
-
-    Args:
-        parent: Of the folders; None for the system's temporary one.
+    ends with the process that holds the lock, however it ends. They lie in the system's temporary
+    folder, or in `parent`.
     """
     parent = Path(tempfile.gettempdir()) if parent is None else parent
     for abandoned in parent.glob(f"{PREFIX}*") if fcntl else ():

@@ -214,14 +214,7 @@ def _pictured(png: bytes, shows: str) -> p.PictureResult:
 
 
 def summary_of(track: Any, recording: Any, frame: FrameSpec, rows: int) -> p.TrackResult:
-    """Return what a track comes to, in few words and numbers.
-
-    Args:
-        track: Of the recording, or of a span of it.
-        recording: The `Clip` that was tracked.
-        frame: In which directions are told.
-        rows: How many frames are returned at most, evenly spread.
-    """
+    """Return what the track of a recording, or of a span, comes to; so many rows at most."""
     exported, edit = Exported(track, frame.mm_per_px), frame.edit
     facts = exported.to_dict()
     return {

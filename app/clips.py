@@ -76,12 +76,8 @@ def load_clip(
 ) -> LoadedClip:
     """Read the recording at `path`, and perceive or track it once.
 
-    Args:
-        answerer: The model.
-        path: Of the recording, or of several images of it; None before anything was uploaded.
-        first: First frame to use; None or no text to use all.
-        last: Last frame to use.
-        topic: Of a bag's images; None where it has images on one topic only.
+    Of its frames those from first to last are used, all where neither is given; of a bag the images
+    on one topic.
 
     Raises:
         GeoTLMError: If there is no recording, or it cannot be used, in one sentence.
@@ -99,14 +95,9 @@ def perceive(
     track: Any = None,
     depth_mm: NDArray[np.float32] | None = None,
 ) -> LoadedClip:
-    """Perceive a recording once.
+    """Perceive a clip, or its frames from first to last of `span`, once.
 
-    Args:
-        answerer: The model.
-        recording: A `Clip` of two frames or more.
-        span: First and last frame to use; None to use all.
-        track: Of the recording, where it was tracked before.
-        depth_mm: True indentation of each frame, where it was simulated.
+    A track that was made before is used again; the true indentation of a simulated clip is kept.
     """
     encoded = answerer.encode(recording, span=span, track=track)
     geometry = encoded.perception.geometry
@@ -144,10 +135,6 @@ def span_of(first: float | str | None, last: float | str | None) -> tuple[int, i
 
 def read_named(path: str | list[str], topic: str | None = None) -> Any:
     """Return the recording in one file, or in several images, named as its owner knows it.
-
-    Args:
-        path: Of the file, or of a folder of images, or of each image.
-        topic: As of `load_clip`.
 
     Raises:
         GeoTLMError: If it cannot be read, or others' recordings take the memory.
@@ -216,16 +203,7 @@ class OpenedRecordings:
     def open(
         self, given: str, frames: list[int] | None = None, topic: str | None = None
     ) -> LoadedClip:
-        """Return a recording, or a span of it, ready for questions.
-
-        Args:
-            given: A name, a data URI or an upload.
-            frames: First and last frame; None for all.
-            topic: As of `load_clip`.
-
-        Raises:
-            GeoTLMError: If there is none, or it cannot be read.
-        """
+        """Return a recording (a name, a data URI or an upload), or a span of it, for questions."""
         whole = self.whole(given, topic)
         if frames is None:
             return whole.shown
@@ -233,7 +211,7 @@ class OpenedRecordings:
         return perceive(self._answerer, whole.recording, span=span, track=track)
 
     def whole(self, given: str, topic: str | None = None) -> Opened:
-        """Return all of a recording; parameters and errors as of `open`."""
+        """Return all of a recording."""
         with self._sources.opened(given) as path:
             key = _key(given, path, topic)
             with self._lock:

@@ -117,13 +117,7 @@ def _unread(source: Source) -> dict[str, Any]:
 def compare_both(answerer: Answerer, question: str, *chosen: str | None) -> Iterator[Filled]:
     """Show both recordings as the model sees them, and answer a question about both.
 
-    Args:
-        answerer: The model.
-        question: About both.
-        chosen: Of either, path of what was uploaded and key of the example.
-
-    Raises:
-        GeoTLMError: If a recording is missing or cannot be used.
+    `chosen` holds of either the path of what was uploaded and the key of the example.
     """
     sources = [_source(*given) for given in zip(chosen[::2], chosen[1::2], strict=True)]
     try:

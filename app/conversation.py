@@ -46,19 +46,6 @@ OF_A_RECORDING = (
 IN_MM = "How many mm did it slide?"
 OF_AN_ANSWER = ("How sure are you?", "Why do you say so?", "And seen from the object's side?")
 
-CHIPS = """
-const show = () => element.firstElementChild.replaceChildren(
-  ...(props.value || []).map((text) => {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = text;
-    button.onclick = () => trigger("click", { text });
-    return button;
-  }));
-watch("value", show);
-show();
-"""
-
 
 def fields_of(facts: list[str]) -> dict[str, Any]:
     """Return the fields of a `FrameSpec` that the checked facts stand for; turns add up."""
@@ -74,12 +61,7 @@ def facts_of(frame: FrameSpec) -> list[str]:
 
 
 def in_frame(facts: list[str], direction: str | None) -> str:
-    """Return the last direction as the frame of the checked facts tells it.
-
-    Args:
-        facts: That are checked.
-        direction: The motion in the camera image; None when none was told.
-    """
+    """Return the last direction, if there was one, as the frame of the checked facts tells it."""
     frame = FrameSpec(**fields_of(facts))
     if direction is None:
         return f"Frame: {frame.sentence()}."
@@ -127,7 +109,7 @@ def talk() -> dict[str, Any]:
         render_markdown=False,
     )
     group = '<div role="group" aria-label="Questions to try"></div>'
-    parts["chips"] = html([], group, CHIPS, "chips")
+    parts["chips"] = html([], group, "chips")
     with gr.Row(elem_classes=["ask-line"]):
         parts["question"] = gr.Textbox(
             label="Question",

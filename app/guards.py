@@ -14,7 +14,7 @@ from collections.abc import Awaitable, Callable, Iterator, MutableMapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from threading import Lock
-from typing import Any, Protocol
+from typing import Any
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -81,13 +81,6 @@ class Busy(GeoTLMError):
         super().__init__(TAKEN)
 
 
-class Keeper(Protocol):
-    """Keeps what it could do without."""
-
-    def let_go(self) -> bool:
-        """Let go of what was not used for longest, and return whether there was anything."""
-
-
 class Share:
     """A part of the budget until it is given back; `is_kept` once something else gives it back."""
 
@@ -117,10 +110,13 @@ class Budget:
 
     def __init__(self, most_bytes: int) -> None:
         self._most, self.taken_bytes, self._lock = most_bytes, 0, Lock()
-        self._keepers: weakref.WeakSet[Keeper] = weakref.WeakSet()
+        self._keepers: weakref.WeakSet[Any] = weakref.WeakSet()
 
-    def may_let_go(self, keeper: Keeper) -> None:
-        """Ask a keeper to let go of what it keeps once there is not enough."""
+    def may_let_go(self, keeper: Any) -> None:
+        """Ask a keeper, once there is not enough, to let go of what was not used for longest.
+
+        Its `let_go` returns whether there was anything.
+        """
         self._keepers.add(keeper)
 
     def take(self, size_bytes: int) -> Share:
@@ -146,9 +142,7 @@ class Budget:
     def read(self, declared_bytes: int, read: Callable[[], Any]) -> Any:
         """Return a clip, which holds its share for as long as its frames are in memory.
 
-        Args:
-            declared_bytes: Of its frames; while they are read they may be there twice.
-            read: Reads it.
+        While they are read the frames may be there twice.
         """
         with self.held(2 * declared_bytes) as share:
             clip = read()

@@ -51,48 +51,6 @@ EMPTY_FIELDS: Filled = {"first": "", "last_frame": "", "topic": ""}
 
 MIMES = {"csv": "text/csv", "json": "application/json", "png": "image/png", "txt": "text/plain"}
 
-STRIP_SCRIPT = """
-element.addEventListener("click", (event) => {
-  const button = event.target.closest("button");
-  if (button) trigger("click", { example: button.dataset.example });
-});
-"""
-
-SAVING_SCRIPT = """
-const kinds = {
-  "track.csv": "Track as CSV", "track.json": "Track as JSON", "track.png": "Timeline as PNG",
-  "talk.txt": "Conversation as text", "talk.json": "Conversation as JSON", "link": "Copy link",
-};
-const [bar, status] = element.querySelectorAll("[data-part]");
-function show() {
-  const value = props.value || {};
-  const buttons = (value.kinds || []).map((kind) => {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = kinds[kind];
-    button.onclick = () => trigger("click", { kind });
-    return button;
-  });
-  bar.replaceChildren(...buttons);
-  status.textContent = buttons.length
-    ? "" : "Open a recording first: what is found of it is saved here.";
-  if (value.link !== undefined) {
-    const link = location.origin + location.pathname + value.link;
-    navigator.clipboard.writeText(link).then(
-      () => { status.textContent = "Link copied."; }, () => { status.textContent = link; });
-  }
-  if (value.content === undefined) return;
-  const bytes = Uint8Array.from(atob(value.content), (letter) => letter.charCodeAt(0));
-  const address = URL.createObjectURL(new Blob([bytes], { type: value.mime }));
-  const link = Object.assign(document.createElement("a"), { href: address, download: value.name });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(address), 1000);
-  status.textContent = `${value.name} saved.`;
-}
-watch("value", show);
-show();
-"""
-
 
 @dataclass(frozen=True)
 class Source:
@@ -132,7 +90,7 @@ def examples() -> dict[str, Source]:
 
 def strip() -> Any:
     """Return the component that shows the examples; a click on one tells its key."""
-    return html("", _strip_markup(), STRIP_SCRIPT, "examples")
+    return html("", _strip_markup(), "examples")
 
 
 @cache
@@ -266,7 +224,7 @@ def _closed(
 def saving_bar() -> Any:
     """Return the component that offers to save; a click tells the kind, its value is the file."""
     template = '<div data-part="bar"></div><p data-part="status" role="status"></p>'
-    return html({}, template, SAVING_SCRIPT, "saving")
+    return html({}, template, "saving")
 
 
 def offered(shown: LoadedClip | None, example: str | None) -> dict[str, Any]:

@@ -16,95 +16,77 @@ RECORDING = (
     "recording itself as a data URI in base64, 'data:;base64,...'; or the path of an upload."
 )
 
-Recording = Annotated[str, Field(description=RECORDING, min_length=1)]
-Question = Annotated[
-    str,
-    Field(
-        description="In plain English, about motion, contact, times or amounts.",
-        min_length=1,
-        max_length=QUESTION_CHARACTERS,
-    ),
-]
-FrameNumber = Annotated[int, Field(ge=0, le=10**9)]
-Frames = Annotated[
-    list[FrameNumber] | None,
-    Field(
-        description="First and last frame to use, counted from 0; leave it out for all.",
-        min_length=2,
-        max_length=2,
-    ),
-]
-Topic = Annotated[
-    str | None,
-    Field(
-        description="Of a ROS bag: the topic of the sensor's images, such as "
-        "'/gelsight/image_raw'; leave it out where only one has images.",
-        min_length=1,
-        max_length=TOPIC_CHARACTERS,
-    ),
-]
-Mirrored = Annotated[bool, Field(description="The recorded image is flipped left to right.")]
-Turned = Annotated[
-    Literal[0, 90, 180, 270],
-    Field(description="Degrees by which the recorded image is turned clockwise."),
-]
-Viewpoint = Annotated[
-    Literal["sensor", "object"],
-    Field(description="From where directions are told: out of the sensor, or from the object."),
-]
-Actor = Annotated[
-    Literal["object", "sensor"],
-    Field(description="Whose motion is told: the object's, or the sensor's."),
-]
-Thread = Annotated[
-    Literal["right", "left"] | None, Field(description="Handedness of a thread, if it has one.")
-]
-ContactSide = Annotated[
-    Literal["head", "shank", "side"] | None,
-    Field(description="Which side of a screw or cap touches the gel, if known."),
-]
-MmPerPx = Annotated[
-    float | None,
-    Field(
-        description="Millimetres of gel that a pixel is wide; travel is told in pixels without.",
-        ge=0.001,
-        le=2.0,
-    ),
-]
-Rows = Annotated[
-    int,
-    Field(
-        description="Frames of which contact and motion are told, evenly spread; 0 for none.",
-        ge=0,
-        le=ROWS,
-    ),
-]
-Picture = Annotated[
-    Literal["overlay", "raw", "difference", "contact", "timeline"],
-    Field(
-        description="The four frames that were looked at, with the learned shear drawn in (overlay)"
-        ", as recorded, against the idle gel, or with the contact mask; or turn, travel, contact "
-        "and events of the whole track over time (timeline)."
-    ),
-]
+
+def _about(kind: Any, description: str, **bounds: Any) -> Any:
+    """Return the type of a parameter with its description and bounds."""
+    return Annotated[kind, Field(description=description, **bounds)]
 
 
 def bounded(low: float, high: float, description: str) -> Any:
     """Return the type of a number between two bounds."""
-    return Annotated[float, Field(description=description, ge=low, le=high)]
+    return _about(float, description, ge=low, le=high)
 
 
-ObjectName = Annotated[
+Recording = _about(str, RECORDING, min_length=1)
+Question = _about(
     str,
-    Field(description='A shape, for example "key", "coin", "hex_nut".', max_length=NAME_CHARACTERS),
-]
+    "In plain English, about motion, contact, times or amounts.",
+    min_length=1,
+    max_length=QUESTION_CHARACTERS,
+)
+FrameNumber = Annotated[int, Field(ge=0, le=10**9)]
+Frames = _about(
+    list[FrameNumber] | None,
+    "First and last frame to use, counted from 0; leave it out for all.",
+    min_length=2,
+    max_length=2,
+)
+Topic = _about(
+    str | None,
+    "Of a ROS bag: the topic of the sensor's images, such as '/gelsight/image_raw'; leave it out "
+    "where only one has images.",
+    min_length=1,
+    max_length=TOPIC_CHARACTERS,
+)
+Mirrored = _about(bool, "The recorded image is flipped left to right.")
+Turned = _about(
+    Literal[0, 90, 180, 270], "Degrees by which the recorded image is turned clockwise."
+)
+Viewpoint = _about(
+    Literal["sensor", "object"],
+    "From where directions are told: out of the sensor, or from the object.",
+)
+Actor = _about(Literal["object", "sensor"], "Whose motion is told: the object's, or the sensor's.")
+Thread = _about(Literal["right", "left"] | None, "Handedness of a thread, if it has one.")
+ContactSide = _about(
+    Literal["head", "shank", "side"] | None,
+    "Which side of a screw or cap touches the gel, if known.",
+)
+MmPerPx = _about(
+    float | None,
+    "Millimetres of gel that a pixel is wide; travel is told in pixels without.",
+    ge=0.001,
+    le=2.0,
+)
+Rows = _about(
+    int, "Frames of which contact and motion are told, evenly spread; 0 for none.", ge=0, le=ROWS
+)
+Picture = _about(
+    Literal["overlay", "raw", "difference", "contact", "timeline"],
+    "The four frames that were looked at, with the learned shear drawn in (overlay), as recorded, "
+    "against the idle gel, or with the contact mask; or turn, travel, contact and events of the "
+    "whole track over time (timeline).",
+)
+ObjectName = _about(
+    str, 'A shape, for example "key", "coin", "hex_nut".', max_length=NAME_CHARACTERS
+)
 DepthMm = bounded(-1.0, 1.5, "Approach beyond first touch, half-way, mm; 0 or less: no contact.")
 TwistDeg = bounded(-60.0, 60.0, "Turn in degrees, positive clockwise in the image.")
 SlideXMm = bounded(-5.0, 5.0, "Travel to the right, mm.")
 SlideYMm = bounded(-5.0, 5.0, "Travel down the image, mm.")
 PressMm = bounded(-2.0, 2.0, "Approach into the gel from first to last frame, mm; negative lifts.")
 ThicknessMm = bounded(1.0, 6.0, "Of the gel, mm.")
-Seed = Annotated[int, Field(description="Of the noise.", ge=0, le=2**31 - 1)]
+Seed = _about(int, "Of the noise.", ge=0, le=2**31 - 1)
 
 
 def frame_of(

@@ -31,10 +31,7 @@ def keep_order(queue: Any, line: str) -> None:
 
     A question asked while a recording is still being read is about that recording, and of two that
     were opened the one clicked last is shown. The toolkit orders all visitors' requests or none.
-
-    Args:
-        queue: The page's own.
-        line: Name of the requests that this holds for (`concurrency_id`).
+    This holds for the requests of one line (`concurrency_id`).
     """
     first_ready: Callable[[], Any] = queue.get_events
 

@@ -70,7 +70,7 @@ def build(value: dict[str, Any] | None = None, invites: str = OPEN_ONE) -> Any:
     template, *scripts = (Path(__file__).with_name(name).read_text("utf-8") for name in names)
     # The template is static: what stands in it would be run as a program.
     template = template.replace("INVITES", invites)
-    return html(value or {}, template, "\n".join(scripts), "stage-block")
+    return html(value or {}, template, "stage-block", "\n".join(scripts))
 
 
 def stage_of(

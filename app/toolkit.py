@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping
 from html import escape
+from pathlib import Path
 from typing import Any
 
 from geotlm_lm import GeoTLMError
@@ -63,18 +64,20 @@ Filled = dict[str, Any]
 
 def complaint() -> Any:
     """Return the component that shows an error, empty; screen readers read it out."""
-    return html("", '<p role="alert">${value}</p>', None, "complaint")
+    return html("", '<p role="alert">${value}</p>', "complaint")
 
 
-def html(value: Any, template: str, script: str | None, name: str) -> Any:
+def html(value: Any, template: str, name: str, script: str | None = None) -> Any:
     """Return a component of the page's own.
 
     Args:
         value: That it shows first.
         template: Of HTML.
+        name: Its class in the style sheet, and its script in `parts.js` unless one is given.
         script: Of JavaScript, run when it is laid out.
-        name: Its class in the style sheets.
     """
+    if script is None:
+        script = f"{Path(__file__).with_name('parts.js').read_text('utf-8')}\nparts.{name}();"
     return gradio().HTML(
         value,
         html_template=template,

@@ -122,21 +122,29 @@ class Turn:
 
 
 class _InTurns:
-    """Stands for something that uses the model; what is not stated here passes through."""
+    """Stands for something that uses the model: the methods named here wait for their turn."""
+
+    waiting: tuple[str, ...] = ()
 
     def __init__(self, shared: Any, turns: Turns) -> None:
         self._shared, self._turns = shared, turns
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._shared, name)
+        value = getattr(self._shared, name)
+        if name not in self.waiting:
+            return value
 
-    def _call(self, name: str, *given: Any, **named: Any) -> Any:
-        with self._turns.turn():
-            return getattr(self._shared, name)(*given, **named)
+        def call(*given: Any, **named: Any) -> Any:
+            with self._turns.turn():
+                return value(*given, **named)
+
+        return call
 
 
 class AnswererInTurns(_InTurns):
     """An `Answerer` that waits for its turn; tracking lets others in between two frames."""
+
+    waiting = ("ask", "compare")
 
     def encode(self, clip: Any, **named: Any) -> Any:
         """As `Answerer.encode`."""
@@ -150,15 +158,8 @@ class AnswererInTurns(_InTurns):
 
     def tracker(self, recording: Any = None) -> TrackerInTurns:
         """As `Answerer.tracker`; each frame waits for its turn."""
-        return TrackerInTurns(self._call("tracker", recording), self._turns)
-
-    def ask(self, encoded: Any, question: str, **named: Any) -> Any:
-        """As `Answerer.ask`."""
-        return self._call("ask", encoded, question, **named)
-
-    def compare(self, first: Any, second: Any, *question: str, **named: Any) -> Any:
-        """As `Answerer.compare`."""
-        return self._call("compare", first, second, *question, **named)
+        with self._turns.turn():
+            return TrackerInTurns(self._shared.tracker(recording), self._turns)
 
     def session(self, encoded: Any, **named: Any) -> SessionInTurns:
         """As `Answerer.session`."""
@@ -167,6 +168,8 @@ class AnswererInTurns(_InTurns):
 
 class SessionInTurns(_InTurns):
     """A `Session` each of whose questions waits for its turn."""
+
+    waiting = ("ask",)
 
     @property
     def frame(self) -> FrameSpec:
@@ -177,21 +180,11 @@ class SessionInTurns(_InTurns):
     def frame(self, frame: FrameSpec) -> None:
         self._shared.frame = frame
 
-    def ask(self, question: str) -> Any:
-        """As `Session.ask`."""
-        return self._call("ask", question)
-
 
 class TrackerInTurns(_InTurns):
     """A `Tracker` each of whose frames waits for its turn."""
 
-    def feed(self, *given: Any) -> Any:
-        """As `Tracker.feed`."""
-        return self._call("feed", *given)
-
-    def finish(self) -> Any:
-        """As `Tracker.finish`."""
-        return self._call("finish")
+    waiting = ("feed", "finish")
 
     @property
     def so_far(self) -> Any:

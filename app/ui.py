@@ -47,10 +47,16 @@ def build(answerer: Answerer, recordings: Path | None = None) -> Any:
         MissingDependency: If gradio is not installed.
     """
     gr = gradio()
+    from gradio.utils import get_upload_folder
+
     from . import ask_tab, compare_tab, live_tab, sessions, simulate_tab
+    from .api import Api
+    from .sources import Sources
+    from .tools import Tool
 
     answerer = AnswererInTurns(answerer, Turns(report_progress))
-    tools = _tools(answerer, recordings)
+    api = Api(answerer, Sources(get_upload_folder(), recordings))
+    tools = [Tool.of(function) for function in api.functions]
     # Without analytics nothing leaves the machine, and the page starts offline without a wait.
     with gr.Blocks(
         title="geotlm-lm", analytics_enabled=False, delete_cache=sessions.DELETE_CACHE
@@ -71,17 +77,6 @@ def build(answerer: Answerer, recordings: Path | None = None) -> Any:
     guards.refuse_addresses(page)
     page.tools = tools
     return page
-
-
-def _tools(answerer: Any, recordings: Path | None) -> list[Any]:
-    from gradio.utils import get_upload_folder
-
-    from .api import Api
-    from .sources import Sources
-    from .tools import Tool
-
-    served = Api(answerer, Sources(get_upload_folder(), recordings))
-    return [Tool.of(function) for function in served.functions]
 
 
 def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:

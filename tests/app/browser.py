@@ -164,7 +164,7 @@ class Browser:
         asked = f"{CHAT}.innerText.split({question!r}).length"
         before = self.run(asked)
         self.fill("Question", question)
-        self.click_until("Ask", f"{asked} > {before}")
+        self.click_until("Ask", f"{asked} > {before}", "button.primary")
 
     def click_until(self, text: str, sign: str, kind: str = "button", seconds: float = 60) -> None:
         """Click until an expression is true: a click while another still works is passed over."""

@@ -138,7 +138,8 @@ def test_the_size_of_a_pixel_is_given_said_and_shown(browser, recordings):
     browser.wait_for(f"{size} == '0.05'")
     browser.fill("Millimetres per pixel", "60")
     browser.fill("Question", "Which way?")
-    browser.click_until("Ask", f"{TEXT}.includes('A pixel of 60 mm was given, expected')")
+    refused = f"{TEXT}.includes('A pixel of 60 mm was given, expected')"
+    browser.click_until("Ask", refused, "button.primary")
     browser.upload("Recording", recordings["bright"])  # its frames are of another size
     browser.wait_for(f"{size} == '0'")
 

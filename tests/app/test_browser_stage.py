@@ -117,7 +117,8 @@ def test_a_recordings_name_is_shown_and_never_run(browser, recordings, tmp_path)
 def test_a_mistake_stands_beside_the_field_and_the_conversation_stays(browser):
     browser.ask("Which way does it go?")
     browser.fill("Question", " ")
-    browser.click_until("Ask", f"({COMPLAINT} || {{innerText: ''}}).innerText.trim().length > 10")
+    mistake = f"({COMPLAINT} || {{innerText: ''}}).innerText.trim().length > 10"
+    browser.click_until("Ask", mistake, "button.primary")
     assert "It slides " in browser.run("document.querySelector('.chat').innerText")
     below = box(browser, ".complaint")["top"] - box(browser, ".question")["bottom"]
     assert 0 <= below < 60

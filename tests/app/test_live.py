@@ -153,13 +153,13 @@ def test_a_question_is_about_what_was_seen_by_then_and_the_conversation_goes_on(
     monkeypatch.setitem(READ, "Which way does it go?", "way")
     watched = LiveSession()
     with pytest.raises(GeoTLMError, match="^Nothing was watched yet; start the camera or a rec"):
-        answers(live, "Which way does it go?")
+        answers(watched, "Which way does it go?")
     followed(frames[:30], watched)
-    assert answers(live, "Which way does it go?")[-1]["chat"][-1]["role"] == "assistant"
+    assert answers(watched, "Which way does it go?")[-1]["chat"][-1]["role"] == "assistant"
     session = watched.stream.shown().session
     assert session.encoded.recording is None
     followed(frames[30:], watched)
-    told = answers(live, "Are you sure?")[-1]
+    told = answers(watched, "Are you sure?")[-1]
     assert watched.stream.shown().session is session
     assert len(session.history) == 2
     assert "stage" not in told
@@ -170,7 +170,7 @@ def test_a_question_is_about_what_was_seen_by_then_and_the_conversation_goes_on(
 def test_a_pixels_size_is_told_of_all_that_is_watched(frames, clock):
     watched = LiveSession()
     followed(frames, watched)
-    told = answers(live, "0.05 mm per pixel. Which way?")[-1]
+    told = answers(watched, "0.05 mm per pixel. Which way?")[-1]
     assert told["stage"]["timeline"]["panels"][1]["unit"] == "mm"
     assert told["mm_per_px"] == watched.mm_per_px == 0.05
     (told,) = LiveTalk(FakeAnswerer()).resize(watched, 0)

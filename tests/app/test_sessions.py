@@ -43,7 +43,6 @@ def test_what_is_changed_for_one_visitor_is_not_for_another(page):
 
 def test_the_served_page_keeps_light_sessions(page):
     assert isinstance(page.app.state_holder["a visitor"], LightSession)
-    assert page.state_holder is page.app.state_holder
 
 
 def test_what_the_visitor_has_open_who_was_away_longest_is_closed_first(page, recordings):
