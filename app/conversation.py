@@ -122,7 +122,6 @@ def talk() -> dict[str, Any]:
             elem_classes=["question"],
         )
         parts["ask"] = gr.Button("Ask", variant="primary", scale=1, min_width=64)
-        parts["stop"] = gr.Button("Stop", scale=1, min_width=56)
         parts["retry"] = gr.Button("Retry", scale=1, min_width=56)
     parts[COMPLAINT] = complaint()
     return parts
@@ -178,7 +177,6 @@ def connect(
         **PRIVATE,
     )
     running.append(chosen.then(asking, asked, outputs, **options))
-    parts["stop"].click(None, None, None, cancels=running, **PRIVATE)
     # All that is filled with an answer is emptied, but for what is typed.
     forgotten = [parts[name] for name in (*answered, "shown") if name in parts]
     parts["chat"].clear(

@@ -166,11 +166,21 @@ class Browser:
         self.fill("Question", question)
         self.click_until("Ask", f"{asked} > {before}", "button.primary")
 
-    def click_until(self, text: str, sign: str, kind: str = "button", seconds: float = 60) -> None:
-        """Click until an expression is true: a click while another still works is passed over."""
-        find = f"[...document.querySelectorAll({kind!r})].find(e => e.offsetParent && "
-        click = f"{find} e.innerText.includes({text!r})).click()"
-        self.wait_for(f"({sign}) || ({click}, false)", seconds)
+    def click_until(
+        self, text: str, sign: str, kind: str = "button", fields: dict[str, str] | None = None
+    ) -> None:
+        """Click until an expression is true: a click while another still works is passed over.
+
+        A field that was just laid out may forget what it was given: it is filled before each click.
+        """
+        until = time.monotonic() + 60
+        while not self.run(sign):
+            if time.monotonic() > until:
+                raise TimeoutError(f"{sign} was not true however often {text} was clicked")
+            for label, value in (fields or {}).items():
+                self.fill(label, value)
+            self.click(text, kind)
+            time.sleep(0.1)
 
     def upload(self, label: str, path: Path) -> None:
         """Give a file to the visible upload field of a label, and wait until the page has it."""
